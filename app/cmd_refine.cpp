@@ -1,0 +1,5 @@
+#include "commands.hpp"
+
+namespace orthodrive::app {
+void add_refine(CLI::App&, Context&) {}
+}  // namespace orthodrive::app

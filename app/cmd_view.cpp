@@ -1,0 +1,5 @@
+#include "commands.hpp"
+
+namespace orthodrive::app {
+void add_view(CLI::App&, Context&) {}
+}  // namespace orthodrive::app

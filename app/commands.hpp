@@ -1,0 +1,29 @@
+#pragma once
+// One function a sub-command: it declares its options and what happens when it is called.
+
+#include <CLI/CLI.hpp>
+
+#include "orthodrive/core/monitor.hpp"
+
+namespace orthodrive::app {
+
+/// What every command gets.
+struct Context {
+  Monitor* monitor = nullptr;  ///< bar and messages on stderr
+  int threads = 0;             ///< --threads: 0 = all cores
+  int exit_code = 0;
+};
+
+void add_synth(CLI::App& app, Context& context);
+void add_train(CLI::App& app, Context& context);
+void add_segment(CLI::App& app, Context& context);
+void add_refine(CLI::App& app, Context& context);
+void add_elevate(CLI::App& app, Context& context);
+void add_network(CLI::App& app, Context& context);
+void add_scene(CLI::App& app, Context& context);
+void add_drive(CLI::App& app, Context& context);
+void add_build(CLI::App& app, Context& context);
+void add_view(CLI::App& app, Context& context);
+void add_evaluate(CLI::App& app, Context& context);
+
+}  // namespace orthodrive::app

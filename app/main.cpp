@@ -1,0 +1,91 @@
+// The command line: parse, read, call, write. Exit codes: 0 done, 1 data or processing, 2 usage.
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <string>
+
+#include "commands.hpp"
+#include "orthodrive/core/error.hpp"
+
+namespace {
+
+/// Messages and a progress bar on stderr; the bar only on a terminal.
+class TerminalMonitor final : public orthodrive::Monitor {
+ public:
+  bool quiet = false;
+  void info(std::string_view message) override {
+    if (quiet) return;
+    clear_bar();
+    fmt::print(stderr, "{}\n", message);
+  }
+  void progress(double fraction, std::string_view what) override {
+    if (quiet || !terminal_) return;
+    const int percent = static_cast<int>(fraction * 100.0);
+    if (percent == last_percent_ && what == last_what_) return;
+    last_percent_ = percent, last_what_ = what;
+    constexpr int cells = 30;
+    const int full = percent * cells / 100;
+    fmt::print(stderr, "\r\033[K{:<12} [{:#>{}}{:.>{}}] {:3d} %", what, "", full, "", cells - full, percent);
+    std::fflush(stderr);
+    drawn_ = true;
+  }
+  void clear_bar() {
+    if (drawn_) fmt::print(stderr, "\r\033[K");
+    drawn_ = false;
+  }
+
+ private:
+  bool terminal_ = isatty(STDERR_FILENO) != 0, drawn_ = false;
+  int last_percent_ = -1;
+  std::string last_what_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Large rasters come and go stage by stage: give them back to the system instead of keeping them in the arena.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  using namespace orthodrive::app;
+  TerminalMonitor monitor;
+  Context context{.monitor = &monitor};
+  CLI::App app{"Orthodrive turns orthophotos, OpenStreetMap roads and terrain models into drivable virtual environments."};
+  app.set_version_flag("--version", ORTHODRIVE_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.add_option("--threads", context.threads, "worker threads, 0 = all cores; the result does not depend on it")
+      ->check(CLI::Range(0, 1024))->capture_default_str();
+  app.add_flag("-q,--quiet", monitor.quiet, "no messages and no progress bar on stderr");
+  app.footer("Exit codes: 0 done, 1 data or processing, 2 usage.");
+
+  add_build(app, context);
+  add_synth(app, context);
+  add_train(app, context);
+  add_segment(app, context);
+  add_refine(app, context);
+  add_elevate(app, context);
+  add_network(app, context);
+  add_scene(app, context);
+  add_drive(app, context);
+  add_view(app, context);
+  add_evaluate(app, context);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : 2;
+  } catch (const orthodrive::OptionError& error) {
+    monitor.clear_bar();
+    fmt::print(stderr, "orthodrive: {}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    monitor.clear_bar();
+    fmt::print(stderr, "orthodrive: {}\n", error.what());
+    return 1;
+  }
+  monitor.clear_bar();
+  return context.exit_code;
+}

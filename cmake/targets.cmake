@@ -1,0 +1,42 @@
+# One target a folder: orthodrive::<folder>. DEPS are other folders of ours, LIBS are third-party targets
+# that stay private (they do not leak into who links us).
+set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers
+  -Wno-restrict)  # g++ 12 false alarm on std::string operator+ (GCC bug 105651)
+
+function(orthodrive_library NAME)
+  cmake_parse_arguments(A "" "" "DEPS;LIBS" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(TARGET orthodrive_${NAME})
+  list(TRANSFORM A_DEPS PREPEND orthodrive::)
+  if(SOURCES)
+    add_library(${TARGET} STATIC ${SOURCES})
+    target_include_directories(${TARGET} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+    target_compile_options(${TARGET} PRIVATE ${ORTHODRIVE_WARNINGS})
+    target_link_libraries(${TARGET} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS})
+  else()
+    add_library(${TARGET} INTERFACE)
+    target_include_directories(${TARGET} INTERFACE ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(${TARGET} INTERFACE ${A_DEPS} ${A_LIBS})
+  endif()
+  add_library(orthodrive::${NAME} ALIAS ${TARGET})
+endfunction()
+
+# A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest.
+function(orthodrive_test NAME)
+  cmake_parse_arguments(A "" "TIMEOUT" "DEPS;LIBS" ${ARGN})
+  file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(NOT SOURCES)
+    return()
+  endif()
+  if(NOT A_TIMEOUT)
+    set(A_TIMEOUT 300)
+  endif()
+  list(TRANSFORM A_DEPS PREPEND orthodrive::)
+  add_executable(test_${NAME} ${SOURCES})
+  target_include_directories(test_${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
+  target_compile_definitions(test_${NAME} PRIVATE
+    ORTHODRIVE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ORTHODRIVE_TOOL="$<TARGET_FILE:orthodrive>")
+  target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} GTest::gtest GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(test_${NAME} DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${A_TIMEOUT})
+endfunction()

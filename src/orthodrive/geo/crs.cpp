@@ -1,0 +1,72 @@
+#include "orthodrive/geo/crs.hpp"
+
+#include <fmt/format.h>
+#include <proj.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive {
+
+struct CoordinateTransform::Proj {
+  PJ_CONTEXT* context = proj_context_create();
+  PJ* transform = nullptr;
+  ~Proj() {
+    proj_destroy(transform);
+    proj_context_destroy(context);
+  }
+};
+
+Crs utm_crs(double longitude_deg, double latitude_deg) {
+  const int zone = std::min(60, static_cast<int>(std::floor((longitude_deg + 180.0) / 6.0)) + 1);
+  return {fmt::format("EPSG:{}", (latitude_deg >= 0.0 ? 32600 : 32700) + zone)};
+}
+
+std::string proj_string(const Crs& crs) {
+  PJ_CONTEXT* context = proj_context_create();
+  proj_log_level(context, PJ_LOG_NONE);
+  PJ* object = proj_create(context, crs.definition.c_str());
+  const char* text = object ? proj_as_proj_string(context, object, PJ_PROJ_4, nullptr) : nullptr;
+  std::string result = text ? text : "";
+  if (const auto at = result.find(" +type=crs"); at != std::string::npos) result.erase(at);
+  proj_destroy(object);
+  proj_context_destroy(context);
+  if (result.empty()) throw Error("CRS '" + crs.definition + "' is unknown or has no PROJ string");
+  return result;
+}
+
+CoordinateTransform::CoordinateTransform(const Crs& source, const Crs& target) : proj_(std::make_unique<Proj>()) {
+  proj_log_level(proj_->context, PJ_LOG_NONE);
+  PJ* raw = proj_create_crs_to_crs(proj_->context, source.definition.c_str(), target.definition.c_str(), nullptr);
+  if (!raw) throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
+  proj_->transform = proj_normalize_for_visualization(proj_->context, raw);
+  proj_destroy(raw);
+  if (!proj_->transform) throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
+}
+CoordinateTransform::~CoordinateTransform() = default;
+CoordinateTransform::CoordinateTransform(CoordinateTransform&&) noexcept = default;
+CoordinateTransform& CoordinateTransform::operator=(CoordinateTransform&&) noexcept = default;
+
+namespace {
+Vec2 run(PJ* transform, PJ_DIRECTION direction, Vec2 p) {
+  const PJ_COORD result = proj_trans(transform, direction, proj_coord(p.x, p.y, 0.0, HUGE_VAL));
+  if (!std::isfinite(result.xy.x) || !std::isfinite(result.xy.y))
+    throw Error(fmt::format("point ({}, {}) cannot be transformed to the other CRS", p.x, p.y));
+  return {result.xy.x, result.xy.y};
+}
+}  // namespace
+
+Vec2 CoordinateTransform::target_from_source(Vec2 p) const { return run(proj_->transform, PJ_FWD, p); }
+Vec2 CoordinateTransform::source_from_target(Vec2 p) const { return run(proj_->transform, PJ_INV, p); }
+
+Vec3 ecef_from_geographic(double longitude_deg, double latitude_deg, double height_m) {
+  constexpr double a = 6378137.0, f = 1.0 / 298.257223563, e2 = f * (2.0 - f);  // WGS84
+  const double lon = longitude_deg * std::numbers::pi / 180.0, lat = latitude_deg * std::numbers::pi / 180.0;
+  const double n = a / std::sqrt(1.0 - e2 * std::sin(lat) * std::sin(lat));
+  return {(n + height_m) * std::cos(lat) * std::cos(lon), (n + height_m) * std::cos(lat) * std::sin(lon),
+          (n * (1.0 - e2) + height_m) * std::sin(lat)};
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,40 @@
+#pragma once
+// Polygons as values and what is needed of them without an overlay library.
+
+#include <functional>
+#include <vector>
+
+#include "orthodrive/geo/raster.hpp"
+#include "orthodrive/geo/vec.hpp"
+
+namespace orthodrive {
+
+using Ring = std::vector<Vec2>;  ///< closed implicitly: the last point is not a repeat of the first
+
+/// Outer ring counter-clockwise, holes clockwise by convention; the functions here work for any orientation (even-odd).
+struct Polygon {
+  Ring outer;
+  std::vector<Ring> holes;
+};
+using MultiPolygon = std::vector<Polygon>;
+
+/// Positive for counter-clockwise rings.
+[[nodiscard]] double signed_area_m2(const Ring& ring);
+[[nodiscard]] double area_m2(const Polygon& polygon);
+[[nodiscard]] bool contains(const Polygon& polygon, Vec2 p);
+[[nodiscard]] bool contains(const MultiPolygon& polygons, Vec2 p);
+[[nodiscard]] Box2 bounds_of(const Ring& ring);
+
+/// Calls span(row, first_col, end_col) for the pixels whose centre lies inside (even-odd), clipped to the grid,
+/// rows ascending, spans left to right.
+void rasterize(const Polygon& polygon, const GridFrame& frame, const std::function<void(int, int, int)>& span);
+
+/// Sets all pixels with their centre inside to `value`.
+template <typename T>
+void fill_polygon(Raster<T>& raster, const GridFrame& frame, const Polygon& polygon, T value) {
+  rasterize(polygon, frame, [&](int row, int begin, int end) {
+    for (int col = begin; col < end; ++col) raster.at(col, row) = value;
+  });
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,27 @@
+#pragma once
+// glTF and 3D Tiles 1.1 writing.
+
+#include <filesystem>
+#include <vector>
+
+#include "orthodrive/geo/crs.hpp"
+#include "orthodrive/model/scene.hpp"
+
+namespace orthodrive::io {
+
+/// What tileset.json needs of a tile once its glb is written.
+struct TileEntry {
+  std::string uri;
+  Box2 bounds;  ///< site CRS
+  double min_z_m = 0.0, max_z_m = 0.0;
+};
+
+/// One .glb: y up as glTF demands (3D Tiles turns it back), JPEG texture inside, one primitive a mesh.
+/// Node translation = tile origin - site origin.
+TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, Vec3 site_origin);
+
+/// tileset.json: root transform from local east-north-up metres at `site_origin` to ECEF; asset.extras holds
+/// {"orthodrive": {"crs", "origin": [x, y, z]}} so that a viewer can place what is given in the site CRS.
+void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs, Vec3 site_origin);
+
+}  // namespace orthodrive::io

@@ -1,0 +1,42 @@
+#pragma once
+// Vectors: OSM, GeoPackage, GeoJSON <-> model.
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/site_frame.hpp"
+
+namespace orthodrive::io {
+
+/// Drivable ways (model/road_network.hpp: is_drivable; not area=yes) of a .osm / .osm.pbf, clipped to the area. Nodes carry their OSM id,
+/// width_m = width tag (metres) or default_width_m, offset 0. Where a way leaves the area it is cut (osm_node 0 there)
+/// and its pieces are counted. Sorted by osm_id, then part. layer defaults to 1 for bridge, -1 for tunnel.
+/// Throws InputError for a missing or truncated file and when no road lies in the area (says where the file's roads lie).
+[[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site);
+
+/// A polygon or line with its tags, in the site CRS, from GeoJSON, GeoPackage or the closed ways / open ways of .osm.
+struct Feature {
+  MultiPolygon polygons;
+  std::vector<Polyline> lines;
+  std::vector<Vec2> points;
+  std::map<std::string, std::string> tags;
+};
+[[nodiscard]] std::vector<Feature> read_features(const std::filesystem::path& path, const Crs& target_crs);
+/// Closed and open ways and multipolygon relations of an OSM file with at least one tag.
+[[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);
+
+/// roads.gpkg: layers centrelines, nodes, surface as docs/architecture.md lists them. Dates are fixed unless the
+/// environment sets OGR_CURRENT_DATE, so that the same roads give the same bytes.
+void write_roads(const std::filesystem::path& path, const RoadNetwork& roads);
+[[nodiscard]] RoadNetwork read_roads(const std::filesystem::path& path);
+
+/// GeoJSON in WGS84 (7 decimals), points with severity, code, message.
+void write_findings(const std::filesystem::path& path, const Findings& findings, const Crs& crs);
+/// GeoJSON polygons / lines in WGS84 (RFC 7946) with the tags as properties.
+void write_geojson(const std::filesystem::path& path, const std::vector<Feature>& features, const Crs& crs);
+
+}  // namespace orthodrive::io

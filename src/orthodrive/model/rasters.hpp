@@ -1,0 +1,44 @@
+#pragma once
+// The rasters that stages exchange, each on a north-up grid in the site CRS.
+
+#include <cstdint>
+#include <string>
+
+#include "orthodrive/geo/crs.hpp"
+#include "orthodrive/geo/raster.hpp"
+#include "orthodrive/model/class_table.hpp"
+
+namespace orthodrive {
+
+/// Orthophoto in the site CRS. `valid` is 0 where the source has no pixel.
+struct Photo {
+  Crs crs;
+  GridFrame frame;
+  Raster<std::uint8_t> rgb;    ///< 3 channels
+  Raster<std::uint8_t> valid;  ///< 1 channel, 0 or 1
+};
+
+/// A class for every pixel; label_nodata where there is no photo.
+struct LabelMap {
+  Crs crs;
+  GridFrame frame;
+  Raster<std::uint8_t> labels;
+  ClassTable classes;
+};
+
+/// Probability of the winning class, 0..255 = 0..1.
+struct ConfidenceMap {
+  Crs crs;
+  GridFrame frame;
+  Raster<std::uint8_t> confidence;
+};
+
+/// Heights at pixel centres in metres, NaN where there is none (nodata).
+struct HeightGrid {
+  Crs crs;
+  GridFrame frame;
+  Raster<float> height_m;
+  std::string vertical_datum;  ///< as stated by the source, may be empty
+};
+
+}  // namespace orthodrive

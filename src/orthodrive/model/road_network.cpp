@@ -1,0 +1,63 @@
+#include "orthodrive/model/road_network.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace orthodrive {
+namespace {
+struct HighwayClass {
+  const char* value;
+  int rank;
+  double lane_m;        ///< width of a lane
+  int lanes_two_way;    ///< lanes of an untagged two-way road
+  int lanes_one_way;
+  double edge_m;        ///< paved strip outside the outer lanes, both sides together
+};
+// Lane widths: German RAL 2012 / RASt 06 typical cross sections, rounded; service roads measured on the Pardubice photo's tags.
+constexpr std::array classes{
+    HighwayClass{"motorway", 9, 3.75, 4, 2, 3.0},     HighwayClass{"motorway_link", 6, 4.0, 2, 1, 1.5},
+    HighwayClass{"trunk", 8, 3.5, 4, 2, 1.5},         HighwayClass{"trunk_link", 6, 4.0, 2, 1, 1.5},
+    HighwayClass{"primary", 7, 3.5, 2, 2, 0.5},       HighwayClass{"primary_link", 5, 4.0, 2, 1, 1.0},
+    HighwayClass{"secondary", 6, 3.25, 2, 2, 0.5},    HighwayClass{"secondary_link", 5, 4.0, 2, 1, 0.5},
+    HighwayClass{"tertiary", 5, 3.0, 2, 2, 0.5},      HighwayClass{"tertiary_link", 4, 4.0, 2, 1, 0.5},
+    HighwayClass{"raceway", 4, 8.0, 1, 1, 0.0},       HighwayClass{"unclassified", 3, 2.75, 2, 1, 0.5},
+    HighwayClass{"residential", 3, 2.75, 2, 1, 0.0},  HighwayClass{"road", 3, 2.75, 2, 1, 0.0},
+    HighwayClass{"living_street", 2, 2.5, 2, 1, 0.0}, HighwayClass{"service", 1, 2.0, 2, 1, 0.0},
+    HighwayClass{"track", 0, 3.0, 1, 1, 0.0}};
+
+const HighwayClass* find_class(const std::string& highway) {
+  const auto it = std::find_if(classes.begin(), classes.end(), [&](const HighwayClass& c) { return highway == c.value; });
+  return it == classes.end() ? nullptr : &*it;
+}
+}  // namespace
+
+double default_width_m(const std::string& highway, int lanes, Oneway oneway) {
+  const HighwayClass* c = find_class(highway);
+  if (!c) return 4.0;
+  // A narrow one-way lane still gets 3.5 m: parked cars and kerbs need it.
+  const int count = lanes > 0 ? lanes : (oneway == Oneway::no ? c->lanes_two_way : c->lanes_one_way);
+  return std::max(3.0, count * c->lane_m + c->edge_m) + (count == 1 && c->lane_m < 3.5 ? 0.5 : 0.0);
+}
+
+int road_rank(const std::string& highway) {
+  const HighwayClass* c = find_class(highway);
+  return c ? c->rank : 1;
+}
+
+bool is_drivable(const std::string& highway) { return find_class(highway) != nullptr; }
+
+Polyline centerline(const RoadPath& path) {
+  Polyline line;
+  line.reserve(path.nodes.size());
+  for (const RoadNode& node : path.nodes) line.push_back(node.p);
+  return line;
+}
+
+Ring surface_ring(const RoadPath& path) {
+  std::vector<double> half;
+  half.reserve(path.nodes.size());
+  for (const RoadNode& node : path.nodes) half.push_back(0.5 * node.width_m);
+  return strip_ring(centerline(path), half, half);
+}
+
+}  // namespace orthodrive

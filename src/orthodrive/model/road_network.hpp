@@ -1,0 +1,61 @@
+#pragma once
+// Roads from OSM to OpenDRIVE: one path a way (a piece of a way where the way leaves the area), with samples that the
+// stages refine and elevate fill in step by step. On disk: roads.gpkg.
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "orthodrive/geo/crs.hpp"
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/geo/polyline.hpp"
+
+namespace orthodrive {
+
+enum class Oneway : std::int8_t { no = 0, forward = 1 };  ///< oneway=-1 is reversed on reading
+
+/// One place along a path.
+struct RoadNode {
+  Vec2 p;                      ///< on the centre line of the carriageway, site CRS
+  std::int64_t osm_node = 0;   ///< 0: put in by resampling. Paths that share an id > 0 meet here
+  double s_m = 0.0;            ///< along the path
+  double offset_m = 0.0;       ///< of p from the OSM line, positive to the left of the path's direction
+  double width_m = 0.0;        ///< of the carriageway (all lanes), symmetric about p
+  double sigma_offset_m = 0.0, sigma_width_m = 0.0;
+  double z_m = std::numeric_limits<double>::quiet_NaN();  ///< height of the road surface at p
+  double gradient = 0.0;       ///< dz/ds
+  double banking = 0.0;        ///< superelevation in rad, OpenDRIVE's sign: positive = left side higher
+  double sigma_z_m = 0.0;
+  std::string banking_source;  ///< "none", "dtm", "curvature", ...
+};
+
+struct RoadPath {
+  std::int64_t osm_id = 0;
+  int part = 0;                ///< pieces of one way inside the area are counted from 0
+  std::string highway, name;
+  int layer = 0;
+  bool bridge = false, tunnel = false;
+  Oneway oneway = Oneway::no;
+  int lanes = 0;               ///< 0: not tagged
+  bool roundabout = false;
+  std::vector<RoadNode> nodes; ///< at least two; first == last position (and osm_node) for closed ways
+};
+
+struct RoadNetwork {
+  Crs crs;
+  std::vector<RoadPath> paths;
+};
+
+/// Carriageway width in metres for a way without a width tag: by highway value, lanes and oneway.
+[[nodiscard]] double default_width_m(const std::string& highway, int lanes, Oneway oneway);
+/// 0 = least important (service) upwards; which road wins at a junction. Unknown values rank as service.
+[[nodiscard]] int road_rank(const std::string& highway);
+/// motorway ... service, track, raceway; not footway, cycleway, path, steps, pedestrian.
+[[nodiscard]] bool is_drivable(const std::string& highway);
+
+[[nodiscard]] Polyline centerline(const RoadPath& path);
+/// Ring of the carriageway polygon of a path: half the width to each side.
+[[nodiscard]] Ring surface_ring(const RoadPath& path);
+
+}  // namespace orthodrive

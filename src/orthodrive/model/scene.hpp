@@ -1,0 +1,31 @@
+#pragma once
+// What the scene stage makes of one tile.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "orthodrive/geo/raster.hpp"
+#include "orthodrive/geo/vec.hpp"
+
+namespace orthodrive {
+
+/// Triangles, counter-clockwise seen from above; x east, y north, z up, float metres relative to SceneTile::origin.
+struct TriMesh {
+  std::string name;  ///< "terrain" or "road": the viewer switches them by this name
+  std::vector<std::array<float, 3>> positions;
+  std::vector<std::array<float, 3>> normals;
+  std::vector<std::array<float, 2>> uv;  ///< glTF: (0,0) is the north-west corner of the texture
+  std::vector<std::uint32_t> indices;
+};
+
+struct SceneTile {
+  int column = 0, row = 0;           ///< of the 480 m tile grid, row 0 in the south
+  Vec3 origin;                       ///< site CRS; also the frame of the positions
+  double min_z_m = 0.0, max_z_m = 0.0;
+  std::vector<TriMesh> meshes;
+  Raster<std::uint8_t> texture_rgb;  ///< of the whole tile
+};
+
+}  // namespace orthodrive

@@ -1,0 +1,1 @@
+#include "roadquery/road_surface.hpp"

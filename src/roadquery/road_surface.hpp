@@ -1,0 +1,40 @@
+#pragma once
+// Evaluation of roads: reference line, profile, lanes, surface. Pure functions, no allocation, safe from any thread.
+
+#include <span>
+
+#include "roadquery/road_map.hpp"
+
+namespace roadquery {
+
+struct PlanPoint {
+  double x = 0.0, y = 0.0, hdg = 0.0, curvature = 0.0;
+};
+struct SurfacePoint {
+  double x = 0.0, y = 0.0, z = 0.0;
+  double normal[3] = {0.0, 0.0, 1.0};  ///< unit, upwards
+};
+
+/// Point of one element at distance ds from its start.
+[[nodiscard]] PlanPoint evaluate(const PlanElement& element, double ds);
+/// Reference line at s, clamped to [0, length].
+[[nodiscard]] PlanPoint reference_point(const Road& road, double s);
+/// Value of a piecewise cubic at s; 0 when empty.
+[[nodiscard]] double evaluate(std::span<const Cubic> cubics, double s);
+[[nodiscard]] double derivative(std::span<const Cubic> cubics, double s);
+
+[[nodiscard]] double elevation(const Road& road, double s);
+[[nodiscard]] double gradient(const Road& road, double s);        ///< dz/ds of the reference line
+[[nodiscard]] double superelevation(const Road& road, double s);  ///< rad
+[[nodiscard]] double lane_width(const Lane& lane, double s_in_section);
+/// The section at s; roads have at least one.
+[[nodiscard]] const LaneSection& section_at(const Road& road, double s);
+/// t of the outer edges of the carriageway (sum of the lane widths and the lane offset): left >= right.
+struct Edges {
+  double left_t = 0.0, right_t = 0.0;
+};
+[[nodiscard]] Edges road_edges(const Road& road, double s);
+/// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation.
+[[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t);
+
+}  // namespace roadquery
