@@ -1,0 +1,37 @@
+#pragma once
+// Painting lines and areas over a raster, for the pictures of the report.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/geo/polyline.hpp"
+#include "orthodrive/model/rasters.hpp"
+
+namespace orthodrive {
+
+using Color = std::array<std::uint8_t, 3>;
+
+/// An RGB picture of a piece of ground. Everything is given in the site CRS.
+struct Canvas {
+  GridFrame frame;
+  Raster<std::uint8_t> rgb;
+};
+
+/// The photo within the box, averaged or repeated to pictures of at most `max_px` pixels in each direction.
+/// Ground without photo is light grey.
+[[nodiscard]] Canvas canvas_of(const Photo& photo, const Box2& box, int max_px);
+/// Class colours instead of the photo.
+[[nodiscard]] Canvas canvas_of(const LabelMap& labels, const Box2& box, int max_px);
+
+/// Mixes `color` over what is there with weight `alpha` (0..1).
+void fill(Canvas& canvas, const Polygon& polygon, Color color, double alpha);
+/// A line of that width in pixels, anti-aliased.
+void stroke(Canvas& canvas, std::span<const Vec2> line, double width_px, Color color, double alpha = 1.0);
+void mark(Canvas& canvas, Vec2 at, double radius_px, Color color);
+
+/// Blue - white - red style ramps are hard to read for some: this is viridis, t in 0..1.
+[[nodiscard]] Color viridis(double t);
+
+}  // namespace orthodrive

@@ -1,0 +1,29 @@
+#pragma once
+// site.toml: the area, the sources and the options that differ from the defaults.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "orthodrive/model/site_frame.hpp"
+
+namespace orthodrive {
+
+struct Site {
+  std::string name;
+  SiteFrame frame;
+  std::filesystem::path photo;
+  std::vector<std::filesystem::path> osm;
+  std::vector<std::filesystem::path> dtm;    ///< best first
+  std::filesystem::path truth_dir;           ///< empty: none
+  std::vector<std::string> attribution;
+  std::string model = "default";             ///< name or file of the segmentation network
+  std::string dtm_sampling = "cubic";        ///< bilinear | cubic
+  std::string route = "auto";                ///< closed way to drive: its name, or "auto"
+};
+
+/// Reads a site file. `overrides` are "section.key=value" texts in TOML syntax (bare words are taken as strings).
+/// Throws InputError for a missing or malformed file (with the line) and OptionError for unknown keys and wrong types.
+[[nodiscard]] Site read_site(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+
+}  // namespace orthodrive
