@@ -1,1 +1,167 @@
 #include "roadquery/road_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace roadquery {
+namespace {
+
+// Gauss-Legendre quadrature with 8 points on [-1, 1]: nodes and weights of the positive half (Abramowitz and Stegun,
+// table 25.4).
+constexpr std::array<double, 4> gauss_nodes = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                               0.9602898564975363};
+constexpr std::array<double, 4> gauss_weights = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                                 0.1012285362903763};
+// Over a panel in which the heading turns by up to this the rule above is exact to rounding: its error for cos(w x) is
+// below (w/2)^16 * 2e-13 of the panel's length.
+constexpr double max_turn_in_panel_rad = 1.5;
+
+PlanPoint evaluate_line(const PlanElement& e, double ds) {
+  return {e.x + ds * std::cos(e.hdg), e.y + ds * std::sin(e.hdg), e.hdg, 0.0};
+}
+
+PlanPoint evaluate_arc(const PlanElement& e, const Arc& arc, double ds) {
+  // Chord of length ds * sinc(turn / 2) in the mean direction: no division by the curvature, so flat arcs stay exact.
+  const double half_turn = 0.5 * arc.curvature * ds;
+  const double sinc = std::abs(half_turn) < 1e-4 ? 1.0 - half_turn * half_turn / 6.0 : std::sin(half_turn) / half_turn;
+  return {e.x + ds * sinc * std::cos(e.hdg + half_turn), e.y + ds * sinc * std::sin(e.hdg + half_turn),
+          e.hdg + 2.0 * half_turn, arc.curvature};
+}
+
+/// Euler spiral: integral of (cos, sin) of the heading, which is quadratic in s.
+PlanPoint evaluate_spiral(const PlanElement& e, const Spiral& spiral, double ds) {
+  const double k0 = spiral.curvature_start;
+  const double slope = e.length > 0.0 ? (spiral.curvature_end - k0) / e.length : 0.0;
+  const double k1 = k0 + slope * ds;
+  const double turn = std::max(std::abs(k0), std::abs(k1)) * std::abs(ds);
+  const int panels = 1 + static_cast<int>(turn / max_turn_in_panel_rad);
+  const double half = 0.5 * ds / panels;
+  double dx = 0.0, dy = 0.0;
+  for (int panel = 0; panel < panels; ++panel) {
+    const double mid = (2 * panel + 1) * half;
+    for (std::size_t i = 0; i < gauss_nodes.size(); ++i) {
+      for (const double u : {mid - half * gauss_nodes[i], mid + half * gauss_nodes[i]}) {
+        const double hdg = e.hdg + u * (k0 + 0.5 * slope * u);
+        dx += gauss_weights[i] * std::cos(hdg);
+        dy += gauss_weights[i] * std::sin(hdg);
+      }
+    }
+  }
+  return {e.x + half * dx, e.y + half * dy, e.hdg + ds * (k0 + 0.5 * slope * ds), k1};
+}
+
+PlanPoint evaluate_poly(const PlanElement& e, const ParamPoly3& q, double ds) {
+  const double dp_ds = q.normalized && e.length > 0.0 ? 1.0 / e.length : 1.0;
+  const double p = ds * dp_ds;
+  const double u = q.a_u + p * (q.b_u + p * (q.c_u + p * q.d_u));
+  const double v = q.a_v + p * (q.b_v + p * (q.c_v + p * q.d_v));
+  const double du = q.b_u + p * (2.0 * q.c_u + p * 3.0 * q.d_u);
+  const double dv = q.b_v + p * (2.0 * q.c_v + p * 3.0 * q.d_v);
+  const double ddu = 2.0 * q.c_u + 6.0 * p * q.d_u, ddv = 2.0 * q.c_v + 6.0 * p * q.d_v;
+  const double speed = std::hypot(du, dv);
+  const double c = std::cos(e.hdg), s = std::sin(e.hdg);
+  PlanPoint point{e.x + c * u - s * v, e.y + s * u + c * v, e.hdg, 0.0, speed * dp_ds};
+  if (speed > 0.0) {
+    point.hdg += std::atan2(dv, du);
+    point.curvature = (du * ddv - dv * ddu) / (speed * speed * speed);
+  }
+  return point;
+}
+
+/// The last item with item.s <= s, or nullptr when s lies before the first.
+template <typename Items>
+const typename Items::value_type* item_at(const Items& items, double s) {
+  const auto next =
+      std::upper_bound(items.begin(), items.end(), s, [](double v, const auto& item) { return v < item.s; });
+  return next == items.begin() ? nullptr : &*(next - 1);
+}
+
+}  // namespace
+
+PlanPoint evaluate(const PlanElement& element, double ds) {
+  struct Visitor {
+    const PlanElement& e;
+    double ds;
+    PlanPoint operator()(const Line&) const { return evaluate_line(e, ds); }
+    PlanPoint operator()(const Arc& arc) const { return evaluate_arc(e, arc, ds); }
+    PlanPoint operator()(const Spiral& spiral) const { return evaluate_spiral(e, spiral, ds); }
+    PlanPoint operator()(const ParamPoly3& poly) const { return evaluate_poly(e, poly, ds); }
+  };
+  return std::visit(Visitor{element, ds}, element.shape);
+}
+
+PlanPoint reference_point(const Road& road, double s) {
+  if (road.plan.empty()) return {};
+  s = std::clamp(s, 0.0, road.length);
+  const PlanElement* found = item_at(road.plan, s);
+  const PlanElement& element = found != nullptr ? *found : road.plan.front();
+  return evaluate(element, s - element.s);
+}
+
+double evaluate(std::span<const Cubic> cubics, double s) {
+  const Cubic* c = item_at(cubics, s);
+  if (c == nullptr) return 0.0;
+  const double ds = s - c->s;
+  return c->a + ds * (c->b + ds * (c->c + ds * c->d));
+}
+
+double derivative(std::span<const Cubic> cubics, double s) {
+  const Cubic* c = item_at(cubics, s);
+  if (c == nullptr) return 0.0;
+  const double ds = s - c->s;
+  return c->b + ds * (2.0 * c->c + ds * 3.0 * c->d);
+}
+
+double elevation(const Road& road, double s) { return evaluate(road.elevation, s); }
+double gradient(const Road& road, double s) { return derivative(road.elevation, s); }
+double superelevation(const Road& road, double s) { return evaluate(road.superelevation, s); }
+
+double lane_width(const Lane& lane, double s_in_section) { return evaluate(lane.width, s_in_section); }
+
+const LaneSection& section_at(const Road& road, double s) {
+  const LaneSection* found = item_at(road.sections, s);
+  return found != nullptr ? *found : road.sections.front();
+}
+
+Edges road_edges(const Road& road, double s) {
+  s = std::clamp(s, 0.0, road.length);
+  const double offset = evaluate(road.lane_offset, s);
+  const LaneSection& section = section_at(road, s);
+  const double s_in_section = s - section.s;
+  Edges edges{offset, offset};
+  for (const Lane& lane : section.left) edges.left_t += lane_width(lane, s_in_section);
+  for (const Lane& lane : section.right) edges.right_t -= lane_width(lane, s_in_section);
+  return edges;
+}
+
+SurfacePoint surface_point(const Road& road, double s, double t) {
+  s = std::clamp(s, 0.0, road.length);
+  return surface_point(road, s, t, reference_point(road, s));
+}
+
+SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint& reference) {
+  const double bank = superelevation(road, s);
+  const double cos_bank = std::cos(bank), sin_bank = std::sin(bank);
+  const double cos_hdg = std::cos(reference.hdg), sin_hdg = std::sin(reference.hdg);
+  SurfacePoint point;
+  point.x = reference.x - sin_hdg * t * cos_bank;
+  point.y = reference.y + cos_hdg * t * cos_bank;
+  point.z = elevation(road, s) + t * sin_bank;
+  // Normal = (dP/ds) x (dP/dt) with P(s, t) as above. dP/ds in the frame (forward, left, up):
+  const double dbank = derivative(road.superelevation, s);
+  const double forward = reference.speed * (1.0 - reference.curvature * t * cos_bank);
+  const double left = -t * sin_bank * dbank;
+  const double up = gradient(road, s) + t * cos_bank * dbank;
+  const double n_forward = left * sin_bank - up * cos_bank, n_left = -forward * sin_bank, n_up = forward * cos_bank;
+  const double norm = std::sqrt(n_forward * n_forward + n_left * n_left + n_up * n_up);
+  // Beyond the centre of curvature the surface is folded over (n_up < 0): no surface to speak of, keep "up".
+  if (norm > 0.0 && n_up > 0.0) {
+    point.normal[0] = (cos_hdg * n_forward - sin_hdg * n_left) / norm;
+    point.normal[1] = (sin_hdg * n_forward + cos_hdg * n_left) / norm;
+    point.normal[2] = n_up / norm;
+  }
+  return point;
+}
+
+}  // namespace roadquery

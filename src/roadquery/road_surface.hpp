@@ -9,6 +9,7 @@ namespace roadquery {
 
 struct PlanPoint {
   double x = 0.0, y = 0.0, hdg = 0.0, curvature = 0.0;
+  double speed = 1.0;  ///< |d(x, y)/ds|: 1 except in ParamPoly3, whose parameter is the arc length only about
 };
 struct SurfacePoint {
   double x = 0.0, y = 0.0, z = 0.0;
@@ -19,7 +20,7 @@ struct SurfacePoint {
 [[nodiscard]] PlanPoint evaluate(const PlanElement& element, double ds);
 /// Reference line at s, clamped to [0, length].
 [[nodiscard]] PlanPoint reference_point(const Road& road, double s);
-/// Value of a piecewise cubic at s; 0 when empty.
+/// Value of a piecewise cubic at s; 0 when empty and before the first one starts.
 [[nodiscard]] double evaluate(std::span<const Cubic> cubics, double s);
 [[nodiscard]] double derivative(std::span<const Cubic> cubics, double s);
 
@@ -36,5 +37,7 @@ struct Edges {
 [[nodiscard]] Edges road_edges(const Road& road, double s);
 /// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t);
+/// The same for who has the reference point at s already.
+[[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint& reference);
 
 }  // namespace roadquery
