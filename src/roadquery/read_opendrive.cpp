@@ -1,0 +1,410 @@
+// OpenDRIVE reading with expat. Elements are told apart by their name and their parent's; what the structs of
+// road_map.hpp do not hold (signals, objects, lateral shapes, lane heights, ...) is passed over.
+
+#include <expat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string_view>
+
+#include "roadquery/road_map.hpp"
+
+namespace roadquery {
+namespace {
+
+/// The attributes of one element, checked as they are read.
+class Attributes {
+ public:
+  Attributes(std::string_view element, const char** pairs) : element_(element), pairs_(pairs) {}
+
+  [[nodiscard]] const char* find(std::string_view name) const {
+    for (const char** pair = pairs_; *pair != nullptr; pair += 2) {
+      if (name == pair[0]) return pair[1];
+    }
+    return nullptr;
+  }
+  [[nodiscard]] std::string text(std::string_view name) const {
+    const char* value = find(name);
+    return value != nullptr ? value : "";
+  }
+  [[nodiscard]] double number(std::string_view name) const { return parse<double>(name, required(name)); }
+  [[nodiscard]] double number(std::string_view name, double fallback) const {
+    const char* value = find(name);
+    return value != nullptr ? parse<double>(name, value) : fallback;
+  }
+  [[nodiscard]] int integer(std::string_view name) const { return parse<int>(name, required(name)); }
+
+  template <typename T>
+  [[nodiscard]] T parse(std::string_view name, std::string_view value) const {
+    while (!value.empty() && std::strchr(" \t\r\n", value.front()) != nullptr) value.remove_prefix(1);
+    while (!value.empty() && std::strchr(" \t\r\n", value.back()) != nullptr) value.remove_suffix(1);
+    if (value.starts_with('+')) value.remove_prefix(1);
+    T result{};
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), result);
+    bool good = error == std::errc{} && end == value.data() + value.size();
+    if constexpr (std::is_floating_point_v<T>) good = good && std::isfinite(result);
+    if (!good) {
+      throw std::runtime_error("<" + element_ + "> has " + std::string(name) + "=\"" + std::string(value) +
+                               "\", which is not " + (std::is_integral_v<T> ? "an integer" : "a number"));
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] std::string_view required(std::string_view name) const {
+    const char* value = find(name);
+    if (value == nullptr) throw std::runtime_error("<" + element_ + "> lacks the attribute " + std::string(name));
+    return value;
+  }
+
+  std::string element_;
+  const char** pairs_;
+};
+
+LaneType lane_type(std::string_view name) {
+  struct Entry {
+    std::string_view name;
+    LaneType type;
+  };
+  // Everything a car may use is "driving"; the other types that OpenDRIVE knows are "other".
+  static constexpr Entry entries[] = {
+      {"none", LaneType::none},
+      {"driving", LaneType::driving},
+      {"shoulder", LaneType::shoulder},
+      {"border", LaneType::border},
+      {"sidewalk", LaneType::sidewalk},
+      {"walking", LaneType::sidewalk},
+      {"parking", LaneType::parking},
+      {"biking", LaneType::biking},
+      {"bidirectional", LaneType::driving},
+      {"entry", LaneType::driving},
+      {"exit", LaneType::driving},
+      {"mwyEntry", LaneType::driving},
+      {"mwyExit", LaneType::driving},
+      {"onRamp", LaneType::driving},
+      {"offRamp", LaneType::driving},
+      {"slipLane", LaneType::driving},
+      {"connectingRamp", LaneType::driving},
+      {"bus", LaneType::driving},
+      {"taxi", LaneType::driving},
+      {"HOV", LaneType::driving},
+  };
+  const auto* found =
+      std::find_if(std::begin(entries), std::end(entries), [&](const Entry& e) { return e.name == name; });
+  return found != std::end(entries) ? found->type : LaneType::other;
+}
+
+Cubic cubic(const Attributes& a, std::string_view s_name = "s") {
+  return {a.number(s_name), a.number("a"), a.number("b"), a.number("c"), a.number("d")};
+}
+
+/// Builds the map element by element. Members point into the item under construction through back().
+class Builder {
+ public:
+  RoadMap map;
+
+  void start(std::string_view name, const Attributes& a) {
+    const std::string_view parent = path_.empty() ? std::string_view{} : std::string_view{path_.back()};
+    if (path_.empty() && name != "OpenDRIVE") {
+      throw std::runtime_error("the root element is <" + std::string(name) + ">, not <OpenDRIVE>");
+    }
+    if (parent == "OpenDRIVE") {
+      start_top(name, a);
+    } else if (parent == "header") {
+      start_header_part(name, a);
+    } else if (in_road_) {
+      start_road_part(parent, name, a);
+    } else if (in_junction_) {
+      start_junction_part(parent, name, a);
+    }
+    path_.emplace_back(name);
+  }
+
+  void end(std::string_view name) {
+    path_.pop_back();
+    if (in_road_ && name == "geometry" && !has_shape_) throw std::runtime_error("<geometry> without a shape");
+    if (in_road_ && name == "laneSection") finish_section();
+    if (in_road_ && name == "road" && path_.size() == 1) finish_road();
+    if (in_junction_ && name == "junction" && path_.size() == 1) in_junction_ = false;
+    if (name == "lane") lane_ = nullptr;
+  }
+
+  void text(std::string_view characters) {
+    if (!path_.empty() && path_.back() == "geoReference") map.geo_reference += characters;
+  }
+
+  /// What can only be checked with the whole file read.
+  void finish() {
+    if (map.roads.empty()) throw std::runtime_error("no <road> in the file");
+    const auto by_id = [](const auto& p, const auto& q) { return p.id < q.id; };
+    std::stable_sort(map.roads.begin(), map.roads.end(), by_id);
+    std::stable_sort(map.junctions.begin(), map.junctions.end(), by_id);
+    const auto same_id = [](const auto& p, const auto& q) { return p.id == q.id; };
+    const auto twice = std::adjacent_find(map.roads.begin(), map.roads.end(), same_id);
+    if (twice != map.roads.end()) {
+      throw std::runtime_error("two roads have the id " + std::to_string(twice->id));
+    }
+    const std::size_t begin = map.geo_reference.find_first_not_of(" \t\r\n");
+    const std::size_t last = map.geo_reference.find_last_not_of(" \t\r\n");
+    map.geo_reference = begin == std::string::npos ? "" : map.geo_reference.substr(begin, last - begin + 1);
+    apply_offset();
+  }
+
+ private:
+  void start_top(std::string_view name, const Attributes& a) {
+    if (name == "header") {
+      map.name = a.text("name");
+      map.north = a.number("north", 0.0), map.south = a.number("south", 0.0);
+      map.east = a.number("east", 0.0), map.west = a.number("west", 0.0);
+    } else if (name == "road") {
+      Road road;
+      road.id = a.integer("id");
+      road.name = a.text("name");
+      road.length = a.number("length");
+      road.junction = a.find("junction") != nullptr ? a.integer("junction") : -1;
+      road.left_hand_traffic = a.text("rule") == "LHT";
+      map.roads.push_back(std::move(road));
+      in_road_ = true;
+    } else if (name == "junction") {
+      map.junctions.push_back({a.integer("id"), a.text("name"), {}});
+      in_junction_ = true;
+    }
+  }
+
+  void start_header_part(std::string_view name, const Attributes& a) {
+    if (name != "offset") return;
+    if (a.number("hdg", 0.0) != 0.0) throw std::runtime_error("<offset> with a heading is not supported");
+    offset_x_ = a.number("x"), offset_y_ = a.number("y"), offset_z_ = a.number("z");
+  }
+
+  void start_road_part(std::string_view parent, std::string_view name, const Attributes& a) {
+    Road& road = map.roads.back();
+    if (parent == "road" && name == "userData") {
+      read_user_data(road, a);
+    } else if (parent == "link" && lane_ == nullptr && (name == "predecessor" || name == "successor")) {
+      (name == "predecessor" ? road.predecessor : road.successor) = read_link(a);
+    } else if (parent == "planView" && name == "geometry") {
+      road.plan.push_back({a.number("s"), a.number("x"), a.number("y"), a.number("hdg"), a.number("length"), Line{}});
+      if (road.plan.back().length < 0.0) throw std::runtime_error("<geometry> has a negative length");
+      if (road.plan.size() > 1 && road.plan.back().s < road.plan[road.plan.size() - 2].s) {
+        throw std::runtime_error("<geometry> elements are not sorted by s");
+      }
+      has_shape_ = false;
+    } else if (parent == "geometry") {
+      read_shape(road.plan.back(), name, a);
+    } else if (parent == "elevationProfile" && name == "elevation") {
+      append(road.elevation, cubic(a));
+    } else if (parent == "lateralProfile" && name == "superelevation") {
+      append(road.superelevation, cubic(a));
+    } else if (parent == "lanes" && name == "laneOffset") {
+      append(road.lane_offset, cubic(a));
+    } else if (parent == "lanes" && name == "laneSection") {
+      road.sections.emplace_back();
+      road.sections.back().s = a.number("s");
+    } else if ((parent == "left" || parent == "center" || parent == "right") && name == "lane") {
+      start_lane(road, parent, a);
+    } else if (lane_ != nullptr) {
+      start_lane_part(parent, name, a);
+    }
+  }
+
+  static void read_user_data(Road& road, const Attributes& a) {
+    const std::string code = a.text("code"), value = a.text("value");
+    const auto flag = [&] { return value == "true" || value == "yes" || value == "1"; };
+    if (code == "osm_id") road.osm_id = value;
+    if (code == "highway") road.highway = value;
+    if (code == "layer") road.layer = a.integer("value");
+    if (code == "bridge") road.bridge = flag();
+    if (code == "tunnel") road.tunnel = flag();
+  }
+
+  static RoadLink read_link(const Attributes& a) {
+    const bool junction = a.text("elementType") == "junction";
+    return {junction ? LinkKind::junction : LinkKind::road, a.integer("elementId"),
+            a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start};
+  }
+
+  void read_shape(PlanElement& element, std::string_view name, const Attributes& a) {
+    if (name == "line") {
+      element.shape = Line{};
+    } else if (name == "arc") {
+      element.shape = Arc{a.number("curvature")};
+    } else if (name == "spiral") {
+      element.shape = Spiral{a.number("curvStart"), a.number("curvEnd")};
+    } else if (name == "paramPoly3") {
+      // pRange is normalized when it is not given (1.4, 5.3.4.1.5).
+      element.shape = ParamPoly3{a.number("aU"), a.number("bU"), a.number("cU"),
+                                 a.number("dU"), a.number("aV"), a.number("bV"),
+                                 a.number("cV"), a.number("dV"), a.text("pRange") != "arcLength"};
+    } else if (name == "poly3") {
+      throw std::runtime_error("<poly3> geometry (deprecated since 1.6) is not supported, convert it to paramPoly3");
+    } else {
+      return;
+    }
+    has_shape_ = true;
+  }
+
+  static void append(std::vector<Cubic>& cubics, const Cubic& next) {
+    if (!cubics.empty() && next.s < cubics.back().s) throw std::runtime_error("cubics are not sorted by s");
+    cubics.push_back(next);
+  }
+
+  void start_lane(Road& road, std::string_view side, const Attributes& a) {
+    if (road.sections.empty()) return;  // a <lane> outside a lane section: not ours
+    LaneSection& section = road.sections.back();
+    Lane lane;
+    lane.id = a.integer("id");
+    lane.type = lane_type(a.text("type"));
+    if (side == "center" ? lane.id != 0 : (side == "left") != (lane.id > 0) || lane.id == 0) {
+      throw std::runtime_error("lane " + std::to_string(lane.id) + " stands under <" + std::string(side) + ">");
+    }
+    if (side == "center") {
+      section.center = std::move(lane);
+      lane_ = &section.center;
+    } else {
+      std::vector<Lane>& lanes = side == "left" ? section.left : section.right;
+      lanes.push_back(std::move(lane));
+      lane_ = &lanes.back();
+    }
+  }
+
+  void start_lane_part(std::string_view parent, std::string_view name, const Attributes& a) {
+    if (parent == "lane" && name == "width" && lane_->id != 0) {
+      append(lane_->width, cubic(a, "sOffset"));
+    } else if (parent == "lane" && name == "border") {
+      throw std::runtime_error("lanes given by <border> are not supported, convert them to <width>");
+    } else if (parent == "lane" && name == "roadMark") {
+      lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
+    } else if (parent == "link" && name == "predecessor") {
+      lane_->predecessor = a.integer("id");
+    } else if (parent == "link" && name == "successor") {
+      lane_->successor = a.integer("id");
+    }
+  }
+
+  void start_junction_part(std::string_view parent, std::string_view name, const Attributes& a) {
+    Junction& junction = map.junctions.back();
+    if (parent == "junction" && name == "connection") {
+      Connection connection;
+      connection.id = a.integer("id");
+      // A virtual junction's connections (1.7) have no incoming road; a direct junction's name a linked road.
+      if (a.find("incomingRoad") != nullptr) connection.incoming_road = a.integer("incomingRoad");
+      connection.connecting_road =
+          a.find("linkedRoad") != nullptr ? a.integer("linkedRoad") : a.integer("connectingRoad");
+      connection.contact = a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start;
+      junction.connections.push_back(std::move(connection));
+    } else if (parent == "connection" && name == "laneLink") {
+      junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
+    }
+  }
+
+  void finish_section() {
+    LaneSection& section = map.roads.back().sections.back();
+    const auto outwards = [](const Lane& p, const Lane& q) { return std::abs(p.id) < std::abs(q.id); };
+    std::sort(section.left.begin(), section.left.end(), outwards);
+    std::sort(section.right.begin(), section.right.end(), outwards);
+  }
+
+  void finish_road() {
+    in_road_ = false;
+    const Road& road = map.roads.back();
+    const std::string who = "road " + std::to_string(road.id);
+    if (road.plan.empty()) throw std::runtime_error(who + " has no <geometry>");
+    if (road.sections.empty()) throw std::runtime_error(who + " has no <laneSection>");
+    if (road.length < 0.0) throw std::runtime_error(who + " has a negative length");
+    const auto by_s = [](const LaneSection& p, const LaneSection& q) { return p.s < q.s; };
+    if (!std::is_sorted(road.sections.begin(), road.sections.end(), by_s)) {
+      throw std::runtime_error(who + " has lane sections that are not sorted by s");
+    }
+  }
+
+  /// <offset> (1.5+) moves the coordinates of the file into the CRS of geoReference.
+  void apply_offset() {
+    if (offset_x_ == 0.0 && offset_y_ == 0.0 && offset_z_ == 0.0) return;
+    map.north += offset_y_, map.south += offset_y_, map.east += offset_x_, map.west += offset_x_;
+    for (Road& road : map.roads) {
+      for (PlanElement& element : road.plan) element.x += offset_x_, element.y += offset_y_;
+      if (road.elevation.empty()) road.elevation.emplace_back();
+      for (Cubic& elevation : road.elevation) elevation.a += offset_z_;
+    }
+  }
+
+  std::vector<std::string> path_;  ///< names of the open elements
+  bool in_road_ = false, in_junction_ = false;
+  bool has_shape_ = false;  ///< of the last <geometry>
+  Lane* lane_ = nullptr;    ///< the open <lane>
+  double offset_x_ = 0.0, offset_y_ = 0.0, offset_z_ = 0.0;
+};
+
+/// One expat parse. Exceptions must not pass through expat's C frames: they are kept as text and stop the parser.
+struct Parse {
+  Builder builder;
+  XML_Parser parser = nullptr;
+  std::string problem;
+
+  template <typename Step>
+  void guarded(Step&& step) {
+    if (!problem.empty()) return;
+    try {
+      step();
+    } catch (const std::exception& error) {
+      problem = error.what();
+      XML_StopParser(parser, XML_FALSE);
+    }
+  }
+};
+
+void XMLCALL on_start(void* data, const char* name, const char** attributes) {
+  auto& parse = *static_cast<Parse*>(data);
+  parse.guarded([&] { parse.builder.start(name, Attributes(name, attributes)); });
+}
+void XMLCALL on_end(void* data, const char* name) {
+  auto& parse = *static_cast<Parse*>(data);
+  parse.guarded([&] { parse.builder.end(name); });
+}
+void XMLCALL on_text(void* data, const char* characters, int count) {
+  auto& parse = *static_cast<Parse*>(data);
+  parse.guarded([&] { parse.builder.text({characters, static_cast<std::size_t>(count)}); });
+}
+
+}  // namespace
+
+RoadMap read_opendrive(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error(path + ": cannot be opened: " + std::strerror(errno));
+
+  Parse parse;
+  const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr), XML_ParserFree);
+  parse.parser = parser.get();
+  XML_SetUserData(parser.get(), &parse);
+  XML_SetElementHandler(parser.get(), on_start, on_end);
+  XML_SetCharacterDataHandler(parser.get(), on_text);
+
+  constexpr int chunk_bytes = 1 << 20;
+  for (bool last = false; !last;) {
+    void* buffer = XML_GetBuffer(parser.get(), chunk_bytes);
+    if (buffer == nullptr) throw std::bad_alloc();
+    in.read(static_cast<char*>(buffer), chunk_bytes);
+    if (in.bad()) throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+    last = in.eof();
+    if (XML_ParseBuffer(parser.get(), static_cast<int>(in.gcount()), last ? 1 : 0) != XML_STATUS_OK) {
+      const std::string what = parse.problem.empty() ? XML_ErrorString(XML_GetErrorCode(parser.get())) : parse.problem;
+      throw std::runtime_error(path + ": line " + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " + what);
+    }
+  }
+  try {
+    parse.builder.finish();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+  return std::move(parse.builder.map);
+}
+
+}  // namespace roadquery
