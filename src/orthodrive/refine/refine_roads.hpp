@@ -1,0 +1,41 @@
+#pragma once
+// Moves OSM centre lines onto the road seen in the labels and measures the carriageway width.
+//
+// After the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.3: per node an
+// offset along the normal of the path and a width; residuals r_c, r_a, r_w, r_o; Levenberg-Marquardt. What differs from
+// it and why is told in docs/roads.md.
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/solve_summary.hpp"
+
+namespace orthodrive {
+
+struct RefineRoadsOptions {
+  double spacing_m = 2.0;          ///< paths are resampled to about this distance
+  double search_radius_m = 8.0;    ///< largest offset to each side of the OSM line
+  double strip_m = 1.25;           ///< width of the context and boundary strips
+  double min_width_factor = 0.5;   ///< bounds of the width, times the input's width
+  double max_width_factor = 1.8;
+  double weight_class = 10.0;      ///< w_c
+  double weight_angle = 20.0;      ///< w_a, 1/rad
+  double weight_width = 10.0;      ///< w_w, 1/m
+  double weight_offset = 0.2;      ///< w_o, 1/m
+  int max_iterations = 40;
+  int threads = 0;                 ///< 0 = all cores; the result does not depend on it
+};
+
+struct RefineRoadsResult {
+  RoadNetwork roads;  ///< the input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set
+  SolveSummary solve;
+  Findings findings;  ///< "refine.no_road_seen", "refine.not_converged"
+};
+
+/// `osm` and `labels` share one CRS (throws OptionError). Paths outside the labels keep the OSM line.
+/// Time and memory are linear in the length of the roads.
+[[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels,
+                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr);
+
+}  // namespace orthodrive
