@@ -1,0 +1,221 @@
+#include "roadquery/road_query.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace roadquery {
+namespace {
+
+constexpr double max_piece_m = 12.0;
+constexpr double max_piece_turn_rad = 0.3;  // small enough for Newton to converge from any place of the piece
+constexpr double sample_m = 2.0;            // spacing of the samples that bound a piece
+constexpr double box_margin_m = 0.5;  // more than the sagitta between two samples at the tightest radius of a road
+constexpr double min_cell_m = 16.0;
+constexpr double max_cells = 1e6;
+
+constexpr double seam_m = 0.25;  // how far a surface goes on beyond the end of its road
+constexpr double edge_rounding_m = 1e-6;
+constexpr double same_level_m = 0.3;  // surfaces of one junction differ by less, a bridge and its road by more
+constexpr double coherent_level_m = 1.0;
+constexpr double last_step_m = 1e-4;  // the step after one this small would be below 1e-8 m
+constexpr int max_steps = 12;
+constexpr std::size_t max_overlaps = 64;
+
+struct Foot {
+  double s = 0.0;
+  double along = 0.0;  ///< what is left of the distance along the line: not 0 only at the ends of the range
+  double left = 0.0;   ///< horizontal distance, positive to the left
+  PlanPoint reference;
+};
+
+/// Foot of the perpendicular from (x, y) onto the reference line, by Newton's method from s, within [s_min, s_max].
+std::optional<Foot> project(const Road& road, double x, double y, double s, double s_min, double s_max) {
+  double step = 0.0;
+  for (int i = 0; i < max_steps; ++i) {
+    s = std::clamp(s, s_min, s_max);
+    PlanPoint p = reference_point(road, s);
+    const double c = std::cos(p.hdg), n = std::sin(p.hdg);
+    const double along = (x - p.x) * c + (y - p.y) * n;
+    const double left = (y - p.y) * c - (x - p.x) * n;
+    // Beyond the centre of curvature (1 - k left <= 0) the Newton step would point away from the line.
+    step = along / (p.speed * std::max(1.0 - p.curvature * left, 0.2));
+    const double next = s + step;
+    if ((next <= s_min && s == s_min) || (next >= s_max && s == s_max)) return Foot{s, along, left, p};
+    if (std::abs(step) < last_step_m) {
+      p.x += step * p.speed * c, p.y += step * p.speed * n, p.hdg += step * p.speed * p.curvature;
+      return Foot{next, 0.0, left, p};
+    }
+    // At a kink between two elements there is no foot on the outer side: the steps go to and fro around the kink.
+    if (i + 1 == max_steps && std::abs(step) <= seam_m) return Foot{s, 0.0, left, p};
+    s = next;
+  }
+  return std::nullopt;
+}
+
+int lane_at(const Road& road, double s, double t) {
+  const LaneSection& section = section_at(road, s);
+  double rest = t - evaluate(road.lane_offset, s);
+  const std::vector<Lane>& lanes = rest > 0.0 || section.right.empty() ? section.left : section.right;
+  rest = std::abs(rest);
+  for (const Lane& lane : lanes) {
+    rest -= lane_width(lane, s - section.s);
+    if (rest <= edge_rounding_m) return lane.id;
+  }
+  return 0;
+}
+
+/// A surface under the point, before it is known to be the one that counts.
+struct Candidate {
+  int road = -1;
+  Foot foot;
+  double t = 0.0, z = 0.0;
+  double off_center = 0.0;  ///< 0 in the middle of the road, 1 at its edges
+  bool on_seam = false;     ///< beyond the end of the road (or of its piece: then the neighbour, which is not, wins)
+};
+
+std::optional<Candidate> candidate_at(const Road& road, int index, const std::optional<Foot>& foot) {
+  if (!foot || std::abs(foot->along) > seam_m) return std::nullopt;
+  const double bank = superelevation(road, foot->s);
+  const double t = foot->left / std::cos(bank);
+  const Edges edges = road_edges(road, foot->s);
+  if (t < edges.right_t - edge_rounding_m || t > edges.left_t + edge_rounding_m) return std::nullopt;
+  const double half_width = 0.5 * (edges.left_t - edges.right_t);
+  const double off_center = half_width > 0.0 ? std::abs(t - 0.5 * (edges.left_t + edges.right_t)) / half_width : 1.0;
+  return Candidate{index,      *foot,
+                   t,          elevation(road, foot->s) + t * std::sin(bank),
+                   off_center, std::abs(foot->along) > edge_rounding_m};
+}
+
+Hit to_hit(const Road& road, const Candidate& c) {
+  const SurfacePoint point = surface_point(road, c.foot.s, c.t, c.foot.reference);
+  return {c.road,
+          c.foot.s,
+          c.t,
+          point.z,
+          {point.normal[0], point.normal[1], point.normal[2]},
+          lane_at(road, c.foot.s, c.t)};
+}
+
+}  // namespace
+
+RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)) {
+  for (std::size_t i = 0; i < map_.roads.size(); ++i) cut_into_pieces(static_cast<int>(i));
+  fill_grid();
+}
+
+void RoadQuery::cut_into_pieces(int index) {
+  const Road& road = map_.roads[static_cast<std::size_t>(index)];
+  for (std::size_t i = 0; i < road.plan.size(); ++i) {
+    const PlanElement& element = road.plan[i];
+    const double begin = std::max(element.s, 0.0);
+    const double end = std::min(i + 1 < road.plan.size() ? road.plan[i + 1].s : road.length, road.length);
+    if (end < begin || (end == begin && road.length > 0.0)) continue;
+    // The turn is not monotonous in a spiral through 0 or a polynomial: sum it over samples.
+    const int samples = 1 + static_cast<int>((end - begin) / sample_m);
+    double turn = 0.0;
+    for (int k = 0; k < samples; ++k) {
+      const double step = (end - begin) / samples;
+      turn += step * std::abs(evaluate(element, begin - element.s + (k + 0.5) * step).curvature);
+    }
+    const int count = 1 + static_cast<int>(std::max((end - begin) / max_piece_m, turn / max_piece_turn_rad));
+    for (int k = 0; k < count; ++k) {
+      Piece piece{index, begin + (end - begin) * k / count, begin + (end - begin) * (k + 1) / count};
+      piece.min_x = piece.min_y = std::numeric_limits<double>::infinity();
+      piece.max_x = piece.max_y = -std::numeric_limits<double>::infinity();
+      double reach = 0.0;
+      const int steps = 1 + static_cast<int>((piece.s_end - piece.s_begin) / sample_m);
+      for (int j = 0; j <= steps; ++j) {
+        const double s = piece.s_begin + (piece.s_end - piece.s_begin) * j / steps;
+        const PlanPoint p = reference_point(road, s);
+        const Edges edges = road_edges(road, s);
+        reach = std::max({reach, std::abs(edges.left_t), std::abs(edges.right_t)});
+        piece.min_x = std::min(piece.min_x, p.x), piece.max_x = std::max(piece.max_x, p.x);
+        piece.min_y = std::min(piece.min_y, p.y), piece.max_y = std::max(piece.max_y, p.y);
+      }
+      reach += box_margin_m;
+      piece.min_x -= reach, piece.min_y -= reach, piece.max_x += reach, piece.max_y += reach;
+      pieces_.push_back(piece);
+    }
+  }
+}
+
+void RoadQuery::fill_grid() {
+  if (pieces_.empty()) return;
+  double east = -std::numeric_limits<double>::infinity(), north = east;
+  west_ = south_ = std::numeric_limits<double>::infinity();
+  for (const Piece& p : pieces_) {
+    west_ = std::min(west_, p.min_x), south_ = std::min(south_, p.min_y);
+    east = std::max(east, p.max_x), north = std::max(north, p.max_y);
+  }
+  cell_m_ = std::max(min_cell_m, std::sqrt((east - west_) * (north - south_) / max_cells));
+  columns_ = 1 + static_cast<int>((east - west_) / cell_m_);
+  rows_ = 1 + static_cast<int>((north - south_) / cell_m_);
+
+  const auto for_cells = [&](const Piece& p, auto&& visit) {
+    const int c0 = static_cast<int>((p.min_x - west_) / cell_m_), c1 = static_cast<int>((p.max_x - west_) / cell_m_);
+    const int r0 = static_cast<int>((p.min_y - south_) / cell_m_), r1 = static_cast<int>((p.max_y - south_) / cell_m_);
+    for (int r = r0; r <= r1; ++r) {
+      for (int c = c0; c <= c1; ++c)
+        visit(static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c));
+    }
+  };
+  cell_begin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
+  for (const Piece& p : pieces_) for_cells(p, [&](std::size_t cell) { ++cell_begin_[cell + 1]; });
+  for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
+  cell_pieces_.resize(cell_begin_.back());
+  std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
+  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
+    for_cells(pieces_[i], [&](std::size_t cell) { cell_pieces_[next[cell]++] = i; });
+  }
+}
+
+std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor) const {
+  if (cursor.road >= 0 && static_cast<std::size_t>(cursor.road) < map_.roads.size()) {
+    const Road& road = map_.roads[static_cast<std::size_t>(cursor.road)];
+    const auto here = candidate_at(road, cursor.road, project(road, x, y, cursor.s, 0.0, road.length));
+    if (here && !here->on_seam && std::abs(here->z - z_hint) <= coherent_level_m) {
+      cursor.s = here->foot.s;
+      return to_hit(road, *here);
+    }
+  }
+  const auto hit = search(x, y, z_hint, cursor.road);
+  cursor = hit ? Cursor{hit->road, hit->s} : Cursor{};
+  return hit;
+}
+
+std::optional<Hit> RoadQuery::search(double x, double y, double z_hint, int preferred_road) const {
+  const double column = std::floor((x - west_) / cell_m_), row = std::floor((y - south_) / cell_m_);
+  if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return std::nullopt;
+  const std::size_t cell =
+      static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+
+  std::array<Candidate, max_overlaps> found;
+  std::size_t count = 0;
+  for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1] && count < found.size(); ++i) {
+    const Piece& piece = pieces_[cell_pieces_[i]];
+    if (x < piece.min_x || x > piece.max_x || y < piece.min_y || y > piece.max_y) continue;
+    const Road& road = map_.roads[static_cast<std::size_t>(piece.road)];
+    const auto foot = project(road, x, y, 0.5 * (piece.s_begin + piece.s_end), piece.s_begin, piece.s_end);
+    const auto candidate = candidate_at(road, piece.road, foot);
+    if (candidate) found[count++] = *candidate;
+  }
+  if (count == 0) return std::nullopt;
+
+  const auto level_distance = [&](const Candidate& c) { return std::isnan(z_hint) ? -c.z : std::abs(c.z - z_hint); };
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < count; ++i) nearest = std::min(nearest, level_distance(found[i]));
+  const Candidate* best = nullptr;
+  const auto better = [&](const Candidate& a, const Candidate& b) {
+    if (a.on_seam != b.on_seam) return !a.on_seam;
+    if ((a.road == preferred_road) != (b.road == preferred_road)) return a.road == preferred_road;
+    return a.off_center < b.off_center;  // equal: the one found first, which has the lower index
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (level_distance(found[i]) > nearest + same_level_m) continue;
+    if (best == nullptr || better(found[i], *best)) best = &found[i];
+  }
+  return to_hit(map_.roads[static_cast<std::size_t>(best->road)], *best);
+}
+
+}  // namespace roadquery
