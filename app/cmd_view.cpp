@@ -1,5 +1,151 @@
+// orthodrive view: a small web server for one built site and the viewer, reachable from this machine only.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <httplib.h>
+#include <pthread.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
 #include "commands.hpp"
+#include "orthodrive/core/error.hpp"
 
 namespace orthodrive::app {
-void add_view(CLI::App&, Context&) {}
+namespace {
+
+constexpr const char* host = "127.0.0.1";
+
+struct ViewOptions {
+  std::filesystem::path folder;
+  int port = 8080;
+  bool no_open = false;
+};
+
+std::filesystem::path viewer_folder() {
+  const char* elsewhere = std::getenv("ORTHODRIVE_VIEWER_DIR");
+  const std::filesystem::path folder = elsewhere ? elsewhere : ORTHODRIVE_VIEWER_DIR;
+  if (!std::filesystem::exists(folder / "index.html"))
+    throw Error(
+        fmt::format("{}: the viewer is not built; run `npm ci && npm run build` in the folder viewer/, or set "
+                    "ORTHODRIVE_VIEWER_DIR to a built one",
+                    folder.string()));
+  return folder;
+}
+
+void check_site(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder))
+    throw InputError(folder.string(), "no such folder; give the output folder of `orthodrive build`");
+  if (!std::filesystem::exists(folder / "scene" / "tileset.json"))
+    throw InputError(folder.string(),
+                     "holds no scene/tileset.json; build the site first: orthodrive build site.toml -o DIR");
+}
+
+void configure(httplib::Server& server, const std::filesystem::path& site, const std::filesystem::path& viewer) {
+  // httplib's default is SO_REUSEPORT, with which two servers share a port without an error and answer in turns.
+  server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
+  server.set_keep_alive_timeout(1);                             // seconds; stopping waits for idle connections
+  server.set_default_headers({{"Cache-Control", "no-cache"}});  // a site may be built anew under the same address
+  for (const auto& [extension, type] : {std::pair{"glb", "model/gltf-binary"},
+                                        {"gltf", "model/gltf+json"},
+                                        {"json", "application/json"},
+                                        {"geojson", "application/geo+json"},
+                                        {"csv", "text/csv"},
+                                        {"wasm", "application/wasm"},
+                                        {"tif", "image/tiff"},
+                                        {"gpkg", "application/geopackage+sqlite3"},
+                                        {"xodr", "application/xml"}})
+    server.set_file_extension_and_mimetype_mapping(extension, type);
+  // Mount points refuse paths that climb out of their folder. The first match wins.
+  server.set_mount_point("/site/", site.string());
+  server.set_mount_point("/", viewer.string());
+}
+
+int bind_port(httplib::Server& server, int port) {
+  if (port == 0) {
+    port = server.bind_to_any_port(host);
+    if (port < 0) throw Error(fmt::format("{}: no free port to serve on", host));
+  } else if (!server.bind_to_port(host, port)) {
+    throw Error(
+        fmt::format("{}:{}: cannot serve there, the port is in use or not allowed; choose another with --port, "
+                    "or --port 0 for any free one",
+                    host, port));
+  }
+  return port;
+}
+
+/// Starts the desktop's browser when there is a desktop; no browser is no error, the address is printed anyway.
+void open_browser(const std::string& url) {
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) return;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO})
+    posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
+  std::string command = "xdg-open", argument = url;
+  char* argv[] = {command.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  (void)posix_spawnp(&child, argv[0], &actions, nullptr, argv, environ);
+  posix_spawn_file_actions_destroy(&actions);
+}
+
+/// Serves until Ctrl-C (SIGINT) or SIGTERM, which end the command well.
+void serve_until_signal(httplib::Server& server) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);  // before the server's threads exist: they inherit it
+  std::thread serving([&server] { server.listen_after_bind(); });
+  while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // stop() before that is lost
+  int signal_number = 0;
+  sigwait(&signals, &signal_number);
+  server.stop();
+  serving.join();
+}
+
+void view(const ViewOptions& options, Monitor* monitor) {
+  check_site(options.folder);
+  const std::filesystem::path viewer = viewer_folder();
+  httplib::Server server;
+  configure(server, options.folder, viewer);
+  const std::string url = fmt::format("http://{}:{}/", host, bind_port(server, options.port));
+  fmt::print("{}\n", url);
+  std::fflush(stdout);
+  monitor->info(fmt::format("serving {} until Ctrl-C", options.folder.string()));
+  if (!options.no_open) open_browser(url);
+  serve_until_signal(server);
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Context& context) {
+  auto options = std::make_shared<ViewOptions>();
+  CLI::App* cmd = app.add_subcommand(
+      "view",
+      "Shows a built site in the browser: terrain, roads, orthophoto and the driven lap.\n"
+      "Reads DIR (scene/, drive/lap.csv, run.json, findings.geojson); serves it on 127.0.0.1 until Ctrl-C.");
+  cmd->add_option("DIR", options->folder, "output folder of `orthodrive build`")->required();
+  cmd->add_option("--port", options->port, "TCP port, 0 = any free one; the address is printed on standard output")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  cmd->add_flag("--no-open", options->no_open, "do not start a browser");
+  cmd->footer(
+      "Examples:\n"
+      "  orthodrive view out/kvarnbyn\n"
+      "  orthodrive view out/kvarnbyn --port 0 --no-open");
+  cmd->callback([options, &context] { view(*options, context.monitor); });
+}
+
 }  // namespace orthodrive::app
