@@ -1,0 +1,318 @@
+#include "orthodrive/pipeline/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/svg_plot.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/pipeline/pictures.hpp"
+
+namespace orthodrive {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double offset_scale_m = 4.0, gradient_scale = 0.12;
+
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < n ? bytes[i + k] : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string figure(const Canvas& canvas, const std::string& caption) {
+  return fmt::format("<figure><img alt=\"{0}\" src=\"data:image/jpeg;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+                     escape_xml(caption), base64(io::encode_jpeg(canvas.rgb, 82)));
+}
+
+std::string table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+  std::string html = "<table><thead><tr>";
+  for (const auto& cell : head) html += "<th>" + escape_xml(cell) + "</th>";
+  html += "</tr></thead><tbody>";
+  for (const auto& row : rows) {
+    html += "<tr>";
+    for (const auto& cell : row) html += "<td>" + escape_xml(cell) + "</td>";
+    html += "</tr>";
+  }
+  return html + "</tbody></table>\n";
+}
+
+std::string color_bar(const std::string& label, double high, const std::string& unit) {
+  std::string stops;
+  for (int i = 0; i <= 8; ++i) {
+    const Color c = viridis(i / 8.0);
+    stops += fmt::format("{}#{:02x}{:02x}{:02x}", i ? "," : "", c[0], c[1], c[2]);
+  }
+  return fmt::format("<p class=bar>{} 0 <span style=\"background:linear-gradient(90deg,{})\"></span> {:g} {}</p>\n", label, stops, high, unit);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// Share of values in bins of `step`, as a stepped line.
+PlotSeries histogram(const std::vector<double>& values, double low, double high, double step, const std::string& name) {
+  std::vector<double> count(static_cast<std::size_t>(std::lround((high - low) / step)), 0.0);
+  for (const double v : values)
+    count[static_cast<std::size_t>(std::clamp((v - low) / step, 0.0, static_cast<double>(count.size() - 1)))] += 1.0;
+  PlotSeries series{.name = name};
+  for (std::size_t i = 0; i < count.size(); ++i)
+    for (const double x : {low + step * static_cast<double>(i), low + step * static_cast<double>(i + 1)}) {
+      series.x.push_back(x);
+      series.y.push_back(100.0 * count[i] / std::max<std::size_t>(1, values.size()));
+    }
+  return series;
+}
+
+const StageRecord* find_stage(const ReportInput& in, const std::string& name) {
+  const auto it = std::find_if(in.stages.begin(), in.stages.end(), [&](const StageRecord& r) { return r.stage == name; });
+  return it == in.stages.end() ? nullptr : &*it;
+}
+
+/// The numbers a stage reported, one row each.
+std::string numbers_of(const ReportInput& in, const std::string& stage) {
+  const StageRecord* record = find_stage(in, stage);
+  if (!record || record->outcome.numbers.empty()) return "";
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [key, value] : record->outcome.numbers.items())
+    rows.push_back({key, value.is_number_float() ? fmt::format("{:.5g}", value.get<double>()) : value.is_string() ? value.get<std::string>() : value.dump()});
+  return table({stage, "value"}, rows);
+}
+
+std::string source_section(const ReportInput& in, const Box2& box) {
+  return "<h2>1. Sources: photo and OpenStreetMap roads</h2>\n" +
+         figure(picture_of_input(in.photo, in.osm, box), "The orthophoto in the site's UTM zone with the roads as OpenStreetMap has them");
+}
+
+std::string segment_section(const ReportInput& in, const LabelMap& labels, const Box2& box) {
+  std::vector<double> count(labels.classes.classes.size(), 0.0);
+  double total = 0.0;
+  for (const std::uint8_t label : labels.labels.data)
+    if (label < count.size()) count[label] += 1.0, total += 1.0;
+  std::string legend = "<p class=legend>";
+  for (std::size_t i = 0; i < count.size(); ++i) {
+    const ClassInfo& info = labels.classes.classes[i];
+    legend += fmt::format("<span><i style=\"background:#{:02x}{:02x}{:02x}\"></i>{} {:.1f} %</span>", info.color[0], info.color[1],
+                          info.color[2], escape_xml(info.name), total > 0 ? 100.0 * count[i] / total : 0.0);
+  }
+  return "<h2>2. Segmentation</h2>\n" + legend + "</p>\n" +
+         figure(canvas_of(labels, box, 1400), fmt::format("The class of every pixel, {:g} m/px", labels.frame.gsd_m)) +
+         numbers_of(in, "segment");
+}
+
+std::string refine_section(const ReportInput& in, const RoadNetwork& roads, const Box2& box) {
+  std::vector<double> offsets, sigmas;
+  struct ByClass {
+    double length_m = 0.0;
+    std::vector<double> input, refined, sigma;
+  };
+  std::map<std::string, ByClass> classes;
+  for (const RoadPath& path : in.osm.paths)
+    for (const RoadNode& n : path.nodes) classes[path.highway].input.push_back(n.width_m);
+  for (const RoadPath& path : roads.paths) {
+    ByClass& c = classes[path.highway];
+    c.length_m += length_m(centerline(path));
+    for (const RoadNode& n : path.nodes) {
+      offsets.push_back(n.offset_m);
+      c.refined.push_back(n.width_m);
+      c.sigma.push_back(n.sigma_width_m);
+    }
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, c] : classes)
+    rows.push_back({name, fmt::format("{:.2f}", c.length_m / 1000.0), fmt::format("{:.2f}", median(c.input)),
+                    fmt::format("{:.2f}", median(c.refined)), fmt::format("{:.2f}", median(c.sigma))});
+  std::string html = "<h2>3. Roads moved onto the photo</h2>\n" + color_bar("offset from OpenStreetMap", offset_scale_m, "m") +
+                     figure(picture_of_offsets(in.photo, roads, box, offset_scale_m), "Refined carriageways, colored by how far they moved") +
+                     "<div class=row>";
+  for (const Box2& place : telling_places(roads, 120.0, 6))
+    html += figure(picture_of_refinement(in.photo, in.osm, roads, place), "White: OpenStreetMap. Orange: refined carriageway. 120 m");
+  html += "</div>\n" + table({"highway", "km", "input width m", "refined width m", "sigma width m"}, rows);
+  const PlotSeries shares = histogram(offsets, -8.0, 8.0, 0.25, "");
+  html += svg_line_plot(std::span(&shares, 1), {.title = "Offset of the centre line from OpenStreetMap", .x_label = "offset, left positive (m)", .y_label = "share of nodes (%)", .y_from_zero = true});
+  return html + numbers_of(in, "refine");
+}
+
+std::string elevate_section(const ReportInput& in, const RoadNetwork& roads, const Box2& box) {
+  std::string html = "<h2>4. Heights</h2>\n" + color_bar("gradient", 100.0 * gradient_scale, "%") +
+                     figure(picture_of_gradients(in.photo, roads, box, gradient_scale), "Carriageways colored by their gradient");
+  std::vector<const RoadPath*> longest;
+  for (const RoadPath& path : roads.paths) longest.push_back(&path);
+  std::stable_sort(longest.begin(), longest.end(), [](const RoadPath* a, const RoadPath* b) { return a->nodes.back().s_m > b->nodes.back().s_m; });
+  longest.resize(std::min<std::size_t>(3, longest.size()));
+  for (const RoadPath* path : longest) {
+    PlotSeries terrain{.name = "terrain model"}, profile{.name = "road"};
+    for (const RoadNode& n : path->nodes) {
+      double z = std::nan("");
+      for (const HeightGrid& dtm : in.dtms)
+        if (std::isnan(z)) z = sample_bilinear(dtm, n.p);
+      terrain.x.push_back(n.s_m), terrain.y.push_back(z);
+      profile.x.push_back(n.s_m), profile.y.push_back(n.z_m);
+    }
+    const PlotSeries both[2] = {terrain, profile};
+    html += svg_line_plot(both, {.title = fmt::format("{} ({}, way {})", path->name.empty() ? "unnamed" : path->name, path->highway, path->osm_id),
+                                 .x_label = "distance along the way (m)", .y_label = "height (m)"});
+  }
+  return html + numbers_of(in, "elevate");
+}
+
+std::string network_section(const ReportInput& in, const roadquery::RoadMap& map, const Box2& box) {
+  return "<h2>5. OpenDRIVE road network</h2>\n" +
+         figure(picture_of_network(in.photo, map, box), "Carriageway borders: roads white, connecting roads of junctions orange, bridges blue") +
+         "<div class=row>" +
+         figure(picture_of_network(in.photo, map, busiest_junction(map, 120.0)), "The junction with the most connections, 120 m") +
+         "</div>\n" + numbers_of(in, "network");
+}
+
+std::string scene_section(const ReportInput& in) {
+  std::string html = "<h2>6. 3D Tiles</h2>\n<div class=row>";
+  const fs::path tile = in.out_dir / ".orthodrive" / "scene_tile.png";
+  if (fs::exists(tile)) html += figure({{}, io::read_image(tile)}, "The triangles of one 480 m tile from above: roads orange, cut out of the terrain");
+  html += "</div>\n";
+  for (const auto& [name, caption] : {std::pair{"viewer_fly.png", "The viewer over the site"}, {"viewer_follow.png", "The viewer behind the car"}})
+    if (fs::exists(in.out_dir / name)) html += fmt::format("<figure><img alt=\"{1}\" src=\"{0}\"><figcaption>{1}</figcaption></figure>\n", name, caption);
+  return html + "<p>Look at it with <code>orthodrive view</code> and this folder.</p>\n" + numbers_of(in, "scene");
+}
+
+std::string drive_section(const ReportInput& in) {
+  std::ifstream csv(in.out_dir / "drive" / "lap.csv");
+  std::string line, cell;
+  if (!csv || !std::getline(csv, line)) return "";
+  std::map<std::string, std::vector<double>> column;
+  std::vector<std::string> names;
+  for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell);
+  while (std::getline(csv, line)) {
+    std::istringstream row(line);
+    for (std::size_t i = 0; i < names.size() && std::getline(row, cell, ','); ++i) column[names[i]].push_back(std::strtod(cell.c_str(), nullptr));
+  }
+  Polyline lap;
+  for (std::size_t i = 0; i < column["x_m"].size(); ++i) lap.push_back({column["x_m"][i], column["y_m"][i]});
+  if (lap.empty()) return "";
+  std::vector<double> kmh = column["speed_mps"];
+  const double fastest = 3.6 * *std::max_element(kmh.begin(), kmh.end());
+  Box2 box = bounds_of(lap);
+  const double side = std::max({box.width(), box.height(), 100.0});
+  box = Box2{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y), 0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)}.grown(0.58 * side);
+  std::string html = "<h2>7. The simulated drive</h2>\n" + color_bar("speed", std::round(fastest), "km/h") +
+                     figure(picture_of_lap(in.photo, lap, kmh, box), "The driven lap, colored by speed");
+  for (double& v : kmh) v *= 3.6;
+  const auto plot = [&](const char* title, const char* unit, std::vector<std::pair<std::string, std::vector<double>>> lines) {
+    std::vector<PlotSeries> series;
+    for (auto& [name, y] : lines) series.push_back({.name = lines.size() > 1 ? name : "", .x = column["s_m"], .y = std::move(y)});
+    html += svg_line_plot(series, {.title = title, .x_label = "distance (m)", .y_label = unit, .height_px = 200});
+  };
+  plot("Speed", "km/h", {{"speed", kmh}});
+  plot("Height", "m", {{"height", column["z_m"]}});
+  plot("Acceleration", "m/s\u00b2", {{"longitudinal", column["a_lon_mps2"]}, {"lateral", column["a_lat_mps2"]}});
+  return html + numbers_of(in, "drive") + "<p>More in <a href=\"drive/report.html\">drive/report.html</a>.</p>\n";
+}
+
+std::string score_section(const ReportInput& in) {
+  if (in.scores.is_null()) return "";
+  const json& result = in.scores.at("result");
+  std::vector<std::vector<std::string>> rows;
+  const auto number = [](const json& object, const json::json_pointer& at) {
+    return object.contains(at) && object.at(at).is_number() ? fmt::format("{:.3f}", object.at(at).get<double>()) : std::string("-");
+  };
+  for (const auto& [label, pointer] : std::vector<std::pair<std::string, std::string>>{
+           {"road surface IoU", "/roads/surface_iou"}, {"centre line offset, mean (m)", "/roads/offset_m/mean_abs"},
+           {"centre line offset, 95 % (m)", "/roads/offset_m/p95"}, {"centre line offset, bias (m)", "/roads/offset_m/bias"},
+           {"width error, mean (m)", "/roads/width_m/mean_abs"}, {"width error, bias (m)", "/roads/width_m/bias"},
+           {"height error, mean (m)", "/heights/z_m/mean_abs"}, {"height error, 95 % (m)", "/heights/z_m/p95"},
+           {"road IoU of the labels", "/labels/road_iou"}, {"mean IoU of the labels", "/labels/mean_iou"}})
+    rows.push_back({label, number(in.scores.at("input"), json::json_pointer(pointer)), number(result, json::json_pointer(pointer))});
+  return "<h2>8. Against the truth of this site</h2>\n" + table({"", "input OpenStreetMap", "result"}, rows);
+}
+
+std::string findings_section(const ReportInput& in) {
+  std::map<std::pair<std::string, std::string>, std::pair<int, std::string>> by_code;  // stage, code -> count, an example
+  for (const StageRecord& stage : in.stages)
+    for (const Finding& f : stage.outcome.findings) {
+      auto& [count, example] = by_code[{stage.stage, f.code}];
+      if (count++ == 0) example = f.message;
+    }
+  if (by_code.empty()) return "<h2>Findings</h2><p>None.</p>\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [key, value] : by_code) rows.push_back({key.first, key.second, std::to_string(value.first), value.second});
+  return "<h2>Findings</h2>\n<p>Each is a point in <a href=\"findings.geojson\">findings.geojson</a>.</p>\n" +
+         table({"stage", "code", "places", "for example"}, rows);
+}
+
+std::string stage_section(const ReportInput& in) {
+  std::vector<std::vector<std::string>> rows;
+  double total = 0.0;
+  std::uint64_t peak = 0;
+  for (const StageRecord& r : in.stages) {
+    rows.push_back({r.stage, fmt::format("{:.1f}", r.seconds), fmt::format("{:.0f}", static_cast<double>(r.peak_memory_bytes) / 1e6), r.skipped ? "unchanged, taken over" : ""});
+    total += r.seconds, peak = std::max(peak, r.peak_memory_bytes);
+  }
+  rows.push_back({"all", fmt::format("{:.1f}", total), fmt::format("{:.0f}", static_cast<double>(peak) / 1e6), ""});
+  return "<h2>Seconds and memory</h2>\n" + table({"stage", "seconds", "peak MB", ""}, rows);
+}
+
+constexpr const char* style = R"(
+:root{color-scheme:light;font:16px/1.5 system-ui,"Segoe UI",Roboto,"Helvetica Neue",sans-serif;color:#1d2530;background:#f4f5f7}
+body{margin:0}header{background:#16222e;color:#fff;padding:2.2rem 0}header h1{margin:0;font-size:2rem}header p{margin:.3rem 0 0;color:#b8c4d0}
+main,header>div{max-width:1000px;margin:auto;padding:0 1rem}h2{margin:2.6rem 0 .6rem;border-bottom:2px solid #ff7a00;padding-bottom:.2rem}
+.tiles{display:flex;flex-wrap:wrap;gap:.8rem;margin-top:1.4rem}.tiles div{background:#223344;border-radius:6px;padding:.6rem 1rem;min-width:7rem}
+.tiles b{display:block;font-size:1.35rem}.tiles span{color:#b8c4d0;font-size:.85rem}
+figure{margin:1rem 0}img,svg{max-width:100%;height:auto;display:block;border-radius:4px;background:#fff}figcaption{font-size:.85rem;color:#5a6673;margin-top:.25rem}
+.row{display:grid;grid-template-columns:repeat(auto-fill,minmax(300px,1fr));gap:1rem}
+table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;background:#fff}th,td{padding:.3rem .8rem;border-bottom:1px solid #dde2e7;text-align:left}
+td:not(:first-child){text-align:right}th{background:#e9edf1}.legend span{margin-right:1rem;white-space:nowrap}.legend i{display:inline-block;width:1em;height:1em;border-radius:3px;margin-right:.35em;vertical-align:-.12em}
+.bar span{display:inline-block;width:12rem;height:.8rem;border-radius:3px;vertical-align:middle}footer{max-width:1000px;margin:3rem auto 2rem;padding:0 1rem;color:#5a6673;font-size:.85rem}
+)";
+
+}  // namespace
+
+void write_report(const ReportInput& in) {
+  const LabelMap labels = io::read_labels(in.out_dir / "labels.tif");
+  const RoadNetwork roads = io::read_roads(in.out_dir / "roads.gpkg");
+  const roadquery::RoadMap map = roadquery::read_opendrive((in.out_dir / "roads.xodr").string());
+  const Box2 box = bounds_of(in.site.frame.area.outer);
+
+  double road_m = 0.0, seconds = 0.0;
+  for (const RoadPath& path : roads.paths) road_m += length_m(centerline(path));
+  std::size_t findings = 0;
+  for (const StageRecord& stage : in.stages) findings += stage.outcome.findings.size(), seconds += stage.seconds;
+
+  std::string tiles;
+  const auto tile = [&](const std::string& value, const std::string& label) { tiles += fmt::format("<div><b>{}</b><span>{}</span></div>", escape_xml(value), label); };
+  tile(fmt::format("{:.2f} km\u00b2", area_m2(in.site.frame.area) / 1e6), "area");
+  tile(fmt::format("{:.1f} km", road_m / 1000.0), "roads");
+  tile(std::to_string(map.junctions.size()), "junctions");
+  if (const StageRecord* drive = find_stage(in, "drive"); drive && drive->outcome.numbers.contains("time_s"))
+    tile(fmt::format("{:.1f} s", drive->outcome.numbers["time_s"].get<double>()), "driven");
+  tile(std::to_string(findings), "findings");
+  tile(fmt::format("{:.0f} s", seconds), "to build");
+
+  std::string html = fmt::format("<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n"
+                                 "<title>{0} - Orthodrive</title><style>{1}</style>\n<header><div><h1>{0}</h1><p>A drivable environment from an orthophoto, "
+                                 "OpenStreetMap and a terrain model</p><div class=tiles>{2}</div></div></header>\n<main>\n",
+                                 escape_xml(in.site.name), style, tiles);
+  html += source_section(in, box) + segment_section(in, labels, box) + refine_section(in, roads, box) + elevate_section(in, roads, box);
+  html += network_section(in, map, box) + scene_section(in) + drive_section(in) + score_section(in) + findings_section(in) + stage_section(in);
+  html += "</main>\n<footer>";
+  for (const std::string& text : in.site.attribution) html += "<p>" + escape_xml(text) + "</p>";
+  html += "<p>Made by Orthodrive. <a href=\"run.json\">run.json</a> has the version, options, hashes and timings.</p></footer></html>\n";
+  write_text_file(in.out_dir / "report.html", html);
+}
+
+}  // namespace orthodrive
