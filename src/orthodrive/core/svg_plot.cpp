@@ -1,0 +1,289 @@
+#include "orthodrive/core/svg_plot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+namespace orthodrive {
+namespace {
+
+constexpr const char* ink = "#1f2933";
+constexpr const char* faint_ink = "#66727f";
+constexpr const char* grid_color = "#e4e8ec";
+// Okabe and Ito's palette, which colour-blind readers can tell apart.
+constexpr std::array palette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  void add(double v) {
+    if (!std::isfinite(v)) return;
+    low = std::min(low, v), high = std::max(high, v);
+  }
+  /// Never empty, so that it can be divided by.
+  [[nodiscard]] Range usable(double padding) const {
+    if (low > high) return {0.0, 1.0};
+    const double least = 1e-9 + 1e-6 * std::max(std::abs(low), std::abs(high));
+    const double pad = std::max(padding * (high - low), high - low < least ? least * 10.0 : 0.0);
+    return {low - pad, high + pad};
+  }
+  [[nodiscard]] double size() const { return high - low; }
+};
+
+using Out = std::back_insert_iterator<std::string>;
+
+/// A tick's text with as many decimals as the step needs.
+std::string tick_text(double value, double step) {
+  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
+  return fmt::format("{:.{}f}", std::abs(value) < 1e-9 * step ? 0.0 : value, decimals);
+}
+
+void text(std::string& svg, double x, double y, const char* anchor, const char* color, const std::string& content,
+          const char* more = "") {
+  fmt::format_to(Out(svg), R"(<text x="{:.1f}" y="{:.1f}" text-anchor="{}" fill="{}" {}>{}</text>)", x, y, anchor,
+                 color, more, escape_xml(content));
+}
+
+std::string open_svg(int width_px, int height_px, const std::string& title) {
+  std::string svg = fmt::format(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" role="img" )"
+      R"(style="max-width:100%;height:auto" font-family="system-ui,sans-serif" font-size="12">)"
+      R"(<title>{2}</title><rect width="{0}" height="{1}" fill="#fff"/>)",
+      width_px, height_px, escape_xml(title));
+  text(svg, 12, 20, "start", ink, title, R"(font-weight="600" font-size="14")");
+  return svg;
+}
+
+/// Appends the polyline of a series; of the points in one half pixel column only the first, last, lowest and highest.
+void append_thinned(std::string& points, std::span<const double> x_px, std::span<const double> y_px) {
+  constexpr double column_px = 0.5;
+  std::size_t i = 0;
+  while (i < x_px.size()) {
+    const double column = std::floor(x_px[i] / column_px);
+    std::size_t end = i, low = i, high = i;
+    for (; end < x_px.size() && std::floor(x_px[end] / column_px) == column; ++end) {
+      if (y_px[end] < y_px[low]) low = end;
+      if (y_px[end] > y_px[high]) high = end;
+    }
+    std::array<std::size_t, 4> keep = {i, std::min(low, high), std::max(low, high), end - 1};
+    const auto last = std::unique(keep.begin(), keep.end());
+    for (auto k = keep.begin(); k != last; ++k) fmt::format_to(Out(points), "{:.1f},{:.1f} ", x_px[*k], y_px[*k]);
+    i = end;
+  }
+}
+
+/// Viridis (Smith, van der Walt 2015) at 9 places, linear between them.
+std::string value_color(double f) {
+  static constexpr std::array<std::array<double, 3>, 9> stops = {{{68, 1, 84},
+                                                                  {71, 44, 122},
+                                                                  {59, 81, 139},
+                                                                  {44, 113, 142},
+                                                                  {33, 144, 141},
+                                                                  {39, 173, 129},
+                                                                  {92, 200, 99},
+                                                                  {170, 220, 50},
+                                                                  {253, 231, 37}}};
+  const double at = std::clamp(f, 0.0, 1.0) * (stops.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  const double w = at - static_cast<double>(i);
+  std::array<int, 3> c{};
+  for (std::size_t k = 0; k < 3; ++k)
+    c[k] = static_cast<int>(std::lround((1.0 - w) * stops[i][k] + w * stops[i + 1][k]));
+  return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]);
+}
+
+}  // namespace
+
+std::string escape_xml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::vector<double> round_ticks(double low, double high, int count) {
+  if (!(high > low) || count < 1) return {};
+  const double raw = (high - low) / count;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10.0 * power;
+  for (const double m : {1.0, 2.0, 5.0}) {
+    if (m * power >= raw * (1.0 - 1e-9)) {
+      step = m * power;
+      break;
+    }
+  }
+  std::vector<double> ticks;
+  for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0) ticks.push_back(k * step);
+  return ticks;
+}
+
+std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions& options) {
+  Range x_range, y_range;
+  for (const PlotSeries& s : series) {
+    for (const double v : s.x) x_range.add(v);
+    for (const double v : s.y) y_range.add(v);
+  }
+  if (options.y_from_zero) y_range.add(0.0);
+  const Range xr = x_range.usable(0.0), yr = y_range.usable(0.06);
+
+  const double left = 64, right = options.width_px - 16.0, top = 34, bottom = options.height_px - 42.0;
+  const auto to_x = [&](double v) { return left + (v - xr.low) / xr.size() * (right - left); };
+  const auto to_y = [&](double v) { return bottom - (v - yr.low) / yr.size() * (bottom - top); };
+
+  std::string svg = open_svg(options.width_px, options.height_px, options.title);
+  const auto x_ticks = round_ticks(xr.low, xr.high, 10);
+  for (const double v : x_ticks) {
+    fmt::format_to(Out(svg), R"(<path d="M{0:.1f} {1:.1f}V{2:.1f}" stroke="{3}"/>)", to_x(v), top, bottom, grid_color);
+    text(svg, to_x(v), bottom + 16, "middle", faint_ink,
+         tick_text(v, x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1.0));
+  }
+  const auto y_ticks = round_ticks(yr.low, yr.high, 5);
+  for (const double v : y_ticks) {
+    fmt::format_to(Out(svg), R"(<path d="M{0:.1f} {1:.1f}H{2:.1f}" stroke="{3}"/>)", left, to_y(v), right,
+                   v == 0.0 ? "#aab4be" : grid_color);
+    text(svg, left - 8, to_y(v) + 4, "end", faint_ink,
+         tick_text(v, y_ticks.size() > 1 ? y_ticks[1] - y_ticks[0] : 1.0));
+  }
+  text(svg, 0.5 * (left + right), options.height_px - 8.0, "middle", faint_ink, options.x_label);
+  text(svg, 0, 0, "middle", faint_ink, options.y_label,
+       fmt::format(R"x(transform="translate(16 {:.1f}) rotate(-90)")x", 0.5 * (top + bottom)).c_str());
+
+  double legend_x = right;
+  for (std::size_t i = series.size(); i-- > 0;) {
+    const PlotSeries& s = series[i];
+    const std::string color = s.color.empty() ? palette[i % palette.size()] : s.color;
+    const char* dash = s.dashed ? R"( stroke-dasharray="5 4")" : "";
+    std::vector<double> px, py;
+    std::string points;
+    const auto flush = [&] {
+      points.clear();
+      append_thinned(points, px, py);
+      if (!points.empty()) {
+        points.pop_back();
+        fmt::format_to(
+            Out(svg), R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="1.5" stroke-linejoin="round"{}/>)",
+            points, color, dash);
+      }
+      px.clear(), py.clear();
+    };
+    for (std::size_t k = 0; k < std::min(s.x.size(), s.y.size()); ++k) {
+      if (std::isfinite(s.x[k]) && std::isfinite(s.y[k])) {
+        px.push_back(to_x(s.x[k])), py.push_back(to_y(s.y[k]));
+      } else {
+        flush();
+      }
+    }
+    flush();
+    if (s.name.empty()) continue;
+    text(svg, legend_x, 20, "end", ink, s.name);
+    legend_x -= 7.0 * static_cast<double>(s.name.size()) + 6.0;  // 7 px: about the mean width of a character at 12 px
+    fmt::format_to(Out(svg), R"(<path d="M{:.1f} 16h-20" stroke="{}" stroke-width="2.5"{}/>)", legend_x, color, dash);
+    legend_x -= 34.0;
+  }
+  return svg + "</svg>\n";
+}
+
+std::string svg_map_plot(const MapLine& line, std::span<const PlotSeries> background, const MapPlotOptions& options) {
+  Range xr, yr, vr;
+  for (const double v : line.x_m) xr.add(v);
+  for (const double v : line.y_m) yr.add(v);
+  for (const double v : line.value) vr.add(v);
+  const double margin_m = 0.05 * std::max(xr.usable(0.0).size(), yr.usable(0.0).size()) + 5.0;
+  xr = xr.usable(0.0), yr = yr.usable(0.0), vr = vr.usable(0.0);
+  xr.low -= margin_m, xr.high += margin_m, yr.low -= margin_m, yr.high += margin_m;
+
+  const double left = 12, right = options.width_px - 96.0, top = 34;
+  const double px_per_m = std::min((right - left) / xr.size(), (options.max_height_px - top - 12.0) / yr.size());
+  const double width = right - left, height = std::max(px_per_m * yr.size(), 160.0), bottom = top + height;
+  const double x_mid = 0.5 * (xr.low + xr.high), y_mid = 0.5 * (yr.low + yr.high);
+  const auto to_x = [&](double v) { return 0.5 * (left + right) + (v - x_mid) * px_per_m; };
+  const auto to_y = [&](double v) { return 0.5 * (top + bottom) - (v - y_mid) * px_per_m; };
+
+  std::string svg = open_svg(options.width_px, static_cast<int>(bottom + 12.0), options.title);
+  fmt::format_to(Out(svg),
+                 R"(<svg x="{0}" y="{1}" width="{2:.1f}" height="{3:.1f}" viewBox="{0} {1} {2:.1f} {3:.1f}">)"
+                 R"(<rect x="{0}" y="{1}" width="100%" height="100%" fill="#f4f6f8"/>)",
+                 left, top, width, height);
+  for (const PlotSeries& s : background) {
+    std::string points;
+    bool near = false;
+    for (std::size_t k = 0; k < s.x.size(); ++k) {
+      const double px = to_x(s.x[k]), py = to_y(s.y[k]);
+      near = near || (px >= left && px <= right && py >= top && py <= bottom);
+      fmt::format_to(Out(points), "{:.1f},{:.1f} ", px, py);
+    }
+    if (!near) continue;
+    points.pop_back();
+    fmt::format_to(Out(svg),
+                   R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="2" stroke-linejoin="round"/>)",
+                   points, s.color.empty() ? "#cdd4db" : s.color);
+  }
+  // Pieces of one colour step, each joined to the next by a shared point.
+  constexpr int color_steps = 48;
+  const auto step_of = [&](std::size_t k) {
+    return static_cast<int>(std::clamp((line.value[k] - vr.low) / vr.size(), 0.0, 1.0) * (color_steps - 1) + 0.5);
+  };
+  for (std::size_t k = 0; k + 1 < line.x_m.size();) {
+    const int step = step_of(k);
+    std::string points = fmt::format("{:.1f},{:.1f}", to_x(line.x_m[k]), to_y(line.y_m[k]));
+    double last_x = to_x(line.x_m[k]), last_y = to_y(line.y_m[k]);
+    do {
+      ++k;
+      const double px = to_x(line.x_m[k]), py = to_y(line.y_m[k]);
+      const bool end = k + 1 == line.x_m.size() || step_of(k) != step;
+      if (!end && std::hypot(px - last_x, py - last_y) < 1.0) continue;  // finer than the eye sees
+      fmt::format_to(Out(points), " {:.1f},{:.1f}", px, py);
+      last_x = px, last_y = py;
+    } while (k + 1 < line.x_m.size() && step_of(k) == step);
+    fmt::format_to(Out(svg),
+                   R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="4" stroke-linecap="round"/>)", points,
+                   value_color(step / (color_steps - 1.0)));
+  }
+  if (!options.start_label.empty() && !line.x_m.empty()) {
+    const double px = to_x(line.x_m.front()), py = to_y(line.y_m.front());
+    fmt::format_to(Out(svg), R"(<circle cx="{:.1f}" cy="{:.1f}" r="6" fill="#fff" stroke="{}" stroke-width="2.5"/>)",
+                   px, py, ink);
+    text(svg, px + 10, py - 8, "start", ink, options.start_label,
+         R"(font-weight="600" stroke="#fff" stroke-width="3" paint-order="stroke")");
+  }
+  const auto bars = round_ticks(0.0, 0.25 * width / px_per_m, 1);
+  const double bar_m = bars.empty() ? 1.0 : bars.back();
+  fmt::format_to(Out(svg), R"(<path d="M{:.1f} {:.1f}v6h{:.1f}v-6" fill="none" stroke="{}" stroke-width="1.5"/>)",
+                 left + 12, bottom - 18, bar_m * px_per_m, ink);
+  text(svg, left + 12 + 0.5 * bar_m * px_per_m, bottom - 20, "middle", ink, fmt::format("{:g} m", bar_m));
+  svg += "</svg>";
+
+  const double bar_x = right + 18, bar_h = (bottom - top - 24) / color_steps;
+  text(svg, bar_x, top + 10, "start", faint_ink, options.value_label);
+  for (int i = 0; i < color_steps; ++i) {
+    fmt::format_to(Out(svg), R"(<rect x="{:.1f}" y="{:.1f}" width="16" height="{:.2f}" fill="{}"/>)", bar_x,
+                   bottom - (i + 1) * bar_h, bar_h + 0.3, value_color(i / (color_steps - 1.0)));
+  }
+  const auto ticks = round_ticks(vr.low, vr.high, 5);
+  for (const double v : ticks) {
+    text(svg, bar_x + 22, bottom - (v - vr.low) / vr.size() * bar_h * color_steps + 4, "start", faint_ink,
+         tick_text(v, ticks.size() > 1 ? ticks[1] - ticks[0] : 1.0));
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace orthodrive

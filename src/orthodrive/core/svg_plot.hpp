@@ -1,0 +1,47 @@
+#pragma once
+// Plots for reports as inline SVG: no script, no style sheet, no file beside it.
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace orthodrive {
+
+/// One line of a plot; x and y have the same length. NaN in y interrupts the line.
+struct PlotSeries {
+  std::string name;  ///< in the legend; empty: not listed
+  std::vector<double> x, y;
+  std::string color;  ///< "#rrggbb"; empty: the next of the palette
+  bool dashed = false;
+};
+
+struct PlotOptions {
+  std::string title, x_label, y_label;
+  int width_px = 960, height_px = 260;
+  bool y_from_zero = false;  ///< the y axis includes 0
+};
+
+/// Lines over a common x axis, with ticks at round numbers and a legend. Long series are thinned to the extremes of
+/// each half pixel, so no peak is lost.
+[[nodiscard]] std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions& options = {});
+
+/// A line in the plane, coloured by a value.
+struct MapLine {
+  std::vector<double> x_m, y_m, value;  ///< one value a point
+};
+struct MapPlotOptions {
+  std::string title, value_label;
+  int width_px = 960, max_height_px = 640;
+  std::string start_label;  ///< marks the line's first point; empty: no mark
+};
+/// The coloured line with equal scales, north up, a scale bar and a colour bar. `background` is drawn under it in grey
+/// (other roads), cut to the surroundings of the line.
+[[nodiscard]] std::string svg_map_plot(const MapLine& line, std::span<const PlotSeries> background,
+                                       const MapPlotOptions& options = {});
+
+/// At most about `count` round numbers (1, 2 or 5 times a power of ten apart) inside [low, high].
+[[nodiscard]] std::vector<double> round_ticks(double low, double high, int count);
+/// Text for element content and attributes: & < > " escaped.
+[[nodiscard]] std::string escape_xml(const std::string& text);
+
+}  // namespace orthodrive
