@@ -1,0 +1,114 @@
+#include "orthodrive/io/gdal_support.hpp"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive::io {
+namespace fs = std::filesystem;
+
+void start_gdal() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // GDAL's own threads; ours collect with GdalErrors
+    GDALAllRegister();
+    // The default is 5 % of the machine's memory, on top of what the stages hold.
+    if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(GIntBig{128} << 20);
+    // A truncated JPEG is a warning to libjpeg and grey pixels to its reader.
+    CPLSetConfigOption("GDAL_ERROR_ON_LIBJPEG_WARNING", "TRUE");
+    // GeoPackage stores the time of the last change: same input, same bytes.
+    if (!CPLGetConfigOption("OGR_CURRENT_DATE", nullptr))
+      CPLSetConfigOption("OGR_CURRENT_DATE", "2000-01-01T00:00:00.000Z");
+  });
+}
+
+namespace {
+void CPL_STDCALL collect(CPLErr severity, CPLErrorNum, const char* message) {
+  if (severity >= CE_Failure) static_cast<GdalErrors*>(CPLGetErrorHandlerUserData())->add(message);
+}
+}  // namespace
+
+GdalErrors::GdalErrors() {
+  start_gdal();
+  CPLErrorReset();
+  CPLPushErrorHandlerEx(collect, this);
+}
+GdalErrors::~GdalErrors() { CPLPopErrorHandler(); }
+void GdalErrors::add(const char* message) {
+  if (first_.empty()) first_ = message;
+}
+
+ScopedGdalOption::ScopedGdalOption(const char* key, const char* value) : key_(key) {
+  const char* before = CPLGetThreadLocalConfigOption(key, nullptr);
+  had_before_ = before != nullptr;
+  if (before) before_ = before;
+  CPLSetThreadLocalConfigOption(key, value);
+}
+ScopedGdalOption::~ScopedGdalOption() {
+  CPLSetThreadLocalConfigOption(key_, had_before_ ? before_.c_str() : nullptr);
+}
+
+GdalOptions::GdalOptions(const std::vector<std::string>& options) : texts_(options) {
+  for (std::string& text : texts_) pointers_.push_back(text.data());
+  pointers_.push_back(nullptr);
+}
+
+DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
+  if (!fs::exists(path)) throw InputError(path.string(), "no such file");
+  GdalErrors errors;
+  DatasetPtr dataset(GDALDataset::Open(path.c_str(), kind | GDAL_OF_READONLY));
+  if (!dataset)
+    throw InputError(path.string(),
+                     fmt::format("not a {} that GDAL can read, or truncated{}; get the file again or convert it",
+                                 kind & GDAL_OF_RASTER ? "raster" : "vector file",
+                                 errors.any() ? " (" + errors.text() + ")" : ""));
+  return dataset;
+}
+
+OGRSpatialReference spatial_reference(const Crs& crs) {
+  GdalErrors errors;
+  OGRSpatialReference reference;
+  if (reference.SetFromUserInput(crs.definition.c_str()) != OGRERR_NONE)
+    throw Error(fmt::format("CRS '{}' is unknown{}", crs.definition, errors.any() ? " (" + errors.text() + ")" : ""));
+  reference.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return reference;
+}
+
+Crs crs_of(const OGRSpatialReference& reference) {
+  const char* authority = reference.GetAuthorityName(nullptr);
+  const char* code = reference.GetAuthorityCode(nullptr);
+  if (authority && code && std::string_view(authority) == "EPSG") return {fmt::format("EPSG:{}", code)};
+  const char* const options[] = {"FORMAT=WKT2_2019", nullptr};
+  char* wkt = nullptr;
+  reference.exportToWkt(&wkt, options);
+  Crs crs{wkt ? wkt : ""};
+  CPLFree(wkt);
+  return crs;
+}
+
+void remove_leftovers(const fs::path& unfinished) {
+  for (const char* suffix : {".ovr.tmp", ".msk.tmp", ".msk.ovr.tmp", ".ovr", ".msk", "-journal", "-wal", "-shm", ".aux.xml"}) {
+    fs::path leftover = unfinished;
+    leftover += suffix;
+    std::error_code ignored;
+    fs::remove(leftover, ignored);
+  }
+}
+
+std::string describe_lonlat(const Box2& box) {
+  return fmt::format("longitude {:.5f}..{:.5f}, latitude {:.5f}..{:.5f}", box.min_x, box.max_x, box.min_y, box.max_y);
+}
+
+Box2 lonlat_bounds(const Ring& ring, const Crs& crs) {
+  const CoordinateTransform lonlat_from_site(crs, Crs{"EPSG:4326"});
+  Ring lonlat;
+  for (const Vec2 p : ring) lonlat.push_back(lonlat_from_site.target_from_source(p));
+  return bounds_of(lonlat);
+}
+
+}  // namespace orthodrive::io

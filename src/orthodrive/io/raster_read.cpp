@@ -1,0 +1,304 @@
+// Reading of rasters. What the photo and terrain readers share: open, check, warp into our own memory.
+
+#include <fmt/format.h>
+#include <gdal_utils.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster_support.hpp"
+#include "orthodrive/model/sample_height.hpp"
+
+namespace orthodrive::io {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr float no_height = std::numeric_limits<float>::quiet_NaN();
+
+Polygon outline(const Georeference& g, int width, int height) {
+  constexpr int steps = 16;  // a side: its edges bend in other CRSs
+  const OGRSpatialReference lonlat = spatial_reference({"EPSG:4326"});
+  GdalErrors errors;
+  const std::unique_ptr<OGRCoordinateTransformation> t(OGRCreateCoordinateTransformation(&g.reference, &lonlat));
+  const double corners[5][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {0, 0}};  // counter-clockwise: down the west side first
+  Polygon result;
+  for (int side = 0; side < 4; ++side)
+    for (int i = 0; i < steps; ++i) {
+      const double f = static_cast<double>(i) / steps;
+      const double col = width * (corners[side][0] + f * (corners[side + 1][0] - corners[side][0]));
+      const double row = height * (corners[side][1] + f * (corners[side + 1][1] - corners[side][1]));
+      Vec2 p{g.c[0] + col * g.c[1] + row * g.c[2], g.c[3] + col * g.c[4] + row * g.c[5]};
+      if (!t || !t->Transform(1, &p.x, &p.y)) throw Error("its place on the globe cannot be computed: " + errors.text());
+      result.outer.push_back(p);
+    }
+  return result;
+}
+
+double rounded_gsd_m(double gsd_m) { return std::max(0.01, std::round(gsd_m * 100.0) / 100.0); }
+
+/// Runs `arguments` of gdalwarp from `source` into the memory behind `target`.
+void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::vector<std::string> arguments, int threads) {
+  // The memory limit decides how GDAL cuts the work, the thread count does not: same bytes for any thread count.
+  // Source coordinates are exact to 0.02 px. No overviews: they are a second, blurred photo.
+  for (const char* argument : {"-wm", "64", "-et", "0.02", "-ovr", "NONE", "-wo"}) arguments.emplace_back(argument);
+  arguments.push_back(fmt::format("NUM_THREADS={}", worker_count(threads)));
+  GdalOptions list(arguments);
+  GdalErrors errors;
+  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(list.get(), nullptr);
+  GDALDatasetH sources[1] = {GDALDataset::ToHandle(&source)};
+  int usage_error = 0;
+  const bool done = GDALWarp(nullptr, GDALDataset::ToHandle(&target), 1, sources, options, &usage_error) != nullptr;
+  GDALWarpAppOptionsFree(options);
+  if (!done || errors.any())
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); is it truncated? Get the file again", errors.text()));
+}
+
+DatasetPtr translate_to_vrt(GDALDataset& source, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"-of", "VRT"});
+  GdalOptions list(arguments);
+  GDALTranslateOptions* options = GDALTranslateOptionsNew(list.get(), nullptr);
+  DatasetPtr result(GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(&source), options, nullptr)));
+  GDALTranslateOptionsFree(options);
+  if (!result) throw Error("GDAL cannot make a virtual raster");
+  return result;
+}
+
+/// A view of the photo with the bands red, green, blue and, if it has one, alpha; null when it is that already.
+DatasetPtr as_rgb(const fs::path& path, GDALDataset& photo) {
+  GDALRasterBand& first = *photo.GetRasterBand(1);
+  if (first.GetRasterDataType() != GDT_Byte)
+    throw InputError(path.string(), fmt::format("has {} samples, need 8 bit; convert it: gdal_translate -ot Byte -scale IN OUT.tif",
+                                                GDALGetDataTypeName(first.GetRasterDataType())));
+  if (first.GetColorTable()) return translate_to_vrt(photo, {"-expand", "rgb"});
+  const int bands = photo.GetRasterCount();
+  int alpha = 0;
+  for (int b = 1; b <= bands; ++b)
+    if (photo.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand) alpha = b;
+  const int colors = bands - (alpha ? 1 : 0);
+  if (colors == 3 && (alpha == 0 || alpha == 4)) return nullptr;
+  std::vector<std::string> arguments;
+  for (int b = 1; b <= 3; ++b) arguments.insert(arguments.end(), {"-b", std::to_string(colors >= 3 ? b : 1)});
+  if (alpha) arguments.insert(arguments.end(), {"-b", std::to_string(alpha), "-colorinterp_4", "alpha"});
+  return translate_to_vrt(photo, arguments);
+}
+
+/// Sets valid to 0 or 1: from alpha 0..255, and 0 outside the area.
+void finish_validity(Photo& photo, const Polygon& area) {
+  Raster<std::uint8_t> inside(photo.frame.width, photo.frame.height);
+  fill_polygon(inside, photo.frame, area, std::uint8_t{1});
+  for (std::size_t i = 0; i < inside.data.size(); ++i)
+    photo.valid.data[i] = photo.valid.data[i] >= 128 && inside.data[i] ? 1 : 0;
+}
+
+std::string describe_extent(const Georeference& g, GDALDataset& dataset) {
+  return describe_lonlat(bounds_of(outline(g, dataset.GetRasterXSize(), dataset.GetRasterYSize()).outer));
+}
+}  // namespace
+
+RasterInfo raster_info(const fs::path& path) {
+  const DatasetPtr dataset = open_dataset(path, GDAL_OF_RASTER);
+  const Georeference g = georeference_of(path, *dataset);
+  require_complete(path, *dataset);
+  RasterInfo info{.crs = crs_of(g.reference), .width = dataset->GetRasterXSize(), .height = dataset->GetRasterYSize(),
+                  .bands = dataset->GetRasterCount()};
+  info.gsd_m = ground_sampling_distance_m(g, info.width, info.height);
+  info.outline_lonlat = outline(g, info.width, info.height);
+  return info;
+}
+
+Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOptions& options) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  const Georeference g = georeference_of(path, *source);
+  require_complete(path, *source);
+  const double source_gsd_m = ground_sampling_distance_m(g, source->GetRasterXSize(), source->GetRasterYSize());
+  const double gsd_m = options.gsd_m > 0.0 ? options.gsd_m : rounded_gsd_m(source_gsd_m);
+
+  Photo photo{.crs = site.crs, .frame = covering_grid(bounds_of(site.area.outer), gsd_m)};
+  photo.rgb = Raster<std::uint8_t>(photo.frame.width, photo.frame.height, 3);
+  photo.valid = Raster<std::uint8_t>(photo.frame.width, photo.frame.height);
+  const DatasetPtr target = memory_dataset(photo.frame.width, photo.frame.height);
+  place(*target, photo.frame, site.crs);
+  wrap_channels(*target, photo.rgb);
+  wrap_channels(*target, photo.valid);
+  target->GetRasterBand(4)->SetColorInterpretation(GCI_AlphaBand);
+
+  const DatasetPtr rgb = as_rgb(path, *source);
+  // Where the photo is much finer, cubic convolution would see only the pixels around each centre.
+  const char* resampling = gsd_m > 2.0 * source_gsd_m ? "average" : "cubic";
+  warp(path, rgb ? *rgb : *source, *target, {"-r", resampling, "-wo", "UNIFIED_SRC_NODATA=YES"}, options.threads);
+  target->FlushCache(false);
+
+  finish_validity(photo, site.area);
+  if (std::find(photo.valid.data.begin(), photo.valid.data.end(), 1) == photo.valid.data.end())
+    throw InputError(path.string(), fmt::format("shows nothing of the area: it covers {}, the area is {}; take another photo or area",
+                                                describe_extent(g, *source), describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
+  return photo;
+}
+
+Photo read_photo_native(const fs::path& path) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  const GridFrame frame = north_up_frame(path, *source);
+  require_complete(path, *source);
+  const DatasetPtr view = as_rgb(path, *source);
+  GDALDataset& rgb = view ? *view : *source;
+  Photo photo{.crs = crs_of(*source->GetSpatialRef()), .frame = frame};
+  photo.rgb = Raster<std::uint8_t>(frame.width, frame.height, 3);
+  photo.valid = Raster<std::uint8_t>(frame.width, frame.height, 1, 1);
+  GdalErrors errors;
+  const GSpacing line = GSpacing{3} * frame.width;
+  int bands[3] = {1, 2, 3};
+  bool read = rgb.RasterIO(GF_Read, 0, 0, frame.width, frame.height, photo.rgb.data.data(), frame.width, frame.height, GDT_Byte, 3,
+                           bands, 3, line, 1, nullptr) == CE_None;
+  // A pixel is invalid only where every band says so: black in one band alone is a colour.
+  Raster<std::uint8_t> mask(frame.width, frame.height);
+  for (int b = 1; b <= 3 && read; ++b) {
+    GDALRasterBand& band = *rgb.GetRasterBand(b);
+    if (band.GetMaskFlags() & GMF_ALL_VALID) break;
+    if (b == 1) std::fill(photo.valid.data.begin(), photo.valid.data.end(), std::uint8_t{0});
+    read = band.GetMaskBand()->RasterIO(GF_Read, 0, 0, frame.width, frame.height, mask.data.data(), frame.width, frame.height,
+                                        GDT_Byte, 0, 0, nullptr) == CE_None;
+    for (std::size_t i = 0; i < mask.data.size(); ++i) photo.valid.data[i] |= mask.data[i] >= 128 ? 1 : 0;
+    if (band.GetMaskFlags() & GMF_PER_DATASET) break;
+  }
+  if (!read) throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  return photo;
+}
+
+namespace {
+/// A DTM of integers with a scale (decimetres, say) read as metres.
+DatasetPtr unscaled(GDALDataset& dtm) {
+  int has_scale = 0, has_offset = 0;
+  GDALRasterBand& band = *dtm.GetRasterBand(1);
+  const double scale = band.GetScale(&has_scale), offset = band.GetOffset(&has_offset);
+  if (scale == 1.0 && offset == 0.0) return nullptr;
+  return translate_to_vrt(dtm, {"-unscale", "-ot", "Float32"});
+}
+
+bool lies_on_own_grid(const Georeference& g, const Crs& site_crs) {
+  const OGRSpatialReference site = spatial_reference(site_crs);
+  const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", nullptr};
+  return g.reference.IsSame(&site, options) && g.c[2] == 0.0 && g.c[4] == 0.0 && g.c[1] > 0.0 &&
+         std::abs(g.c[1] + g.c[5]) <= 1e-6 * g.c[1];
+}
+
+/// The pixels of the frame that the box needs, without resampling.
+HeightGrid read_window(const fs::path& path, GDALDataset& dtm, const Georeference& g, const Box2& box) {
+  const int width = dtm.GetRasterXSize(), height = dtm.GetRasterYSize();
+  const GridFrame whole{g.c[0], g.c[3], g.c[1], width, height};
+  const Vec2 nw = whole.pixel_from_world({box.min_x, box.max_y}), se = whole.pixel_from_world({box.max_x, box.min_y});
+  const auto clamped = [](double value, int limit) { return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit))); };
+  const int col0 = clamped(std::floor(nw.x), width), row0 = clamped(std::floor(nw.y), height);
+  const int col1 = clamped(std::ceil(se.x), width), row1 = clamped(std::ceil(se.y), height);
+  HeightGrid grid;
+  const Vec2 corner = whole.world_from_pixel(col0, row0);
+  grid.frame = {corner.x, corner.y, whole.gsd_m, std::max(0, col1 - col0), std::max(0, row1 - row0)};
+  grid.height_m = Raster<float>(grid.frame.width, grid.frame.height);
+  if (grid.height_m.empty()) return grid;
+  GdalErrors errors;
+  GDALRasterBand& band = *dtm.GetRasterBand(1);
+  if (band.RasterIO(GF_Read, col0, row0, grid.frame.width, grid.frame.height, grid.height_m.data.data(), grid.frame.width,
+                    grid.frame.height, GDT_Float32, 0, 0, nullptr) != CE_None)
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  int has_nodata = 0;
+  const auto nodata = static_cast<float>(band.GetNoDataValue(&has_nodata));
+  if (has_nodata) std::replace(grid.height_m.data.begin(), grid.height_m.data.end(), nodata, no_height);
+  return grid;
+}
+
+HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const SiteFrame& site, const Box2& box, double gsd_m) {
+  HeightGrid grid{.frame = covering_grid(box, gsd_m)};
+  grid.height_m = Raster<float>(grid.frame.width, grid.frame.height, 1, no_height);
+  const DatasetPtr target = memory_dataset(grid.frame.width, grid.frame.height);
+  place(*target, grid.frame, site.crs);
+  wrap_channels(*target, grid.height_m);
+  target->GetRasterBand(1)->SetNoDataValue(no_height);
+  warp(path, dtm, *target, {"-r", "cubic", "-wo", "INIT_DEST=NO_DATA", "-dstnodata", "nan"}, 0);
+  target->FlushCache(false);
+  return grid;
+}
+
+std::string vertical_datum_of(const OGRSpatialReference& reference) {
+  const char* name = reference.GetAttrValue("VERT_DATUM");
+  return name ? name : "";
+}
+}  // namespace
+
+HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  const Georeference g = georeference_of(path, *source);
+  require_complete(path, *source);
+  const DatasetPtr metres = unscaled(*source);
+  GDALDataset& dtm = metres ? *metres : *source;
+  const Box2 box = bounds_of(site.area.outer).grown(margin_m);
+  const double gsd_m = ground_sampling_distance_m(g, source->GetRasterXSize(), source->GetRasterYSize());
+  HeightGrid grid = lies_on_own_grid(g, site.crs) ? read_window(path, dtm, g, box)
+                                                  : warp_window(path, dtm, site, box, rounded_gsd_m(gsd_m));
+  grid.crs = site.crs;
+  grid.vertical_datum = vertical_datum_of(g.reference);
+  // Roads need heights all over the area; a rim thinner than a pixel or a pond without returns is no obstacle.
+  constexpr double least_coverage = 0.98;
+  const double covered = coverage(grid, site);
+  if (covered < least_coverage)
+    throw InputError(path.string(),
+                     fmt::format("has heights for {:.1f} % of the area only: it covers {}, the area is {}; add a terrain model or "
+                                 "choose a smaller area",
+                                 100.0 * covered, describe_extent(g, *source),
+                                 describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
+  return grid;
+}
+
+double coverage(const HeightGrid& grid, const SiteFrame& site) {
+  if (grid.height_m.empty()) return 0.0;
+  const GridFrame places = covering_grid(bounds_of(site.area.outer), grid.frame.gsd_m);
+  std::size_t inside = 0, known = 0;
+  rasterize(site.area, places, [&](int row, int begin, int end) {
+    for (int col = begin; col < end; ++col) {
+      ++inside;
+      known += std::isnan(sample_bilinear(grid, places.center_of(col, row))) ? 0 : 1;
+    }
+  });
+  return inside == 0 ? 0.0 : static_cast<double>(known) / static_cast<double>(inside);
+}
+
+LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& classes) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  LabelMap map{.frame = north_up_frame(path, *source)};
+  require_complete(path, *source);
+  map.crs = crs_of(*source->GetSpatialRef());
+  GDALRasterBand& band = *source->GetRasterBand(1);
+  if (source->GetRasterCount() != 1 || band.GetRasterDataType() != GDT_Byte)
+    throw InputError(path.string(), "is not a label map: need one band of 8 bit");
+  const char* stored = source->GetMetadataItem("ORTHODRIVE_CLASSES");
+  if (!classes && !stored)
+    throw InputError(path.string(), "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
+  map.classes = classes ? *classes : class_table_from_json(stored);
+  map.labels = Raster<std::uint8_t>(map.frame.width, map.frame.height);
+  GdalErrors errors;
+  if (band.RasterIO(GF_Read, 0, 0, map.frame.width, map.frame.height, map.labels.data.data(), map.frame.width, map.frame.height,
+                    GDT_Byte, 0, 0, nullptr) != CE_None)
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  for (const std::uint8_t label : map.labels.data)
+    if (label != label_nodata && label >= map.classes.classes.size())
+      throw InputError(path.string(), fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
+                                                  "model that made it", label, map.classes.name, map.classes.classes.size()));
+  return map;
+}
+
+Raster<std::uint8_t> read_image(const fs::path& path) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  const DatasetPtr view = as_rgb(path, *source);
+  GDALDataset& rgb = view ? *view : *source;
+  Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
+  GdalErrors errors;
+  int bands[3] = {1, 2, 3};
+  if (rgb.RasterIO(GF_Read, 0, 0, image.width, image.height, image.data.data(), image.width, image.height, GDT_Byte, 3, bands, 3,
+                   GSpacing{3} * image.width, 1, nullptr) != CE_None)
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  return image;
+}
+
+}  // namespace orthodrive::io
