@@ -330,7 +330,7 @@ TEST(Dtm, other_crs_is_warped_to_the_same_heights) {
   for (int row = 8; row < back.frame.height - 8; ++row)
     for (int col = 8; col < back.frame.width - 8; ++col) {
       const Vec2 p = utm32_from_utm33.source_from_target(back.frame.center_of(col, row));
-      EXPECT_NEAR(back.height_m.at(col, row), 100.0 + 0.1 * (p.x - 500000.0) - 0.05 * (p.y - 5540000.0), 0.01);
+      EXPECT_NEAR(back.height_m.at(col, row), 100.0 + 0.1 * (p.x - 500000.0) - 0.05 * (p.y - 5540000.0), 0.005);  // GDAL widens its kernel a little
     }
 }
 
@@ -342,7 +342,7 @@ TEST(Dtm, nodata_becomes_nan_and_lack_of_cover_is_refused_with_its_share) {
   io::write_dtm(scratch / "dtm.tif", plane);
   const SiteFrame west{utm33, rectangle(500010.0, 5539600.0, 500200.0, 5539900.0)}, both{utm33, rectangle(500050.0, 5539600.0, 500450.0, 5539900.0)};
   EXPECT_DOUBLE_EQ(io::coverage(io::read_dtm(scratch / "dtm.tif", west), west), 1.0);
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(scratch / "dtm.tif", both); }), HasSubstr("heights for 4"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(scratch / "dtm.tif", both); }), HasSubstr("heights for 50.0 %"));
 }
 
 TEST(Dtm, far_away_is_refused) {
