@@ -1,0 +1,69 @@
+#pragma once
+// The scene for the eye: textured terrain with the roads cut in, tile by tile. What is seen is what is driven: road
+// vertices lie on the surface of roadquery/road_surface.hpp. How it is made: docs/scene.md.
+
+#include <compare>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/core/monitor.hpp"
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/scene.hpp"
+#include "roadquery/road_map.hpp"
+
+namespace orthodrive {
+
+/// Borrowed: what is given must outlive the call, for lay_out_scene() the layout. All in the site CRS.
+struct SceneInput {
+  const roadquery::RoadMap& roads;
+  const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
+  const Photo& photo;
+  Polygon area;               ///< the scene ends here; without an outer ring: where the photo's grid ends
+};
+
+struct SceneOptions {
+  double road_tolerance_m = 0.02;  ///< of the road mesh's edges from the exact ones
+  double terrain_step_m = 10.0;    ///< distance of terrain vertices, also along tile borders
+  double verge_m = 5.0;            ///< over this distance from a road the ground goes from the road's edge to the DTM
+  double deck_thickness_m = 0.8;   ///< of bridges
+  int max_texture_px = 2048;       ///< a tile side; photos coarser than that keep their own resolution
+  int threads = 0;                 ///< 0 = all cores; the result does not depend on it
+};
+
+/// Tiles are squares of 480 m whose corners are multiples of 480 m in the site CRS.
+constexpr double scene_tile_m = 480.0;
+
+struct TileAddress {
+  int column = 0, row = 0;  ///< easting / 480 m, northing / 480 m, rounded down
+  friend auto operator<=>(const TileAddress&, const TileAddress&) = default;
+};
+
+/// What tiles share: the roads' union by level, its heights, the splits at tile borders.
+class SceneLayout;
+
+/// Throws InputError when the terrain has no height at all.
+[[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input, const SceneOptions& options = {});
+/// The tiles that share ground with the area, by column, then row.
+[[nodiscard]] const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout);
+/// Middle of the area at a height of the terrain, whole metres.
+[[nodiscard]] Vec3 scene_origin(const SceneLayout& layout);
+[[nodiscard]] const Findings& scene_findings(const SceneLayout& layout);
+/// Meshes "terrain" and "road" share the vertices where they meet; decks of bridges are in "road", their sides and
+/// undersides in "bridge". Vertices on the tile's border equal those of the neighbour bit by bit, once the origins are
+/// added. No meshes where there is no ground. Safe from any thread.
+[[nodiscard]] SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address);
+
+struct SceneResult {
+  std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;
+  double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
+  Findings findings;
+};
+
+/// All tiles, in parallel, each handed to `write` from a worker thread as soon as it is done and then forgotten.
+SceneResult build_scene(const SceneInput& input, const std::function<void(const SceneTile&, Vec3 site_origin)>& write,
+                        const SceneOptions& options = {}, Monitor* monitor = nullptr);
+
+}  // namespace orthodrive
