@@ -203,17 +203,18 @@ std::optional<Hit> RoadQuery::search(double x, double y, double z_hint, int pref
   if (count == 0) return std::nullopt;
 
   const auto level_distance = [&](const Candidate& c) { return std::isnan(z_hint) ? -c.z : std::abs(c.z - z_hint); };
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < count; ++i) nearest = std::min(nearest, level_distance(found[i]));
+  const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
+  const double level_z = std::min_element(found.begin(), end, [&](const Candidate& a, const Candidate& b) {
+                           return level_distance(a) < level_distance(b);
+                         })->z;
   const Candidate* best = nullptr;
   const auto better = [&](const Candidate& a, const Candidate& b) {
     if (a.on_seam != b.on_seam) return !a.on_seam;
     if ((a.road == preferred_road) != (b.road == preferred_road)) return a.road == preferred_road;
     return a.off_center < b.off_center;  // equal: the one found first, which has the lower index
   };
-  for (std::size_t i = 0; i < count; ++i) {
-    if (level_distance(found[i]) > nearest + same_level_m) continue;
-    if (best == nullptr || better(found[i], *best)) best = &found[i];
+  for (auto c = found.begin(); c != end; ++c) {
+    if (std::abs(c->z - level_z) <= same_level_m && (best == nullptr || better(*c, *best))) best = &*c;
   }
   return to_hit(map_.roads[static_cast<std::size_t>(best->road)], *best);
 }
