@@ -40,6 +40,13 @@ Polygon outline(const Georeference& g, int width, int height) {
 
 double rounded_gsd_m(double gsd_m) { return std::max(0.01, std::round(gsd_m * 100.0) / 100.0); }
 
+/// How a raster of that pixel size goes to `gsd_m`. GDAL would guess the scale from the windows, which a turned grid
+/// makes larger: it would blur a photo that only changes its CRS.
+std::vector<std::string> cubic_resampling(const PixelSize& source, double gsd_m) {
+  return {"-r", "cubic", "-wo", fmt::format("XSCALE={}", std::min(1.0, source.along_row_m / gsd_m)), "-wo",
+          fmt::format("YSCALE={}", std::min(1.0, source.along_column_m / gsd_m))};
+}
+
 /// Runs `arguments` of gdalwarp from `source` into the memory behind `target`.
 void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::vector<std::string> arguments, int threads) {
   // The memory limit decides how GDAL cuts the work, the thread count does not: same bytes for any thread count.
@@ -105,7 +112,7 @@ RasterInfo raster_info(const fs::path& path) {
   require_complete(path, *dataset);
   RasterInfo info{.crs = crs_of(g.reference), .width = dataset->GetRasterXSize(), .height = dataset->GetRasterYSize(),
                   .bands = dataset->GetRasterCount()};
-  info.gsd_m = ground_sampling_distance_m(g, info.width, info.height);
+  info.gsd_m = pixel_size(g, info.width, info.height).gsd_m();
   info.outline_lonlat = outline(g, info.width, info.height);
   return info;
 }
@@ -114,8 +121,8 @@ Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOpt
   const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
   const Georeference g = georeference_of(path, *source);
   require_complete(path, *source);
-  const double source_gsd_m = ground_sampling_distance_m(g, source->GetRasterXSize(), source->GetRasterYSize());
-  const double gsd_m = options.gsd_m > 0.0 ? options.gsd_m : rounded_gsd_m(source_gsd_m);
+  const PixelSize source_pixel = pixel_size(g, source->GetRasterXSize(), source->GetRasterYSize());
+  const double gsd_m = options.gsd_m > 0.0 ? options.gsd_m : rounded_gsd_m(source_pixel.gsd_m());
 
   Photo photo{.crs = site.crs, .frame = covering_grid(bounds_of(site.area.outer), gsd_m)};
   photo.rgb = Raster<std::uint8_t>(photo.frame.width, photo.frame.height, 3);
@@ -128,9 +135,11 @@ Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOpt
 
   const DatasetPtr rgb = as_rgb(path, *source);
   // Where the photo is much finer, cubic convolution would see only the pixels around each centre.
-  const char* resampling = gsd_m > 2.0 * source_gsd_m ? "average" : "cubic";
-  warp(path, rgb ? *rgb : *source, *target, {"-r", resampling, "-et", "0.02", "-wo", "UNIFIED_SRC_NODATA=YES"},
-       options.threads);  // 0.02 px is below what anyone sees and ten times as fast as exact
+  std::vector<std::string> arguments = gsd_m > 2.0 * source_pixel.gsd_m() ? std::vector<std::string>{"-r", "average"}
+                                                                         : cubic_resampling(source_pixel, gsd_m);
+  // An error of 0.02 px is below what anyone sees; exact coordinates take ten times as long.
+  arguments.insert(arguments.end(), {"-et", "0.02", "-wo", "UNIFIED_SRC_NODATA=YES"});
+  warp(path, rgb ? *rgb : *source, *target, arguments, options.threads);
   target->FlushCache(false);
 
   finish_validity(photo, site.area);
@@ -210,14 +219,16 @@ HeightGrid read_window(const fs::path& path, GDALDataset& dtm, const Georeferenc
   return grid;
 }
 
-HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const SiteFrame& site, const Box2& box, double gsd_m) {
-  HeightGrid grid{.frame = covering_grid(box, gsd_m)};
+HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const SiteFrame& site, const Box2& box, const PixelSize& pixel) {
+  HeightGrid grid{.frame = covering_grid(box, rounded_gsd_m(pixel.gsd_m()))};
   grid.height_m = Raster<float>(grid.frame.width, grid.frame.height, 1, no_height);
   const DatasetPtr target = memory_dataset(grid.frame.width, grid.frame.height);
   place(*target, grid.frame, site.crs);
   wrap_channels(*target, grid.height_m);
   target->GetRasterBand(1)->SetNoDataValue(no_height);
-  warp(path, dtm, *target, {"-r", "cubic", "-et", "0", "-wo", "INIT_DEST=NO_DATA", "-dstnodata", "nan"}, 0);
+  std::vector<std::string> arguments = cubic_resampling(pixel, grid.frame.gsd_m);
+  arguments.insert(arguments.end(), {"-et", "0", "-wo", "INIT_DEST=NO_DATA", "-dstnodata", "nan"});
+  warp(path, dtm, *target, arguments, 0);
   target->FlushCache(false);
   return grid;
 }
@@ -235,9 +246,9 @@ HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m
   const DatasetPtr metres = unscaled(*source);
   GDALDataset& dtm = metres ? *metres : *source;
   const Box2 box = bounds_of(site.area.outer).grown(margin_m);
-  const double gsd_m = ground_sampling_distance_m(g, source->GetRasterXSize(), source->GetRasterYSize());
-  HeightGrid grid = lies_on_own_grid(g, site.crs) ? read_window(path, dtm, g, box)
-                                                  : warp_window(path, dtm, site, box, rounded_gsd_m(gsd_m));
+  HeightGrid grid = lies_on_own_grid(g, site.crs)
+                        ? read_window(path, dtm, g, box)
+                        : warp_window(path, dtm, site, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
   grid.crs = site.crs;
   grid.vertical_datum = vertical_datum_of(g.reference);
   // Roads need heights all over the area; a rim thinner than a pixel or a pond without returns is no obstacle.

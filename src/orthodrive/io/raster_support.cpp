@@ -37,7 +37,7 @@ GridFrame north_up_frame(const fs::path& path, GDALDataset& dataset) {
   return {g.c[0], g.c[3], g.c[1], dataset.GetRasterXSize(), dataset.GetRasterYSize()};
 }
 
-double ground_sampling_distance_m(const Georeference& g, int width, int height) {
+PixelSize pixel_size(const Georeference& g, int width, int height) {
   OGRSpatialReference lonlat = spatial_reference({"EPSG:4326"});
   const auto world = [&](double col, double row) {
     return Vec2{g.c[0] + col * g.c[1] + row * g.c[2], g.c[3] + col * g.c[4] + row * g.c[5]};
@@ -52,9 +52,7 @@ double ground_sampling_distance_m(const Georeference& g, int width, int height) 
   const Vec2 center = transform_to(lonlat, world(col, row));
   const OGRSpatialReference metric = spatial_reference(utm_crs(center.x, center.y));
   const Vec2 origin = transform_to(metric, world(col, row));
-  const double across = distance(origin, transform_to(metric, world(col + 1.0, row)));
-  const double down = distance(origin, transform_to(metric, world(col, row + 1.0)));
-  return std::sqrt(across * down);
+  return {distance(origin, transform_to(metric, world(col + 1.0, row))), distance(origin, transform_to(metric, world(col, row + 1.0)))};
 }
 
 void require_complete(const fs::path& path, GDALDataset& dataset) {

@@ -1,6 +1,8 @@
 #pragma once
 // Shared by the raster readers and writers of io: wrapping our rasters as GDAL datasets, georeferencing, completeness.
 
+#include <cmath>
+
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/io/gdal_support.hpp"
 
@@ -15,8 +17,12 @@ struct Georeference {
 [[nodiscard]] Georeference georeference_of(const std::filesystem::path& path, GDALDataset& dataset);
 /// Throws InputError unless the raster lies north-up, with square pixels, in a CRS in metres.
 [[nodiscard]] GridFrame north_up_frame(const std::filesystem::path& path, GDALDataset& dataset);
-/// In metres at the centre of the raster, whatever the CRS's unit; geometric mean of both directions.
-[[nodiscard]] double ground_sampling_distance_m(const Georeference& georeference, int width, int height);
+/// Edges of the pixel at the centre of the raster on the ground, whatever the CRS's unit.
+struct PixelSize {
+  double along_row_m = 0.0, along_column_m = 0.0;
+  [[nodiscard]] double gsd_m() const { return std::sqrt(along_row_m * along_column_m); }
+};
+[[nodiscard]] PixelSize pixel_size(const Georeference& georeference, int width, int height);
 
 /// Throws InputError when a block of a GeoTIFF lies beyond the end of the file: GDAL opens such a file without a word.
 void require_complete(const std::filesystem::path& path, GDALDataset& dataset);
