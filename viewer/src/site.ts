@@ -1,0 +1,76 @@
+// Reads what `orthodrive build` left behind: /site/scene/tileset.json, run.json, drive/lap.csv, findings.geojson.
+// The scene's frame here is the site CRS less the site's origin: x east, y north, z up, metres.
+
+import {Matrix4} from 'three';
+
+import {Lap} from './lap';
+
+export const tilesetUrl = 'site/scene/tileset.json';
+
+export interface Finding {
+  severity: 'info' | 'warning' | 'error';
+  code: string;
+  message: string;
+  longitudeDeg: number;
+  latitudeDeg: number;
+}
+
+export interface Site {
+  name: string;
+  attribution: string[];
+  crs: string;
+  origin: [number, number, number]; // of the scene, in the site CRS
+  localFromEcef: Matrix4;
+  lap?: Lap;
+  findings: Finding[];
+}
+
+interface TilesetJson {
+  asset: {extras?: {orthodrive?: {crs: string; origin: [number, number, number]}}};
+  root: {transform?: number[]};
+}
+
+interface RunJson {
+  site?: string;
+  attribution?: string[];
+}
+
+interface FindingsJson {
+  features: {
+    geometry: {coordinates: [number, number]};
+    properties: {severity: Finding['severity']; code: string; message: string};
+  }[];
+}
+
+/** Undefined when the server has no such file: a site need not have a lap, findings or a run.json. */
+async function fetchOptional(url: string): Promise<Response | undefined> {
+  const response = await fetch(url);
+  if (response.status === 404) return undefined;
+  if (!response.ok) throw new Error(`${url}: the server answers ${response.status}`);
+  return response;
+}
+
+export async function loadSite(): Promise<Site> {
+  const tilesetResponse = await fetchOptional(tilesetUrl);
+  if (!tilesetResponse) throw new Error(`${tilesetUrl} is missing: build the site, then open it with "orthodrive view DIR"`);
+  const tileset = (await tilesetResponse.json()) as TilesetJson;
+  const frame = tileset.asset.extras?.orthodrive;
+  if (!frame || !tileset.root.transform) throw new Error(`${tilesetUrl} was not written by orthodrive: it names no site CRS`);
+
+  const run = (await (await fetchOptional('site/run.json'))?.json()) as RunJson | undefined;
+  const lapText = await (await fetchOptional('site/drive/lap.csv'))?.text();
+  const findings = (await (await fetchOptional('site/findings.geojson'))?.json()) as FindingsJson | undefined;
+  return {
+    name: run?.site ?? '',
+    attribution: run?.attribution ?? [],
+    crs: frame.crs,
+    origin: frame.origin,
+    localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert(),
+    lap: lapText === undefined ? undefined : Lap.parse(lapText, frame.origin),
+    findings: (findings?.features ?? []).map((feature) => ({
+      ...feature.properties,
+      longitudeDeg: feature.geometry.coordinates[0],
+      latitudeDeg: feature.geometry.coordinates[1],
+    })),
+  };
+}

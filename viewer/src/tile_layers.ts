@@ -1,0 +1,120 @@
+// The 3D Tiles of the site and what of them is shown.
+
+import {TilesRenderer} from '3d-tiles-renderer';
+import {
+  Camera, Group, Material, Matrix4, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Sphere, Texture, WebGLRenderer,
+} from 'three';
+
+import {tilesetUrl} from './site';
+
+export interface Layers {
+  terrain: boolean;
+  roads: boolean;
+  photo: boolean;
+  wireframe: boolean;
+}
+
+type SurfaceKind = 'terrain' | 'road';
+
+/** Meshes are named "terrain" or "road" (model/scene.hpp); the glTF loader may append a number to keep names apart. */
+function kindOf(mesh: Mesh): SurfaceKind {
+  return mesh.name.startsWith('road') ? 'road' : 'terrain';
+}
+
+export class TileLayers {
+  /** In the site's local frame: the tileset's root transform (local to ECEF) is undone. */
+  readonly group = new Group();
+  readonly layers: Layers = {terrain: true, roads: true, photo: true, wireframe: false};
+  loaded = 0;
+  readonly failures: string[] = [];
+  onChange: () => void = () => {};
+
+  private readonly tiles = new TilesRenderer(tilesetUrl);
+  private readonly photoMaterials = new Map<Mesh, MeshLambertMaterial>();
+  private readonly reliefMaterials: Record<SurfaceKind, MeshLambertMaterial> = {
+    terrain: new MeshLambertMaterial({color: 0xd9d4c6}),
+    road: new MeshLambertMaterial({color: 0x6b7078}),
+  };
+
+  constructor(localFromEcef: Matrix4, private readonly anisotropy: number) {
+    this.group.matrixAutoUpdate = false;
+    this.group.matrix.copy(localFromEcef);
+    this.group.add(this.tiles.group);
+    this.tiles.errorTarget = 1; // pixels: there is one level of detail, so that all tiles in view are wanted
+    // A whole town at 0.5 m/px has 0.7 GB of textures; the default limit of 0.4 GB would load and drop them in turns.
+    this.tiles.lruCache.minBytesSize = 1.5e9;
+    this.tiles.lruCache.maxBytesSize = 2e9;
+    this.tiles.addEventListener('load-model', ({scene}) => this.adopt(scene));
+    this.tiles.addEventListener('dispose-model', ({scene}) => this.release(scene));
+    this.tiles.addEventListener('load-error', ({error, url}) => {
+      this.failures.push(`${url}: ${error.message}`);
+      this.onChange();
+    });
+    for (const event of ['load-root-tileset', 'tile-visibility-change', 'needs-update'] as const)
+      this.tiles.addEventListener(event, () => this.onChange());
+  }
+
+  get visible(): number {
+    return this.tiles.visibleTiles.size;
+  }
+  /** Nothing more to load for the present view. */
+  get complete(): boolean {
+    return this.tiles.root !== null && this.tiles.loadProgress === 1;
+  }
+
+  /** Bounding sphere in the local frame, once the tileset is there. */
+  bounds(): Sphere | undefined {
+    const sphere = new Sphere();
+    return this.tiles.getBoundingSphere(sphere) ? sphere.applyMatrix4(this.group.matrix) : undefined;
+  }
+
+  update(camera: Camera, renderer: WebGLRenderer): void {
+    this.tiles.setCamera(camera);
+    this.tiles.setResolutionFromRenderer(camera, renderer);
+    this.tiles.update();
+  }
+
+  setLayer(layer: keyof Layers, on: boolean): void {
+    this.layers[layer] = on;
+    this.tiles.forEachLoadedModel((model) => this.apply(model));
+    this.onChange();
+  }
+
+  private adopt(model: Object3D): void {
+    ++this.loaded;
+    for (const mesh of meshesOf(model)) {
+      const map: Texture | null = (mesh.material as MeshStandardMaterial).map;
+      if (map) map.anisotropy = this.anisotropy;
+      this.photoMaterials.set(mesh, new MeshLambertMaterial({map}));
+    }
+    this.apply(model);
+    this.onChange();
+  }
+
+  private apply(model: Object3D): void {
+    for (const mesh of meshesOf(model)) {
+      const kind = kindOf(mesh);
+      const material = this.layers.photo ? this.photoMaterials.get(mesh)! : this.reliefMaterials[kind];
+      material.wireframe = this.layers.wireframe;
+      mesh.material = material as Material;
+      mesh.visible = kind === 'road' ? this.layers.roads : this.layers.terrain;
+    }
+  }
+
+  /** The renderer disposes of the glTF's own geometry and textures, not of our materials. */
+  private release(model: Object3D): void {
+    --this.loaded;
+    for (const mesh of meshesOf(model)) {
+      this.photoMaterials.get(mesh)?.dispose();
+      this.photoMaterials.delete(mesh);
+    }
+  }
+}
+
+function meshesOf(model: Object3D): Mesh[] {
+  const meshes: Mesh[] = [];
+  model.traverse((object) => {
+    if (object instanceof Mesh) meshes.push(object);
+  });
+  return meshes;
+}
