@@ -21,7 +21,7 @@ struct SceneInput {
   const roadquery::RoadMap& roads;
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
-  Polygon area;               ///< the scene ends here; without an outer ring: where the photo's grid ends
+  Polygon area;  ///< the scene ends here; without an outer ring: where the photo's grid ends
 };
 
 struct SceneOptions {
@@ -45,7 +45,8 @@ struct TileAddress {
 class SceneLayout;
 
 /// Throws InputError when the terrain has no height at all.
-[[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input, const SceneOptions& options = {});
+[[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input,
+                                                               const SceneOptions& options = {});
 /// The tiles that share ground with the area, by column, then row.
 [[nodiscard]] const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout);
 /// Middle of the area at a height of the terrain, whole metres.

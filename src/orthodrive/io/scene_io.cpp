@@ -1,0 +1,228 @@
+#include "orthodrive/io/scene_io.hpp"
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
+
+namespace orthodrive::io {
+namespace {
+
+/// glTF is y up: east, up, south. 3D Tiles turns it back.
+std::array<float, 3> y_up(const std::array<float, 3>& v) { return {v[0], v[2], -v[1]}; }
+
+/// Appends values to the only buffer, each block on a multiple of four bytes, and describes them by view and accessor.
+class GltfBuffer {
+ public:
+  explicit GltfBuffer(tinygltf::Model& model) : model_(model) { model_.buffers.emplace_back(); }
+
+  int add_view(const void* bytes, std::size_t size, int target) {
+    auto& data = model_.buffers[0].data;
+    data.resize((data.size() + 3) / 4 * 4);
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = data.size();
+    view.byteLength = size;
+    view.target = target;
+    const auto* first = static_cast<const unsigned char*>(bytes);
+    data.insert(data.end(), first, first + size);
+    model_.bufferViews.push_back(view);
+    return static_cast<int>(model_.bufferViews.size()) - 1;
+  }
+  template <typename T>
+  tinygltf::Accessor& add_accessor(const std::vector<T>& values, int target, int component_type, int type) {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = add_view(values.data(), values.size() * sizeof(T), target);
+    accessor.componentType = component_type;
+    accessor.type = type;
+    accessor.count = values.size();
+    model_.accessors.push_back(accessor);
+    return model_.accessors.back();
+  }
+  [[nodiscard]] int last_accessor() const { return static_cast<int>(model_.accessors.size()) - 1; }
+
+ private:
+  tinygltf::Model& model_;
+};
+
+tinygltf::Primitive add_primitive(GltfBuffer& buffer, const TriMesh& mesh, int material) {
+  tinygltf::Primitive primitive;
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  primitive.material = material;
+  std::vector<std::array<float, 3>> positions, normals;
+  std::array<float, 3> low, high;
+  low.fill(std::numeric_limits<float>::max());
+  high.fill(std::numeric_limits<float>::lowest());
+  for (const auto& p : mesh.positions) {
+    positions.push_back(y_up(p));
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], positions.back()[k]);
+      high[k] = std::max(high[k], positions.back()[k]);
+    }
+  }
+  for (const auto& n : mesh.normals) normals.push_back(y_up(n));
+  auto& accessor =
+      buffer.add_accessor(positions, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
+  accessor.minValues.assign(low.begin(), low.end());
+  accessor.maxValues.assign(high.begin(), high.end());
+  primitive.attributes["POSITION"] = buffer.last_accessor();
+  buffer.add_accessor(normals, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
+  primitive.attributes["NORMAL"] = buffer.last_accessor();
+  buffer.add_accessor(mesh.uv, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
+  primitive.attributes["TEXCOORD_0"] = buffer.last_accessor();
+  buffer.add_accessor(mesh.indices, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
+                      TINYGLTF_TYPE_SCALAR);
+  primitive.indices = buffer.last_accessor();
+  return primitive;
+}
+
+/// The photo holds its own light, so the material is unlit where the viewer can do that.
+int add_photo_material(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& rgb) {
+  tinygltf::Material material;
+  material.name = "photo";
+  material.pbrMetallicRoughness.metallicFactor = 0.0;
+  material.pbrMetallicRoughness.roughnessFactor = 1.0;
+  material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
+  model.extensionsUsed.push_back("KHR_materials_unlit");
+  if (!rgb.empty()) {
+    const auto jpeg = encode_jpeg(rgb);
+    tinygltf::Image image;
+    image.mimeType = "image/jpeg";
+    image.bufferView = buffer.add_view(jpeg.data(), jpeg.size(), 0);
+    model.images.push_back(image);
+    tinygltf::Sampler sampler;
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
+    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+    model.samplers.push_back(sampler);
+    tinygltf::Texture texture;
+    texture.source = texture.sampler = 0;
+    model.textures.push_back(texture);
+    material.pbrMetallicRoughness.baseColorTexture.index = 0;
+  }
+  model.materials.push_back(material);
+  return 0;
+}
+
+struct Frame {
+  Vec3 east, north, up, at;
+};
+
+/// How one metre of the site CRS to the east, to the north and up lies in ECEF at the origin: turned by the meridian
+/// convergence and stretched by the scale of the projection, both from differences over 2 x 100 m.
+Frame ecef_frame(const Crs& crs, Vec3 origin) {
+  constexpr double step_m = 100.0;
+  const CoordinateTransform to_geographic(crs, Crs{"EPSG:4326"});
+  const auto ecef = [&](double dx, double dy) {
+    const Vec2 lonlat = to_geographic.target_from_source({origin.x + dx, origin.y + dy});
+    return ecef_from_geographic(lonlat.x, lonlat.y, origin.z);
+  };
+  const Vec2 lonlat = to_geographic.target_from_source({origin.x, origin.y});
+  const double lon = lonlat.x * std::numbers::pi / 180.0, lat = lonlat.y * std::numbers::pi / 180.0;
+  return {(ecef(step_m, 0.0) - ecef(-step_m, 0.0)) * (0.5 / step_m),
+          (ecef(0.0, step_m) - ecef(0.0, -step_m)) * (0.5 / step_m),
+          {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)},
+          ecef(0.0, 0.0)};
+}
+
+using Json = nlohmann::ordered_json;
+
+Json box_json(const Box2& b, double min_z, double max_z) {
+  const double x = 0.5 * b.width(), y = 0.5 * b.height(), z = 0.5 * (max_z - min_z);
+  return {{"box", {b.min_x + x, b.min_y + y, min_z + z, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z}}};
+}
+
+}  // namespace
+
+TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, Vec3 site_origin) {
+  tinygltf::Model model;
+  model.asset.version = "2.0";
+  model.asset.generator = "Orthodrive";
+  GltfBuffer buffer(model);
+  const int material = add_photo_material(model, buffer, tile.texture_rgb);
+  const Vec3 shift = tile.origin - site_origin;
+  tinygltf::Scene scene;
+  TileEntry entry{fmt::format("tile_{}_{}.glb", tile.column, tile.row)};
+  bool first = true;
+  for (const TriMesh& mesh : tile.meshes) {
+    tinygltf::Mesh gltf_mesh;
+    gltf_mesh.name = mesh.name;
+    gltf_mesh.primitives.push_back(add_primitive(buffer, mesh, material));
+    tinygltf::Node node;
+    node.name = mesh.name;
+    node.mesh = static_cast<int>(model.meshes.size());
+    node.translation = {shift.x, shift.z, -shift.y};
+    scene.nodes.push_back(static_cast<int>(model.nodes.size()));
+    model.meshes.push_back(std::move(gltf_mesh));
+    model.nodes.push_back(std::move(node));
+    for (const auto& p : mesh.positions) {
+      const Vec2 q{tile.origin.x + static_cast<double>(p[0]), tile.origin.y + static_cast<double>(p[1])};
+      if (first) entry.bounds = {q.x, q.y, q.x, q.y};
+      first = false;
+      entry.bounds = {std::min(entry.bounds.min_x, q.x), std::min(entry.bounds.min_y, q.y),
+                      std::max(entry.bounds.max_x, q.x), std::max(entry.bounds.max_y, q.y)};
+    }
+  }
+  entry.min_z_m = tile.min_z_m, entry.max_z_m = tile.max_z_m;
+  model.scenes.push_back(scene);
+  model.defaultScene = 0;
+
+  const std::filesystem::path target = folder / entry.uri;
+  AsideFile out(target);
+  std::ofstream stream(out.path(), std::ios::binary);
+  tinygltf::TinyGLTF writer;
+  const bool written = writer.WriteGltfSceneToStream(&model, stream, false, true);
+  stream.close();
+  if (!written || !stream)
+    throw Error(target.string() + ": cannot be written, is the disk full or the folder read-only?");
+  out.commit();
+  return entry;
+}
+
+void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs,
+                   Vec3 site_origin) {
+  // Not drawn, only compared: the error of a scene without any tile. Bigger than any screen error a viewer accepts.
+  constexpr double nothing_drawn_error_m = 1e4;
+  const Frame f = ecef_frame(crs, site_origin);
+  Json children = Json::array();
+  Box2 all;
+  double min_z = 0.0, max_z = 0.0;
+  for (const TileEntry& tile : tiles) {
+    const Box2 local{tile.bounds.min_x - site_origin.x, tile.bounds.min_y - site_origin.y,
+                     tile.bounds.max_x - site_origin.x, tile.bounds.max_y - site_origin.y};
+    const double low = tile.min_z_m - site_origin.z, high = tile.max_z_m - site_origin.z;
+    if (children.empty()) all = local, min_z = low, max_z = high;
+    all = {std::min(all.min_x, local.min_x), std::min(all.min_y, local.min_y), std::max(all.max_x, local.max_x),
+           std::max(all.max_y, local.max_y)};
+    min_z = std::min(min_z, low), max_z = std::max(max_z, high);
+    children.push_back(
+        {{"boundingVolume", box_json(local, low, high)}, {"geometricError", 0.0}, {"content", {{"uri", tile.uri}}}});
+  }
+  Json root = {{"transform",
+                {f.east.x, f.east.y, f.east.z, 0.0, f.north.x, f.north.y, f.north.z, 0.0, f.up.x, f.up.y, f.up.z, 0.0,
+                 f.at.x, f.at.y, f.at.z, 1.0}},
+               {"boundingVolume", box_json(all, min_z, max_z)},
+               {"geometricError", nothing_drawn_error_m},
+               {"refine", "ADD"}};
+  if (!children.empty()) root["children"] = std::move(children);
+  const Json tileset = {
+      {"asset",
+       {{"version", "1.1"},
+        {"extras",
+         {{"orthodrive", {{"crs", crs.definition}, {"origin", {site_origin.x, site_origin.y, site_origin.z}}}}}}}},
+      {"geometricError", nothing_drawn_error_m},
+      {"root", std::move(root)}};
+  write_text_file(folder / "tileset.json", tileset.dump(1) + "\n");
+}
+
+}  // namespace orthodrive::io

@@ -1,0 +1,371 @@
+#include "orthodrive/scene/build_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <unordered_map>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tile_texture.hpp"
+#include "orthodrive/scene/triangulate.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace scene;
+
+constexpr double border_clearance_m = 1.0;  // of raster points from lines that have points of their own
+constexpr double axis_clearance_m = 0.3;    // of points on reference lines from the road's border
+constexpr double point_distance_m = 2.0;    // of terrain points from each other
+constexpr double axis_distance_m = 0.5;
+constexpr double jitter = 0.3;  // of raster points, in steps: a square raster has no unique triangulation
+constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
+
+/// Points of a tile relative to its centre, each once.
+class TilePoints {
+ public:
+  explicit TilePoints(Vec2 center) : center_(center) {}
+  std::uint32_t add(Vec2 p) {
+    const Vec2 local = p - center_;  // exact: both are on the plan grid
+    const auto [at, is_new] = index_.try_emplace(key(local), static_cast<std::uint32_t>(points_.size()));
+    if (is_new) points_.push_back(local);
+    return at->second;
+  }
+  [[nodiscard]] const std::vector<Vec2>& points() const { return points_; }
+
+ private:
+  static std::int64_t key(Vec2 local) {
+    return std::llround(local.x / plan_grid_m) * (std::int64_t{1} << 32) + std::llround(local.y / plan_grid_m);
+  }
+  Vec2 center_;
+  std::vector<Vec2> points_;
+  std::unordered_map<std::int64_t, std::uint32_t> index_;
+};
+
+/// Keeps points apart: takes one only if none taken before is nearer than the distance.
+class Thinning {
+ public:
+  explicit Thinning(double distance_m) : distance_m_(distance_m) {}
+  bool take(Vec2 p) {
+    const auto c = static_cast<std::int64_t>(std::floor(p.x / distance_m_));
+    const auto r = static_cast<std::int64_t>(std::floor(p.y / distance_m_));
+    const auto key = [](std::int64_t column, std::int64_t row) { return column * (std::int64_t{1} << 32) + row; };
+    for (std::int64_t dc = -1; dc <= 1; ++dc) {
+      for (std::int64_t dr = -1; dr <= 1; ++dr) {
+        const auto cell = taken_.find(key(c + dc, r + dr));
+        if (cell == taken_.end()) continue;
+        for (const Vec2 q : cell->second)
+          if (distance(p, q) < distance_m_) return false;
+      }
+    }
+    taken_[key(c, r)].push_back(p);
+    return true;
+  }
+
+ private:
+  double distance_m_;
+  std::unordered_map<std::int64_t, std::vector<Vec2>> taken_;
+};
+
+/// Positions along a tile side: its ends, where lines meet it, and between them multiples of the step (0: none) that
+/// are not too close. Depends on the side only, not on the tile to the left or right of it.
+std::vector<double> side_positions(const std::map<int, std::vector<double>>& crossings, int line, double low,
+                                   double step_m) {
+  const double high = low + scene_tile_m;
+  std::vector<double> fixed = {low, high};
+  if (const auto found = crossings.find(line); found != crossings.end()) {
+    const auto first = std::lower_bound(found->second.begin(), found->second.end(), low);
+    fixed.insert(fixed.end(), first, std::upper_bound(first, found->second.end(), high));
+  }
+  std::sort(fixed.begin(), fixed.end());
+  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  std::vector<double> result = {low};
+  for (std::size_t i = 1; i < fixed.size(); ++i) {
+    if (step_m > 0.0) {
+      for (double v = (std::floor(fixed[i - 1] / step_m) + 1.0) * step_m; v < fixed[i] - border_clearance_m;
+           v += step_m) {
+        const double on_grid = std::round(v / plan_grid_m) * plan_grid_m;
+        if (on_grid > fixed[i - 1] + border_clearance_m) result.push_back(on_grid);
+      }
+    }
+    result.push_back(fixed[i]);
+  }
+  return result;
+}
+
+using Constraints = std::vector<std::array<std::uint32_t, 2>>;
+
+/// The lines of a level in a tile, and the tile's border, as constraints.
+Constraints add_lines(const LevelLines& lines, TileAddress address, double border_step_m, TilePoints& points) {
+  Constraints constraints;
+  const Box2 box = tile_box(address);
+  const auto add_side = [&](const std::vector<double>& positions, const auto& point_at) {
+    for (std::size_t i = 1; i < positions.size(); ++i)
+      constraints.push_back({points.add(point_at(positions[i - 1])), points.add(point_at(positions[i]))});
+  };
+  for (const int side : {0, 1}) {
+    const double x = side == 0 ? box.min_x : box.max_x, y = side == 0 ? box.min_y : box.max_y;
+    add_side(side_positions(lines.on_west, address.column + side, box.min_y, border_step_m), [&](double v) {
+      return Vec2{x, v};
+    });
+    add_side(side_positions(lines.on_south, address.row + side, box.min_x, border_step_m), [&](double v) {
+      return Vec2{v, y};
+    });
+  }
+  if (const auto found = lines.inside.find(address); found != lines.inside.end())
+    for (const Segment& segment : found->second) constraints.push_back({points.add(segment.a), points.add(segment.b)});
+  return constraints;
+}
+
+std::span<const Vec2> in_tile(const std::map<TileAddress, std::vector<Vec2>>& points, TileAddress address) {
+  const auto found = points.find(address);
+  return found == points.end() ? std::span<const Vec2>{} : found->second;
+}
+
+void add_axis_points(const RoadLevel& roads, const LevelLines& lines, TileAddress address, TilePoints& points) {
+  const Box2 inner = tile_box(address).grown(-axis_clearance_m);
+  Thinning thinning(axis_distance_m);
+  for (const Vec2 p : in_tile(lines.axis_points, address))
+    if (inner.contains(p) && roads.outline().nearest(p).distance_m > axis_clearance_m && roads.outline().contains(p) &&
+        thinning.take(p))
+      points.add(p);
+}
+
+void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoints& points) {
+  const Box2 inner = tile_box(address).grown(-border_clearance_m);
+  Thinning thinning(point_distance_m);
+  const auto add = [&](Vec2 p) {
+    if (inner.contains(p) && layout.area.contains(p) && layout.area.nearest(p).distance_m > border_clearance_m &&
+        layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p) &&
+        thinning.take(p))
+      points.add(p);
+  };
+  for (const Vec2 p : in_tile(layout.terrain_points, address)) add(p);
+  const double step_m = layout.options.terrain_step_m;
+  for (auto r = static_cast<std::int64_t>(std::floor(inner.min_y / step_m)); r * step_m <= inner.max_y; ++r) {
+    for (auto c = static_cast<std::int64_t>(std::floor(inner.min_x / step_m)); c * step_m <= inner.max_x; ++c) {
+      Random random(derive_seed(static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(r)));
+      const double dx = random.uniform(-jitter, jitter), dy = random.uniform(-jitter, jitter);
+      add(snap_to_grid({(static_cast<double>(c) + 0.5 + dx) * step_m, (static_cast<double>(r) + 0.5 + dy) * step_m}));
+    }
+  }
+}
+
+struct Vertex {
+  double z_m = 0.0;
+  Vec3 normal;
+};
+
+/// A mesh of a tile under construction; vertices are shared by a key of the caller's.
+class MeshBuilder {
+ public:
+  MeshBuilder(std::string name, Vec2 center, double origin_z_m) : center_(center), origin_z_m_(origin_z_m) {
+    mesh.name = std::move(name);
+  }
+  std::uint32_t add(Vec2 local, const Vertex& vertex) {
+    const auto f = [](double v) { return static_cast<float>(v); };
+    mesh.positions.push_back({f(local.x), f(local.y), f(vertex.z_m - origin_z_m_)});
+    mesh.normals.push_back({f(vertex.normal.x), f(vertex.normal.y), f(vertex.normal.z)});
+    mesh.uv.push_back({f(local.x / scene_tile_m + 0.5), f(0.5 - local.y / scene_tile_m)});
+    return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  }
+  void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    mesh.indices.insert(mesh.indices.end(), {a, b, c});
+  }
+  [[nodiscard]] Vec2 world(Vec2 local) const { return center_ + local; }
+
+  TriMesh mesh;
+
+ private:
+  Vec2 center_;
+  double origin_z_m_;
+};
+
+/// Adds the triangles of the chosen regions; heights and normals come from vertex_at(world point).
+template <typename VertexAt>
+void add_regions(const Triangulation& t, const std::vector<bool>& chosen, const VertexAt& vertex_at,
+                 MeshBuilder& builder) {
+  std::vector<std::uint32_t> slots(t.points.size(), no_vertex);
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    if (!chosen[t.regions[i]]) continue;
+    std::array<std::uint32_t, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t p = t.triangles[i][k];
+      if (slots[p] == no_vertex) slots[p] = builder.add(t.points[p], vertex_at(builder.world(t.points[p])));
+      corners[k] = slots[p];
+    }
+    builder.triangle(corners[0], corners[1], corners[2]);
+  }
+}
+
+Vertex ground_vertex(const SceneLayout& layout, Vec2 p) {
+  return {layout.ground->height_m(p), layout.ground->normal(p)};
+}
+
+/// On roads of the ground and on decks; where no road is near (corners that the plan grid moved) the ground itself.
+Vertex road_vertex(const SceneLayout& layout, const RoadLevel& roads, Vec2 p) {
+  const auto on = roads.sample(p);
+  return on ? Vertex{on->z_m, on->normal} : ground_vertex(layout, p);
+}
+
+void add_ground(const SceneLayout& layout, TileAddress address, MeshBuilder& terrain, MeshBuilder& road) {
+  TilePoints points(terrain.world({}));
+  const Constraints constraints = add_lines(layout.ground_lines, address, layout.options.terrain_step_m, points);
+  add_axis_points(layout.roads, layout.ground_lines, address, points);
+  add_terrain_points(layout, address, points);
+  const Triangulation t = triangulate(points.points(), constraints);
+  std::vector<bool> is_terrain, is_road;
+  for (const Vec2 local : t.region_points) {
+    const Vec2 p = terrain.world(local);
+    const bool inside = layout.area.contains(p), on_road = layout.roads.outline().contains(p);
+    is_terrain.push_back(inside && !on_road);
+    is_road.push_back(inside && on_road);
+  }
+  add_regions(
+      t, is_terrain, [&](Vec2 p) { return ground_vertex(layout, p); }, terrain);
+  // The height is the ground's, which is the same function on both sides of the road's border.
+  add_regions(
+      t, is_road,
+      [&](Vec2 p) {
+        return Vertex{layout.ground->height_m(p), road_vertex(layout, layout.roads, p).normal};
+      },
+      road);
+}
+
+/// Underside and sides of the deck triangles from `first_index` on of the road mesh. No sides on the tile's border,
+/// where the deck goes on in the next tile.
+void add_deck_body(const TriMesh& deck, std::size_t first_index, double thickness_m, MeshBuilder& body) {
+  const auto local = [&](std::uint32_t v) { return Vec2{deck.positions[v][0], deck.positions[v][1]}; };
+  const auto vertex = [&](std::uint32_t v, double drop_m, Vec3 normal) {
+    return body.add(local(v), {static_cast<double>(deck.positions[v][2]) - drop_m, normal});
+  };
+  std::map<std::array<std::uint32_t, 2>, bool> edges;
+  std::unordered_map<std::uint32_t, std::uint32_t> below;
+  for (std::size_t i = first_index; i < deck.indices.size(); i += 3) {
+    std::array<std::uint32_t, 3> bottom{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = deck.indices[i + k];
+      edges[{v, deck.indices[i + (k + 1) % 3]}] = true;
+      const auto [at, is_new] = below.try_emplace(v, 0);
+      if (is_new) at->second = vertex(v, thickness_m, {0.0, 0.0, -1.0});
+      bottom[k] = at->second;
+    }
+    body.triangle(bottom[0], bottom[2], bottom[1]);
+  }
+  constexpr double half = 0.5 * scene_tile_m;
+  for (const auto& [edge, unused] : edges) {
+    const auto [a, b] = edge;
+    if (edges.contains({b, a})) continue;
+    const Vec2 pa = local(a), pb = local(b);
+    if ((pa.x == pb.x && std::abs(pa.x) == half) || (pa.y == pb.y && std::abs(pa.y) == half)) continue;
+    const Vec2 outwards = left_normal(normalized(pb - pa)) * -1.0;
+    const Vec3 normal{outwards.x, outwards.y, 0.0};
+    const std::uint32_t a0 = vertex(a, 0.0, normal), b0 = vertex(b, 0.0, normal);
+    const std::uint32_t a1 = vertex(a, thickness_m, normal), b1 = vertex(b, thickness_m, normal);
+    body.triangle(a0, a1, b1);
+    body.triangle(a0, b1, b0);
+  }
+}
+
+void add_deck(const SceneLayout& layout, std::size_t deck, TileAddress address, MeshBuilder& road, MeshBuilder& body) {
+  const RoadLevel& level = layout.decks[deck];
+  const LevelLines& lines = layout.deck_lines[deck];
+  TilePoints points(road.world({}));
+  const Constraints constraints = add_lines(lines, address, 0.0, points);
+  add_axis_points(level, lines, address, points);
+  const Triangulation t = triangulate(points.points(), constraints);
+  std::vector<bool> is_deck;
+  for (const Vec2 local : t.region_points) is_deck.push_back(level.outline().contains(road.world(local)));
+  const std::size_t first_index = road.mesh.indices.size();
+  add_regions(
+      t, is_deck, [&](Vec2 p) { return road_vertex(layout, level, p); }, road);
+  add_deck_body(road.mesh, first_index, layout.options.deck_thickness_m, body);
+}
+
+double plan_area_m2(const TriMesh& mesh) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto at = [&](std::size_t k) {
+      const auto& p = mesh.positions[mesh.indices[i + k]];
+      return Vec2{p[0], p[1]};
+    };
+    twice += cross(at(1) - at(0), at(2) - at(0));
+  }
+  return 0.5 * twice;
+}
+
+}  // namespace
+
+std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input, const SceneOptions& options) {
+  if (!(options.road_tolerance_m > 0.0 && options.terrain_step_m >= 2.0 * point_distance_m && options.verge_m > 0.0 &&
+        options.deck_thickness_m > 0.0 && options.max_texture_px > 0))
+    throw OptionError(
+        "scene: tolerance, verge, deck thickness and texture size must be positive, the step at least 4 m");
+  return std::make_shared<const SceneLayout>(input, options);
+}
+
+const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout) { return layout.tiles; }
+Vec3 scene_origin(const SceneLayout& layout) { return layout.origin; }
+const Findings& scene_findings(const SceneLayout& layout) { return layout.findings; }
+
+SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
+  const Box2 box = tile_box(address);
+  const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
+  MeshBuilder terrain("terrain", center, layout.origin.z), road("road", center, layout.origin.z);
+  MeshBuilder body("bridge", center, 0.0);  // takes heights that are relative already
+  add_ground(layout, address, terrain, road);
+  for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) add_deck(layout, deck, address, road, body);
+
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (MeshBuilder* builder : {&terrain, &road, &body}) {
+    if (builder->mesh.indices.empty()) continue;
+    for (const auto& p : builder->mesh.positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
+    tile.meshes.push_back(std::move(builder->mesh));
+  }
+  if (tile.meshes.empty()) return tile;
+  tile.min_z_m = tile.origin.z + static_cast<double>(low);
+  tile.max_z_m = tile.origin.z + static_cast<double>(high);
+  tile.texture_rgb = tile_texture(*layout.photo, box, layout.options.max_texture_px);
+  return tile;
+}
+
+SceneResult build_scene(const SceneInput& input, const std::function<void(const SceneTile&, Vec3)>& write,
+                        const SceneOptions& options, Monitor* monitor) {
+  if (monitor) monitor->progress(0.0, "scene");
+  const auto layout = lay_out_scene(input, options);
+  const auto& addresses = scene_tiles(*layout);
+  std::vector<SceneResult> parts(addresses.size());
+  parallel_for(
+      addresses.size(), options.threads,
+      [&](std::size_t i) {
+        const SceneTile tile = build_scene_tile(*layout, addresses[i]);
+        if (tile.meshes.empty()) return;
+        parts[i].tiles = 1;
+        for (const TriMesh& mesh : tile.meshes) {
+          if (mesh.name == "terrain") parts[i].terrain_triangles += mesh.indices.size() / 3;
+          if (mesh.name != "road") continue;
+          parts[i].road_triangles += mesh.indices.size() / 3;
+          parts[i].road_surface_m2 += plan_area_m2(mesh);
+        }
+        write(tile, layout->origin);
+      },
+      [&](std::size_t done) {
+        if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(addresses.size()), "scene");
+      });
+  SceneResult result;
+  for (const SceneResult& part : parts) {
+    result.tiles += part.tiles;
+    result.terrain_triangles += part.terrain_triangles;
+    result.road_triangles += part.road_triangles;
+    result.road_surface_m2 += part.road_surface_m2;
+  }
+  result.findings = scene_findings(*layout);
+  return result;
+}
+
+}  // namespace orthodrive

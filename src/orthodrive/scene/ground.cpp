@@ -1,0 +1,79 @@
+#include "orthodrive/scene/ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/scene/overlay.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+constexpr double on_border_m = 2.0 * plan_grid_m;
+constexpr double abutment_gap_m = 0.05, abutment_slope = 0.3;  // clearance below a deck by distance to a ground road
+
+double smoothstep(double u) { return u * u * (3.0 - 2.0 * u); }
+
+}  // namespace
+
+std::size_t fill_holes(Raster<float>& heights) {
+  const auto is_hole = [](float v) { return std::isnan(v); };
+  const auto holes = static_cast<std::size_t>(std::count_if(heights.data.begin(), heights.data.end(), is_hole));
+  if (holes == 0 || holes == heights.data.size()) return 0;
+  Raster<float> half((heights.width + 1) / 2, (heights.height + 1) / 2, 1, std::numeric_limits<float>::quiet_NaN());
+  for (int row = 0; row < half.height; ++row) {
+    for (int col = 0; col < half.width; ++col) {
+      double sum = 0.0;
+      int count = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int c = 2 * col + k % 2, r = 2 * row + k / 2;
+        if (heights.inside(c, r) && !is_hole(heights.at(c, r))) sum += static_cast<double>(heights.at(c, r)), ++count;
+      }
+      if (count > 0) half.at(col, row) = static_cast<float>(sum / count);
+    }
+  }
+  fill_holes(half);
+  const GridFrame frame{0.0, 0.0, 2.0, half.width, half.height};
+  const HeightGrid coarse{{}, frame, std::move(half), {}};
+  for (int row = 0; row < heights.height; ++row)
+    for (int col = 0; col < heights.width; ++col)
+      if (is_hole(heights.at(col, row)))
+        heights.at(col, row) = static_cast<float>(sample_bilinear(coarse, {col + 0.5, -row - 0.5}));
+  return holes;
+}
+
+Ground::Ground(HeightGrid filled_terrain, const RoadLevel& roads, std::span<const RoadLevel> decks,
+               const GroundOptions& options)
+    : terrain_(std::move(filled_terrain)), roads_(&roads), decks_(decks), options_(options) {}
+
+double Ground::terrain_m(Vec2 p) const {
+  const Box2 b = terrain_.frame.bounds();
+  return sample_bilinear(terrain_, {std::clamp(p.x, b.min_x, b.max_x), std::clamp(p.y, b.min_y, b.max_y)});
+}
+
+double Ground::height_m(Vec2 p) const {
+  const NearestBorder border = roads_->outline().nearest(p);
+  const auto road = roads_->sample(p);
+  if (road && (road->inside_m > 0.0 || border.distance_m <= on_border_m)) return road->z_m;
+  double z = terrain_m(p);
+  if (border.distance_m < options_.verge_m)
+    z = border.z_m + (z - border.z_m) * smoothstep(border.distance_m / options_.verge_m);
+  for (const RoadLevel& deck : decks_) {
+    const auto above = deck.sample(p);
+    if (!above) continue;
+    const double clearance_m = std::min(options_.deck_clearance_m, abutment_gap_m + abutment_slope * border.distance_m);
+    z = std::min(z, above->z_m - clearance_m);
+  }
+  return z;
+}
+
+Vec3 Ground::normal(Vec2 p) const {
+  constexpr double h = 1.0;
+  const double dx = (height_m({p.x + h, p.y}) - height_m({p.x - h, p.y})) / (2.0 * h);
+  const double dy = (height_m({p.x, p.y + h}) - height_m({p.x, p.y - h})) / (2.0 * h);
+  const double n = std::sqrt(1.0 + dx * dx + dy * dy);
+  return {-dx / n, -dy / n, 1.0 / n};
+}
+
+}  // namespace orthodrive::scene

@@ -1,0 +1,75 @@
+#include "orthodrive/scene/outline.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/parallel.hpp"
+
+namespace orthodrive::scene {
+namespace {
+constexpr double strip_m = 8.0;
+}  // namespace
+
+Outline::Outline(const MultiPolygon& polygons, double reach_m, const std::function<double(Vec2)>& height_m, int threads)
+    : reach_m_(reach_m) {
+  const auto add = [&](const Ring& ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i) segments_.push_back({ring[i], ring[(i + 1) % ring.size()]});
+  };
+  for (const Polygon& polygon : polygons) {
+    add(polygon.outer);
+    for (const Ring& hole : polygon.holes) add(hole);
+  }
+  if (segments_.empty()) return;
+  if (height_m) {
+    // Each point is evaluated for both of its segments: twice the work, but no bookkeeping of rings.
+    parallel_for(segments_.size(), threads, [&](std::size_t i) {
+      segments_[i].a_z_m = height_m(segments_[i].a);
+      segments_[i].b_z_m = height_m(segments_[i].b);
+    });
+  }
+  std::vector<Box2> boxes;
+  double max_y = segments_[0].a.y;
+  strip_min_y_ = max_y;
+  for (const auto& [a, b, az, bz] : segments_) {
+    boxes.push_back(
+        Box2{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)}.grown(reach_m));
+    strip_min_y_ = std::min(strip_min_y_, a.y), max_y = std::max(max_y, a.y);
+  }
+  near_ = CellIndex(boxes, std::max(10.0, reach_m));
+  strips_.resize(static_cast<std::size_t>((max_y - strip_min_y_) / strip_m) + 1);
+  for (std::size_t i = 0; i < segments_.size(); ++i) {
+    const auto [low, high] = std::minmax(segments_[i].a.y, segments_[i].b.y);
+    for (auto s = static_cast<std::size_t>((low - strip_min_y_) / strip_m);
+         s <= static_cast<std::size_t>((high - strip_min_y_) / strip_m); ++s)
+      strips_[s].push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
+bool Outline::contains(Vec2 p) const {
+  const double strip = std::floor((p.y - strip_min_y_) / strip_m);
+  if (!(strip >= 0.0 && strip < static_cast<double>(strips_.size()))) return false;
+  bool inside = false;
+  for (const std::uint32_t i : strips_[static_cast<std::size_t>(strip)]) {
+    const Vec2 a = segments_[i].a, b = segments_[i].b;
+    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
+  }
+  return inside;
+}
+
+NearestBorder Outline::nearest(Vec2 p) const {
+  NearestBorder best;
+  double best_m2 = reach_m_ * reach_m_;
+  for (const std::uint32_t i : near_.at(p)) {
+    const auto& [a, b, az, bz] = segments_[i];
+    const Vec2 ab = b - a;
+    const double u = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);
+    const Vec2 d = p - (a + ab * u);
+    if (dot(d, d) <= best_m2) {
+      best_m2 = dot(d, d);
+      best = {std::sqrt(best_m2), az + (bz - az) * u};
+    }
+  }
+  return best;
+}
+
+}  // namespace orthodrive::scene

@@ -1,0 +1,216 @@
+#include "orthodrive/scene/scene_layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "orthodrive/core/error.hpp"
+#include "roadquery/road_surface.hpp"
+
+namespace orthodrive {
+namespace scene {
+namespace {
+
+constexpr double area_reach_m = 2.0;
+constexpr double verge_point_step_m = 5.0;
+constexpr double deck_gap_m = 0.3;  // between the underside of a deck and the terrain
+
+/// The area's rings with points at most `step_m` apart, oriented and clean.
+MultiPolygon dense_area(const Polygon& area, double step_m) {
+  MultiPolygon result = union_of(std::span(&area, 1));
+  const auto densify = [&](Ring& ring) {
+    Ring dense;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec2 a = ring[i], b = ring[(i + 1) % ring.size()];
+      const int parts = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step_m)));
+      for (int k = 0; k < parts; ++k) dense.push_back(snap_to_grid(a + (b - a) * (static_cast<double>(k) / parts)));
+    }
+    ring = std::move(dense);
+  };
+  for (Polygon& polygon : result) {
+    densify(polygon.outer);
+    for (Ring& hole : polygon.holes) densify(hole);
+  }
+  return result;
+}
+
+void append_rings(const MultiPolygon& polygons, std::vector<Polyline>& lines) {
+  const auto add = [&](const Ring& ring) {
+    lines.push_back(ring);
+    lines.back().push_back(ring.front());
+  };
+  for (const Polygon& polygon : polygons) {
+    add(polygon.outer);
+    for (const Ring& hole : polygon.holes) add(hole);
+  }
+}
+
+LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
+  const TileAddress first = tile_at({bounds.min_x, bounds.min_y}), last = tile_at({bounds.max_x, bounds.max_y});
+  const Box2 all{tile_box(first).min_x, tile_box(first).min_y, tile_box(last).max_x, tile_box(last).max_y};
+  for (int c = first.column; c <= last.column + 1; ++c)
+    lines.push_back({{c * scene_tile_m, all.min_y}, {c * scene_tile_m, all.max_y}});
+  for (int r = first.row; r <= last.row + 1; ++r)
+    lines.push_back({{all.min_x, r * scene_tile_m}, {all.max_x, r * scene_tile_m}});
+
+  LevelLines result;
+  const auto on_line = [](double v) { return std::fmod(v, scene_tile_m) == 0.0; };  // exact: both are on the plan grid
+  for (const Segment& segment : node_lines(lines)) {
+    for (const Vec2 p : {segment.a, segment.b}) {
+      if (on_line(p.x)) result.on_west[static_cast<int>(p.x / scene_tile_m)].push_back(p.y);
+      if (on_line(p.y)) result.on_south[static_cast<int>(p.y / scene_tile_m)].push_back(p.x);
+    }
+    const bool along_border =
+        (segment.a.x == segment.b.x && on_line(segment.a.x)) || (segment.a.y == segment.b.y && on_line(segment.a.y));
+    if (!along_border) result.inside[tile_at((segment.a + segment.b) * 0.5)].push_back(segment);
+  }
+  for (auto* side : {&result.on_west, &result.on_south}) {
+    for (auto& [index, values] : *side) {
+      std::sort(values.begin(), values.end());
+      values.erase(std::unique(values.begin(), values.end()), values.end());
+    }
+  }
+  return result;
+}
+
+void add_axis_points(const RoadLevel& level, LevelLines& lines) {
+  for (const auto& strip : level.strips()) {
+    for (const CrossSection& section : strip) {
+      const Vec2 p = snap_to_grid({section.reference.x, section.reference.y});
+      lines.axis_points[tile_at(p)].push_back(p);
+    }
+  }
+}
+
+/// Calls visit(p, outwards) every `step_m` along the borders.
+template <typename Visit>
+void walk_borders(const Outline& outline, double step_m, const Visit& visit) {
+  double to_next_m = 0.0;
+  for (const BorderSegment& segment : outline.segments()) {
+    const double length_m = distance(segment.a, segment.b);
+    const Vec2 along = normalized(segment.b - segment.a);
+    for (; to_next_m < length_m; to_next_m += step_m) visit(segment.a + along * to_next_m, left_normal(along) * -1.0);
+    to_next_m -= length_m;
+  }
+}
+
+}  // namespace
+
+Box2 tile_box(TileAddress a) {
+  return {a.column * scene_tile_m, a.row * scene_tile_m, (a.column + 1) * scene_tile_m, (a.row + 1) * scene_tile_m};
+}
+
+TileAddress tile_at(Vec2 p) {
+  return {static_cast<int>(std::floor(p.x / scene_tile_m)), static_cast<int>(std::floor(p.y / scene_tile_m))};
+}
+
+}  // namespace scene
+
+using namespace scene;
+
+namespace {
+
+struct SortedRoads {
+  std::vector<const roadquery::Road*> ground;
+  std::map<int, std::vector<const roadquery::Road*>> decks;
+};
+
+SortedRoads sort_roads(const roadquery::RoadMap& map, Findings& findings) {
+  SortedRoads sorted;
+  for (const roadquery::Road& road : map.roads) {
+    if (road.tunnel || !(road.length > 0.0)) continue;
+    if (cross_sections(road, {.max_step_m = road.length}).empty()) {
+      const auto at = roadquery::reference_point(road, 0.0);
+      findings.push_back({Severity::warning, "scene.road_without_surface",
+                          fmt::format("road {} has no lanes or no finite heights and is not drawn", road.id), at.x,
+                          at.y});
+      continue;
+    }
+    const bool is_deck = road.bridge || road.layer > 0;
+    (is_deck ? sorted.decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
+  }
+  return sorted;
+}
+
+HeightGrid filled_terrain(const HeightGrid& terrain, Findings& findings) {
+  HeightGrid filled = terrain;
+  const std::size_t holes = fill_holes(filled.height_m);
+  const auto& data = filled.height_m.data;
+  if (data.empty() || std::isnan(data.front()))
+    throw InputError("terrain model", "has no height anywhere, give a DTM that covers the area");
+  if (holes > 0) {
+    const Box2 b = terrain.frame.bounds();
+    const double hole_m2 = static_cast<double>(holes) * terrain.frame.gsd_m * terrain.frame.gsd_m;
+    findings.push_back(
+        {Severity::warning, "scene.terrain_hole",
+         fmt::format("{:.0f} m2 of the terrain grid have no height and were filled from around", hole_m2),
+         0.5 * (b.min_x + b.max_x), 0.5 * (b.min_y + b.max_y)});
+  }
+  return filled;
+}
+
+}  // namespace
+
+SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
+    : options(scene_options), photo(&input.photo) {
+  Polygon limits = input.area;
+  if (limits.outer.empty()) {
+    const Box2 b = input.photo.frame.bounds();
+    limits.outer = {{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}};
+  }
+  const MultiPolygon area_polygons = dense_area(limits, options.terrain_step_m);
+  area = Outline(area_polygons, area_reach_m);
+  const Box2 bounds = bounds_of(limits.outer);
+
+  const RoadLevelOptions level_options{
+      .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
+      .reach_m = options.verge_m + 1.0,
+      .threads = options.threads};
+  const SortedRoads sorted = sort_roads(input.roads, findings);
+  roads = RoadLevel(sorted.ground, limits, level_options);
+  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, limits, level_options);
+  ground.emplace(filled_terrain(input.terrain, findings), roads, decks,
+                 GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
+  const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
+  origin = {middle.x, middle.y, std::floor(ground->terrain_m(middle))};
+
+  std::vector<Polyline> lines;
+  append_rings(area_polygons, lines);
+  append_rings(roads.polygons(), lines);
+  ground_lines = cut_at_tiles(std::move(lines), bounds);
+  add_axis_points(roads, ground_lines);
+  for (const RoadLevel& deck : decks) {
+    lines.clear();
+    append_rings(deck.polygons(), lines);
+    add_axis_points(deck, deck_lines.emplace_back(cut_at_tiles(std::move(lines), bounds)));
+  }
+
+  // Tiles: those that the area's border passes through, and those whose middle lies inside.
+  std::set<TileAddress> inside;
+  for (const auto& [address, segments] : ground_lines.inside) inside.insert(address);
+  const TileAddress first = tile_at({bounds.min_x, bounds.min_y}), last = tile_at({bounds.max_x, bounds.max_y});
+  for (int c = first.column; c <= last.column; ++c)
+    for (int r = first.row; r <= last.row; ++r)
+      if (area.contains({(c + 0.5) * scene_tile_m, (r + 0.5) * scene_tile_m})) inside.insert({c, r});
+  tiles.assign(inside.begin(), inside.end());
+
+  const auto add_terrain_point = [&](Vec2 p) { terrain_points[tile_at(p)].push_back(snap_to_grid(p)); };
+  walk_borders(roads.outline(), verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
+    for (const double share : {0.5, 1.0}) {
+      const Vec2 q = p + outwards * (share * options.verge_m);
+      if (roads.outline().nearest(q).distance_m > 0.95 * share * options.verge_m) add_terrain_point(q);
+    }
+  });
+  for (std::size_t d = 0; d < decks.size(); ++d) {
+    walk_borders(decks[d].outline(), 0.5 * verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
+      add_terrain_point(p);
+      add_terrain_point(p + outwards * options.verge_m);
+    });
+    for (const auto& [address, points] : deck_lines[d].axis_points)
+      for (const Vec2 p : points) add_terrain_point(p);
+  }
+}
+
+}  // namespace orthodrive

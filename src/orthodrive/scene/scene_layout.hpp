@@ -1,0 +1,51 @@
+#pragma once
+// What the tiles of a scene share.
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "orthodrive/scene/build_scene.hpp"
+#include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/overlay.hpp"
+#include "orthodrive/scene/road_level.hpp"
+
+namespace orthodrive {
+namespace scene {
+
+[[nodiscard]] Box2 tile_box(TileAddress address);
+[[nodiscard]] TileAddress tile_at(Vec2 p);
+
+/// What one level puts into the tiles.
+struct LevelLines {
+  /// Borders of the roads (on the ground also of the area), split at each other and at tile borders. Those along a tile
+  /// border are left out, their ends are in on_west and on_south.
+  std::map<TileAddress, std::vector<Segment>> inside;
+  /// Where lines meet a tile border: northings on the west side of a column, eastings on the south side of a row.
+  std::map<int, std::vector<double>> on_west, on_south;
+  std::map<TileAddress, std::vector<Vec2>> axis_points;  ///< on the reference lines of the roads
+};
+
+}  // namespace scene
+
+class SceneLayout {
+ public:
+  SceneLayout(const SceneInput& input, const SceneOptions& options);
+  SceneLayout(const SceneLayout&) = delete;  // ground points into it
+
+  SceneOptions options;
+  const Photo* photo = nullptr;
+  Vec3 origin;
+  Findings findings;
+  std::vector<TileAddress> tiles;
+  scene::Outline area;
+  scene::RoadLevel roads;  ///< on the ground
+  scene::LevelLines ground_lines;
+  std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer
+  std::vector<scene::LevelLines> deck_lines;
+  std::optional<scene::Ground> ground;
+  /// Terrain vertices besides the raster: beside roads and below bridges.
+  std::map<TileAddress, std::vector<Vec2>> terrain_points;
+};
+
+}  // namespace orthodrive
