@@ -44,6 +44,17 @@ TEST(SampleHeight, holes_and_the_outside_are_nan) {
   EXPECT_TRUE(std::isnan(sample_bilinear(grid, {std::nan(""), 1955.0})));
 }
 
+TEST(SampleHeight, merging_takes_the_best_grid_that_has_a_height) {
+  HeightGrid coarse = grid_of([](Vec2) { return 7.0; }), fine{.frame = {1040.0, 1990.0, 2.0, 10, 10}};
+  fine.height_m = Raster<float>(10, 10, 1, 9.0f);
+  fine.height_m.at(5, 5) = std::numeric_limits<float>::quiet_NaN();
+  const HeightGrid merged = merge_heights({fine, coarse}, coarse.frame.bounds());
+  EXPECT_EQ(merged.frame.gsd_m, 2.0);
+  EXPECT_NEAR(sample_bilinear(merged, {1045.0, 1985.0}), 9.0, 1e-6);
+  EXPECT_NEAR(sample_bilinear(merged, fine.frame.center_of(5, 5)), 7.0, 1e-6);
+  EXPECT_NEAR(sample_bilinear(merged, {1090.0, 1930.0}), 7.0, 1e-6);
+}
+
 TEST(ClassTable, roles_round_trip_and_unknown_is_an_option_error) {
   for (const ClassInfo& info : default_class_table().classes) EXPECT_EQ(role_from_string(to_string(info.role)), info.role);
   EXPECT_THROW((void)role_from_string("street"), OptionError);

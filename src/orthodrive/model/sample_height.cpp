@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -50,6 +51,24 @@ double sample_cubic(const HeightGrid& grid, Vec2 p) {
 
 double sample_height(const HeightGrid& grid, Vec2 p, HeightSampling sampling) {
   return sampling == HeightSampling::cubic ? sample_cubic(grid, p) : sample_bilinear(grid, p);
+}
+
+HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box) {
+  assert(!best_first.empty());
+  if (best_first.size() == 1) return best_first.front();
+  double gsd_m = best_first.front().frame.gsd_m;
+  for (const HeightGrid& grid : best_first) gsd_m = std::min(gsd_m, grid.frame.gsd_m);
+  HeightGrid merged{best_first.front().crs, covering_grid(box, gsd_m), {}, best_first.front().vertical_datum};
+  merged.height_m = Raster<float>(merged.frame.width, merged.frame.height, 1, std::numeric_limits<float>::quiet_NaN());
+  for (int row = 0; row < merged.frame.height; ++row)
+    for (int col = 0; col < merged.frame.width; ++col) {
+      float& height = merged.height_m.at(col, row);
+      for (const HeightGrid& grid : best_first) {
+        if (!std::isnan(height)) break;
+        height = static_cast<float>(sample_cubic(grid, merged.frame.center_of(col, row)));
+      }
+    }
+  return merged;
 }
 
 }  // namespace orthodrive

@@ -1,6 +1,8 @@
 #pragma once
 // Interpolation of a height grid between pixel centres.
 
+#include <vector>
+
 #include "orthodrive/model/rasters.hpp"
 
 namespace orthodrive {
@@ -13,5 +15,9 @@ enum class HeightSampling { bilinear, cubic };
 /// Cubic convolution, a = -0.5 (Keys 1981, eq. 4); falls back to bilinear where the 4 x 4 pixels are not all there.
 [[nodiscard]] double sample_cubic(const HeightGrid& grid, Vec2 p);
 [[nodiscard]] double sample_height(const HeightGrid& grid, Vec2 p, HeightSampling sampling);
+
+/// One grid over `box` at the smallest GSD of the given ones: each pixel takes the first grid (best first) that has a
+/// height there (cubic), NaN where none has. A single grid is returned as it is. All share one CRS; at least one is given.
+[[nodiscard]] HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box);
 
 }  // namespace orthodrive
