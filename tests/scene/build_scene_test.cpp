@@ -1,0 +1,346 @@
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <set>
+
+#include "orthodrive/core/error.hpp"
+#include "scene_site.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace scene_test;
+
+constexpr double pi = std::numbers::pi;
+
+SceneTile build_one(const Site& site, TileAddress address = {1000, 13000}, const SceneOptions& options = {}) {
+  return build_scene_tile(*lay_out_scene(site.input(), options), address);
+}
+
+TEST(BuildScene, straight_road_on_flat_ground_fills_the_tile) {
+  const Site site =
+      make_site(480.0, {{.start = {west_m + 50.3, south_m + 60.7}, .heading_rad = 0.6, .length_m = 300.0}});
+  const SceneTile tile = build_one(site);
+  const TriMesh *terrain = find_mesh(tile, "terrain"), *road = find_mesh(tile, "road");
+  ASSERT_TRUE(terrain != nullptr && road != nullptr);
+  EXPECT_NEAR((plan_area_m2(terrain) + plan_area_m2(road)) / (480.0 * 480.0), 1.0, 1e-9);
+  EXPECT_NEAR(plan_area_m2(road), 300.0 * 6.0, 1.0);
+  expect_upwards(*terrain);
+  expect_upwards(*road);
+  expect_closed(tile, on_tile_border);
+  for (const auto& p : road->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
+  for (const auto& n : terrain->normals) EXPECT_NEAR(n[2], 1.0F, 1e-5F);
+}
+
+TEST(BuildScene, road_vertices_lie_on_the_surface_of_the_road) {
+  const RoadShape shape{.start = {west_m + 100.0, south_m + 100.0},
+                        .heading_rad = 0.3,
+                        .length_m = 250.0,
+                        .width_m = 7.0,
+                        .z_m = 12.0,
+                        .gradient = 0.05,
+                        .curvature_1pm = 1.0 / 120.0,
+                        .superelevation_rad = 0.06};
+  const Site site = make_site(480.0, {shape});
+  const SceneTile tile = build_one(site);
+  const TriMesh* road = find_mesh(tile, "road");
+  ASSERT_NE(road, nullptr);
+  // The arc's centre and radius give (s, t) of a point in closed form.
+  const double radius = 120.0;
+  const Vec2 center = shape.start + Vec2{-std::sin(0.3), std::cos(0.3)} * radius;
+  for (const auto& p : road->positions) {
+    const Vec3 q = world(tile, p);
+    const Vec2 d = Vec2{q.x, q.y} - center;
+    const double angle = std::atan2(d.y, d.x) - (0.3 - 0.5 * pi);
+    const double s = std::clamp(std::remainder(angle, 2.0 * pi) * radius, 0.0, 250.0);
+    const double across = radius - length(d);  // in plan, positive to the left
+    EXPECT_NEAR(q.z, 12.0 + 0.05 * s + across * std::tan(0.06), 2e-3);
+  }
+  // The union's area equals the arc strip's, up to the chords' tolerance.
+  EXPECT_NEAR(plan_area_m2(road), 250.0 * 7.0 * std::cos(0.06), 250.0 * 2.0 * 0.02);
+}
+
+TEST(BuildScene, ground_meets_the_road_and_becomes_terrain_within_the_verge) {
+  // A road 3 m above a plain, as a bad DTM would have it.
+  const Site site = make_site(480.0, {{.start = {west_m + 20.0, south_m + 200.0}, .length_m = 400.0, .z_m = 13.0}});
+  const SceneTile tile = build_one(site, {1000, 13000}, {.verge_m = 5.0});
+  const TriMesh* terrain = find_mesh(tile, "terrain");
+  ASSERT_NE(terrain, nullptr);
+  double highest = 0.0;
+  for (const auto& p : terrain->positions) {
+    const Vec3 q = world(tile, p);
+    const double dx = std::max({0.0, west_m + 20.0 - q.x, q.x - (west_m + 420.0)});
+    const double beside = std::hypot(dx, std::max(0.0, std::abs(q.y - (south_m + 200.0)) - 3.0));
+    if (beside >= 5.0 || beside < 1e-6) {
+      EXPECT_NEAR(q.z, beside < 1e-6 ? 13.0 : 10.0, 1e-5);
+    }
+    EXPECT_GT(q.z, 10.0 - 1e-5);
+    highest = std::max(highest, q.z);
+  }
+  EXPECT_NEAR(highest, 13.0, 1e-5);
+  expect_closed(tile, on_tile_border);
+}
+
+TEST(BuildScene, neighbours_share_the_vertices_of_their_border_bit_by_bit) {
+  const auto hills = [](Vec2 p) { return 20.0 + 8.0 * std::sin(p.x / 37.0) + 5.0 * std::cos(p.y / 23.0); };
+  const Site site = make_site(960.0,
+                              {{.start = {west_m + 300.0, south_m + 100.3},
+                                .heading_rad = 0.2,
+                                .length_m = 500.0,
+                                .z_m = 20.0,
+                                .gradient = 0.02},
+                               {.start = {west_m + 470.0, south_m + 300.0},
+                                .heading_rad = 0.5 * pi,
+                                .length_m = 400.0,
+                                .width_m = 20.0,
+                                .z_m = 22.0},
+                               {.start = {west_m + 483.0, south_m + 20.0},
+                                .heading_rad = 0.5 * pi,
+                                .length_m = 60.0,
+                                .z_m = 21.0}},  // edge on it
+                              hills);
+  const auto layout = lay_out_scene(site.input());
+  ASSERT_EQ(scene_tiles(*layout).size(), 4U);
+  std::map<TileAddress, SceneTile> tiles;
+  for (const TileAddress a : scene_tiles(*layout)) tiles[a] = build_scene_tile(*layout, a);
+  using Point = std::array<double, 3>;
+  const auto on_line = [&](const SceneTile& tile, bool vertical, double at, const char* name) {
+    std::set<Point> points;
+    if (const TriMesh* mesh = find_mesh(tile, name))
+      for (const auto& p : mesh->positions)
+        if (const Vec3 q = world(tile, p); (vertical ? q.x : q.y) == at) points.insert({q.x, q.y, q.z});
+    return points;
+  };
+  const auto both = [&](const SceneTile& tile, bool vertical, double at) {
+    auto points = on_line(tile, vertical, at, "terrain");
+    points.merge(on_line(tile, vertical, at, "road"));
+    return points;
+  };
+  for (const int k : {13000, 13001}) {
+    const auto left = both(tiles[{1000, k}], true, west_m + 480.0),
+               right = both(tiles[{1001, k}], true, west_m + 480.0);
+    EXPECT_GT(left.size(), 40U);
+    EXPECT_EQ(left, right);
+  }
+  for (const int c : {1000, 1001}) {
+    const auto below = both(tiles[{c, 13000}], false, south_m + 480.0),
+               above = both(tiles[{c, 13001}], false, south_m + 480.0);
+    EXPECT_GT(below.size(), 40U);
+    EXPECT_EQ(below, above);
+  }
+  // The road that crosses the border is cut there: its vertices on the line are those of the other tile's road.
+  EXPECT_GE(on_line(tiles[{1000, 13000}], true, west_m + 480.0, "road").size(), 2U);
+  double area = 0.0;
+  for (const auto& [address, tile] : tiles) {
+    area += plan_area_m2(find_mesh(tile, "terrain")) + plan_area_m2(find_mesh(tile, "road"));
+    expect_closed(tile, on_tile_border);
+  }
+  EXPECT_NEAR(area / (960.0 * 960.0), 1.0, 1e-9);
+}
+
+TEST(BuildScene, overlapping_roads_become_one_surface) {
+  // A crossing, the same road twice, and two roads side by side whose edges miss each other by a millimetre or two.
+  const Site site =
+      make_site(480.0, {{.start = {west_m + 100.0, south_m + 200.0}, .length_m = 200.0},
+                        {.start = {west_m + 200.0, south_m + 100.0}, .heading_rad = 0.5 * pi, .length_m = 200.0},
+                        {.start = {west_m + 100.0, south_m + 200.0}, .length_m = 200.0},
+                        {.start = {west_m + 100.0, south_m + 206.0015}, .heading_rad = 1e-5, .length_m = 200.0},
+                        {.start = {west_m + 100.0, south_m + 205.9}, .heading_rad = 1e-3, .length_m = 200.0}});
+  const SceneTile tile = build_one(site);
+  const TriMesh* road = find_mesh(tile, "road");
+  ASSERT_NE(road, nullptr);
+  EXPECT_NEAR(plan_area_m2(road), 200.0 * 12.0 + 200.0 * 6.0 - 12.0 * 6.0, 25.0);
+  EXPECT_NEAR((plan_area_m2(find_mesh(tile, "terrain")) + plan_area_m2(road)) / (480.0 * 480.0), 1.0, 1e-9);
+  expect_upwards(*road);
+  expect_upwards(*find_mesh(tile, "terrain"));
+  expect_closed(tile, on_tile_border);
+  for (const auto& p : road->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
+}
+
+TEST(BuildScene, crossing_roads_blend_between_their_heights) {
+  const Site site = make_site(
+      480.0, {{.start = {west_m + 100.0, south_m + 200.0}, .length_m = 200.0, .z_m = 10.0},
+              {.start = {west_m + 200.0, south_m + 100.0}, .heading_rad = 0.5 * pi, .length_m = 200.0, .z_m = 10.4}});
+  const SceneTile tile = build_one(site);
+  for (const auto& p : find_mesh(tile, "road")->positions) {
+    const Vec3 q = world(tile, p);
+    const bool on_first = std::abs(q.y - south_m - 200.0) < 3.001, on_second = std::abs(q.x - west_m - 200.0) < 3.001;
+    if (on_first != on_second) {
+      EXPECT_NEAR(q.z, on_first ? 10.0 : 10.4, 1e-5);
+    }
+    EXPECT_GE(q.z, 10.0 - 1e-5);
+    EXPECT_LE(q.z, 10.4 + 1e-5);
+  }
+}
+
+TEST(BuildScene, bridge_deck_stays_above_the_terrain_and_does_not_cut_it) {
+  // A bridge over a valley with a road in it; the DTM runs through the deck on the banks.
+  const auto valley = [](Vec2 p) { return 10.0 + 0.15 * std::abs(p.x - west_m - 240.0); };
+  const Site site = make_site(
+      480.0,
+      {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0, .z_m = 19.0},
+       {.start = {west_m + 180.0, south_m + 240.0}, .length_m = 120.0, .z_m = 19.0, .layer = 1, .bridge = true},
+       {.start = {west_m + 300.0, south_m + 240.0}, .length_m = 140.0, .z_m = 19.0},
+       {.start = {west_m + 240.0, south_m + 40.0}, .heading_rad = 0.5 * pi, .length_m = 400.0, .z_m = 10.0}},
+      valley);
+  const SceneTile tile = build_one(site);
+  const TriMesh *terrain = find_mesh(tile, "terrain"), *bridge = find_mesh(tile, "bridge");
+  ASSERT_TRUE(terrain != nullptr && bridge != nullptr);
+  const double ground_roads_m2 = 2.0 * 140.0 * 6.0 + 400.0 * 6.0, deck_m2 = 120.0 * 6.0;
+  EXPECT_NEAR(plan_area_m2(terrain), 480.0 * 480.0 - ground_roads_m2, 1.0);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "road")), ground_roads_m2 + deck_m2, 1.0);
+  int below = 0;
+  for (const auto& p : terrain->positions) {
+    const Vec3 q = world(tile, p);
+    if (q.x < west_m + 181.0 || q.x > west_m + 299.0 || std::abs(q.y - south_m - 240.0) > 3.0) continue;
+    EXPECT_LT(q.z, 19.0 - 0.05);
+    ++below;
+  }
+  EXPECT_GT(below, 20);
+  for (const auto& p : bridge->positions) {
+    const double z = world(tile, p).z;
+    EXPECT_TRUE(std::abs(z - 19.0) < 1e-5 || std::abs(z - 18.2) < 1e-5) << z;
+  }
+}
+
+TEST(BuildScene, tunnels_leave_the_ground_alone) {
+  const Site site = make_site(
+      480.0,
+      {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0, .z_m = -5.0, .layer = -1, .tunnel = true}});
+  const SceneTile tile = build_one(site);
+  EXPECT_EQ(find_mesh(tile, "road"), nullptr);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "terrain")), 480.0 * 480.0, 1e-6);
+}
+
+TEST(BuildScene, scene_ends_at_a_slanted_area) {
+  Site site = make_site(480.0, {{.start = {west_m - 100.0, south_m + 240.0}, .length_m = 900.0}});
+  site.area.outer = {{west_m + 30.0, south_m + 20.0},
+                     {west_m + 440.0, south_m + 60.0},
+                     {west_m + 420.0, south_m + 450.0},
+                     {west_m + 10.0, south_m + 400.0}};
+  const SceneTile tile = build_one(site);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "terrain")) + plan_area_m2(find_mesh(tile, "road")), area_m2(site.area),
+              0.5);
+  expect_closed(tile, [&](Vec2 a, Vec2 b) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec2 p = site.area.outer[i], d = normalized(site.area.outer[(i + 1) % 4] - p);
+      if (std::abs(cross(d, a - p)) < 2e-3 && std::abs(cross(d, b - p)) < 2e-3) return true;
+    }
+    return false;
+  });
+}
+
+TEST(BuildScene, tile_outside_the_area_is_empty) {
+  const Site site = make_site(480.0, {{.start = {west_m + 10.0, south_m + 10.0}}});
+  const auto layout = lay_out_scene(site.input());
+  EXPECT_EQ(scene_tiles(*layout), (std::vector<TileAddress>{{1000, 13000}}));
+  const SceneTile tile = build_scene_tile(*layout, {1002, 13000});
+  EXPECT_TRUE(tile.meshes.empty());
+  EXPECT_TRUE(tile.texture_rgb.empty());
+}
+
+TEST(BuildScene, no_roads_at_all_is_plain_terrain) {
+  const SceneTile tile = build_one(make_site(480.0, {}));
+  EXPECT_EQ(find_mesh(tile, "road"), nullptr);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "terrain")), 480.0 * 480.0, 1e-6);
+  expect_closed(tile, on_tile_border);
+}
+
+TEST(BuildScene, holes_of_the_terrain_are_filled_and_found) {
+  Site site = make_site(480.0, {}, [](Vec2 p) { return 30.0 + 0.1 * (p.x - west_m); });
+  for (int row = 20; row < 30; ++row)
+    for (int col = 40; col < 52; ++col) site.terrain.height_m.at(col, row) = std::nanf("");
+  const auto layout = lay_out_scene(site.input());
+  ASSERT_EQ(scene_findings(*layout).size(), 1U);
+  EXPECT_EQ(scene_findings(*layout)[0].code, "scene.terrain_hole");
+  const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
+  for (const auto& p : find_mesh(tile, "terrain")->positions) {
+    const Vec3 q = world(tile, p);
+    ASSERT_TRUE(std::isfinite(q.z));
+    EXPECT_NEAR(q.z, 30.0 + 0.1 * (q.x - west_m), 3.0);  // as coarse as the hole is wide (60 m, 6 m of rise)
+  }
+}
+
+TEST(BuildScene, terrain_without_any_height_is_an_error) {
+  Site site = make_site(480.0, {});
+  for (float& z : site.terrain.height_m.data) z = std::nanf("");
+  EXPECT_THROW((void)lay_out_scene(site.input()), InputError);
+  EXPECT_THROW((void)lay_out_scene(make_site(480.0, {}).input(), {.terrain_step_m = 0.0}), OptionError);
+}
+
+TEST(BuildScene, road_without_heights_is_left_out_and_found) {
+  const Site site = make_site(480.0, {{.start = {west_m + 10.0, south_m + 10.0}, .z_m = std::nan("")}});
+  const auto layout = lay_out_scene(site.input());
+  ASSERT_EQ(scene_findings(*layout).size(), 1U);
+  EXPECT_EQ(scene_findings(*layout)[0].code, "scene.road_without_surface");
+  EXPECT_EQ(find_mesh(build_scene_tile(*layout, {1000, 13000}), "road"), nullptr);
+}
+
+TEST(BuildScene, bend_tighter_than_the_road_is_wide_stays_a_surface) {
+  const Site site = make_site(
+      480.0,
+      {{.start = {west_m + 200.0, south_m + 200.0}, .length_m = 15.0, .width_m = 12.0, .curvature_1pm = 1.0 / 4.0}});
+  const SceneTile tile = build_one(site);
+  expect_upwards(*find_mesh(tile, "road"));
+  expect_closed(tile, on_tile_border);
+  for (const auto& p : find_mesh(tile, "road")->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
+}
+
+TEST(BuildScene, texture_has_the_photo_at_its_place) {
+  Site site = make_site(480.0, {});
+  for (int row = 0; row < 480; ++row)
+    for (int col = 0; col < 480; ++col) {
+      site.photo.rgb.at(col, row, 0) = static_cast<std::uint8_t>(col / 2);
+      site.photo.rgb.at(col, row, 1) = static_cast<std::uint8_t>(row / 2);
+    }
+  for (int row = 0; row < 100; ++row) site.photo.valid.at(7, row) = 0;
+  const Raster<std::uint8_t> native = build_one(site).texture_rgb;
+  ASSERT_EQ(native.width, 480);
+  EXPECT_EQ(native.at(300, 120, 0), 150);
+  EXPECT_EQ(native.at(300, 120, 1), 60);
+  EXPECT_NEAR(native.at(7, 50, 0), 3, 1);  // no photo there: from its neighbours
+  const Raster<std::uint8_t> half = build_one(site, {1000, 13000}, {.max_texture_px = 240}).texture_rgb;
+  ASSERT_EQ(half.width, 240);
+  EXPECT_NEAR(half.at(150, 60, 0), 150, 1);
+}
+
+TEST(BuildScene, thread_count_does_not_change_a_byte) {
+  const auto hills = [](Vec2 p) { return 20.0 + 3.0 * std::sin(p.x / 41.0) * std::cos(p.y / 29.0); };
+  std::vector<RoadShape> shapes;
+  for (int i = 0; i < 12; ++i)
+    shapes.push_back({.start = {west_m + 60.0 * i, south_m + 40.0 * i},
+                      .heading_rad = 0.5 * i,
+                      .length_m = 300.0,
+                      .z_m = 20.0,
+                      .curvature_1pm = 0.002 * (i - 5),
+                      .bridge = i % 4 == 0});
+  const Site site = make_site(960.0, shapes, hills);
+  const auto run = [&](int threads) {
+    std::map<TileAddress, SceneTile> tiles;
+    std::mutex mutex;
+    const SceneResult result = build_scene(site.input(),
+                                           [&](const SceneTile& tile, Vec3) {
+                                             const std::lock_guard lock(mutex);
+                                             tiles[{tile.column, tile.row}] = tile;
+                                           },
+                                           {.threads = threads});
+    EXPECT_EQ(result.tiles, 4U);
+    return tiles;
+  };
+  const auto one = run(1), three = run(3);
+  ASSERT_EQ(one.size(), three.size());
+  for (const auto& [address, tile] : one) {
+    const SceneTile& other = three.at(address);
+    ASSERT_EQ(tile.meshes.size(), other.meshes.size());
+    for (std::size_t m = 0; m < tile.meshes.size(); ++m) {
+      EXPECT_EQ(tile.meshes[m].positions, other.meshes[m].positions);
+      EXPECT_EQ(tile.meshes[m].normals, other.meshes[m].normals);
+      EXPECT_EQ(tile.meshes[m].uv, other.meshes[m].uv);
+      EXPECT_EQ(tile.meshes[m].indices, other.meshes[m].indices);
+    }
+    EXPECT_EQ(tile.texture_rgb.data, other.texture_rgb.data);
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive
