@@ -1,0 +1,110 @@
+#include "orthodrive/refine/cross_profiles.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace orthodrive {
+namespace {
+
+constexpr double step_over_gsd = 0.5;  // two cells a pixel
+constexpr double road_near_m = 1.0;    // so much road in a row says that a road is there
+
+struct ClassCosts {
+  std::array<float, 256> false_positive{}, false_negative{};
+};
+
+ClassCosts class_costs(const ClassTable& table) {
+  ClassCosts costs;
+  for (std::size_t i = 0; i < std::min<std::size_t>(table.classes.size(), label_nodata); ++i) {
+    costs.false_positive[i] = static_cast<float>(table.classes[i].cost_false_positive);
+    costs.false_negative[i] = static_cast<float>(table.classes[i].cost_false_negative);
+  }
+  return costs;
+}
+
+}  // namespace
+
+CrossProfiles sample_cross_profiles(const RoadChain& chain, const LabelMap& labels, double half_m) {
+  CrossProfiles profiles;
+  profiles.step_m = labels.frame.gsd_m * step_over_gsd;
+  profiles.cells = 2 * static_cast<int>(std::ceil(half_m / profiles.step_m));
+  profiles.half_m = 0.5 * profiles.cells * profiles.step_m;
+  const std::size_t rows = (chain.nodes.size() - 1) * rows_per_segment, cells = static_cast<std::size_t>(profiles.cells);
+  profiles.false_positive.assign(rows * cells, 0.0F);
+  profiles.false_negative.assign(rows * cells, 0.0F);
+  profiles.evidence.assign(rows, 0.0F);
+  profiles.road_near.assign(rows, false);
+
+  const ClassCosts costs = class_costs(labels.classes);
+  constexpr int samples = 2;  // along each row's half segment: 0.5 m apart at a spacing of 2 m
+  for (std::size_t row = 0; row < rows; ++row) {
+    const ChainNode &a = chain.nodes[row / rows_per_segment], &b = chain.nodes[row / rows_per_segment + 1];
+    float* const positive = &profiles.false_positive[row * cells];
+    float* const negative = &profiles.false_negative[row * cells];
+    for (int sample = 0; sample < samples; ++sample) {
+      const double f = (static_cast<double>(row % rows_per_segment) + (sample + 0.5) / samples) / rows_per_segment;
+      const Vec2 base = a.base + (b.base - a.base) * f;
+      const Vec2 normal = normalized(a.normal + (b.normal - a.normal) * f);
+      for (std::size_t k = 0; k < cells; ++k) {
+        const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
+        const Vec2 pixel = labels.frame.pixel_from_world(base + normal * t);
+        const int col = static_cast<int>(std::floor(pixel.x)), line = static_cast<int>(std::floor(pixel.y));
+        if (!labels.labels.inside(col, line)) continue;
+        const std::uint8_t label = labels.labels.at(col, line);
+        positive[k] += costs.false_positive[label] / samples;
+        negative[k] += costs.false_negative[label] / samples;
+      }
+    }
+    const double road_m = std::accumulate(positive, positive + cells, 0.0) * profiles.step_m;
+    profiles.road_near[row] = road_m >= road_near_m;
+    profiles.evidence[row] = profiles.road_near[row] ? static_cast<float>(a.evidence) : 0.0F;
+  }
+  return profiles;
+}
+
+StripCosts::StripCosts(const CrossProfiles& profiles, double strip_m)
+    : step_m_(profiles.step_m), half_m_(profiles.half_m), knots_(profiles.cells + 1) {
+  const int cells = std::max(1, static_cast<int>(std::lround(strip_m / step_m_)));
+  // The reference lets errors count more with their distance from the edge. From a half at the edge to one: an edge that
+  // is off by little must still feel a force, as its least-squares form would otherwise be flat (fourth power) there.
+  std::vector<float> weight(static_cast<std::size_t>(cells));
+  for (int j = 0; j < cells; ++j) weight[j] = static_cast<float>(0.5 + 0.5 * (j + 0.5) / cells);
+  const float sum = std::accumulate(weight.begin(), weight.end(), 0.0F);
+  for (float& w : weight) w /= sum;
+
+  const std::size_t rows = profiles.evidence.size(), knots = static_cast<std::size_t>(knots_);
+  for (auto& field : fields_) field.resize(rows * knots);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const auto positive = profiles.positive_row(row), negative = profiles.negative_row(row);
+    const auto sum_of = [&](std::span<const float> costs, int knot, int direction) {
+      float total = 0.0F;
+      for (int j = 0; j < cells; ++j) {
+        const int cell = direction > 0 ? knot + j : knot - 1 - j;
+        if (cell >= 0 && cell < profiles.cells) total += weight[j] * costs[static_cast<std::size_t>(cell)];
+      }
+      return total;
+    };
+    for (int knot = 0; knot < knots_; ++knot) {
+      const std::size_t i = row * knots + static_cast<std::size_t>(knot);
+      fields_[static_cast<int>(Strip::context_left)][i] = sum_of(positive, knot, +1);
+      fields_[static_cast<int>(Strip::context_right)][i] = sum_of(positive, knot, -1);
+      fields_[static_cast<int>(Strip::boundary_left)][i] = sum_of(negative, knot, -1);
+      fields_[static_cast<int>(Strip::boundary_right)][i] = sum_of(negative, knot, +1);
+    }
+  }
+}
+
+StripCosts::Value StripCosts::at(Strip strip, std::size_t row, double t_m) const {
+  const double x = std::clamp((t_m + half_m_) / step_m_, 1.0, knots_ - 2.0 - 1e-9);
+  const int i = static_cast<int>(x);
+  const double u = x - i;
+  const float* const f = &fields_[static_cast<int>(strip)][row * static_cast<std::size_t>(knots_) + static_cast<std::size_t>(i)];
+  // Catmull-Rom: a continuous derivative, which Levenberg-Marquardt needs to converge.
+  const double f0 = f[-1], f1 = f[0], f2 = f[1], f3 = f[2];
+  const double c1 = 0.5 * (f2 - f0), c2 = f0 - 2.5 * f1 + 2.0 * f2 - 0.5 * f3, c3 = 0.5 * (f3 - f0) + 1.5 * (f1 - f2);
+  return {f1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2.0 * c2 + u * 3.0 * c3)) / step_m_};
+}
+
+}  // namespace orthodrive

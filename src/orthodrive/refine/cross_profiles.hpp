@@ -1,0 +1,55 @@
+#pragma once
+// The labels straightened along a chain: class costs as functions of the lateral position t, one row a station.
+// All later work (search, residuals, derivatives) reads these rows and never the label raster.
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/refine/road_chains.hpp"
+
+namespace orthodrive {
+
+constexpr std::size_t rows_per_segment = 2;  ///< stations at 1/4 and 3/4 of a segment
+
+/// Costs are constant in cells of step_m; cell k spans t = (k .. k + 1) * step_m - half_m. Left of the path is t > 0.
+struct CrossProfiles {
+  double step_m = 0.0, half_m = 0.0;
+  int cells = 0;                              ///< a row
+  std::vector<float> false_positive;          ///< cost of the cell outside the road, row after row
+  std::vector<float> false_negative;          ///< cost of the cell inside the road
+  std::vector<float> evidence;                ///< one a row: the chain's evidence, 0 where no road is near
+  std::vector<bool> road_near;                ///< one a row: the labels show a road somewhere in the row
+
+  [[nodiscard]] std::span<const float> positive_row(std::size_t row) const {
+    return std::span(false_positive).subspan(row * static_cast<std::size_t>(cells), static_cast<std::size_t>(cells));
+  }
+  [[nodiscard]] std::span<const float> negative_row(std::size_t row) const {
+    return std::span(false_negative).subspan(row * static_cast<std::size_t>(cells), static_cast<std::size_t>(cells));
+  }
+};
+
+/// Looks half_m to each side. nodata and places outside the labels cost nothing.
+[[nodiscard]] CrossProfiles sample_cross_profiles(const RoadChain& chain, const LabelMap& labels, double half_m);
+
+/// The classification cost of the four strips of a road with its edges at t, eq. 3.3 of the reference: mean class cost
+/// weighted by the distance from the edge, as a smooth function of the edge position.
+class StripCosts {
+ public:
+  StripCosts(const CrossProfiles& profiles, double strip_m);
+
+  enum class Strip { context_left, context_right, boundary_left, boundary_right };
+  struct Value {
+    double cost = 0.0, derivative = 0.0;  ///< derivative by t, 1/m
+  };
+  /// t is clamped to where the strips are inside the profile.
+  [[nodiscard]] Value at(Strip strip, std::size_t row, double t_m) const;
+
+ private:
+  double step_m_, half_m_;
+  int knots_;
+  std::vector<float> fields_[4];
+};
+
+}  // namespace orthodrive

@@ -1,0 +1,208 @@
+#include "orthodrive/refine/fit_chain.hpp"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "orthodrive/core/normal_matrix.hpp"
+
+namespace orthodrive {
+namespace {
+
+// A weak pull to the input keeps nodes without evidence determined: standard deviations of an OSM line and of a width
+// taken from a default, against weight 1 of a residual.
+constexpr double prior_offset_m = 4.0, prior_width_share = 0.3;
+constexpr double loss_scale = 3.0;             // of r_c: a third of a strip full of errors is an outlier already
+constexpr double label_error_length_m = 10.0;  // labels err in blobs of this size: errors of near segments are not independent
+
+/// r_c, eq. 3.3: left and right context strip, left and right boundary strip of a segment.
+class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> {
+ public:
+  ClassificationCost(const StripCosts& strips, const CrossProfiles& profiles, std::size_t segment, double weight)
+      : strips_(strips), segment_(segment) {
+    for (std::size_t r = 0; r < rows_per_segment; ++r)
+      weight_[r] = weight * profiles.evidence[segment * rows_per_segment + r] / static_cast<double>(rows_per_segment);
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    using enum StripCosts::Strip;
+    constexpr std::array strips{context_left, context_right, boundary_left, boundary_right};
+    const double offset_a = *parameters[0], width_a = *parameters[1], offset_b = *parameters[2], width_b = *parameters[3];
+    std::fill_n(residuals, 4, 0.0);
+    for (int p = 0; jacobians && p < 4; ++p)
+      if (jacobians[p]) std::fill_n(jacobians[p], 4, 0.0);
+    for (std::size_t r = 0; r < rows_per_segment; ++r) {
+      if (weight_[r] == 0.0) continue;
+      const double f = (static_cast<double>(r) + 0.5) / rows_per_segment;
+      const double offset = offset_a + (offset_b - offset_a) * f, half = 0.5 * (width_a + (width_b - width_a) * f);
+      for (int i = 0; i < 4; ++i) {
+        const double side = strips[i] == context_left || strips[i] == boundary_left ? 1.0 : -1.0;
+        const auto value = strips_.at(strips[i], segment_ * rows_per_segment + r, offset + side * half);
+        residuals[i] += weight_[r] * value.cost;
+        if (!jacobians) continue;
+        const double d = weight_[r] * value.derivative;
+        const std::array<double, 4> by{d * (1.0 - f), 0.5 * side * d * (1.0 - f), d * f, 0.5 * side * d * f};
+        for (int p = 0; p < 4; ++p)
+          if (jacobians[p]) jacobians[p][i] += by[p];
+      }
+    }
+    return true;
+  }
+
+ private:
+  const StripCosts& strips_;
+  std::size_t segment_;
+  std::array<double, rows_per_segment> weight_{};
+};
+
+/// r_a, eq. 3.8: the angle between two segments by the offsets of their three nodes. Signed, which makes it differentiable
+/// at zero; its square is the reference's.
+class AngleCost final : public ceres::SizedCostFunction<1, 1, 1, 1> {
+ public:
+  AngleCost(const ChainNode& a, const ChainNode& b, const ChainNode& c, double weight)
+      : base_{a.base, b.base, c.base}, normal_{a.normal, b.normal, c.normal}, weight_(weight) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    std::array<Vec2, 3> p;
+    for (int i = 0; i < 3; ++i) p[i] = base_[i] + normal_[i] * *parameters[i];
+    const Vec2 v1 = p[1] - p[0], v2 = p[2] - p[1];
+    residuals[0] = weight_ * std::atan2(cross(v1, v2), dot(v1, v2));
+    if (jacobians) {
+      // d heading(v) = (v x dv) / |v|^2. Nodes nearly on top of each other must not blow it up.
+      const auto turn = [](Vec2 v, Vec2 dv) { return cross(v, dv) / std::max(dot(v, v), 1e-2); };
+      const std::array<double, 3> by{turn(v1, normal_[0]), -turn(v2, normal_[1]) - turn(v1, normal_[1]), turn(v2, normal_[2])};
+      for (int i = 0; i < 3; ++i)
+        if (jacobians[i]) jacobians[i][0] = weight_ * by[i];
+    }
+    return true;
+  }
+
+ private:
+  std::array<Vec2, 3> base_, normal_;
+  double weight_;
+};
+
+/// r_w and r_o, eq. 3.9 and 3.10.
+class DifferenceCost final : public ceres::SizedCostFunction<1, 1, 1> {
+ public:
+  explicit DifferenceCost(double weight) : weight_(weight) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    residuals[0] = weight_ * (*parameters[1] - *parameters[0]);
+    if (jacobians && jacobians[0]) jacobians[0][0] = -weight_;
+    if (jacobians && jacobians[1]) jacobians[1][0] = weight_;
+    return true;
+  }
+
+ private:
+  double weight_;
+};
+
+class PriorCost final : public ceres::SizedCostFunction<1, 1> {
+ public:
+  PriorCost(double value, double sigma) : value_(value), weight_(1.0 / sigma) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    residuals[0] = weight_ * (*parameters[0] - value_);
+    if (jacobians && jacobians[0]) jacobians[0][0] = weight_;
+    return true;
+  }
+
+ private:
+  double value_, weight_;
+};
+
+/// Standard deviations from the normal matrix, scaled by the residual variance of the classification costs.
+void estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& parameters,
+                     const std::vector<ceres::ResidualBlockId>& class_blocks, double evidence_rows, double floor_residual,
+                     double spacing_m, std::vector<double>& sigma) {
+  ceres::Problem::EvaluateOptions class_only;
+  class_only.residual_blocks = class_blocks;
+  std::vector<double> residuals;
+  if (!class_blocks.empty()) problem.Evaluate(class_only, nullptr, &residuals, nullptr, nullptr);
+  double sum = 0.0;
+  for (const double r : residuals) sum += r * r;
+  // Each segment with evidence measures two edges.
+  const double variance = std::max(floor_residual * floor_residual, evidence_rows > 0.0 ? sum / evidence_rows : 0.0) *
+                          std::max(1.0, label_error_length_m / spacing_m);
+  ceres::Problem::EvaluateOptions all;
+  all.parameter_blocks = parameters;
+  ceres::CRSMatrix jacobian;
+  problem.Evaluate(all, nullptr, nullptr, nullptr, &jacobian);
+  sigma = inverse_normal_diagonal({jacobian.num_cols, std::move(jacobian.rows), std::move(jacobian.cols), std::move(jacobian.values)});
+  for (double& s : sigma) s = std::sqrt(s * variance);
+}
+
+}  // namespace
+
+ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const ChainShape& start,
+                   const RefineRoadsOptions& options) {
+  ChainFit fit{.shape = start};
+  const std::size_t count = chain.nodes.size(), last = count - 1;
+  std::vector<double>&offset = fit.shape.offset_m, &width = fit.shape.width_m;
+  const auto own = [&](std::size_t i) { return chain.closed && i == last ? 0 : i; };  // a closed chain's last node is its first
+  const StripCosts strips(profiles, options.strip_m);
+
+  ceres::Problem problem;
+  std::vector<double*> parameters;
+  for (std::size_t i = 0; i < count - (chain.closed ? 1 : 0); ++i) {
+    const double w0 = chain.nodes[i].input_width_m, low = options.min_width_factor * w0, high = options.max_width_factor * w0;
+    offset[i] = std::clamp(offset[i], -options.search_radius_m, options.search_radius_m);
+    width[i] = std::clamp(width[i], low, high);
+    problem.AddParameterBlock(&offset[i], 1);
+    problem.AddParameterBlock(&width[i], 1);
+    problem.SetParameterLowerBound(&offset[i], 0, -options.search_radius_m);
+    problem.SetParameterUpperBound(&offset[i], 0, options.search_radius_m);
+    problem.SetParameterLowerBound(&width[i], 0, low);
+    problem.SetParameterUpperBound(&width[i], 0, high);
+    problem.AddResidualBlock(new PriorCost(0.0, prior_offset_m), nullptr, &offset[i]);
+    problem.AddResidualBlock(new PriorCost(w0, prior_width_share * w0), nullptr, &width[i]);
+    parameters.insert(parameters.end(), {&offset[i], &width[i]});
+  }
+  std::vector<ceres::ResidualBlockId> class_blocks;
+  double evidence_rows = 0.0;
+  for (std::size_t i = 0; i < last; ++i) {
+    const std::size_t a = own(i), b = own(i + 1);
+    if (a == b) continue;
+    double evidence = 0.0;
+    for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles.evidence[i * rows_per_segment + r];
+    if (evidence > 0.0) {
+      class_blocks.push_back(problem.AddResidualBlock(new ClassificationCost(strips, profiles, i, options.weight_class),
+                                                      new ceres::CauchyLoss(loss_scale), &offset[a], &width[a], &offset[b], &width[b]));
+      evidence_rows += evidence;
+    }
+    problem.AddResidualBlock(new DifferenceCost(options.weight_width), nullptr, &width[a], &width[b]);
+    problem.AddResidualBlock(new DifferenceCost(options.weight_offset), nullptr, &offset[a], &offset[b]);
+  }
+  for (std::size_t i = chain.closed ? 0 : 1; i < last; ++i) {
+    const std::size_t before = i == 0 ? last - 1 : i - 1, after = own(i + 1);
+    if (before == after || before == i) continue;
+    problem.AddResidualBlock(new AngleCost(chain.nodes[before], chain.nodes[i], chain.nodes[after], options.weight_angle), nullptr,
+                             &offset[before], &offset[i], &offset[after]);
+  }
+
+  ceres::Solver::Options solver;
+  solver.minimizer_type = ceres::TRUST_REGION;
+  solver.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS, so no threads and no run to run differences
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = 1e-5;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  fit.solve = {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()) - 1,
+               summary.initial_cost, summary.final_cost};
+
+  // Even perfect labels leave an edge uncertain by the quantisation of their pixels.
+  const double floor_residual = options.weight_class / options.strip_m * 2.0 * profiles.step_m / std::sqrt(12.0);
+  std::vector<double> sigma;
+  estimate_sigmas(problem, parameters, class_blocks, evidence_rows, floor_residual, options.spacing_m, sigma);
+  fit.sigma_offset_m.resize(count), fit.sigma_width_m.resize(count);
+  for (std::size_t i = 0; i < count; ++i) fit.sigma_offset_m[i] = sigma[2 * own(i)], fit.sigma_width_m[i] = sigma[2 * own(i) + 1];
+  if (chain.closed) offset[last] = offset[0], width[last] = width[0];
+  return fit;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,246 @@
+#include "orthodrive/refine/road_chains.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
+
+#include "orthodrive/model/path_crossings.hpp"
+
+namespace orthodrive {
+namespace {
+
+constexpr double direction_length_m = 10.0;  // the direction of a way at its end is that of its outermost 10 m
+
+struct PathEnd {
+  std::size_t path = 0;
+  bool at_back = false;
+  friend auto operator<=>(const PathEnd&, const PathEnd&) = default;
+};
+
+const RoadNode& node_of(const RoadNetwork& osm, PathEnd end) {
+  const auto& nodes = osm.paths[end.path].nodes;
+  return end.at_back ? nodes.back() : nodes.front();
+}
+
+/// Unit vector from the end into the path.
+Vec2 inward_direction(const RoadNetwork& osm, PathEnd end) {
+  Polyline line = centerline(osm.paths[end.path]);
+  if (end.at_back) std::reverse(line.begin(), line.end());
+  return normalized(point_at(line, direction_length_m) - line.front());
+}
+
+/// How badly b continues a, in rad of turning: 0 is straight on along the same road. None when it is no continuation.
+std::optional<double> continuation_cost(const RoadNetwork& osm, PathEnd a, PathEnd b, bool only_pair) {
+  constexpr double deg = std::numbers::pi / 180.0;
+  const Vec2 in = inward_direction(osm, a) * -1.0, out = inward_direction(osm, b);
+  const double turn = std::abs(std::atan2(cross(in, out), dot(in, out)));
+  const RoadPath &pa = osm.paths[a.path], &pb = osm.paths[b.path];
+  // A road may bend sharply between two ways; at a junction only a pair that is fairly straight is one road.
+  if (turn > (only_pair ? 100.0 : 50.0) * deg) return std::nullopt;
+  return turn + (pa.highway != pb.highway ? 30.0 * deg : 0.0) + (pa.name != pb.name ? 15.0 * deg : 0.0);
+}
+
+using Links = std::map<PathEnd, PathEnd>;
+
+Links link_ends(const RoadNetwork& osm) {
+  std::map<std::int64_t, std::vector<PathEnd>> ends_at;
+  std::map<std::int64_t, int> incidences;
+  for (std::size_t p = 0; p < osm.paths.size(); ++p) {
+    for (const bool at_back : {false, true})
+      if (const auto id = node_of(osm, {p, at_back}).osm_node; id > 0) ends_at[id].push_back({p, at_back});
+    for (const RoadNode& node : osm.paths[p].nodes)
+      if (node.osm_node > 0) ++incidences[node.osm_node];
+  }
+  Links links;
+  for (const auto& [id, ends] : ends_at) {
+    struct Pair {
+      double cost;
+      PathEnd a, b;
+      auto operator<=>(const Pair&) const = default;
+    };
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      for (std::size_t k = i + 1; k < ends.size(); ++k)
+        if (const auto cost = continuation_cost(osm, ends[i], ends[k], incidences[id] == 2))
+          pairs.push_back({*cost, ends[i], ends[k]});
+    std::sort(pairs.begin(), pairs.end());
+    for (const Pair& pair : pairs)
+      if (!links.contains(pair.a) && !links.contains(pair.b)) links[pair.a] = pair.b, links[pair.b] = pair.a;
+  }
+  return links;
+}
+
+struct Walk {
+  std::vector<ChainPiece> pieces;  // path and reversed only
+  bool closed = false;
+};
+
+/// Goes from `path` against its direction to the beginning of the chain, then along the chain to its end.
+Walk walk_chain(const Links& links, std::size_t path) {
+  const auto next_of = [&](PathEnd leaving) -> std::optional<PathEnd> {
+    const auto it = links.find(leaving);
+    return it == links.end() ? std::nullopt : std::optional(it->second);
+  };
+  PathEnd entry{path, false};
+  while (const auto previous = next_of(entry)) {
+    entry = {previous->path, !previous->at_back};
+    if (entry == PathEnd{path, false}) break;  // all the way round
+  }
+  Walk walk;
+  const PathEnd start = entry;
+  for (;;) {
+    walk.pieces.push_back({entry.path, entry.at_back});
+    const auto next = next_of({entry.path, !entry.at_back});
+    if (!next) return walk;
+    if (*next == start) break;
+    entry = *next;
+  }
+  walk.closed = true;
+  return walk;
+}
+
+/// Point of a polyline with known arc lengths at s; beyond the ends it clamps, or wraps when closed.
+Vec2 point_along(std::span<const Vec2> line, std::span<const double> s, double at, bool closed) {
+  const double total = s.back();
+  if (closed && total > 0.0) at -= std::floor(at / total) * total;
+  const auto it = std::upper_bound(s.begin(), s.end(), at);
+  const auto i = std::clamp<std::ptrdiff_t>(it - s.begin() - 1, 0, std::ssize(line) - 2);
+  const double length = s[i + 1] - s[i];
+  return line[i] + (line[i + 1] - line[i]) * (length > 0.0 ? std::clamp((at - s[i]) / length, 0.0, 1.0) : 0.0);
+}
+
+RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std::int64_t, int>& incidences,
+                   const ChainOptions& options) {
+  RoadChain chain{.closed = walk.closed, .pieces = walk.pieces};
+  Polyline osm_line;  // of the whole chain, without repeated points
+  const auto append = [&](Vec2 p) {
+    if (osm_line.empty() || !(osm_line.back() == p)) osm_line.push_back(p);
+  };
+  for (ChainPiece& piece : chain.pieces) {
+    const RoadPath& path = osm.paths[piece.path];
+    chain.rank = std::max(chain.rank, road_rank(path.highway));
+    std::vector<RoadNode> nodes = path.nodes;
+    if (piece.reversed) std::reverse(nodes.begin(), nodes.end());
+    piece.first = chain.nodes.empty() ? 0 : chain.nodes.size() - 1;
+    if (chain.nodes.empty()) chain.nodes.push_back({.base = nodes.front().p, .osm_node = nodes.front().osm_node,
+                                                    .input_width_m = nodes.front().width_m});
+    append(nodes.front().p);
+    for (std::size_t begin = 0; begin + 1 < nodes.size();) {  // from kept node to kept node
+      std::size_t end = begin + 1;
+      while (end + 1 < nodes.size() && !(nodes[end].osm_node > 0 && incidences.at(nodes[end].osm_node) > 1)) ++end;
+      Polyline part;
+      for (std::size_t i = begin; i <= end; ++i) part.push_back(nodes[i].p), append(nodes[i].p);
+      const std::vector<double> s = arc_lengths_m(part);
+      const int steps = std::max(1, static_cast<int>(std::lround(s.back() / options.spacing_m)));
+      for (int step = 1; step <= steps; ++step)
+        chain.nodes.push_back({.base = point_along(part, s, s.back() * step / steps, false),
+                               .osm_node = step == steps ? nodes[end].osm_node : 0,
+                               .input_width_m = nodes[begin].width_m});
+      begin = end;
+    }
+    piece.last = chain.nodes.size() - 1;
+  }
+  if (osm_line.size() < 2) osm_line.push_back(osm_line.front() + Vec2{1e-3, 0.0});
+  const std::vector<double> line_s = arc_lengths_m(osm_line);
+  const Polyline bases = [&] {
+    Polyline line;
+    for (const ChainNode& node : chain.nodes) line.push_back(node.base);
+    return line;
+  }();
+  const std::vector<double> s = arc_lengths_m(bases);
+  // Cut corners make the resampled line a little shorter than OSM's: scale, so that both windows slide together.
+  const double stretch = s.back() > 0.0 ? line_s.back() / s.back() : 1.0;
+  for (std::size_t i = 0; i < chain.nodes.size(); ++i) {
+    const double at = s[i] * stretch, window = options.normal_window_m;
+    const Vec2 ahead = point_along(osm_line, line_s, at + window, chain.closed);
+    const Vec2 behind = point_along(osm_line, line_s, at - window, chain.closed);
+    Vec2 direction = normalized(ahead - behind);
+    if (length(direction) == 0.0) direction = i > 0 ? left_normal(chain.nodes[i - 1].normal) * -1.0 : Vec2{1.0, 0.0};
+    chain.nodes[i].normal = left_normal(direction);
+    chain.nodes[i].s_m = s[i];
+  }
+  return chain;
+}
+
+}  // namespace
+
+std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& options) {
+  const Links links = link_ends(osm);
+  std::map<std::int64_t, int> incidences;
+  for (const RoadPath& path : osm.paths)
+    for (const RoadNode& node : path.nodes)
+      if (node.osm_node > 0) ++incidences[node.osm_node];
+  std::vector<RoadChain> chains;
+  std::vector<bool> taken(osm.paths.size(), false);
+  for (std::size_t p = 0; p < osm.paths.size(); ++p) {
+    if (taken[p]) continue;
+    const Walk walk = walk_chain(links, p);
+    for (const ChainPiece& piece : walk.pieces) taken[piece.path] = true;
+    chains.push_back(resample(osm, walk, incidences, options));
+  }
+  return chains;
+}
+
+void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm) {
+  constexpr double fillet_m = 3.0;  // corners of a mouth reach about this far beyond the other road's edge
+  const auto mask_around = [](RoadChain& chain, double s_m, double radius_m) {
+    const double total = chain.nodes.back().s_m;
+    for (std::size_t i = 0; i + 1 < chain.nodes.size(); ++i) {
+      double d = std::abs(0.5 * (chain.nodes[i].s_m + chain.nodes[i + 1].s_m) - s_m);
+      if (chain.closed) d = std::min(d, total - d);
+      if (d < radius_m) chain.nodes[i].evidence = 0.0;
+    }
+  };
+
+  // Widest two roads at each junction: a chain is masked by the widest of the others.
+  struct Incidence {
+    std::size_t chain, node;
+    double width_m;
+  };
+  std::map<std::int64_t, std::vector<Incidence>> junctions;
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (std::size_t i = 0; i < chains[c].nodes.size(); ++i) {
+      const ChainNode& node = chains[c].nodes[i];
+      if (chains[c].closed && i + 1 == chains[c].nodes.size()) continue;
+      if (node.osm_node > 0) junctions[node.osm_node].push_back({c, i, node.input_width_m});
+    }
+  for (const auto& [id, incidences] : junctions)
+    for (const Incidence& own : incidences) {
+      double other_width_m = 0.0;
+      for (const Incidence& other : incidences)
+        if (&other != &own) other_width_m = std::max(other_width_m, other.width_m);
+      if (other_width_m > 0.0)
+        mask_around(chains[own.chain], chains[own.chain].nodes[own.node].s_m, 0.5 * other_width_m + fillet_m);
+    }
+
+  // Where a path lies in its chain: s along the chain of a distance along the path.
+  struct Place {
+    std::size_t chain, piece;
+  };
+  std::vector<Place> place_of(osm.paths.size());
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (std::size_t k = 0; k < chains[c].pieces.size(); ++k) {
+      const ChainPiece& piece = chains[c].pieces[k];
+      place_of[piece.path] = {c, k};
+      if (osm.paths[piece.path].tunnel)
+        for (std::size_t i = piece.first; i < piece.last; ++i) chains[c].nodes[i].evidence = 0.0;
+    }
+  const auto mask_crossing = [&](std::size_t path, Vec2 p, double other_width_m) {
+    RoadChain& chain = chains[place_of[path].chain];
+    const ChainPiece& piece = chain.pieces[place_of[path].piece];
+    std::size_t nearest = piece.first;
+    for (std::size_t i = piece.first; i <= piece.last; ++i)
+      if (distance(chain.nodes[i].base, p) < distance(chain.nodes[nearest].base, p)) nearest = i;
+    mask_around(chain, chain.nodes[nearest].s_m, 0.5 * other_width_m + fillet_m);
+  };
+  for (const PathCrossing& crossing : find_crossings(osm)) {
+    mask_crossing(crossing.path_a, crossing.p, osm.paths[crossing.path_b].nodes[crossing.segment_b].width_m);
+    mask_crossing(crossing.path_b, crossing.p, osm.paths[crossing.path_a].nodes[crossing.segment_a].width_m);
+  }
+}
+
+}  // namespace orthodrive

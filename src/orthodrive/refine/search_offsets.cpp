@@ -1,0 +1,105 @@
+#include "orthodrive/refine/search_offsets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace orthodrive {
+namespace {
+
+constexpr double offset_step_m = 0.5;
+constexpr int width_levels = 13;      // between the smallest and the largest width factor
+constexpr double context_m = 2.0;     // road in such a strip beside the road counts as missed
+constexpr double step_cost = 0.15;    // of going to a neighbouring level from one segment to the next, in metres
+// Pull to the input. One metre of misclassified width outweighs 4 m of offset and 40 % of width.
+constexpr double prior_offset_m = 4.0, prior_width_share = 0.4;
+
+struct Levels {
+  int offsets = 0;  // odd: the middle one is 0
+  double lowest_factor = 0.0, factor_step = 0.0;
+
+  [[nodiscard]] int states() const { return offsets * width_levels; }
+  [[nodiscard]] double offset_m(int state) const { return (state / width_levels - offsets / 2) * offset_step_m; }
+  [[nodiscard]] double width_factor(int state) const { return lowest_factor + (state % width_levels) * factor_step; }
+};
+
+/// Sums over cells 0 .. k-1, so that the cost between two lateral positions is a difference.
+std::vector<double> running_sums(std::span<const float> costs, double step_m) {
+  std::vector<double> sums(costs.size() + 1, 0.0);
+  for (std::size_t k = 0; k < costs.size(); ++k) sums[k + 1] = sums[k] + costs[k] * step_m;
+  return sums;
+}
+
+/// Adds the misclassified width of one row to the cost of every state.
+void add_row_cost(const CrossProfiles& profiles, std::size_t row, double input_width_m, const Levels& levels,
+                  std::vector<double>& cost) {
+  const auto positive = running_sums(profiles.positive_row(row), profiles.step_m);
+  const auto negative = running_sums(profiles.negative_row(row), profiles.step_m);
+  const auto knot = [&](double t) {
+    return static_cast<std::size_t>(std::clamp<long>(std::lround((t + profiles.half_m) / profiles.step_m), 0, profiles.cells));
+  };
+  const double share = profiles.evidence[row] / static_cast<double>(rows_per_segment);
+  for (int state = 0; state < levels.states(); ++state) {
+    const double offset = levels.offset_m(state), half = 0.5 * levels.width_factor(state) * input_width_m;
+    const std::size_t right = knot(offset - half), left = knot(offset + half);
+    cost[state] += share * (negative[left] - negative[right] + positive[knot(offset + half + context_m)] - positive[left] +
+                            positive[right] - positive[knot(offset - half - context_m)]);
+  }
+}
+
+}  // namespace
+
+ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles, const RefineRoadsOptions& options) {
+  const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
+                      (options.max_width_factor - options.min_width_factor) / (width_levels - 1)};
+  const std::size_t segments = chain.nodes.size() - 1;
+  const int states = levels.states();
+  std::vector<std::uint8_t> came_from(segments * static_cast<std::size_t>(states));
+  std::vector<double> total(states, 0.0), next(states), cost(states);
+  std::vector<double> prior(states);
+  for (int state = 0; state < states; ++state)
+    prior[state] = std::pow(levels.offset_m(state) / prior_offset_m, 2) +
+                   std::pow((levels.width_factor(state) - 1.0) / prior_width_share, 2);
+
+  for (std::size_t segment = 0; segment < segments; ++segment) {
+    // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
+    float evidence = 0.0F;
+    for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
+    for (int state = 0; state < states; ++state) cost[state] = (0.02 + 0.98 * evidence) * prior[state];
+    for (std::size_t r = 0; r < rows_per_segment; ++r) {
+      const std::size_t row = segment * rows_per_segment + r;
+      if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, chain.nodes[segment].input_width_m, levels, cost);
+    }
+    for (int o = 0; o < levels.offsets; ++o)
+      for (int w = 0; w < width_levels; ++w) {
+        const int state = o * width_levels + w;
+        double best = std::numeric_limits<double>::infinity();
+        std::uint8_t step = 4;  // 3 * (offset step + 1) + width step + 1
+        for (int d = -1; d <= 1; ++d)
+          for (int e = -1; e <= 1; ++e) {
+            if (o + d < 0 || o + d >= levels.offsets || w + e < 0 || w + e >= width_levels) continue;
+            const double candidate = total[state + d * width_levels + e] + step_cost * (std::abs(d) + std::abs(e));
+            if (candidate < best) best = candidate, step = static_cast<std::uint8_t>(3 * (d + 1) + e + 1);
+          }
+        next[state] = best + cost[state];
+        came_from[segment * static_cast<std::size_t>(states) + static_cast<std::size_t>(state)] = step;
+      }
+    total.swap(next);
+  }
+
+  std::vector<int> best(segments);
+  best.back() = static_cast<int>(std::min_element(total.begin(), total.end()) - total.begin());
+  for (std::size_t segment = segments; segment-- > 1;) {
+    const int step = came_from[segment * static_cast<std::size_t>(states) + static_cast<std::size_t>(best[segment])];
+    best[segment - 1] = best[segment] + (step / 3 - 1) * width_levels + step % 3 - 1;
+  }
+  ChainShape shape;
+  for (std::size_t i = 0; i < chain.nodes.size(); ++i) {  // a node lies between two segments
+    const int before = best[i == 0 ? 0 : i - 1], after = best[std::min(i, segments - 1)];
+    shape.offset_m.push_back(0.5 * (levels.offset_m(before) + levels.offset_m(after)));
+    shape.width_m.push_back(0.5 * (levels.width_factor(before) + levels.width_factor(after)) * chain.nodes[i].input_width_m);
+  }
+  return shape;
+}
+
+}  // namespace orthodrive
