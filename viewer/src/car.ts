@@ -15,7 +15,7 @@ const track_m = 1.56;
 export class Car {
   readonly object = new Group();
   /** A dot of constant size on the screen, to find the car from far away. */
-  readonly marker = new Sprite(new SpriteMaterial({map: dotTexture(), sizeAttenuation: false, depthTest: false}));
+  readonly marker = new Sprite(new SpriteMaterial({map: dotTexture(), sizeAttenuation: false, depthTest: false, fog: false}));
   private readonly wheels: Object3D[] = [];
 
   constructor() {

@@ -1,8 +1,9 @@
 // Findings (odd but not fatal) as dots on the ground; a click on one shows its message.
 
-import {BufferAttribute, BufferGeometry, Camera, Color, Object3D, Points, PointsMaterial, Raycaster, Vector2, Vector3} from 'three';
+import {BufferAttribute, BufferGeometry, Camera, Color, Points, PointsMaterial, Vector2, Vector3} from 'three';
 
 import type {Finding, Site} from './site';
+import type {TileLayers} from './tile_layers';
 import {utmFromGeographic, utmZone} from './utm';
 
 const colors: Record<Finding['severity'], Color> = {
@@ -33,14 +34,12 @@ export class FindingsLayer {
   }
 
   /** Findings carry no height: drops a few of them a frame onto the ground. Returns true while some are left. */
-  dropOnto(ground: Object3D): boolean {
+  dropOnto(ground: TileLayers): boolean {
     if (!this.object.visible || this.grounded === this.findings.length) return false;
     const end = Math.min(this.grounded + 10, this.findings.length);
-    const down = new Vector3(0, 0, -1);
     for (; this.grounded < end; ++this.grounded) {
-      const above = new Vector3().fromBufferAttribute(this.positions, this.grounded).setZ(1e4);
-      const hit = new Raycaster(above, down).intersectObject(ground, true)[0];
-      if (hit) this.positions.setZ(this.grounded, hit.point.z + 1);
+      const z_m = ground.heightAt(this.positions.getX(this.grounded), this.positions.getY(this.grounded), 1e4);
+      if (z_m !== undefined) this.positions.setZ(this.grounded, z_m + 1);
     }
     this.positions.needsUpdate = true;
     return true;

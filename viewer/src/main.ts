@@ -27,6 +27,8 @@ interface Api {
   readonly mode: CameraMode;
   readonly car: CarState | undefined; // x, y, z from the site's origin
   readonly cameraPosition: [number, number, number];
+  /** Height of the first surface below a place 2 m above z_m: what wheels at z_m should stand on. */
+  groundUnder(x_m: number, y_m: number, z_m: number): number | undefined;
   setCamera(mode: CameraMode): void;
   setLayer(layer: LayerName, on: boolean): void;
   setTime(t_s: number): void;
@@ -174,7 +176,7 @@ function start(site: Site): Api {
       time_s += rate * elapsed_s;
       stale = true;
     }
-    if (findings.dropOnto(tiles.group)) stale = true;
+    if (findings.dropOnto(tiles)) stale = true;
     if (stale || !tiles.complete) {
       stale = false;
       placeCar();
@@ -197,6 +199,7 @@ function start(site: Site): Api {
     get mode() { return mode; },
     get car() { return lap?.at(time_s); },
     get cameraPosition() { return activeCamera().position.toArray() as [number, number, number]; },
+    groundUnder: (x_m, y_m, z_m) => tiles.heightAt(x_m, y_m, z_m + 2),
     setCamera, setLayer, setTime, setPlaying,
   };
 }

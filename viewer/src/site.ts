@@ -31,7 +31,7 @@ interface TilesetJson {
 }
 
 interface RunJson {
-  site?: string;
+  site?: {name?: string};
   attribution?: string[];
 }
 
@@ -61,7 +61,7 @@ export async function loadSite(): Promise<Site> {
   const lapText = await (await fetchOptional('site/drive/lap.csv'))?.text();
   const findings = (await (await fetchOptional('site/findings.geojson'))?.json()) as FindingsJson | undefined;
   return {
-    name: run?.site ?? '',
+    name: run?.site?.name ?? '',
     attribution: run?.attribution ?? [],
     crs: frame.crs,
     origin: frame.origin,

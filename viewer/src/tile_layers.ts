@@ -2,7 +2,8 @@
 
 import {TilesRenderer} from '3d-tiles-renderer';
 import {
-  Camera, Group, Material, Matrix4, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Sphere, Texture, WebGLRenderer,
+  Camera, Group, Material, Matrix4, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Raycaster, Sphere, Texture, Vector3,
+  WebGLRenderer,
 } from 'three';
 
 import {tilesetUrl} from './site';
@@ -32,7 +33,7 @@ export class TileLayers {
   private readonly tiles = new TilesRenderer(tilesetUrl);
   private readonly photoMaterials = new Map<Mesh, MeshLambertMaterial>();
   private readonly reliefMaterials: Record<SurfaceKind, MeshLambertMaterial> = {
-    terrain: new MeshLambertMaterial({color: 0xd9d4c6}),
+    terrain: new MeshLambertMaterial({color: 0xd3d4ce}),
     road: new MeshLambertMaterial({color: 0x6b7078}),
   };
 
@@ -60,6 +61,12 @@ export class TileLayers {
   /** Nothing more to load for the present view. */
   get complete(): boolean {
     return this.tiles.root !== null && this.tiles.loadProgress === 1;
+  }
+
+  /** Height of the topmost shown surface at most at `below_z_m`; undefined where no tile is loaded. */
+  heightAt(x_m: number, y_m: number, below_z_m: number): number | undefined {
+    const ray = new Raycaster(new Vector3(x_m, y_m, below_z_m), new Vector3(0, 0, -1));
+    return ray.intersectObject(this.group, true)[0]?.point.z;
   }
 
   /** Bounding sphere in the local frame, once the tileset is there. */

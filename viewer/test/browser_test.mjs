@@ -1,0 +1,128 @@
+// Opens a built site in a real browser (Debian's Chromium, software rendering) and checks what a person would look at.
+// node viewer/test/browser_test.mjs SITE_DIR TOOL
+// Leaves viewer_fly.png and viewer_follow.png in SITE_DIR. Exit code 0 when everything is as it should be.
+
+import assert from 'node:assert/strict';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+
+import {comparePictures, pictureStatistics} from './pictures.mjs';
+import {openBrowser, serveSite} from './serve_and_open.mjs';
+
+const [siteDir, tool] = process.argv.slice(2);
+if (!tool) {
+  console.error('usage: node browser_test.mjs SITE_DIR TOOL');
+  process.exit(2);
+}
+
+/** t, x, y, z of some rows of lap.csv, in the site CRS. */
+function readLap() {
+  const [header, ...rows] = readFileSync(join(siteDir, 'drive/lap.csv'), 'utf8').trim().split('\n');
+  const columns = ['t_s', 'x_m', 'y_m', 'z_m'].map((name) => header.split(',').indexOf(name));
+  return rows.map((row) => columns.map((column) => Number(row.split(',')[column])));
+}
+
+/** The picture without the page's cards, which lie over it. */
+async function sceneShot(page) {
+  await waitUntilDrawn(page);
+  const style = await page.addStyleTag({content: '.card, footer { visibility: hidden }'});
+  const png = await page.screenshot();
+  await style.evaluate((element) => element.remove());
+  return png;
+}
+
+/** All tiles are there and at least one more picture was drawn after the last change. */
+async function waitUntilDrawn(page) {
+  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {timeout: 120_000});
+  assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
+}
+
+async function checkFlyCamera(page) {
+  await waitUntilDrawn(page);
+  const tilesVisible = await page.evaluate(() => window.orthodrive.tilesVisible);
+  assert.ok(tilesVisible > 0, 'no tile is visible from the start camera');
+  writeFileSync(join(siteDir, 'viewer_fly.png'), await page.screenshot());
+  const statistics = await pictureStatistics(page, await sceneShot(page));
+  console.log(`fly: ${tilesVisible} tiles visible,`, statistics);
+  assert.ok(statistics.deviation > 15, 'the picture has hardly any contrast');
+  assert.ok(statistics.colors > 200, 'the picture has hardly any colours');
+}
+
+/** What is seen is what is driven: the car is where lap.csv says, and on a surface there. */
+async function checkFollowCamera(page) {
+  const tileset = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8'));
+  const {origin} = tileset.asset.extras.orthodrive;
+  const lap = readLap();
+  await page.evaluate(() => window.orthodrive.setPlaying(false));
+  await page.evaluate(() => window.orthodrive.setCamera('follow'));
+  let worstGap_m = 0;
+  const cameras = [];
+  for (const share of [0.05, 0.3, 0.55, 0.8]) {
+    const [t, ...position] = lap[Math.floor(share * lap.length)];
+    await page.evaluate((t_s) => window.orthodrive.setTime(t_s), t - lap[0][0]);
+    await waitUntilDrawn(page);
+    const {car, camera, ground_m} = await page.evaluate(() => {
+      const {car, cameraPosition, groundUnder} = window.orthodrive;
+      return {car, camera: cameraPosition, ground_m: groundUnder(car.x_m, car.y_m, car.z_m)};
+    });
+    [car.x_m, car.y_m, car.z_m].forEach((value, i) =>
+      assert.ok(Math.abs(value - (position[i] - origin[i])) < 0.01, `the car is not where lap.csv has it at ${t} s`));
+    const distance = Math.hypot(camera[0] - car.x_m, camera[1] - car.y_m, camera[2] - car.z_m);
+    assert.ok(distance > 3 && distance < 15, `the following camera is ${distance.toFixed(1)} m from the car`);
+    assert.ok(ground_m !== undefined, `no surface under the car at ${t} s`);
+    worstGap_m = Math.max(worstGap_m, Math.abs(ground_m - car.z_m));
+    cameras.push(camera);
+  }
+  console.log(`follow: largest gap between the car and the surface under it ${worstGap_m.toFixed(3)} m`);
+  assert.ok(worstGap_m < 0.25, 'the car floats above or sinks into the surface');
+  assert.ok(Math.hypot(cameras[0][0] - cameras[1][0], cameras[0][1] - cameras[1][1]) > 1, 'the camera does not follow');
+  writeFileSync(join(siteDir, 'viewer_follow.png'), await page.screenshot());
+}
+
+/** Each layer changes the picture, and switching it back brings the same picture again. */
+async function checkLayers(page) {
+  const before = await sceneShot(page);
+  for (const [layer, on] of [['photo', false], ['terrain', false], ['roads', false], ['wireframe', true]]) {
+    const set = (value) => page.evaluate(([name, state]) => window.orthodrive.setLayer(name, state), [layer, value]);
+    await set(on);
+    const changed = await comparePictures(page, before, await sceneShot(page));
+    await set(!on);
+    const restored = await comparePictures(page, before, await sceneShot(page));
+    console.log(`layer ${layer}: ${(100 * changed).toFixed(1)} % of the pixels change`);
+    assert.ok(changed > 0.02, `the switch of ${layer} does not change the picture`);
+    assert.ok(restored < 0.001, `switching ${layer} back does not bring the picture back`);
+  }
+}
+
+async function checkPlaying(page) {
+  const before = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
+  await page.click('#play');
+  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m, {timeout: 60_000});
+  const camera = await page.evaluate(() => window.orthodrive.cameraPosition);
+  assert.ok(Math.hypot(camera[0] - before.camera[0], camera[1] - before.camera[1]) > 1, 'the camera stays behind while playing');
+  await page.click('#play');
+}
+
+const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
+const server = await serveSite(tool, siteDir);
+let context;
+try {
+  context = await openBrowser(profile);
+  const page = context.pages()[0] ?? (await context.newPage());
+  const problems = [];
+  page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
+  page.on('pageerror', (error) => problems.push(error.message));
+  page.on('response', (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`));
+  await page.goto(`${server.url}?play=0`);
+  await checkFlyCamera(page);
+  await checkFollowCamera(page);
+  await checkLayers(page);
+  await checkPlaying(page);
+  assert.deepEqual(problems, [], 'the page reports errors');
+} finally {
+  await context?.close();
+  rmSync(profile, {recursive: true, force: true, maxRetries: 5});
+  assert.equal(await server.stop(), 0, 'orthodrive view does not end well on Ctrl-C');
+}
+console.log('the viewer works');

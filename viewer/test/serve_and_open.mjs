@@ -1,0 +1,37 @@
+// Starts `orthodrive view` and a browser for the tests.
+
+import {spawn} from 'node:child_process';
+import {createInterface} from 'node:readline';
+
+import {chromium} from 'playwright-core';
+
+/** Serves on a free port. stop() presses Ctrl-C and returns the exit code. */
+export async function serveSite(tool, siteDir) {
+  const server = spawn(tool, ['view', siteDir, '--port', '0', '--no-open', '--quiet'], {stdio: ['ignore', 'pipe', 'inherit']});
+  const exited = new Promise((resolve, reject) => {
+    server.once('exit', resolve);
+    server.once('error', reject);
+  });
+  const firstLine = new Promise((resolve) => createInterface({input: server.stdout}).once('line', resolve));
+  const url = await Promise.race([firstLine, exited]);
+  if (typeof url !== 'string') throw new Error(`orthodrive view ended with exit code ${url}`);
+  return {
+    url,
+    stop() {
+      server.kill('SIGINT');
+      return exited;
+    },
+  };
+}
+
+/** Debian's Chromium with a fresh profile, no background traffic, and WebGL drawn by the processor. */
+export function openBrowser(profileDir) {
+  return chromium.launchPersistentContext(profileDir, {
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    viewport: {width: 1280, height: 800},
+    args: [
+      '--headless=new', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
+      '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+    ],
+  });
+}
