@@ -1,0 +1,207 @@
+#include "training_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/segment/paint_labels.hpp"
+#include "orthodrive/segment/resample_photo.hpp"
+
+namespace orthodrive::app {
+namespace {
+namespace fs = std::filesystem;
+
+SiteFrame site_of(const Box2& lonlat) {
+  constexpr int steps = 16;  // a side: its edges bend in UTM
+  SiteFrame site{utm_crs(0.5 * (lonlat.min_x + lonlat.max_x), 0.5 * (lonlat.min_y + lonlat.max_y)), {}};
+  const CoordinateTransform transform({"EPSG:4326"}, site.crs);
+  const Vec2 corners[] = {{lonlat.min_x, lonlat.min_y}, {lonlat.max_x, lonlat.min_y}, {lonlat.max_x, lonlat.max_y}, {lonlat.min_x, lonlat.max_y}};
+  for (int side = 0; side < 4; ++side) {
+    const Vec2 from = corners[side], to = corners[(side + 1) % 4];
+    for (int i = 0; i < steps; ++i) site.area.outer.push_back(transform.target_from_source(from + (to - from) * (static_cast<double>(i) / steps)));
+  }
+  return site;
+}
+
+bool matches(const PaintRule& rule, const std::map<std::string, std::string>& tags) {
+  return std::all_of(rule.where.begin(), rule.where.end(), [&](const auto& condition) {
+    const auto tag = tags.find(condition.first);
+    return tag != tags.end() && std::find(condition.second.begin(), condition.second.end(), tag->second) != condition.second.end();
+  });
+}
+
+std::vector<PaintShape> read_road_shapes(const PaintRule& rule, const SiteFrame& site) {
+  std::vector<PaintShape> shapes;
+  for (const RoadPath& path : io::read_osm_roads(rule.file, site).paths) {
+    if (std::find(rule.highways.begin(), rule.highways.end(), path.highway) == rule.highways.end()) continue;
+    shapes.push_back({.line = centerline(path), .width_m = path.nodes.front().width_m});
+  }
+  return shapes;
+}
+
+std::vector<PaintShape> read_feature_shapes(const PaintRule& rule, const SiteFrame& site) {
+  std::vector<PaintShape> shapes;
+  for (const io::Feature& feature : io::read_features(rule.file, site.crs)) {
+    if (!matches(rule, feature.tags)) continue;
+    if (!feature.polygons.empty()) shapes.push_back({.polygons = feature.polygons});
+    for (const Polyline& line : feature.lines) shapes.push_back({.line = line, .width_m = rule.line_width_m});
+    for (const Vec2 point : feature.points) shapes.push_back({.line = {point}, .width_m = rule.line_width_m});
+  }
+  return shapes;
+}
+
+void forget_missing_photo(const Photo& photo, Raster<ClassSet>& allowed) {
+  for (std::size_t i = 0; i < photo.valid.data.size(); ++i) {
+    if (!photo.valid.data[i]) allowed.data[i] = unknown_class;
+  }
+}
+
+struct LabelledPhoto {
+  Photo photo;  ///< at the model's scale
+  Raster<ClassSet> allowed;
+};
+
+LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_m, const ClassTable& classes, int threads) {
+  const SiteFrame site = site_of(lonlat);
+  LabelledPhoto result;
+  // Through the photo's own scale, as prediction comes to it.
+  result.photo = resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads);
+  std::vector<PaintLayer> layers;
+  for (const PaintRule& rule : data.rules) {
+    layers.push_back({.shapes = rule.highways.empty() ? read_feature_shapes(rule, site) : read_road_shapes(rule, site),
+                      .classes = class_set(rule.classes, classes, data.name),
+                      .merge_over = class_set(rule.merge_over, classes, data.name),
+                      .unknown_inside_m = rule.unknown_inside_m,
+                      .unknown_outside_m = rule.unknown_outside_m});
+  }
+  result.allowed = paint_labels(result.photo.frame, class_set(data.background, classes, data.name), layers);
+  forget_missing_photo(result.photo, result.allowed);
+  return result;
+}
+
+LabelledPhoto read_synthetic(const SyntheticData& data, double gsd_m, const ClassTable& classes, int threads) {
+  const fs::path truth = data.folder / "truth" / "labels.tif";
+  LabelledPhoto result{resample_photo(io::read_photo_native(data.folder / "ortho.tif"), gsd_m, threads), {}};
+  const LabelMap labels = io::read_labels(truth);
+  std::vector<ClassSet> set_of_label(256, unknown_class);
+  for (std::size_t i = 0; i < labels.classes.classes.size(); ++i) {
+    set_of_label[i] = class_set({labels.classes.classes[i].name}, classes, truth.string());
+  }
+  const GridFrame& frame = result.photo.frame;
+  result.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
+  for (int row = 0; row < frame.height; ++row) {
+    for (int col = 0; col < frame.width; ++col) {
+      const Vec2 p = labels.frame.pixel_from_world(frame.center_of(col, row));
+      const int label_col = static_cast<int>(std::floor(p.x)), label_row = static_cast<int>(std::floor(p.y));
+      if (labels.labels.inside(label_col, label_row)) result.allowed.at(col, row) = set_of_label[labels.labels.at(label_col, label_row)];
+    }
+  }
+  forget_missing_photo(result.photo, result.allowed);
+  return result;
+}
+
+Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const std::map<std::array<std::uint8_t, 3>, ClassSet>& palette) {
+  Raster<ClassSet> sets(image.width, image.height, 1, unknown_class);
+  for (std::size_t i = 0; i < sets.data.size(); ++i) {
+    const auto entry = palette.find({image.data[3 * i], image.data[3 * i + 1], image.data[3 * i + 2]});
+    if (entry != palette.end()) sets.data[i] = entry->second;
+  }
+  return sets;
+}
+
+TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassSet> allowed, double gsd_m, const SceneUse& use) {
+  return {std::move(name), std::move(rgb), std::move(allowed), gsd_m, use.weight, use.min_zoom, use.max_zoom, use.from_step};
+}
+
+/// Images at the scale they are said to have; those held out are brought to the model's scale.
+void add_images(TrainingData& result, const ImageData& data, double gsd_m, const ClassTable& classes, int threads) {
+  std::map<std::array<std::uint8_t, 3>, ClassSet> palette;
+  for (const auto& [color, names] : data.palette) palette[color] = class_set(names, classes, data.name);
+  std::vector<fs::path> files;
+  if (!fs::is_directory(data.images)) throw InputError(data.images.string(), "is no folder of images");
+  for (const auto& entry : fs::directory_iterator(data.images)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  const std::size_t first = result.scenes.size();
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    Raster<std::uint8_t> rgb = io::read_image(file);
+    Raster<ClassSet> allowed = sets_from_colors(io::read_image(data.labels / (stem + ".png")), palette);
+    if (allowed.width != rgb.width || allowed.height != rgb.height) throw InputError(file.string(), "differs in size from its labels");
+    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(), [&](const std::string& prefix) { return stem.starts_with(prefix); });
+    if (!held_out) {
+      result.scenes.push_back(scene_of(stem, std::move(rgb), std::move(allowed), data.gsd_m, data.use));
+      continue;
+    }
+    const int width = rgb.width, height = rgb.height;
+    const Photo photo{{}, {0.0, height * data.gsd_m, data.gsd_m, width, height}, std::move(rgb), Raster<std::uint8_t>(width, height, 1, 1)};
+    ValidationScene scene{data.name, resample_photo(photo, gsd_m, threads), {}};
+    const GridFrame& frame = scene.photo.frame;
+    scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
+    for (int row = 0; row < frame.height; ++row) {
+      for (int col = 0; col < frame.width; ++col) {
+        const Vec2 p = photo.frame.pixel_from_world(frame.center_of(col, row));
+        if (allowed.inside(static_cast<int>(p.x), static_cast<int>(p.y))) scene.allowed.at(col, row) = allowed.at(static_cast<int>(p.x), static_cast<int>(p.y));
+      }
+    }
+    result.validation.push_back(std::move(scene));
+  }
+  // The weight is that of the data set: each image gets its share by area.
+  double area = 0.0;
+  for (std::size_t i = first; i < result.scenes.size(); ++i) area += static_cast<double>(result.scenes[i].allowed.data.size());
+  for (std::size_t i = first; i < result.scenes.size(); ++i) result.scenes[i].weight *= static_cast<double>(result.scenes[i].allowed.data.size()) / area;
+}
+
+void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, bool validation, const SceneUse& use) {
+  if (validation) {
+    result.validation.push_back({name, std::move(labelled.photo), std::move(labelled.allowed)});
+  } else {
+    result.scenes.push_back(scene_of(name, std::move(labelled.photo.rgb), std::move(labelled.allowed), labelled.photo.frame.gsd_m, use));
+  }
+}
+
+}  // namespace
+
+TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads, Monitor* monitor) {
+  TrainingData result;
+  const auto tell = [&](const std::string& name) {
+    if (monitor) monitor->info("reading " + name);
+  };
+  for (const MapData& data : experiment.maps) {
+    tell(data.name);
+    add_labelled(result, data.name, read_map_data(data, data.area_lonlat, experiment.gsd_m, classes, threads), false, data.use);
+    if (!data.held_out_lonlat) continue;
+    add_labelled(result, data.name, read_map_data(data, *data.held_out_lonlat, experiment.gsd_m, classes, threads), true, data.use);
+  }
+  for (const SyntheticData& data : experiment.synthetic) {
+    tell(data.name);
+    add_labelled(result, data.name, read_synthetic(data, experiment.gsd_m, classes, threads), data.validation, data.use);
+  }
+  for (const ImageData& data : experiment.images) {
+    tell(data.name);
+    add_images(result, data, experiment.gsd_m, classes, threads);
+  }
+  return result;
+}
+
+Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed, const ClassTable& classes) {
+  Raster<std::uint8_t> preview = rgb;
+  for (std::size_t i = 0; i < allowed.data.size(); ++i) {
+    int count = 0;
+    std::array<int, 3> sum{};
+    for (std::size_t c = 0; c < classes.classes.size(); ++c) {
+      if (!(allowed.data[i] >> c & 1U)) continue;
+      ++count;
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += classes.classes[c].color[k];
+    }
+    if (count == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) preview.data[3 * i + k] = static_cast<std::uint8_t>((rgb.data[3 * i + k] + sum[k] / count) / 2);
+  }
+  return preview;
+}
+
+}  // namespace orthodrive::app

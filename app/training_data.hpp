@@ -1,0 +1,20 @@
+#pragma once
+// Reads what an experiment trains on.
+
+#include <vector>
+
+#include "orthodrive/segment/experiment.hpp"
+
+namespace orthodrive::app {
+
+struct TrainingData {
+  std::vector<TrainingScene> scenes;
+  std::vector<ValidationScene> validation;
+};
+
+[[nodiscard]] TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads, Monitor* monitor);
+
+/// The scene with its labels laid over: the mean colour of the allowed classes, the photo where nothing is known.
+[[nodiscard]] Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed, const ClassTable& classes);
+
+}  // namespace orthodrive::app

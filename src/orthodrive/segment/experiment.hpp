@@ -1,0 +1,78 @@
+#pragma once
+// The experiment file of `orthodrive train`: what to train on and how (TOML, described in docs/segmentation.md).
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orthodrive/geo/vec.hpp"
+#include "orthodrive/segment/train_network.hpp"
+
+namespace orthodrive {
+
+/// A coat of paint from a vector file.
+struct PaintRule {
+  std::filesystem::path file;
+  std::map<std::string, std::vector<std::string>> where;  ///< tag -> values that count; empty: every feature
+  std::vector<std::string> highways;  ///< not empty: `file` is OSM, its roads of these kinds with their widths
+  std::vector<std::string> classes;   ///< what may be there; empty: unknown
+  std::vector<std::string> merge_over;
+  double line_width_m = 0.0;          ///< of lines and points
+  double unknown_inside_m = 0.0, unknown_outside_m = 0.0;
+};
+
+/// How the scenes of one data set enter the training.
+struct SceneUse {
+  double weight = 1.0, min_zoom = 0.8, max_zoom = 1.25;
+  std::int64_t from_step = 0;
+};
+
+/// Photo with labels painted from maps.
+struct MapData {
+  std::string name;
+  std::filesystem::path photo;
+  Box2 area_lonlat;
+  std::vector<std::string> background;  ///< classes of what no rule paints
+  std::vector<PaintRule> rules;
+  std::optional<Box2> held_out_lonlat;  ///< labelled by the same rules, measured, not trained on; outside area_lonlat
+  SceneUse use;
+};
+
+/// Images with label images beside them (same stem), colours name the classes.
+struct ImageData {
+  std::string name;
+  std::filesystem::path images, labels;
+  double gsd_m = 0.5;
+  std::map<std::array<std::uint8_t, 3>, std::vector<std::string>> palette;  ///< other colours are unknown
+  std::vector<std::string> held_out;    ///< stems that begin so are for validation
+  SceneUse use;
+};
+
+/// A folder written by `orthodrive synth`, with exact labels.
+struct SyntheticData {
+  std::string name;
+  std::filesystem::path folder;
+  bool validation = false;
+  SceneUse use;
+};
+
+struct Experiment {
+  double gsd_m = 0.5;
+  std::filesystem::path trunk;  ///< ImageNet weights
+  TrainOptions train;
+  std::vector<MapData> maps;
+  std::vector<ImageData> images;
+  std::vector<SyntheticData> synthetic;
+};
+
+/// Paths in the file are relative to it. Throws InputError with the line for what is wrong or unknown.
+[[nodiscard]] Experiment parse_experiment(std::string_view text, const std::filesystem::path& file);
+
+/// Bits of the named classes. Throws InputError naming `source` for an unknown name.
+[[nodiscard]] ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table, const std::string& source);
+
+}  // namespace orthodrive
