@@ -1,0 +1,58 @@
+#pragma once
+// Exact road geometry: straights, arcs and Euler spirals as one kind of element whose curvature is linear in s.
+
+#include <vector>
+
+#include "orthodrive/geo/polyline.hpp"
+#include "orthodrive/geo/vec.hpp"
+
+namespace orthodrive::synth {
+
+/// Curvature goes linearly from k_begin to k_end: both 0 = straight, equal = arc, else clothoid.
+struct AlignmentElement {
+  double s_m = 0.0;  ///< of its start along the alignment
+  double length_m = 0.0;
+  Vec2 start;
+  double heading_rad = 0.0;
+  double k_begin_1pm = 0.0, k_end_1pm = 0.0;
+};
+
+/// G2 continuous: position, heading and curvature agree where elements meet (and at the seam of a closed one).
+struct Alignment {
+  std::vector<AlignmentElement> elements;
+  double length_m = 0.0;
+  bool closed = false;
+};
+
+struct AlignmentPoint {
+  Vec2 p;
+  double heading_rad = 0.0;
+  double curvature_1pm = 0.0;  ///< positive = left turn
+};
+
+/// Point of one element, ds from its start. Gauss-Legendre quadrature of (cos, sin) of the heading; error < 1e-10 m.
+[[nodiscard]] AlignmentPoint evaluate(const AlignmentElement& element, double ds_m);
+/// Clamped to the ends; closed alignments wrap around.
+[[nodiscard]] AlignmentPoint evaluate(const Alignment& alignment, double s_m);
+
+/// A corner of the tangent polygon and the radius of the arc that rounds it.
+struct Corner {
+  Vec2 p;
+  double radius_m = 50.0;
+};
+/// The classic design of alignments: each inner corner becomes clothoid - arc - clothoid, joined by straights.
+/// Radii shrink where the tangents are too short. Open: the line starts at the first and ends at the last corner.
+[[nodiscard]] Alignment round_corners(const std::vector<Corner>& corners, bool closed);
+
+/// Points every `step_m` or a little less, ends included.
+[[nodiscard]] Polyline sample(const Alignment& alignment, double step_m);
+/// s of the point of the alignment nearest to p, to 1e-9 m.
+[[nodiscard]] double nearest_s(const Alignment& alignment, Vec2 p);
+
+struct AlignmentCrossing {
+  double s_a_m = 0.0, s_b_m = 0.0;
+};
+/// All crossings of two alignments, by s of the first; exact to 1e-9 m.
+[[nodiscard]] std::vector<AlignmentCrossing> crossings(const Alignment& a, const Alignment& b);
+
+}  // namespace orthodrive::synth

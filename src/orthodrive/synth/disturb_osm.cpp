@@ -1,0 +1,166 @@
+#include "orthodrive/synth/disturb_osm.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/synth/noise.hpp"
+
+namespace orthodrive::synth {
+namespace {
+constexpr std::int64_t first_way_id = 100, first_area_id = 10000;
+constexpr double min_spacing_m = 12.0, max_spacing_m = 40.0;
+constexpr double max_sagitta_m = 0.3;  // mappers set nodes closer in bends, so that the chord stays this near
+constexpr double width_tag_share = 0.12, lanes_tag_share = 0.3;
+
+/// Smooth displacement: length between the two offsets, direction turning slowly.
+class DisplacementField {
+ public:
+  explicit DisplacementField(const DisturbOptions& options)
+      : options_(options), seed_(static_cast<std::uint32_t>(derive_seed(options.seed, 5))) {}
+  [[nodiscard]] Vec2 at(Vec2 p) const {
+    const double share = 0.5 + 0.5 * value_noise(p.x / 100.0, p.y / 100.0, seed_);
+    const double amount = options_.offset_min_m + (options_.offset_max_m - options_.offset_min_m) * share;
+    const double angle = 6.283 * unit_hash(0, 0, seed_ + 1) + 3.0 * value_noise(p.x / 120.0, p.y / 120.0, seed_ + 2);
+    return Vec2{std::cos(angle), std::sin(angle)} * amount;
+  }
+
+ private:
+  DisturbOptions options_;
+  std::uint32_t seed_;
+};
+
+std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridge, Random& random) {
+  std::map<std::string, std::string> tags{{"highway", road.highway}};
+  if (!road.name.empty()) tags["name"] = road.name;
+  if (road.oneway) tags["oneway"] = "yes";
+  if (bridge) tags["bridge"] = "yes", tags["layer"] = "1";
+  if (random.uniform() < lanes_tag_share) tags["lanes"] = fmt::format("{}", road.lanes);
+  if (random.uniform() < width_tag_share) tags["width"] = fmt::format("{:.1f}", 0.5 * std::round(2.0 * road.width_m));
+  return tags;
+}
+}  // namespace
+
+std::vector<PlannedWay> plan_ways(const VillagePlan& plan) {
+  std::vector<PlannedWay> ways;
+  std::int64_t next_node = static_cast<std::int64_t>(plan.junctions.size()) + 1;  // junction j has node j + 1
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+    const PlannedRoad& road = plan.roads[r];
+    std::vector<double> cuts{0.0, road.alignment.length_m};
+    for (const PlannedBridge& b : plan.bridges)
+      if (b.over == r) cuts.push_back(b.s_over_m - b.half_length_m), cuts.push_back(b.s_over_m + b.half_length_m);
+    std::sort(cuts.begin(), cuts.end());
+    std::int64_t cut_node = 0;
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      PlannedWay way{.osm_id = first_way_id + static_cast<std::int64_t>(ways.size()), .road = r, .s_begin_m = cuts[i], .s_end_m = cuts[i + 1],
+                     .bridge = on_bridge(plan, r, 0.5 * (cuts[i] + cuts[i + 1]))};
+      for (std::size_t j = 0; j < plan.junctions.size(); ++j)
+        for (const PlannedJunction::Arm& arm : plan.junctions[j].arms)
+          if (arm.road == r && arm.s_m >= way.s_begin_m - 1e-6 && arm.s_m <= way.s_end_m + 1e-6)
+            way.stops.push_back({arm.s_m, static_cast<std::int64_t>(j) + 1});
+      std::sort(way.stops.begin(), way.stops.end(), [](const auto& a, const auto& b) { return a.s_m < b.s_m; });
+      if (way.stops.empty() || way.stops.front().s_m > way.s_begin_m + 1e-6)
+        way.stops.insert(way.stops.begin(), {way.s_begin_m, cut_node != 0 ? cut_node : next_node++});
+      if (road.alignment.closed) way.stops.push_back({way.s_end_m, way.stops.front().osm_node});
+      else if (way.stops.back().s_m < way.s_end_m - 1e-6) way.stops.push_back({way.s_end_m, next_node++});
+      cut_node = way.stops.back().osm_node;
+      ways.push_back(std::move(way));
+    }
+  }
+  return ways;
+}
+
+OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects, const DisturbOptions& options) {
+  const DisplacementField field(options);
+  Random random(derive_seed(options.seed, 6));
+  std::map<std::int64_t, Vec2> nodes;
+  std::int64_t next_node = 1000;
+  OsmData osm;
+  for (const PlannedWay& planned : ways) {
+    const Alignment& alignment = plan.roads[planned.road].alignment;
+    OsmWay way{.id = planned.osm_id, .tags = road_tags(plan.roads[planned.road], planned.bridge, random)};
+    const auto put = [&](std::int64_t id, double s) {
+      const Vec2 p = evaluate(alignment, s).p;
+      nodes.emplace(id, p + field.at(p));  // a shared node keeps its first place
+      way.nodes.push_back(id);
+    };
+    for (std::size_t i = 0; i + 1 < planned.stops.size(); ++i) {
+      const double end = planned.stops[i + 1].s_m;
+      double s = planned.stops[i].s_m;
+      put(planned.stops[i].osm_node, s);
+      for (;;) {
+        const double curvature = std::max(std::abs(evaluate(alignment, s).curvature_1pm), std::abs(evaluate(alignment, s + min_spacing_m).curvature_1pm));
+        const double bend_m = curvature > 0.0 ? std::sqrt(8.0 * max_sagitta_m / curvature) : max_spacing_m;
+        s += std::clamp(bend_m, min_spacing_m, random.uniform(15.0, max_spacing_m));
+        if (s > end - min_spacing_m) break;
+        put(next_node++, s);
+      }
+    }
+    put(planned.stops.back().osm_node, planned.stops.back().s_m);
+    osm.ways.push_back(std::move(way));
+  }
+
+  std::int64_t next_area = first_area_id;
+  const auto add_area = [&](const Ring& ring, std::map<std::string, std::string> tags) {
+    OsmWay way{.id = next_area++, .tags = std::move(tags)};
+    for (const Vec2 p : ring) {
+      nodes.emplace(next_node, p + field.at(p) * (1.0 / 3.0));
+      way.nodes.push_back(next_node++);
+    }
+    way.nodes.push_back(way.nodes.front());
+    osm.ways.push_back(std::move(way));
+  };
+  for (const Area& area : objects.areas) {
+    if (!area.mapped) continue;
+    if (area.cover == Cover::water) add_area(area.polygon.outer, {{"natural", "water"}});
+    if (area.cover == Cover::forest_floor) add_area(area.polygon.outer, {{"landuse", "forest"}});
+    if (area.cover == Cover::parking) add_area(area.polygon.outer, {{"amenity", "parking"}});
+  }
+  for (const House& house : objects.houses) add_area(outline(house), {{"building", "yes"}});
+  for (const auto& [id, p] : nodes) osm.nodes.push_back({id, p});
+  return osm;
+}
+
+RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways, const OsmData& osm) {
+  std::map<std::int64_t, Vec2> osm_nodes;
+  for (const OsmNode& node : osm.nodes) osm_nodes.emplace(node.id, node.p);
+  const Box2 site{0.0, 0.0, plan.size_m, plan.size_m};
+  RoadNetwork roads;
+  for (std::size_t w = 0; w < ways.size(); ++w) {
+    const PlannedWay& way = ways[w];
+    const PlannedRoad& road = plan.roads[way.road];
+    Polyline osm_line;
+    for (const std::int64_t id : osm.ways[w].nodes) osm_line.push_back(osm_nodes.at(id));
+    const auto& tags = osm.ways[w].tags;
+    RoadPath path{.osm_id = way.osm_id, .highway = road.highway, .name = road.name, .layer = way.bridge ? 1 : 0, .bridge = way.bridge,
+                  .oneway = road.oneway ? Oneway::forward : Oneway::no, .lanes = tags.contains("lanes") ? road.lanes : 0};
+    const auto put = [&](double s, std::int64_t osm_node) {
+      const AlignmentPoint q = evaluate(road.alignment, s);
+      if (!site.contains(q.p)) return;
+      RoadNode node{.p = q.p, .osm_node = osm_node, .s_m = s, .width_m = road.width_m};
+      const Vec2 left{-std::sin(q.heading_rad), std::cos(q.heading_rad)};
+      node.offset_m = dot(q.p - project_onto(osm_line, q.p).point, left);
+      node.z_m = terrain.profiles[way.road].z(s);
+      node.gradient = terrain.profiles[way.road].gradient(s);
+      node.banking = banking_rad(road, q.curvature_1pm);
+      node.banking_source = "truth";
+      path.nodes.push_back(node);
+    };
+    for (std::size_t i = 0; i + 1 < way.stops.size(); ++i) {
+      const double from = way.stops[i].s_m, to = way.stops[i + 1].s_m;
+      const int count = std::max(1, static_cast<int>(std::lround(to - from)));
+      put(from, way.stops[i].osm_node);
+      for (int k = 1; k < count; ++k) put(from + (to - from) * k / count, 0);
+    }
+    put(way.stops.back().s_m, way.stops.back().osm_node);
+    if (path.nodes.size() < 2) continue;
+    const double start = path.nodes.front().s_m;
+    for (RoadNode& node : path.nodes) node.s_m -= start;
+    roads.paths.push_back(std::move(path));
+  }
+  return roads;
+}
+
+}  // namespace orthodrive::synth

@@ -1,0 +1,40 @@
+#pragma once
+// The truth as a mapper would have drawn it, and the truth itself, way by way with the same ids.
+
+#include <cstdint>
+
+#include "orthodrive/model/osm_data.hpp"
+#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/synth/terrain.hpp"
+#include "orthodrive/synth/village_objects.hpp"
+
+namespace orthodrive::synth {
+
+/// A piece of a planned road that is one way in OSM: roads are cut at the ends of bridges.
+struct PlannedWay {
+  std::int64_t osm_id = 0;
+  std::size_t road = 0;
+  double s_begin_m = 0.0, s_end_m = 0.0;
+  bool bridge = false;
+  struct Stop {
+    double s_m = 0.0;
+    std::int64_t osm_node = 0;
+  };
+  std::vector<Stop> stops;  ///< both ends and the junctions between, ascending; ids are shared with other ways
+};
+[[nodiscard]] std::vector<PlannedWay> plan_ways(const VillagePlan& plan);
+
+struct DisturbOptions {
+  double offset_min_m = 0.0, offset_max_m = 0.0;
+  std::uint64_t seed = 0;
+};
+/// OSM of the village in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 12 - 40 m
+/// apart, few width and lanes tags; junctions shared. Buildings and areas are moved by a third of that.
+[[nodiscard]] OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects,
+                                  const DisturbOptions& options);
+
+/// The exact roads inside [0, size]^2 with a node a metre, in local metres.
+[[nodiscard]] RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways,
+                                     const OsmData& osm);
+
+}  // namespace orthodrive::synth

@@ -1,0 +1,125 @@
+#include "orthodrive/synth/make_village.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/synth/disturb_osm.hpp"
+#include "orthodrive/synth/paint_ortho.hpp"
+
+namespace orthodrive {
+namespace {
+using namespace synth;
+
+// Near Salzburg. A multiple of every usual GSD, so that all grids share their corners.
+constexpr Vec2 world_from_local{460000.0, 5270000.0};
+constexpr double dtm_margin_m = 60.0;
+
+void check(const VillageOptions& o) {
+  if (!(o.size_m >= 200.0 && o.size_m <= 4000.0) || std::fmod(o.size_m, 10.0) != 0.0)
+    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 200 and 4000", o.size_m));
+  if (!(o.gsd_m >= 0.05 && o.gsd_m <= 2.0)) throw OptionError(fmt::format("gsd is {} m, need 0.05 to 2", o.gsd_m));
+  if (!(o.osm_offset_min_m >= 0.0 && o.osm_offset_min_m <= o.osm_offset_max_m && o.osm_offset_max_m <= 20.0))
+    throw OptionError(fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
+}
+
+GridFrame to_world(GridFrame frame) {
+  frame.west_m += world_from_local.x, frame.north_m += world_from_local.y;
+  return frame;
+}
+
+/// Means over `cell` x `cell` pixels plus normal noise.
+HeightGrid noisy_dtm(const HeightGrid& truth, int cell, double sigma_m, std::uint64_t seed) {
+  HeightGrid grid{truth.crs, truth.frame, {}, truth.vertical_datum};
+  grid.frame.gsd_m *= cell, grid.frame.width /= cell, grid.frame.height /= cell;
+  grid.height_m = Raster<float>(grid.frame.width, grid.frame.height);
+  Random random(seed);
+  for (int row = 0; row < grid.frame.height; ++row)
+    for (int col = 0; col < grid.frame.width; ++col) {
+      double sum = 0.0;
+      for (int j = 0; j < cell; ++j)
+        for (int i = 0; i < cell; ++i) sum += truth.height_m.at(col * cell + i, row * cell + j);
+      grid.height_m.at(col, row) = static_cast<float>(sum / (cell * cell) + sigma_m * random.normal());
+    }
+  return grid;
+}
+
+Polygon carriageway(const RoadPath& path) {
+  const Ring ring = surface_ring(path);
+  const std::size_t n = path.nodes.size();
+  if (path.nodes.front().p != path.nodes.back().p) return {ring, {}};
+  // Closed: two rings instead of a strip that touches itself. The first and the last node coincide.
+  Ring right(ring.begin(), ring.begin() + static_cast<long>(n) - 1), left(ring.begin() + static_cast<long>(n), ring.end() - 1);
+  if (std::abs(signed_area_m2(right)) < std::abs(signed_area_m2(left))) std::swap(right, left);
+  return {right, {left}};
+}
+
+std::vector<SynthSurface> make_surfaces(const RoadNetwork& roads, const Raster<std::uint8_t>& labels, const GridFrame& frame) {
+  constexpr std::uint8_t road = 1;
+  std::vector<SynthSurface> surfaces;
+  for (const RoadPath& path : roads.paths) {
+    SynthSurface surface{path.osm_id, path.highway, 1.0, carriageway(path)};
+    double pixels = 0.0, visible = 0.0;
+    rasterize(surface.polygon, frame, [&](int row, int begin, int end) {
+      for (int col = begin; col < end; ++col) ++pixels, visible += labels.at(col, row) == road ? 1.0 : 0.0;
+    });
+    if (pixels > 0.0) surface.visibility = visible / pixels;
+    surfaces.push_back(std::move(surface));
+  }
+  return surfaces;
+}
+}  // namespace
+
+SynthSite make_village(const VillageOptions& options, Monitor* monitor) {
+  check(options);
+  const auto report = [&](double fraction) {
+    if (monitor) monitor->progress(fraction, "synth");
+  };
+  SynthSite site;
+  site.name = fmt::format("Village {}", options.seed);
+  site.crs = {"EPSG:32633"};
+  const double size = options.size_m;
+  site.bounds = {world_from_local.x, world_from_local.y, world_from_local.x + size, world_from_local.y + size};
+
+  const VillagePlan plan = plan_village(size, options.seed);
+  site.circuit_name = plan.roads[circuit_road].name;
+  const Terrain terrain = make_terrain(plan, options.seed);
+  const int earth_px = static_cast<int>(size + 2.0 * dtm_margin_m);
+  const GridFrame earth_frame{-dtm_margin_m, size + dtm_margin_m, 1.0, earth_px, earth_px};
+  BareEarth earth = make_bare_earth(plan, terrain, earth_frame, options.threads);
+  report(0.15);
+
+  const VillageObjects objects = place_objects(plan, earth.clearance_m, earth_frame, options.seed);
+  const std::vector<RoadSample> samples = sample_roads(plan, terrain, 1.0);
+  const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));
+  const GridFrame photo_frame{0.0, size, options.gsd_m, photo_px, photo_px};
+  const SceneSource source{plan, samples, objects, earth, earth_frame, static_cast<std::uint32_t>(derive_seed(options.seed, 7))};
+  {
+    const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
+    report(0.35);
+    site.labels = {site.crs, to_world(photo_frame), label_scene(source, scene, options.threads), default_class_table()};
+    site.photo = {site.crs, to_world(photo_frame), paint_ortho(source, scene, options.threads),
+                  Raster<std::uint8_t>(photo_px, photo_px, 1, 1)};
+  }
+  report(0.9);
+
+  site.true_dtm = {site.crs, to_world(earth_frame), std::move(earth.height_m), "synthetic"};
+  site.dtm_1m = noisy_dtm(site.true_dtm, 1, options.dtm_1m_sigma_m, derive_seed(options.seed, 8));
+  site.dtm_10m = noisy_dtm(site.true_dtm, 10, options.dtm_10m_sigma_m, derive_seed(options.seed, 9));
+
+  const std::vector<PlannedWay> ways = plan_ways(plan);
+  site.osm = disturb_osm(plan, ways, objects, {options.osm_offset_min_m, options.osm_offset_max_m, options.seed});
+  site.roads = true_roads(plan, terrain, ways, site.osm);
+  for (OsmNode& node : site.osm.nodes) node.p = node.p + world_from_local;
+  for (RoadPath& path : site.roads.paths)
+    for (RoadNode& node : path.nodes) node.p = node.p + world_from_local;
+  site.osm.crs = site.roads.crs = site.crs;
+  site.surfaces = make_surfaces(site.roads, site.labels.labels, site.labels.frame);
+  report(1.0);
+  return site;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,373 @@
+#include "orthodrive/synth/paint_ortho.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/synth/noise.hpp"
+
+namespace orthodrive::synth {
+namespace {
+Rgb operator+(const Rgb& a, const Rgb& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Rgb operator*(const Rgb& a, float k) { return {a[0] * k, a[1] * k, a[2] * k}; }
+Rgb mix(const Rgb& a, const Rgb& b, float t) { return a * (1.0f - t) + b * t; }
+Rgb grey(float value) { return {value, value, value}; }
+
+/// What differs from one site to the next.
+struct Mood {
+  double sun_azimuth_rad, sun_elevation_rad;
+  Rgb ambient, direct;
+  Rgb grass, foliage;
+  float asphalt, asphalt_spread, haze, contrast, gain, noise_sigma;
+  Rgb tint;
+};
+
+Mood make_mood(std::uint64_t seed) {
+  Random random(derive_seed(seed, 4));
+  const auto in = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
+  constexpr double degree = std::numbers::pi / 180.0;
+  Mood mood{};
+  mood.sun_azimuth_rad = random.uniform(142.0, 218.0) * degree;
+  mood.sun_elevation_rad = random.uniform(36.0, 60.0) * degree;
+  const float sky = in(0.26, 0.40);
+  mood.ambient = {sky * 0.92f, sky * 0.98f, sky * 1.10f};
+  mood.direct = {1.03f - sky, 1.0f - sky, 0.95f - sky};
+  mood.grass = {in(0.33, 0.43), in(0.41, 0.47), in(0.23, 0.29)};
+  mood.foliage = {in(0.20, 0.30), in(0.29, 0.36), in(0.14, 0.20)};
+  mood.asphalt = in(0.44, 0.60);
+  mood.asphalt_spread = in(0.04, 0.09);
+  mood.haze = in(0.0, 0.05);
+  mood.contrast = in(0.95, 1.2);
+  mood.gain = in(0.92, 1.12);
+  mood.noise_sigma = in(0.004, 0.010);
+  mood.tint = {in(0.97, 1.03), in(0.98, 1.02), in(0.95, 1.04)};
+  return mood;
+}
+
+/// Share of direct sun that reaches each pixel, 0..255. The sun stands in the south, so rows are swept from south to
+/// north: the shadow's upper bound is carried from row to row along the sun's direction.
+Raster<std::uint8_t> cast_shadows(const SceneRaster& scene, const Mood& mood) {
+  const int width = scene.frame.width, height = scene.frame.height;
+  Raster<std::uint8_t> lit(width, height, 1, 255);
+  const double shift = -std::tan(mood.sun_azimuth_rad - std::numbers::pi);  // columns towards the sun a row
+  const auto drop = static_cast<float>(scene.frame.gsd_m * std::hypot(1.0, shift) * std::tan(mood.sun_elevation_rad));
+  const int whole = static_cast<int>(std::floor(shift));
+  const auto part = static_cast<float>(shift - whole);
+  std::vector<float> ray(static_cast<std::size_t>(width), 0.0f), south(ray);
+  for (int row = height - 1; row >= 0; --row) {
+    std::swap(ray, south);
+    for (int col = 0; col < width; ++col) {
+      const int a = std::clamp(col + whole, 0, width - 1), b = std::clamp(a + 1, 0, width - 1);
+      const float bound = (1.0f - part) * south[static_cast<std::size_t>(a)] + part * south[static_cast<std::size_t>(b)] - drop;
+      const float here = scene.height_m.at(col, row);
+      lit.at(col, row) = static_cast<std::uint8_t>(255.0f * (1.0f - smoothstep(0.05f, 0.7f, bound - here)));
+      ray[static_cast<std::size_t>(col)] = std::max(bound, here);
+    }
+  }
+  return lit;
+}
+
+/// Sun on the bare earth relative to flat ground, on the terrain's grid.
+Raster<float> shade_terrain(const SceneSource& source, Vec3 sun) {
+  const Raster<float>& z = source.earth.height_m;
+  Raster<float> shade(z.width, z.height, 1, 1.0f);
+  const auto step = static_cast<float>(2.0 * source.earth_frame.gsd_m);
+  for (int row = 1; row + 1 < z.height; ++row)
+    for (int col = 1; col + 1 < z.width; ++col) {
+      const float zx = (z.at(col + 1, row) - z.at(col - 1, row)) / step, zy = (z.at(col, row - 1) - z.at(col, row + 1)) / step;
+      const double cosine = (sun.z - zx * sun.x - zy * sun.y) / std::sqrt(1.0 + zx * zx + zy * zy);
+      shade.at(col, row) = static_cast<float>(std::clamp(cosine / sun.z, 0.4, 1.5));
+    }
+  return shade;
+}
+
+class Painter {
+ public:
+  Painter(const SceneSource& source, const SceneRaster& scene, const Mood& mood)
+      : source_(source), scene_(scene), mood_(mood), counts_(counts_of(source.objects)), seed_(source.seed) {
+    const double elevation = mood.sun_elevation_rad;
+    sun_ = {std::sin(mood.sun_azimuth_rad) * std::cos(elevation), std::cos(mood.sun_azimuth_rad) * std::cos(elevation), std::sin(elevation)};
+    lit_ = cast_shadows(scene, mood);
+    terrain_shade_ = shade_terrain(source, sun_);
+  }
+
+  /// Reflected light of a pixel, before the camera.
+  [[nodiscard]] Rgb light(int col, int row) const {
+    const Vec2 p = scene_.frame.center_of(col, row);
+    const std::int32_t object = scene_.object.at(col, row);
+    Rgb albedo;
+    float roughness = 0.0f;  // how much of the relief's own shading counts
+    if (object < 0) {
+      albedo = ground(col, row, p);
+      // Decks are flat; only their edges would shade.
+    } else if (object < counts_.houses) {
+      albedo = roof(source_.objects.houses[static_cast<std::size_t>(object)], object, p);
+      roughness = 1.0f;
+    } else if (object < counts_.houses + counts_.trees) {
+      albedo = crown(source_.objects.trees[static_cast<std::size_t>(object - counts_.houses)], object, p);
+      roughness = 0.55f;
+    } else {
+      albedo = car(source_.objects.cars[static_cast<std::size_t>(object - counts_.houses - counts_.trees)], p);
+    }
+    float lambert = roughness > 0.0f ? 1.0f + roughness * (relief_shade(col, row) - 1.0f) : 1.0f;
+    const Vec2 q = source_.earth_frame.pixel_from_world(p);
+    lambert *= terrain_shade_.at(std::clamp(static_cast<int>(q.x), 0, terrain_shade_.width - 1),
+                                 std::clamp(static_cast<int>(q.y), 0, terrain_shade_.height - 1));
+    const float sunlight = static_cast<float>(lit_.at(col, row)) / 255.0f * lambert;
+    Rgb out;
+    for (std::size_t i = 0; i < 3; ++i) out[i] = albedo[i] * (mood_.ambient[i] + mood_.direct[i] * sunlight) / (mood_.ambient[i] + mood_.direct[i]);
+    return out;
+  }
+
+ private:
+  [[nodiscard]] float relief_shade(int col, int row) const {
+    const Raster<float>& h = scene_.height_m;
+    const int west = std::max(0, col - 1), east = std::min(h.width - 1, col + 1), north = std::max(0, row - 1), south = std::min(h.height - 1, row + 1);
+    const auto pixel = static_cast<float>(scene_.frame.gsd_m);
+    const float hx = std::clamp((h.at(east, row) - h.at(west, row)) / (2.0f * pixel), -1.6f, 1.6f);
+    const float hy = std::clamp((h.at(col, north) - h.at(col, south)) / (2.0f * pixel), -1.6f, 1.6f);
+    const double cosine = (sun_.z - hx * sun_.x - hy * sun_.y) / std::sqrt(1.0 + hx * hx + hy * hy);
+    return static_cast<float>(std::clamp(cosine / sun_.z, 0.0, 1.7));
+  }
+
+  [[nodiscard]] float noise(Vec2 p, double size_m, std::uint32_t layer) const { return value_noise(p.x / size_m, p.y / size_m, seed_ + layer); }
+  [[nodiscard]] float fractal(Vec2 p, double size_m, std::uint32_t layer, int octaves) const {
+    return fractal_noise(p.x / size_m, p.y / size_m, seed_ + layer, octaves);
+  }
+  /// A number in [0, 1) of a thing.
+  [[nodiscard]] float trait(std::int32_t thing, std::uint32_t layer) const { return unit_hash(thing, 77, seed_ + layer); }
+
+  [[nodiscard]] Rgb ground(int col, int row, Vec2 p) const {
+    const std::uint16_t detail = scene_.detail.at(col, row);
+    switch (scene_.cover.at(col, row)) {
+      case Cover::road: return road(col, row, p);
+      case Cover::field: return field(p, detail);
+      case Cover::meadow: return grass(p, 0.0f, 0.5f);
+      case Cover::lawn: return grass(p, trait(detail, 20) - 0.5f, trait(detail, 21));
+      case Cover::verge: return mix(grass(p, -0.2f, 0.5f), {0.52f, 0.48f, 0.37f}, 0.35f + 0.3f * noise(p, 1.5, 22));
+      case Cover::garden_bed: {
+        const Rgb soil{0.40f, 0.32f, 0.25f};
+        return mix(soil, mood_.foliage * 1.3f, smoothstep(0.0f, 0.5f, fractal(p, 0.9, 23, 2)));
+      }
+      case Cover::forest_floor: return mood_.foliage * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
+      case Cover::paved: {
+        const float tone = 0.52f + 0.22f * trait(detail, 25) + 0.03f * fractal(p, 1.0, 26, 3);
+        const float red = 0.06f * trait(detail, 27);
+        return {tone + red, tone, tone - 0.03f - 0.5f * red};
+      }
+      case Cover::gravel: {
+        const float tone = 0.58f + 0.06f * fractal(p, 0.8, 28, 3);
+        return mix({tone, tone * 0.95f, tone * 0.86f}, grass(p, 0.0f, 0.5f), smoothstep(0.1f, 0.7f, noise(p, 0.7, 29)));
+      }
+      case Cover::sidewalk: {
+        const float edge = scene_.road_edge_m.at(col, row);
+        const float tone = (edge < 0.18f ? 0.70f : 0.60f) + 0.03f * fractal(p, 0.7, 30, 3);
+        return {tone, tone * 0.985f, tone * 0.96f};
+      }
+      case Cover::parking: return parking(p);
+      case Cover::water: {
+        const float ripple = 0.02f * fractal(p, 1.6, 31, 2) + 0.02f * noise(p, 25.0, 32);
+        return {0.14f + ripple, 0.20f + ripple, 0.20f + ripple};
+      }
+    }
+    return grey(0.5f);
+  }
+
+  /// `hue` < 0 lush, > 0 dry; `care` 1 = even lawn, 0 = patchy.
+  [[nodiscard]] Rgb grass(Vec2 p, float hue, float care) const {
+    const float patches = (1.0f - 0.6f * care) * fractal(p, 14.0, 40, 4), blades = fractal(p, 0.6, 41, 2);
+    const Rgb dry{0.54f, 0.50f, 0.35f};
+    const float dryness = std::clamp(0.12f + 0.35f * hue + 0.45f * patches, 0.0f, 0.85f);
+    return mix(mood_.grass, dry, dryness) * (1.0f + 0.05f * blades + 0.05f * fractal(p, 4.0, 42, 2));
+  }
+
+  [[nodiscard]] Rgb field(Vec2 p, std::uint16_t number) const {
+    const int thing = number;
+    const float turn = 6.283f * trait(thing, 50);
+    const double across = std::cos(turn) * p.x + std::sin(turn) * p.y;
+    const float patches = fractal(p, 35.0, 51, 4), grain = fractal(p, 0.8, 52, 2);
+    Rgb color;
+    double row_m = 1.2;
+    float row_depth = 0.03f;
+    switch (static_cast<Crop>(thing % crop_count)) {
+      case Crop::wheat: color = {0.31f, 0.40f, 0.21f}; break;
+      case Crop::rape: color = {0.62f, 0.59f, 0.22f}; row_depth = 0.02f; break;
+      case Crop::ploughed: color = {0.47f, 0.38f, 0.29f}, row_m = 2.4, row_depth = 0.07f; break;
+      case Crop::stubble: color = {0.64f, 0.56f, 0.40f}, row_m = 3.0, row_depth = 0.05f; break;
+      case Crop::maize: color = {0.27f, 0.36f, 0.18f}, row_m = 0.75, row_depth = 0.08f; break;
+      case Crop::hay: color = mood_.grass, row_m = 4.0, row_depth = 0.04f; break;
+    }
+    for (std::size_t i = 0; i < 3; ++i) color[i] *= 0.93f + 0.14f * trait(thing, 53 + static_cast<std::uint32_t>(i));
+    const auto wave = static_cast<float>(std::sin(2.0 * std::numbers::pi * across / row_m + 0.5 * noise(p, 9.0, 56)));
+    float shade = 1.0f + 0.09f * patches + 0.06f * grain + row_depth * wave;
+    // Tramlines: the wheel tracks of the sprayer, every 21 m.
+    const double in_tramline = std::abs(std::remainder(across + 0.4 * noise(p, 30.0, 57), 21.0));
+    if (std::abs(in_tramline - 0.95) < 0.25) shade *= 1.13f;
+    return color * shade;
+  }
+
+  [[nodiscard]] Rgb asphalt(Vec2 p, float tone) const {
+    const float blotches = 0.045f * fractal(p, 9.0, 60, 4), stones = 0.035f * signed_hash(static_cast<int>(std::floor(p.x / 0.17)),
+                                                                                          static_cast<int>(std::floor(p.y / 0.17)), seed_ + 61);
+    float value = tone * (1.0f + blotches + stones);
+    // Cracks: where a slow noise passes through zero.
+    const float crack = std::abs(fractal(p, 5.0, 62, 3));
+    if (crack < 0.012f && noise(p, 22.0, 63) > 0.1f) value *= 0.80f;
+    return {value * 1.005f, value, value * 0.985f};
+  }
+
+  [[nodiscard]] Rgb parking(Vec2 p) const {
+    const Ring& c = source_.plan.parking.outer;
+    const Vec2 along = normalized(c[1] - c[0]), inward = normalized(c[3] - c[0]);
+    const double s = dot(p - c[0], along), d = dot(p - c[0], inward), depth = distance(c[0], c[3]);
+    Rgb color = asphalt(p, mood_.asphalt + 0.05f);
+    const bool in_bay = d < 5.0 || d > depth - 5.0;
+    if (in_bay && std::abs(std::remainder(s, 2.5)) < 0.5 * 0.12 + 0.25 * scene_.frame.gsd_m) color = mix(color, grey(0.85f), 0.65f);
+    return color;
+  }
+
+  [[nodiscard]] Rgb road(int col, int row, Vec2 p) const {
+    const auto segment = static_cast<std::size_t>(scene_.road_segment.at(col, row));
+    const RoadSample &a = source_.road_samples[segment], &b = source_.road_samples[segment + 1];
+    const PlannedRoad& plan = source_.plan.roads[a.road];
+    const Vec2 d = b.p - a.p;
+    const double n = length(d), part = dot(p - a.p, d) / (n * n);
+    const double s = a.s_m + part * (b.s_m - a.s_m), t = cross(d, p - a.p) / n;
+    const bool bridge = a.bridge || b.bridge;
+
+    float tone = mood_.asphalt + mood_.asphalt_spread * (2.0f * trait(a.road, 70) - 1.0f);
+    // Resurfaced stretches, then smaller repairs of a lane.
+    const int stretch = static_cast<int>(std::floor(s / 140.0 + 0.3 * trait(a.road, 71)));
+    tone += 0.6f * mood_.asphalt_spread * signed_hash(stretch, a.road, seed_ + 72);
+    const int patch_s = static_cast<int>(std::floor(s / 7.0)), patch_t = static_cast<int>(std::floor(t / 2.6));
+    if (unit_hash(patch_s, patch_t * 64 + a.road, seed_ + 73) < 0.05f) tone *= 0.90f + 0.16f * unit_hash(patch_s, patch_t, seed_ + 74);
+    if (bridge) tone += 0.05f;
+    // Wheel tracks are polished lighter, oil darkens the middle of the lane.
+    const double lane = plan.oneway || plan.lanes < 2 ? 0.0 : 0.25 * plan.width_m;
+    const auto from_lane = static_cast<float>(std::abs(std::abs(t) - lane));
+    tone *= 1.0f + 0.025f * std::exp(-8.0f * (from_lane - 0.8f) * (from_lane - 0.8f)) - 0.03f * std::exp(-6.0f * from_lane * from_lane);
+    Rgb color = asphalt({p.x, p.y}, tone);
+    // Dust and moss along the edge.
+    const float edge = scene_.road_edge_m.at(col, row);
+    const float dirt = smoothstep(-0.9f, 0.0f, edge + 0.35f * noise(p, 1.1, 75));
+    color = mix(color, {0.53f, 0.50f, 0.43f}, 0.45f * dirt);
+    const float paint = marking(plan, s, t, col, row) * (0.62f + 0.25f * noise(p, 2.0, 76) + 0.08f * noise(p, 0.3, 77));
+    return mix(color, {0.93f, 0.93f, 0.91f}, std::clamp(paint, 0.0f, 1.0f));
+  }
+
+  /// Share of the pixel that is road paint.
+  [[nodiscard]] float marking(const PlannedRoad& road, double s, double t, int col, int row) const {
+    if (road.highway != "secondary" && road.highway != "tertiary") return 0.0f;
+    const bool junction = scene_.road_count.at(col, row) > 1;
+    if (junction && road.highway == "tertiary" && &road != &source_.plan.roads[circuit_road]) return 0.0f;
+    const double pixel = scene_.frame.gsd_m;
+    const auto line = [&](double offset, double width) {
+      return static_cast<float>(std::clamp((0.5 * (width + pixel) - std::abs(t - offset)) / pixel, 0.0, std::min(1.0, width / pixel)));
+    };
+    const double period = road.highway == "secondary" ? 12.0 : 9.0;
+    float paint = 0.0f;
+    if (s - period * std::floor(s / period) < period / 3.0) paint = line(0.0, 0.13);
+    if (!junction) {
+      const double edge = 0.5 * road.width_m - 0.25;
+      paint = std::max({paint, line(edge, 0.15), line(-edge, 0.15)});
+    }
+    return paint;
+  }
+
+  [[nodiscard]] Rgb roof(const House& house, std::int32_t number, Vec2 p) const {
+    const Vec2 d = p - house.center, along{std::cos(house.heading_rad), std::sin(house.heading_rad)};
+    const double u = dot(d, along), v = cross(along, d);
+    float shade = 1.0f + 0.05f * fractal(p, 3.0, 80, 3) + 0.03f * signed_hash(static_cast<int>(p.x * 6.0), static_cast<int>(p.y * 6.0), seed_ + 81);
+    if (house.roof == RoofShape::flat) {
+      const bool rim = house.half_length_m - std::abs(u) < 0.3 || house.half_width_m - std::abs(v) < 0.3;
+      return house.color * (rim ? shade * 1.15f : shade);
+    }
+    shade *= 1.0f + 0.04f * static_cast<float>(std::sin(2.0 * std::numbers::pi * v / 0.7));  // rows of tiles
+    if (std::abs(v) < 0.2) shade *= 1.08f;                                                    // ridge
+    // Roof windows, a chimney, on some roofs solar panels.
+    const int cell = static_cast<int>(std::floor(u / 2.2));
+    if (trait(number, 82) < 0.5f && std::abs(std::abs(v) - 0.5 * house.half_width_m) < 0.5 && std::abs(u - 2.2 * cell - 1.1) < 0.4 &&
+        unit_hash(cell, number, seed_ + 83) < 0.4f)
+      return {0.25f, 0.28f, 0.32f};
+    if (std::abs(u - (trait(number, 84) - 0.5f) * house.half_length_m) < 0.35 && std::abs(v - 0.8) < 0.35) return {0.50f, 0.40f, 0.36f};
+    if (trait(number, 85) < 0.15f && v > 0.15 * house.half_width_m && v < 0.8 * house.half_width_m && std::abs(u) < 0.65 * house.half_length_m)
+      return {0.13f, 0.15f, 0.22f};
+    return house.color * shade;
+  }
+
+  [[nodiscard]] Rgb crown(const Tree& tree, std::int32_t number, Vec2 p) const {
+    Rgb color = mood_.foliage;
+    if (tree.conifer) color = {color[0] * 0.75f, color[1] * 0.82f, color[2] * 0.95f};
+    const float warm = trait(number, 90) - 0.5f, light = 0.85f + 0.35f * trait(number, 91);
+    color = {color[0] * (1.0f + 0.22f * warm), color[1] * (1.0f + 0.06f * warm), color[2] * (1.0f - 0.15f * warm)};
+    if (tree.radius_m > 1.0 && trait(number, 92) < 0.015f) color = {0.36f, 0.22f, 0.20f};  // copper beech
+    const auto d = static_cast<float>(distance(p, tree.center) / tree.radius_m);
+    return color * (light * (1.0f - 0.25f * d * d) * (1.0f + 0.22f * fractal(p, 0.9, 93, 3)));
+  }
+
+  [[nodiscard]] static Rgb car(const Car& car, Vec2 p) {
+    const Vec2 d = p - car.center, along{std::cos(car.heading_rad), std::sin(car.heading_rad)};
+    const double u = dot(d, along) / car.half_length_m, v = std::abs(cross(along, d)) / car.half_width_m;
+    const bool glass = car.half_length_m < 2.6 && v < 0.8 && ((u > 0.18 && u < 0.45) || (u > -0.75 && u < -0.5));
+    return glass ? Rgb{0.16f, 0.18f, 0.20f} : car.color * (v > 0.85 ? 0.85f : 1.0f);
+  }
+
+  const SceneSource& source_;
+  const SceneRaster& scene_;
+  const Mood& mood_;
+  ObjectCounts counts_;
+  std::uint32_t seed_;
+  Vec3 sun_;
+  Raster<std::uint8_t> lit_;
+  Raster<float> terrain_shade_;
+};
+
+/// The camera: haze, contrast, tint, blur of the optics and noise of the sensor, row by row.
+void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed, int row, Raster<std::uint8_t>& rgb) {
+  constexpr std::array blur{0.22f, 0.56f, 0.22f};
+  const int width = rgb.width;
+  for (int col = 0; col < width; ++col) {
+    Rgb sum{};
+    for (std::size_t j = 0; j < 3; ++j)
+      for (int i = -1; i <= 1; ++i)
+        sum = sum + (*rows[j])[static_cast<std::size_t>(std::clamp(col + i, 0, width - 1))] * (blur[j] * blur[static_cast<std::size_t>(i + 1)]);
+    const float grain = signed_hash(col, row, seed + 100) + signed_hash(col, row, seed + 101);  // triangular, sigma 0.82
+    for (int c = 0; c < 3; ++c) {
+      float value = sum[static_cast<std::size_t>(c)];
+      value = (value - 0.45f) * mood.contrast + 0.45f;
+      value = value * mood.gain * mood.tint[static_cast<std::size_t>(c)] * (1.0f - mood.haze) + mood.haze;
+      const float chroma = signed_hash(col, row, seed + 102 + static_cast<std::uint32_t>(c));
+      value += mood.noise_sigma * (grain + 0.6f * chroma);
+      rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(value * 255.0f + 0.5f, 0.0f, 255.0f));
+    }
+  }
+}
+}  // namespace
+
+Raster<std::uint8_t> paint_ortho(const SceneSource& source, const SceneRaster& scene, int threads) {
+  const Mood mood = make_mood(source.seed);
+  const Painter painter(source, scene, mood);
+  const int width = scene.frame.width, height = scene.frame.height;
+  Raster<std::uint8_t> rgb(width, height, 3);
+  constexpr int band_rows = 64;
+  parallel_for(static_cast<std::size_t>((height + band_rows - 1) / band_rows), threads, [&](std::size_t band) {
+    const int first = static_cast<int>(band) * band_rows, end = std::min(height, first + band_rows);
+    std::array<std::vector<Rgb>, 3> window;
+    const auto slot = [](int row) { return static_cast<std::size_t>((row + 3) % 3); };
+    const auto fill = [&](int row) {
+      std::vector<Rgb>& line = window[slot(row)];
+      line.resize(static_cast<std::size_t>(width));
+      for (int col = 0; col < width; ++col) line[static_cast<std::size_t>(col)] = painter.light(col, std::clamp(row, 0, height - 1));
+    };
+    fill(first - 1), fill(first);
+    for (int row = first; row < end; ++row) {
+      fill(row + 1);
+      develop({&window[slot(row - 1)], &window[slot(row)], &window[slot(row + 1)]}, mood, source.seed, row, rgb);
+    }
+  });
+  return rgb;
+}
+
+}  // namespace orthodrive::synth

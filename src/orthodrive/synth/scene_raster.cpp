@@ -1,0 +1,286 @@
+#include "orthodrive/synth/scene_raster.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/synth/noise.hpp"
+
+namespace orthodrive::synth {
+namespace {
+constexpr int band_rows = 64;
+constexpr double road_reach_m = 6.0;    // beyond its edge a road changes nothing
+constexpr float far_from_roads_m = 9.0f;
+constexpr float corner_rounding_m = 7.0f;
+constexpr double deck_edge_m = 0.4;     // parapet of a bridge, outside the carriageway
+constexpr float walk_m = 1.6f, shoulder_m = 0.6f, verge_m = 2.2f;
+
+/// Minimum of two distances that rounds the corner between them (Quilez, polynomial smooth minimum).
+float smooth_min(float a, float b, float k) {
+  const float h = std::max(k - std::abs(a - b), 0.0f) / k;
+  return std::min(a, b) - h * h * k * 0.25f;
+}
+
+/// Long narrow parcels: the Voronoi cells of a jittered grid in a turned and stretched frame.
+std::uint16_t field_number(Vec2 p, std::uint32_t seed) {
+  const double turn = 6.28 * unit_hash(1, 2, seed), c = std::cos(turn), s = std::sin(turn);
+  const double x = (c * p.x + s * p.y) / 70.0, y = (-s * p.x + c * p.y) / 190.0;
+  const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
+  double nearest = 1e9;
+  std::uint32_t number = 0;
+  for (int j = iy - 1; j <= iy + 1; ++j)
+    for (int i = ix - 1; i <= ix + 1; ++i) {
+      const double dx = i + 0.5 + 0.3 * signed_hash(i, j, seed + 1) - x, dy = j + 0.5 + 0.3 * signed_hash(i, j, seed + 2) - y;
+      const double d = dx * dx + dy * dy;
+      if (d < nearest) nearest = d, number = hash_lattice(i, j, seed + 3);
+    }
+  return static_cast<std::uint16_t>(number & 0xffffu);
+}
+
+/// A range of rows of the scene; bands are painted independently of each other.
+struct Band {
+  GridFrame frame;  ///< of these rows
+  int first = 0, rows = 0;
+  Box2 box;
+};
+
+void paint_covers(const SceneSource& source, const Band& band, SceneRaster& scene) {
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < scene.frame.width; ++col) {
+      scene.cover.at(col, row) = Cover::field;
+      scene.detail.at(col, row) = 0;
+    }
+  const auto fill = [&](const Polygon& polygon, Cover cover, std::uint16_t detail) {
+    if (!bounds_of(polygon.outer).overlaps(band.box)) return;
+    rasterize(polygon, band.frame, [&](int row, int begin, int end) {
+      for (int col = begin; col < end; ++col) {
+        scene.cover.at(col, band.first + row) = cover;
+        scene.detail.at(col, band.first + row) = detail;
+      }
+    });
+  };
+  fill({sample(source.plan.roads[circuit_road].alignment, 4.0), {}}, Cover::meadow, 0);
+  for (std::size_t i = 0; i < source.objects.areas.size(); ++i)
+    fill(source.objects.areas[i].polygon, source.objects.areas[i].cover, static_cast<std::uint16_t>(i));
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < scene.frame.width; ++col)
+      if (scene.cover.at(col, row) == Cover::field)
+        scene.detail.at(col, row) = field_number(scene.frame.center_of(col, row), source.seed + 11);
+}
+
+/// Distance to the edge of a straight piece of carriageway; flat at the two ends of a road.
+double edge_distance(const RoadSample& a, const RoadSample& b, bool first, bool last, Vec2 p) {
+  const Vec2 d = b.p - a.p;
+  const double n = length(d), along = dot(p - a.p, d) / n, across = std::abs(cross(d, p - a.p)) / n;
+  const double overshoot = std::max(-along, along - n);
+  if (overshoot <= 0.0) return across - a.half_width_m;
+  if ((first && along < 0.0) || (last && along > n)) return std::max(across - a.half_width_m, overshoot);
+  return std::hypot(across, overshoot) - a.half_width_m;
+}
+
+void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene) {
+  const auto& samples = source.road_samples;
+  const GridFrame& frame = scene.frame;
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < frame.width; ++col) {
+      scene.road_segment.at(col, row) = -1;
+      scene.road_edge_m.at(col, row) = far_from_roads_m;
+      scene.road_count.at(col, row) = 0;
+    }
+  // Roads from the least important up, then the decks of bridges, which lie over everything.
+  struct Layer {
+    std::uint16_t road;
+    bool bridge;
+    int priority;
+  };
+  std::vector<Layer> layers;
+  for (std::size_t r = 0; r < source.plan.roads.size(); ++r)
+    layers.push_back({static_cast<std::uint16_t>(r), false, surface_priority(source.plan, r)});
+  for (const PlannedBridge& b : source.plan.bridges) layers.push_back({static_cast<std::uint16_t>(b.over), true, 1000});
+  std::stable_sort(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) { return a.priority < b.priority; });
+
+  struct Near {
+    float edge_m;
+    std::int32_t segment;
+  };
+  std::vector<Near> near(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(band.rows));
+  for (const Layer& layer : layers) {
+    bool touched = false;
+    for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+      const RoadSample &a = samples[i], &b = samples[i + 1];
+      if (a.road != layer.road || a.last || (a.bridge || b.bridge) != layer.bridge) continue;
+      const double reach = a.half_width_m + road_reach_m;
+      const Box2 box{std::min(a.p.x, b.p.x) - reach, std::min(a.p.y, b.p.y) - reach, std::max(a.p.x, b.p.x) + reach,
+                     std::max(a.p.y, b.p.y) + reach};
+      if (!box.overlaps(band.box)) continue;
+      if (!touched) std::fill(near.begin(), near.end(), Near{far_from_roads_m, -1}), touched = true;
+      const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}), high = frame.pixel_from_world({box.max_x, box.min_y});
+      const int row0 = std::max(band.first, static_cast<int>(low.y)), row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
+      const int col0 = std::max(0, static_cast<int>(low.x)), col1 = std::min(frame.width, static_cast<int>(high.x) + 1);
+      const bool closed = source.plan.roads[a.road].alignment.closed;
+      const bool first = !closed && a.s_m == 0.0f, last = !closed && b.last;
+      for (int row = row0; row < row1; ++row)
+        for (int col = col0; col < col1; ++col) {
+          const auto edge = static_cast<float>(edge_distance(a, b, first, last, frame.center_of(col, row)));
+          Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+          if (edge < n.edge_m) n = {edge, static_cast<std::int32_t>(i)};
+        }
+    }
+    if (!touched) continue;
+    for (int row = band.first; row < band.first + band.rows; ++row)
+      for (int col = 0; col < frame.width; ++col) {
+        const Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+        if (n.segment < 0) continue;
+        float& edge = scene.road_edge_m.at(col, row);
+        std::int32_t& segment = scene.road_segment.at(col, row);
+        if (layer.bridge) {
+          if (n.edge_m > deck_edge_m) continue;
+          edge = n.edge_m, segment = n.segment, scene.road_count.at(col, row) = 1;
+          continue;
+        }
+        if (n.edge_m < 0.0f || n.edge_m < edge) segment = n.segment;
+        edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, corner_rounding_m);
+        if (n.edge_m < 0.3f) ++scene.road_count.at(col, row);
+      }
+  }
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < frame.width; ++col) {
+      const std::int32_t segment = scene.road_segment.at(col, row);
+      if (segment < 0) continue;
+      const float edge = scene.road_edge_m.at(col, row);
+      Cover& cover = scene.cover.at(col, row);
+      const std::string& highway = source.plan.roads[samples[static_cast<std::size_t>(segment)].road].highway;
+      if (edge <= 0.0f) cover = Cover::road;
+      else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking) continue;
+      else if (edge < walk_m && highway == "residential") cover = Cover::sidewalk;
+      else if (edge < shoulder_m) cover = Cover::gravel;
+      else if (edge < verge_m && cover == Cover::field) cover = Cover::verge;
+    }
+}
+
+/// Calls visit(col, row, p, u, v) for the pixels of the band in a turned rectangle; u along, v across.
+template <typename Visit>
+void for_rectangle(const Band& band, const GridFrame& frame, Vec2 center, double heading, double half_u, double half_v, const Visit& visit) {
+  const double reach = std::hypot(half_u, half_v);
+  const Vec2 low = frame.pixel_from_world(center + Vec2{-reach, reach}), high = frame.pixel_from_world(center + Vec2{reach, -reach});
+  const int row0 = std::max(band.first, static_cast<int>(std::floor(low.y))), row1 = std::min(band.first + band.rows, static_cast<int>(std::ceil(high.y)));
+  const int col0 = std::max(0, static_cast<int>(std::floor(low.x))), col1 = std::min(frame.width, static_cast<int>(std::ceil(high.x)));
+  const Vec2 along{std::cos(heading), std::sin(heading)};
+  for (int row = row0; row < row1; ++row)
+    for (int col = col0; col < col1; ++col) {
+      const Vec2 d = frame.center_of(col, row) - center;
+      const double u = dot(d, along), v = cross(along, d);
+      if (std::abs(u) <= half_u && std::abs(v) <= half_v) visit(col, row, u, v);
+    }
+}
+
+void raise_objects(const SceneSource& source, const Band& band, SceneRaster& scene) {
+  const GridFrame& frame = scene.frame;
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < frame.width; ++col) {
+      scene.object.at(col, row) = -1;
+      float& height = scene.height_m.at(col, row);
+      height = 0.0f;
+      const std::int32_t segment = scene.road_segment.at(col, row);
+      if (segment < 0) continue;
+      const RoadSample& a = source.road_samples[static_cast<std::size_t>(segment)];
+      const RoadSample& b = source.road_samples[static_cast<std::size_t>(segment) + 1];
+      if (!(a.bridge || b.bridge)) continue;
+      const Vec2 q = source.earth_frame.pixel_from_world(frame.center_of(col, row));
+      const float ground = source.earth.height_m.at(static_cast<int>(q.x), static_cast<int>(q.y));
+      height = std::max(0.0f, 0.5f * (a.z_m + b.z_m) - ground) + (scene.road_edge_m.at(col, row) > 0.0f ? 0.9f : 0.0f);
+    }
+  const auto put = [&](int col, int row, double height, std::int32_t number) {
+    float& top = scene.height_m.at(col, row);
+    if (static_cast<float>(height) <= top) return;
+    top = static_cast<float>(height);
+    scene.object.at(col, row) = number;
+  };
+  std::int32_t number = 0;
+  for (const House& h : source.objects.houses) {
+    constexpr double eaves_m = 0.4;
+    for_rectangle(band, frame, h.center, h.heading_rad, h.half_length_m + eaves_m, h.half_width_m + eaves_m, [&](int col, int row, double, double v) {
+      put(col, row, h.roof == RoofShape::flat ? h.eave_m : h.eave_m + (h.half_width_m - std::abs(v)) * h.pitch, number);
+    });
+    ++number;
+  }
+  for (const Tree& t : source.objects.trees) {
+    const auto seed = source.seed + static_cast<std::uint32_t>(number);
+    for_rectangle(band, frame, t.center, 0.0, 1.2 * t.radius_m, 1.2 * t.radius_m, [&](int col, int row, double u, double v) {
+      const double lumps = fractal_noise(u / 1.3, v / 1.3, seed, 2);
+      const double d = std::hypot(u, v) / t.radius_m + 0.28 * lumps;
+      if (d >= 1.0) return;
+      const double dome = t.conifer ? 1.0 - 0.75 * d : 0.55 + 0.45 * std::sqrt(1.0 - d * d);
+      put(col, row, t.height_m * dome - 0.35 * lumps, number);
+    });
+    ++number;
+  }
+  for (const Car& c : source.objects.cars) {
+    for_rectangle(band, frame, c.center, c.heading_rad, c.half_length_m, c.half_width_m, [&](int col, int row, double u, double v) {
+      if (std::hypot(std::max(0.0, std::abs(u) - c.half_length_m + 0.5), std::max(0.0, std::abs(v) - c.half_width_m + 0.5)) > 0.5) return;
+      float& top = scene.height_m.at(col, row);
+      if (scene.object.at(col, row) >= 0) return;  // under a crown or a roof
+      top += static_cast<float>(std::abs(u) < 0.55 * c.half_length_m ? c.height_m : 0.65 * c.height_m);
+      scene.object.at(col, row) = number;
+    });
+    ++number;
+  }
+}
+}  // namespace
+
+SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, int threads) {
+  SceneRaster scene{frame, Raster<Cover>(frame.width, frame.height), Raster<std::uint16_t>(frame.width, frame.height),
+                    Raster<std::int32_t>(frame.width, frame.height), Raster<float>(frame.width, frame.height),
+                    Raster<std::uint8_t>(frame.width, frame.height), Raster<std::int32_t>(frame.width, frame.height),
+                    Raster<float>(frame.width, frame.height)};
+  parallel_for(static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows), threads, [&](std::size_t i) {
+    Band band;
+    band.first = static_cast<int>(i) * band_rows;
+    band.rows = std::min(band_rows, frame.height - band.first);
+    band.frame = {frame.west_m, frame.north_m - band.first * frame.gsd_m, frame.gsd_m, frame.width, band.rows};
+    band.box = band.frame.bounds();
+    paint_covers(source, band, scene);
+    paint_roads(source, band, scene);
+    raise_objects(source, band, scene);
+  });
+  return scene;
+}
+
+Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& scene, int threads) {
+  enum : std::uint8_t { ground, road, parking, building, vegetation, grass, water };  // default_class_table()
+  const ObjectCounts counts = counts_of(source.objects);
+  const auto class_of = [&](Cover cover, std::uint16_t detail) -> std::uint8_t {
+    switch (cover) {
+      case Cover::road: return road;
+      case Cover::parking:
+      case Cover::paved: return parking;
+      case Cover::water: return water;
+      case Cover::field: {
+        const auto crop = static_cast<Crop>(detail % crop_count);
+        return crop == Crop::ploughed || crop == Crop::stubble ? ground : grass;
+      }
+      case Cover::meadow:
+      case Cover::lawn:
+      case Cover::verge: return grass;
+      case Cover::forest_floor: return vegetation;
+      case Cover::garden_bed:
+      case Cover::gravel:
+      case Cover::sidewalk: return ground;
+    }
+    return ground;
+  };
+  Raster<std::uint8_t> labels(scene.frame.width, scene.frame.height);
+  parallel_for(static_cast<std::size_t>(scene.frame.height), threads, [&](std::size_t i) {
+    const int row = static_cast<int>(i);
+    for (int col = 0; col < scene.frame.width; ++col) {
+      const std::int32_t object = scene.object.at(col, row);
+      std::uint8_t label = class_of(scene.cover.at(col, row), scene.detail.at(col, row));
+      if (object >= 0 && object < counts.houses) label = building;
+      else if (object >= counts.houses && object < counts.houses + counts.trees) label = vegetation;
+      labels.at(col, row) = label;
+    }
+  });
+  return labels;
+}
+
+}  // namespace orthodrive::synth

@@ -1,0 +1,326 @@
+#include "orthodrive/synth/terrain.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/synth/noise.hpp"
+
+namespace orthodrive::synth {
+namespace {
+constexpr double knot_spacing_m = 4.0;
+constexpr double max_clearance_m = 40.0;
+
+Hills make_hills(double size_m, Random& random) {
+  Hills hills;
+  hills.base_m = random.uniform(280.0, 620.0);
+  for (int i = 0; i < 18; ++i) {
+    const double wavelength_m = 230.0 * std::pow(1000.0 / 230.0, random.uniform()), angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+    const double k = 2.0 * std::numbers::pi / wavelength_m;
+    hills.waves.push_back({k * std::cos(angle), k * std::sin(angle), random.uniform(0.0, 2.0 * std::numbers::pi),
+                           std::pow(wavelength_m, 1.3) * random.uniform(0.5, 1.0)});
+  }
+  double low = 1e9, high = -1e9;
+  for (int i = 0; i <= 20; ++i)
+    for (int j = 0; j <= 20; ++j) {
+      const double z = hills.height_m({size_m * i / 20.0, size_m * j / 20.0});
+      low = std::min(low, z), high = std::max(high, z);
+    }
+  const double relief_m = random.uniform(28.0, 60.0) * std::min(1.0, size_m / 1000.0);
+  for (Hills::Wave& wave : hills.waves) wave.amplitude_m *= relief_m / (high - low);
+  return hills;
+}
+
+/// One row of a linear least squares problem: up to three unknowns.
+struct Row {
+  std::array<std::size_t, 3> index{};
+  std::array<double, 3> factor{};
+  double value = 0.0;
+};
+
+/// Conjugate gradients on the normal equations (CGLS; Bjorck, Numerical Methods for Least Squares Problems, 7.4).
+std::vector<double> solve_least_squares(const std::vector<Row>& rows, std::vector<double> x) {
+  const auto times = [&](const std::vector<double>& v) {
+    std::vector<double> y(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j < 3; ++j) y[i] += rows[i].factor[j] * v[rows[i].index[j]];
+    return y;
+  };
+  const auto transposed_times = [&](const std::vector<double>& y) {
+    std::vector<double> v(x.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j < 3; ++j) v[rows[i].index[j]] += rows[i].factor[j] * y[i];
+    return v;
+  };
+  const auto square = [](const std::vector<double>& v) {
+    double sum = 0.0;
+    for (const double value : v) sum += value * value;
+    return sum;
+  };
+  std::vector<double> residual = times(x);
+  for (std::size_t i = 0; i < rows.size(); ++i) residual[i] = rows[i].value - residual[i];
+  std::vector<double> gradient = transposed_times(residual), direction = gradient;
+  double norm = square(gradient);
+  const double goal = 1e-18 * norm;
+  for (int iteration = 0; iteration < 5000 && norm > goal; ++iteration) {
+    const std::vector<double> change = times(direction);
+    const double step = norm / square(change);
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += step * direction[i];
+    for (std::size_t i = 0; i < rows.size(); ++i) residual[i] -= step * change[i];
+    gradient = transposed_times(residual);
+    const double next = square(gradient);
+    for (std::size_t i = 0; i < x.size(); ++i) direction[i] = gradient[i] + direction[i] * (next / norm);
+    norm = next;
+  }
+  return x;
+}
+
+/// Second derivatives of the natural cubic spline (Thomas algorithm).
+std::vector<double> natural_spline(const std::vector<double>& s, const std::vector<double>& z) {
+  const std::size_t n = s.size();
+  std::vector<double> second(n, 0.0), upper(n, 0.0), value(n, 0.0);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double h0 = s[i] - s[i - 1], h1 = s[i + 1] - s[i];
+    const double rhs = 6.0 * ((z[i + 1] - z[i]) / h1 - (z[i] - z[i - 1]) / h0);
+    const double pivot = 2.0 * (h0 + h1) - h0 * upper[i - 1];
+    upper[i] = h1 / pivot, value[i] = (rhs - h0 * value[i - 1]) / pivot;
+  }
+  for (std::size_t i = n - 1; i-- > 1;) second[i] = value[i] - upper[i] * second[i + 1];
+  return second;
+}
+
+Profile make_profile(std::vector<double> s, std::vector<double> z, bool closed) {
+  if (!closed) {
+    std::vector<double> second = natural_spline(s, z);
+    return {std::move(s), std::move(z), std::move(second)};
+  }
+  // Periodic by repetition: the influence of the ends fades by 0.27 a knot.
+  const std::size_t wrap = std::min<std::size_t>(40, s.size() - 1), n = s.size();
+  const double length = s.back();
+  std::vector<double> s_long, z_long;
+  for (std::size_t i = n - 1 - wrap; i + 1 < n; ++i) s_long.push_back(s[i] - length), z_long.push_back(z[i]);
+  s_long.insert(s_long.end(), s.begin(), s.end());
+  z_long.insert(z_long.end(), z.begin(), z.end());
+  for (std::size_t i = 1; i <= wrap; ++i) s_long.push_back(s[i] + length), z_long.push_back(z[i]);
+  const std::vector<double> second = natural_spline(s_long, z_long);
+  return {std::move(s), std::move(z), {second.begin() + static_cast<long>(wrap), second.begin() + static_cast<long>(wrap + n)}};
+}
+
+/// Knots of all roads; those of one junction share an unknown.
+struct KnotSystem {
+  std::vector<std::vector<double>> s_m;             // by road
+  std::vector<std::vector<std::size_t>> unknown;    // by road
+  std::size_t unknowns = 0;
+};
+
+KnotSystem make_knots(const VillagePlan& plan) {
+  KnotSystem knots;
+  std::vector<std::vector<double>> breaks(plan.roads.size());
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) breaks[r] = {0.0, plan.roads[r].alignment.length_m};
+  for (const PlannedJunction& junction : plan.junctions)
+    for (const PlannedJunction::Arm& arm : junction.arms) breaks[arm.road].push_back(arm.s_m);
+  for (const PlannedBridge& bridge : plan.bridges) {
+    breaks[bridge.over].push_back(bridge.s_over_m);
+    breaks[bridge.under].push_back(bridge.s_under_m);
+  }
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+    std::sort(breaks[r].begin(), breaks[r].end());
+    std::vector<double> s{0.0};
+    for (std::size_t i = 1; i < breaks[r].size(); ++i) {
+      const double from = breaks[r][i - 1], to = breaks[r][i];
+      if (to - from < 1e-6) continue;
+      const int count = std::max(1, static_cast<int>(std::lround((to - from) / knot_spacing_m)));
+      for (int k = 1; k <= count; ++k) s.push_back(k == count ? to : from + (to - from) * k / count);
+    }
+    std::vector<std::size_t> unknown(s.size());
+    for (std::size_t& u : unknown) u = knots.unknowns++;
+    if (plan.roads[r].alignment.closed) unknown.back() = unknown.front();
+    knots.s_m.push_back(std::move(s));
+    knots.unknown.push_back(std::move(unknown));
+  }
+  const auto knot_at = [&](std::size_t road, double s) -> std::size_t& {
+    const auto& all = knots.s_m[road];
+    const auto it = std::min_element(all.begin(), all.end(), [&](double a, double b) { return std::abs(a - s) < std::abs(b - s); });
+    return knots.unknown[road][static_cast<std::size_t>(it - all.begin())];
+  };
+  for (const PlannedJunction& junction : plan.junctions) {
+    const std::size_t shared = knot_at(junction.arms[0].road, junction.arms[0].s_m);
+    for (const PlannedJunction::Arm& arm : junction.arms) knot_at(arm.road, arm.s_m) = shared;
+  }
+  return knots;
+}
+
+/// Smoothing spline through the terrain: sum ds (z - g)^2 + l^4 sum ds z''^2, junctions shared, bridges lifted.
+std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills) {
+  const KnotSystem knots = make_knots(plan);
+  std::vector<Row> rows;
+  std::vector<double> start(knots.unknowns, 0.0);
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+    const auto& s = knots.s_m[r];
+    const auto& u = knots.unknown[r];
+    const Alignment& alignment = plan.roads[r].alignment;
+    // How far the road irons out the terrain: a wavelength of 2 pi l is halved.
+    const double stiffness_m = (surface_priority(plan, r) >= 10 ? 50.0 : 32.0) * std::clamp(plan.size_m / 600.0, 0.5, 1.0);
+    const std::size_t n = s.size();
+    for (std::size_t i = 0; i + (alignment.closed ? 1 : 0) < n; ++i) {
+      const double h0 = i > 0 ? s[i] - s[i - 1] : s[n - 1] - s[n - 2], h1 = i + 1 < n ? s[i + 1] - s[i] : 0.0;
+      const bool inner = i > 0 && i + 1 < n;
+      const double weight = std::sqrt(0.5 * (inner || alignment.closed ? h0 + h1 : knot_spacing_m));
+      const double ground = hills.height_m(evaluate(alignment, s[i]).p);
+      start[u[i]] = ground;
+      rows.push_back({{u[i], u[i], u[i]}, {weight, 0.0, 0.0}, weight * ground});
+      if (!inner && !alignment.closed) continue;
+      const std::size_t before = i > 0 ? u[i - 1] : u[n - 2];
+      const double bend = weight * stiffness_m * stiffness_m * 2.0 / (h0 + h1);
+      rows.push_back({{before, u[i], u[i + 1]}, {bend / h0, -bend * (1.0 / h0 + 1.0 / h1), bend / h1}, 0.0});
+    }
+  }
+  for (const PlannedBridge& bridge : plan.bridges) {
+    const auto unknown_at = [&](std::size_t road, double s) {
+      const auto& all = knots.s_m[road];
+      return knots.unknown[road][static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s - 1e-6) - all.begin())];
+    };
+    constexpr double stiff = 300.0;  // against weights near 2 of the terrain: holds the rise to millimetres
+    const std::size_t over = unknown_at(bridge.over, bridge.s_over_m), under = unknown_at(bridge.under, bridge.s_under_m);
+    rows.push_back({{over, under, under}, {stiff, -stiff, 0.0}, stiff * bridge_rise_m});
+  }
+  const std::vector<double> z = solve_least_squares(rows, std::move(start));
+  std::vector<Profile> profiles;
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+    std::vector<double> heights;
+    for (const std::size_t u : knots.unknown[r]) heights.push_back(z[u]);
+    profiles.push_back(make_profile(knots.s_m[r], std::move(heights), plan.roads[r].alignment.closed));
+  }
+  return profiles;
+}
+
+double steepest(const std::vector<Profile>& profiles) {
+  double steepest = 0.0;
+  for (const Profile& profile : profiles)
+    for (double s = 0.0; s <= profile.s_m.back(); s += 2.0) steepest = std::max(steepest, std::abs(profile.gradient(s)));
+  return steepest;
+}
+
+std::size_t interval(const std::vector<double>& s_m, double s) {
+  const auto it = std::upper_bound(s_m.begin(), s_m.end(), s);
+  return std::min(static_cast<std::size_t>(std::max<long>(0, it - s_m.begin() - 1)), s_m.size() - 2);
+}
+}  // namespace
+
+double Hills::height_m(Vec2 p) const {
+  double z = base_m;
+  for (const Wave& w : waves) z += w.amplitude_m * std::cos(w.kx_1pm * p.x + w.ky_1pm * p.y + w.phase_rad);
+  return z;
+}
+
+double Profile::z(double s) const {
+  const std::size_t i = interval(s_m, s);
+  const double h = s_m[i + 1] - s_m[i], a = (s_m[i + 1] - s) / h, b = 1.0 - a;
+  return a * z_m[i] + b * z_m[i + 1] + ((a * a * a - a) * z_ss_1pm[i] + (b * b * b - b) * z_ss_1pm[i + 1]) * h * h / 6.0;
+}
+
+double Profile::gradient(double s) const {
+  const std::size_t i = interval(s_m, s);
+  const double h = s_m[i + 1] - s_m[i], a = (s_m[i + 1] - s) / h, b = 1.0 - a;
+  return (z_m[i + 1] - z_m[i]) / h + ((3.0 * b * b - 1.0) * z_ss_1pm[i + 1] - (3.0 * a * a - 1.0) * z_ss_1pm[i]) * h / 6.0;
+}
+
+Terrain make_terrain(const VillagePlan& plan, std::uint64_t seed) {
+  Random random(derive_seed(seed, 2));
+  Terrain terrain{make_hills(plan.size_m, random), {}};
+  for (int attempt = 0; attempt < 12; ++attempt) {
+    terrain.profiles = solve_profiles(plan, terrain.hills);
+    if (steepest(terrain.profiles) <= max_gradient) break;
+    for (Hills::Wave& wave : terrain.hills.waves) wave.amplitude_m *= 0.85;
+  }
+  return terrain;
+}
+
+double banking_rad(const PlannedRoad& road, double curvature_1pm) {
+  // The outer side is raised, by up to 5 % on roads built for speed. tanh keeps it smooth where it saturates.
+  const double most = road.highway == "service" ? 0.0 : road.highway == "residential" ? 0.02 : 0.05;
+  return -std::atan(most * std::tanh(curvature_1pm * 60.0));
+}
+
+std::vector<RoadSample> sample_roads(const VillagePlan& plan, const Terrain& terrain, double step_m) {
+  std::vector<RoadSample> samples;
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+    const PlannedRoad& road = plan.roads[r];
+    const int count = std::max(1, static_cast<int>(std::ceil(road.alignment.length_m / step_m)));
+    for (int i = 0; i <= count; ++i) {
+      const double s = road.alignment.length_m * i / count;
+      const AlignmentPoint q = evaluate(road.alignment, s);
+      samples.push_back({q.p, static_cast<float>(s), static_cast<float>(terrain.profiles[r].z(s)),
+                         static_cast<float>(banking_rad(road, q.curvature_1pm)), static_cast<float>(0.5 * road.width_m),
+                         static_cast<std::uint16_t>(r), on_bridge(plan, r, s), i == count});
+    }
+  }
+  return samples;
+}
+
+BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads) {
+  BareEarth earth{Raster<float>(frame.width, frame.height), Raster<float>(frame.width, frame.height, 1, static_cast<float>(max_clearance_m))};
+  const std::vector<RoadSample> samples = sample_roads(plan, terrain, 2.0);
+  std::vector<std::size_t> order(plan.roads.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return surface_priority(plan, a) < surface_priority(plan, b); });
+
+  constexpr int band_rows = 32;
+  const auto bands = static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows);
+  parallel_for(bands, threads, [&](std::size_t band) {
+    const int first = static_cast<int>(band) * band_rows, end = std::min(frame.height, first + band_rows);
+    for (int row = first; row < end; ++row)
+      for (int col = 0; col < frame.width; ++col)
+        earth.height_m.at(col, row) = static_cast<float>(terrain.hills.height_m(frame.center_of(col, row)));
+    struct Near {
+      double distance_m, offset_m, z_m, banking, half_width_m;
+    };
+    const Near none{max_clearance_m, 0.0, 0.0, 0.0, 0.0};
+    std::vector<Near> near(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(end - first));
+    for (const std::size_t road : order) {  // the most important road last: its bed is exact
+      std::fill(near.begin(), near.end(), none);
+      for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+        const RoadSample &a = samples[i], &b = samples[i + 1];
+        if (a.road != road || a.last || a.bridge || b.bridge) continue;
+        const Vec2 pa = frame.pixel_from_world(a.p), pb = frame.pixel_from_world(b.p);
+        const double reach = max_clearance_m / frame.gsd_m;
+        const int row0 = std::max(first, static_cast<int>(std::min(pa.y, pb.y) - reach));
+        const int row1 = std::min(end, static_cast<int>(std::max(pa.y, pb.y) + reach) + 1);
+        const int col0 = std::max(0, static_cast<int>(std::min(pa.x, pb.x) - reach));
+        const int col1 = std::min(frame.width, static_cast<int>(std::max(pa.x, pb.x) + reach) + 1);
+        const Vec2 d = b.p - a.p;
+        const double n2 = dot(d, d), n = std::sqrt(n2);
+        for (int row = row0; row < row1; ++row)
+          for (int col = col0; col < col1; ++col) {
+            const Vec2 p = frame.center_of(col, row);
+            const double t = std::clamp(dot(p - a.p, d) / n2, 0.0, 1.0);
+            const double distance_m = distance(p, a.p + d * t);
+            Near& best = near[static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+            if (distance_m < best.distance_m)
+              best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m), a.banking + t * (b.banking - a.banking), a.half_width_m};
+          }
+      }
+      for (int row = first; row < end; ++row)
+        for (int col = 0; col < frame.width; ++col) {
+          const Near& q = near[static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+          if (q.distance_m >= max_clearance_m) continue;
+          float& z = earth.height_m.at(col, row);
+          float& clearance = earth.clearance_m.at(col, row);
+          clearance = std::min(clearance, static_cast<float>(q.distance_m - q.half_width_m));
+          // Bed with a metre of shoulder, then an embankment that falls about 1 in 2.5.
+          const double shoulder_m = q.half_width_m + 1.0, slope_m = 3.0 + 2.5 * std::abs(q.z_m - z);
+          const double lateral = std::clamp(q.offset_m, -shoulder_m, shoulder_m);
+          const double bed = q.z_m + std::tan(q.banking) * lateral;
+          const float weight = 1.0f - smoothstep(0.0f, 1.0f, static_cast<float>((q.distance_m - shoulder_m) / slope_m));
+          z += weight * static_cast<float>(bed - z);
+        }
+    }
+  });
+  return earth;
+}
+
+}  // namespace orthodrive::synth

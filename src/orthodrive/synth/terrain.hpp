@@ -1,0 +1,61 @@
+#pragma once
+// Hills, road profiles cut and filled into them, and the bare earth that results.
+
+#include <cstdint>
+#include <vector>
+
+#include "orthodrive/geo/raster.hpp"
+#include "orthodrive/synth/village_plan.hpp"
+
+namespace orthodrive::synth {
+
+/// A sum of cosine waves: smooth, band limited, the same at every place for the same seed.
+struct Hills {
+  struct Wave {
+    double kx_1pm = 0.0, ky_1pm = 0.0, phase_rad = 0.0, amplitude_m = 0.0;
+  };
+  double base_m = 0.0;
+  std::vector<Wave> waves;
+  [[nodiscard]] double height_m(Vec2 p_local) const;
+};
+
+/// Height along a road: a natural (closed roads: periodic) cubic spline, so C2.
+struct Profile {
+  std::vector<double> s_m, z_m, z_ss_1pm;  ///< knots, heights, second derivatives
+  [[nodiscard]] double z(double s) const;
+  [[nodiscard]] double gradient(double s) const;
+};
+
+struct Terrain {
+  Hills hills;
+  std::vector<Profile> profiles;  ///< one a road of the plan
+};
+
+/// Clearance plus thickness of the deck: height of the upper road above the lower one at a bridge.
+constexpr double bridge_rise_m = 6.2;
+constexpr double max_gradient = 0.10;
+
+/// Hills with a relief of 20 - 60 m (less for sites below 1 km), lowered until every road stays below max_gradient.
+[[nodiscard]] Terrain make_terrain(const VillagePlan& plan, std::uint64_t seed);
+
+/// Superelevation from curvature, rad, positive = left side higher.
+[[nodiscard]] double banking_rad(const PlannedRoad& road, double curvature_1pm);
+
+/// A place on the surface of a road, every metre: what terrain and painter look up.
+struct RoadSample {
+  Vec2 p;
+  float s_m = 0.0f, z_m = 0.0f, banking = 0.0f, half_width_m = 0.0f;
+  std::uint16_t road = 0;
+  bool bridge = false;
+  bool last = false;  ///< no segment from here to the next sample
+};
+[[nodiscard]] std::vector<RoadSample> sample_roads(const VillagePlan& plan, const Terrain& terrain, double step_m);
+
+struct BareEarth {
+  Raster<float> height_m;     ///< hills with road beds; bridges left out
+  Raster<float> clearance_m;  ///< distance to the edge of the nearest carriageway, negative inside, at most 40
+};
+/// `frame` in local metres.
+[[nodiscard]] BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads);
+
+}  // namespace orthodrive::synth
