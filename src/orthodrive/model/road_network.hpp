@@ -57,5 +57,7 @@ struct RoadNetwork {
 [[nodiscard]] Polyline centerline(const RoadPath& path);
 /// Ring of the carriageway polygon of a path: half the width to each side.
 [[nodiscard]] Ring surface_ring(const RoadPath& path);
+/// The same surface as one convex ring a segment: their union is right also where a tight bend folds the ring over itself.
+[[nodiscard]] std::vector<Ring> surface_cells(const RoadPath& path);
 
 }  // namespace orthodrive

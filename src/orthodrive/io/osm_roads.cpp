@@ -1,0 +1,143 @@
+// Roads of an OSM file. Two passes: first the drivable ways, then the places of their nodes, so that an extract of a
+// country needs memory for its roads only.
+
+#include <algorithm>
+#include <limits>
+#include <osmium/osm/node.hpp>
+#include <osmium/osm/way.hpp>
+
+#include "orthodrive/io/clip_line.hpp"
+#include "orthodrive/io/gdal_support.hpp"
+#include "orthodrive/io/osm_support.hpp"
+#include "orthodrive/io/osm_tags.hpp"
+#include "orthodrive/io/vector_io.hpp"
+
+namespace orthodrive::io {
+namespace {
+struct DrivableWay {
+  std::int64_t id = 0;
+  WayAttributes attributes;
+  std::vector<std::int64_t> nodes;
+};
+
+std::vector<DrivableWay> read_ways(const std::filesystem::path& path) {
+  std::vector<DrivableWay> ways;
+  osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::way);
+  while (const osmium::memory::Buffer buffer = reader.read())
+    for (const osmium::Way& way : buffer.select<osmium::Way>()) {
+      const char* highway = way.tags().get_value_by_key("highway");
+      if (!highway || !is_drivable(highway) || way.tags().has_tag("area", "yes")) continue;
+      DrivableWay& road = ways.emplace_back(DrivableWay{way.id(), way_attributes(tags_of(way.tags())), {}});
+      for (const osmium::NodeRef& node : way.nodes()) road.nodes.push_back(node.ref());
+      if (road.attributes.reversed) std::reverse(road.nodes.begin(), road.nodes.end());
+    }
+  reader.close();
+  std::stable_sort(ways.begin(), ways.end(), [](const DrivableWay& a, const DrivableWay& b) { return a.id < b.id; });
+  return ways;
+}
+
+/// Where the nodes of the ways lie, in the site CRS; NaN for nodes that the file lacks.
+class NodePlaces {
+ public:
+  explicit NodePlaces(const std::vector<DrivableWay>& ways) {
+    for (const DrivableWay& way : ways) ids_.insert(ids_.end(), way.nodes.begin(), way.nodes.end());
+    std::sort(ids_.begin(), ids_.end());
+    ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    lonlat_.assign(ids_.size(), {nan, nan});
+  }
+  void read(const std::filesystem::path& path) {
+    osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::node);
+    while (const osmium::memory::Buffer buffer = reader.read())
+      for (const osmium::Node& node : buffer.select<osmium::Node>()) {
+        const auto it = std::lower_bound(ids_.begin(), ids_.end(), node.id());
+        if (it == ids_.end() || *it != node.id() || !node.location().valid()) continue;
+        lonlat_[static_cast<std::size_t>(it - ids_.begin())] = {node.location().lon(), node.location().lat()};
+      }
+    reader.close();
+  }
+  [[nodiscard]] Vec2 lonlat(std::int64_t id) const {
+    return lonlat_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin())];
+  }
+  [[nodiscard]] Box2 bounds() const {
+    Ring known;
+    for (const Vec2 p : lonlat_)
+      if (!std::isnan(p.x)) known.push_back(p);
+    return bounds_of(known);
+  }
+
+ private:
+  std::vector<std::int64_t> ids_;
+  std::vector<Vec2> lonlat_;
+};
+
+/// Nodes in a row that have a place; a node that the file lacks (extracts cut ways) splits the way.
+struct Run {
+  Polyline line;
+  std::vector<std::int64_t> nodes;
+};
+
+std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, const Box2& area_lonlat,
+                              const CoordinateTransform& site_from_lonlat) {
+  Ring lonlat;
+  for (const std::int64_t id : way.nodes)
+    if (const Vec2 p = places.lonlat(id); !std::isnan(p.x)) lonlat.push_back(p);
+  if (lonlat.empty() || !bounds_of(lonlat).overlaps(area_lonlat)) return {};  // far ones may not even have a place in the CRS
+  std::vector<Run> runs(1);
+  for (const std::int64_t id : way.nodes) {
+    const Vec2 p = places.lonlat(id);
+    if (std::isnan(p.x)) {
+      if (!runs.back().line.empty()) runs.emplace_back();
+      continue;
+    }
+    Run& run = runs.back();
+    const Vec2 q = site_from_lonlat.target_from_source(p);
+    if (!run.line.empty() && run.line.back() == q) continue;  // doubled nodes make segments without a direction
+    run.line.push_back(q);
+    run.nodes.push_back(id);
+  }
+  return runs;
+}
+
+RoadPath make_path(const DrivableWay& way, int part, const Run& run, const std::vector<ClippedPoint>& piece) {
+  RoadPath path = way.attributes.path;
+  path.osm_id = way.id;
+  path.part = part;
+  for (const ClippedPoint& point : piece) {
+    const double s_m = path.nodes.empty() ? 0.0 : path.nodes.back().s_m + distance(path.nodes.back().p, point.p);
+    path.nodes.push_back({.p = point.p, .osm_node = point.vertex ? run.nodes[*point.vertex] : 0, .s_m = s_m,
+                          .width_m = way.attributes.width_m});
+  }
+  return path;
+}
+}  // namespace
+
+RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site) {
+  constexpr double min_piece_m = 0.1;  // what is left where a way only touches the border
+  return with_osm_errors(path, [&] {
+    const std::vector<DrivableWay> ways = read_ways(path);
+    NodePlaces places(ways);
+    places.read(path);
+    const CoordinateTransform site_from_lonlat(Crs{"EPSG:4326"}, site.crs);
+    const Box2 area_lonlat = lonlat_bounds(site.area.outer, site.crs);
+    RoadNetwork roads{.crs = site.crs};
+    for (const DrivableWay& way : ways) {
+      int part = 0;
+      for (const Run& run : located_runs(way, places, area_lonlat, site_from_lonlat))
+        for (const auto& piece : clip_line(run.line, site.area)) {
+          RoadPath road = make_path(way, part, run, piece);
+          if (road.nodes.back().s_m < min_piece_m) continue;
+          roads.paths.push_back(std::move(road));
+          ++part;
+        }
+    }
+    if (ways.empty())
+      throw InputError(path.string(), "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");
+    if (roads.paths.empty())
+      throw InputError(path.string(), fmt::format("has no roads in the area: its roads lie in {}, the area is {}; take another extract or area",
+                                                  describe_lonlat(places.bounds()), describe_lonlat(area_lonlat)));
+    return roads;
+  });
+}
+
+}  // namespace orthodrive::io

@@ -1,0 +1,63 @@
+#include "orthodrive/io/osm_tags.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace orthodrive::io {
+namespace {
+constexpr double foot_m = 0.3048, inch_m = 0.0254;
+
+std::string value_of(const OsmTags& tags, const char* key) {
+  const auto it = tags.find(key);
+  return it == tags.end() ? std::string() : it->second;
+}
+
+int parse_int(const std::string& text, int otherwise) {
+  int value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stopped, failed] = std::from_chars(text.data(), end, value);
+  return failed == std::errc() && stopped == end ? value : otherwise;
+}
+
+bool is_set(const std::string& value) { return !value.empty() && value != "no"; }
+}  // namespace
+
+double parse_width_m(const std::string& text) {
+  std::string clean;
+  for (const char c : text)
+    if (c != ' ') clean += c == ',' ? '.' : c;
+  double value = 0.0;
+  const char* end = clean.data() + clean.size();
+  auto [rest, failed] = std::from_chars(clean.data(), end, value);
+  if (failed != std::errc() || !std::isfinite(value) || value <= 0.0) return 0.0;
+  const std::string unit(rest, end);
+  if (unit.empty() || unit == "m" || unit == "metres" || unit == "meters") return value;
+  if (unit == "ft" || unit == "'") return value * foot_m;
+  if (unit.front() == '\'' && unit.back() == '"') {
+    const int inches = parse_int(unit.substr(1, unit.size() - 2), -1);
+    return inches < 0 ? 0.0 : value * foot_m + inches * inch_m;
+  }
+  return 0.0;
+}
+
+WayAttributes way_attributes(const OsmTags& tags) {
+  WayAttributes way;
+  RoadPath& path = way.path;
+  path.highway = value_of(tags, "highway");
+  path.name = value_of(tags, "name");
+  path.bridge = is_set(value_of(tags, "bridge"));
+  path.tunnel = is_set(value_of(tags, "tunnel"));
+  path.layer = parse_int(value_of(tags, "layer"), path.bridge ? 1 : path.tunnel ? -1 : 0);
+  path.lanes = std::max(0, parse_int(value_of(tags, "lanes"), 0));
+  const std::string junction = value_of(tags, "junction"), oneway = value_of(tags, "oneway");
+  path.roundabout = junction == "roundabout" || junction == "circular";
+  way.reversed = oneway == "-1" || oneway == "reverse";
+  const bool implied = oneway.empty() && (path.roundabout || path.highway == "motorway");
+  if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
+  way.width_m = parse_width_m(value_of(tags, "width"));
+  if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway);
+  return way;
+}
+
+}  // namespace orthodrive::io

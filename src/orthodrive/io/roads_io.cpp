@@ -1,0 +1,238 @@
+// roads.gpkg: layers centrelines, nodes and surface. The nodes are the truth; lines and polygons are made from them for
+// people and for other tools, and carry the attributes of the way.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/ogr_support.hpp"
+#include "orthodrive/io/vector_io.hpp"
+
+namespace orthodrive::io {
+namespace fs = std::filesystem;
+
+namespace {
+struct Field {
+  const char* name;
+  OGRFieldType type;
+};
+constexpr Field centreline_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},   {"highway", OFTString},
+                                       {"name", OFTString},      {"layer", OFTInteger},  {"bridge", OFTInteger},
+                                       {"tunnel", OFTInteger},   {"oneway", OFTInteger}, {"lanes", OFTInteger},
+                                       {"width_m", OFTReal},     {"roundabout", OFTInteger}};
+constexpr Field node_fields[] = {{"osm_id", OFTInteger64},   {"part", OFTInteger},      {"osm_node", OFTInteger64},
+                                 {"s_m", OFTReal},           {"offset_m", OFTReal},     {"width_m", OFTReal},
+                                 {"sigma_offset_m", OFTReal}, {"sigma_width_m", OFTReal}, {"z_m", OFTReal},
+                                 {"gradient", OFTReal},      {"banking", OFTReal},      {"sigma_z_m", OFTReal},
+                                 {"banking_source", OFTString}};
+constexpr Field surface_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
+
+template <std::size_t n>
+OGRLayer& create_layer(GDALDataset& dataset, const char* name, OGRwkbGeometryType type, OGRSpatialReference& reference,
+                       const Field (&fields)[n]) {
+  OGRLayer* layer = dataset.CreateLayer(name, &reference, type, nullptr);
+  if (!layer) throw Error(fmt::format("layer '{}' cannot be made, is the disk full?", name));
+  for (const Field& field : fields) create_field(*layer, field.name, field.type);
+  return *layer;
+}
+
+double median_width_m(const RoadPath& path) {
+  std::vector<double> widths;
+  for (const RoadNode& node : path.nodes) widths.push_back(node.width_m);
+  if (widths.empty()) return 0.0;
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  return *middle;
+}
+
+/// One valid geometry: where a tight bend folds the strip over itself, the union of its cells.
+std::unique_ptr<OGRGeometry> surface_of(const RoadPath& path) {
+  std::unique_ptr<OGRGeometry> strip = to_ogr(Polygon{surface_ring(path), {}});
+  if (strip->IsValid()) return strip;
+  OGRMultiPolygon cells;
+  for (const Ring& cell : surface_cells(path)) cells.addGeometryDirectly(to_ogr(Polygon{cell, {}}).release());
+  return std::unique_ptr<OGRGeometry>(cells.UnionCascaded());
+}
+
+class RoadsWriter {
+ public:
+  RoadsWriter(GDALDataset& dataset, OGRSpatialReference& reference, std::string file, const GdalErrors& errors)
+      : centrelines_(create_layer(dataset, "centrelines", wkbLineString, reference, centreline_fields)),
+        nodes_(create_layer(dataset, "nodes", wkbPoint, reference, node_fields)),
+        surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)), file_(std::move(file)), errors_(errors) {}
+
+  void add(const RoadPath& path) {
+    add_centreline(path);
+    for (const RoadNode& node : path.nodes) add_node(path, node);
+    add_surface(path);
+  }
+
+ private:
+  void add_centreline(const RoadPath& path) {
+    OGRFeature row(centrelines_.GetLayerDefn());
+    row.SetField("osm_id", static_cast<GIntBig>(path.osm_id));
+    row.SetField("part", path.part);
+    row.SetField("highway", path.highway.c_str());
+    row.SetField("name", path.name.c_str());
+    row.SetField("layer", path.layer);
+    row.SetField("bridge", path.bridge ? 1 : 0);
+    row.SetField("tunnel", path.tunnel ? 1 : 0);
+    row.SetField("oneway", static_cast<int>(path.oneway));
+    row.SetField("lanes", path.lanes);
+    row.SetField("width_m", median_width_m(path));
+    row.SetField("roundabout", path.roundabout ? 1 : 0);
+    row.SetGeometryDirectly(to_ogr(centerline(path)).release());
+    add_feature(centrelines_, row, file_, errors_);
+  }
+  void add_node(const RoadPath& path, const RoadNode& node) {
+    OGRFeature row(nodes_.GetLayerDefn());
+    row.SetField("osm_id", static_cast<GIntBig>(path.osm_id));
+    row.SetField("part", path.part);
+    row.SetField("osm_node", static_cast<GIntBig>(node.osm_node));
+    row.SetField("s_m", node.s_m);
+    row.SetField("offset_m", node.offset_m);
+    row.SetField("width_m", node.width_m);
+    row.SetField("sigma_offset_m", node.sigma_offset_m);
+    row.SetField("sigma_width_m", node.sigma_width_m);
+    if (!std::isnan(node.z_m)) row.SetField("z_m", node.z_m);  // null before the stage elevate
+    row.SetField("gradient", node.gradient);
+    row.SetField("banking", node.banking);
+    row.SetField("sigma_z_m", node.sigma_z_m);
+    row.SetField("banking_source", node.banking_source.c_str());
+    OGRPoint point(node.p.x, node.p.y);
+    row.SetGeometry(&point);
+    add_feature(nodes_, row, file_, errors_);
+  }
+  void add_surface(const RoadPath& path) {
+    OGRFeature row(surface_.GetLayerDefn());
+    row.SetField("osm_id", static_cast<GIntBig>(path.osm_id));
+    row.SetField("part", path.part);
+    row.SetField("highway", path.highway.c_str());
+    row.SetField("layer", path.layer);
+    row.SetGeometryDirectly(surface_of(path).release());
+    add_feature(surface_, row, file_, errors_);
+  }
+
+  OGRLayer &centrelines_, &nodes_, &surface_;
+  std::string file_;
+  const GdalErrors& errors_;
+};
+}  // namespace
+
+void write_roads(const fs::path& path, const RoadNetwork& roads) {
+  AsideFile out(path);
+  struct RemoveLeftovers {
+    fs::path unfinished;
+    ~RemoveLeftovers() { remove_leftovers(unfinished); }
+  } const leftovers{out.path()};
+  OGRSpatialReference reference = spatial_reference(roads.crs);
+  const ScopedGdalOption no_fsync("OGR_SQLITE_SYNCHRONOUS", "OFF");  // the file is renamed into place when it is whole
+  GdalErrors errors;
+  const auto fail = [&] {
+    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(), errors.text()));
+  };
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
+  DatasetPtr dataset(driver->Create(out.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  if (!dataset) fail();
+  RoadsWriter writer(*dataset, reference, path.string(), errors);
+  if (dataset->StartTransaction() != OGRERR_NONE) fail();
+  for (const RoadPath& road : roads.paths) writer.add(road);
+  if (dataset->CommitTransaction() != OGRERR_NONE) fail();
+  dataset.reset();  // writes the spatial index and the extents, and may fail now
+  if (errors.any()) fail();
+  out.commit();
+}
+
+namespace {
+OGRLayer& need_layer(const fs::path& path, GDALDataset& dataset, const char* name) {
+  OGRLayer* layer = dataset.GetLayerByName(name);
+  if (!layer) throw InputError(path.string(), fmt::format("has no layer '{}'; need a roads.gpkg as `orthodrive refine` writes it", name));
+  return *layer;
+}
+
+template <std::size_t n>
+void need_fields(const fs::path& path, OGRLayer& layer, const Field (&fields)[n]) {
+  for (const Field& field : fields)
+    if (layer.GetLayerDefn()->GetFieldIndex(field.name) < 0)
+      throw InputError(path.string(), fmt::format("layer '{}' has no field '{}'; need a roads.gpkg as `orthodrive refine` writes it",
+                                                  layer.GetName(), field.name));
+}
+
+using PathKey = std::pair<std::int64_t, int>;  // osm_id, part
+PathKey key_of(const OGRFeature& row) { return {row.GetFieldAsInteger64("osm_id"), row.GetFieldAsInteger("part")}; }
+
+RoadPath path_of(const OGRFeature& row) {
+  RoadPath path;
+  std::tie(path.osm_id, path.part) = key_of(row);
+  path.highway = row.GetFieldAsString("highway");
+  path.name = row.GetFieldAsString("name");
+  path.layer = row.GetFieldAsInteger("layer");
+  path.bridge = row.GetFieldAsInteger("bridge") != 0;
+  path.tunnel = row.GetFieldAsInteger("tunnel") != 0;
+  path.oneway = row.GetFieldAsInteger("oneway") != 0 ? Oneway::forward : Oneway::no;
+  path.lanes = row.GetFieldAsInteger("lanes");
+  path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
+  return path;
+}
+
+RoadNode node_of(const fs::path& path, const OGRFeature& row) {
+  const OGRGeometry* geometry = row.GetGeometryRef();
+  if (!geometry || wkbFlatten(geometry->getGeometryType()) != wkbPoint)
+    throw InputError(path.string(), fmt::format("feature {} of layer 'nodes' is no point", row.GetFID()));
+  RoadNode node;
+  node.p = {geometry->toPoint()->getX(), geometry->toPoint()->getY()};
+  node.osm_node = row.GetFieldAsInteger64("osm_node");
+  node.s_m = row.GetFieldAsDouble("s_m");
+  node.offset_m = row.GetFieldAsDouble("offset_m");
+  node.width_m = row.GetFieldAsDouble("width_m");
+  node.sigma_offset_m = row.GetFieldAsDouble("sigma_offset_m");
+  node.sigma_width_m = row.GetFieldAsDouble("sigma_width_m");
+  const int z = row.GetFieldIndex("z_m");
+  if (row.IsFieldSetAndNotNull(z)) node.z_m = row.GetFieldAsDouble(z);
+  node.gradient = row.GetFieldAsDouble("gradient");
+  node.banking = row.GetFieldAsDouble("banking");
+  node.sigma_z_m = row.GetFieldAsDouble("sigma_z_m");
+  node.banking_source = row.GetFieldAsString("banking_source");
+  return node;
+}
+}  // namespace
+
+RoadNetwork read_roads(const fs::path& path) {
+  const DatasetPtr dataset = open_dataset(path, GDAL_OF_VECTOR);
+  OGRLayer& centrelines = need_layer(path, *dataset, "centrelines");
+  OGRLayer& nodes = need_layer(path, *dataset, "nodes");
+  need_fields(path, centrelines, centreline_fields);
+  need_fields(path, nodes, node_fields);
+  if (!centrelines.GetSpatialRef()) throw InputError(path.string(), "has no coordinate reference system");
+
+  GdalErrors errors;
+  RoadNetwork roads{.crs = crs_of(*centrelines.GetSpatialRef())};
+  std::map<PathKey, std::size_t> index;
+  for (const auto& row : centrelines) {
+    if (!index.emplace(key_of(*row), roads.paths.size()).second)
+      throw InputError(path.string(), fmt::format("has way {} part {} twice", key_of(*row).first, key_of(*row).second));
+    roads.paths.push_back(path_of(*row));
+  }
+  for (const auto& row : nodes) {
+    const auto at = index.find(key_of(*row));
+    if (at == index.end())
+      throw InputError(path.string(), fmt::format("has nodes of way {} part {}, which is not in 'centrelines'", key_of(*row).first,
+                                                  key_of(*row).second));
+    roads.paths[at->second].nodes.push_back(node_of(path, *row));
+  }
+  if (errors.any()) throw InputError(path.string(), fmt::format("cannot be read to its end ({}); make it again", errors.text()));
+  for (RoadPath& road : roads.paths) {
+    std::stable_sort(road.nodes.begin(), road.nodes.end(), [](const RoadNode& a, const RoadNode& b) { return a.s_m < b.s_m; });
+    if (road.nodes.size() < 2)
+      throw InputError(path.string(), fmt::format("way {} part {} has {} nodes, need two", road.osm_id, road.part, road.nodes.size()));
+  }
+  return roads;
+}
+
+}  // namespace orthodrive::io
