@@ -1,0 +1,80 @@
+#include "orthodrive/network/build_network.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/network/road_parts.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace network;
+
+void set_bounds(roadquery::RoadMap& map) {
+  constexpr double margin_m = 20.0;  // the carriageway beside the reference line, and the bulge of arcs between samples
+  if (map.roads.empty()) return;
+  map.south = map.west = INFINITY, map.north = map.east = -INFINITY;
+  for (const roadquery::Road& road : map.roads)
+    for (double s = 0.0; s <= road.length; s += margin_m) {
+      const Vec2 p = pose_at(road.plan, s).p;
+      map.west = std::min(map.west, std::floor(p.x - margin_m)), map.east = std::max(map.east, std::ceil(p.x + margin_m));
+      map.south = std::min(map.south, std::floor(p.y - margin_m)), map.north = std::max(map.north, std::ceil(p.y + margin_m));
+    }
+}
+
+/// Ways so short that the junctions at their ends took all of them.
+void report_lost_ways(const RoadNetwork& roads, const roadquery::RoadMap& map, Findings& findings) {
+  std::set<std::string> kept;
+  for (const roadquery::Road& road : map.roads)
+    if (road.junction < 0) kept.insert(road.osm_id);
+  for (const RoadPath& path : roads.paths)
+    if (!path.nodes.empty() && kept.count(std::to_string(path.osm_id)) == 0)
+      findings.push_back({Severity::info, "network.way_in_junction",
+                          fmt::format("way {} ({}) is so short that it lies inside a junction and has no road of its own",
+                                      path.osm_id, path.highway),
+                          path.nodes.front().p.x, path.nodes.front().p.y});
+}
+
+}  // namespace
+
+NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions& options, Monitor* monitor) {
+  NetworkResult result;
+  const auto progress = [&](double fraction) {
+    if (monitor) monitor->progress(fraction, "network");
+  };
+  progress(0.0);
+  const RoadNetwork roads = with_heights(input, result.findings);
+  const Topology topology = build_topology(roads, result.findings);
+  const std::vector<std::vector<PieceNode>> pieces = join_pieces(roads, topology, result.findings);
+
+  std::vector<ChainGeometry> geometry(topology.chains.size());
+  const FitChainOptions fit{options.plan_tolerance_m, options.elevation_tolerance_m, options.banking_tolerance_rad};
+  parallel_for(
+      geometry.size(), options.threads,
+      [&](std::size_t i) { geometry[i] = fit_chain(topology.chains[i], pieces, fit); },
+      [&](std::size_t done) { progress(0.7 * static_cast<double>(done) / static_cast<double>(geometry.size())); });
+  for (const ChainGeometry& chain : geometry) {
+    result.max_plan_deviation_m = std::max(result.max_plan_deviation_m, chain.max_plan_deviation_m);
+    result.max_elevation_error_m = std::max(result.max_elevation_error_m, chain.max_elevation_error_m);
+    result.eased_nodes += chain.eased_nodes;
+    result.findings.insert(result.findings.end(), chain.findings.begin(), chain.findings.end());
+  }
+
+  const JunctionPlan junctions = plan_junctions(roads, topology, geometry);
+  progress(0.9);
+  result.map.name = options.name;
+  if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
+  const NetworkPlan plan{roads, topology, geometry, junctions, options};
+  const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map);
+  add_junctions(plan, ends, result.map);
+  set_bounds(result.map);
+  report_lost_ways(roads, result.map, result.findings);
+  progress(1.0);
+  return result;
+}
+
+}  // namespace orthodrive

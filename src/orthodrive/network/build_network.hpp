@@ -1,0 +1,37 @@
+#pragma once
+// Stage "network": roads with widths and heights -> OpenDRIVE roads, lanes and junctions. docs/network.md tells the method.
+
+#include <string>
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/road_network.hpp"
+#include "roadquery/road_map.hpp"
+
+namespace orthodrive {
+
+struct BuildNetworkOptions {
+  std::string name = "orthodrive";       ///< header/@name
+  double plan_tolerance_m = 0.05;        ///< largest distance of a node from the reference line
+  double elevation_tolerance_m = 0.02;   ///< largest height error at a node
+  double banking_tolerance_rad = 0.002;  ///< largest superelevation error at a node
+  double width_tolerance_m = 0.05;       ///< largest error of the carriageway width at a node
+  bool left_hand_traffic = false;
+  int threads = 0;  ///< 0 = all cores; the result does not depend on it
+};
+
+struct NetworkResult {
+  roadquery::RoadMap map;
+  /// Over all nodes, against the input after joints were closed and bends eased (fit_plan.hpp, chain_line.hpp).
+  double max_plan_deviation_m = 0.0, max_elevation_error_m = 0.0;
+  int eased_nodes = 0;  ///< nodes moved because a bend was sharper than the carriageway is wide
+  Findings findings;
+};
+
+/// One road per piece of path between shared nodes. Where two pieces meet end to end they are linked directly; where three
+/// or more meet the roads are cut back and a junction joins their lanes. Paths without heights lie flat at z = 0.
+/// Throws InputError-free: any network with a finite geometry gives a map; an empty one gives an empty map.
+[[nodiscard]] NetworkResult build_network(const RoadNetwork& roads, const BuildNetworkOptions& options = {},
+                                          Monitor* monitor = nullptr);
+
+}  // namespace orthodrive

@@ -1,0 +1,37 @@
+#pragma once
+// Heights, superelevation and widths along a road: few cubics that join with equal value and slope (C1).
+
+#include <span>
+#include <vector>
+
+#include "roadquery/road_map.hpp"
+
+namespace orthodrive::network {
+
+struct ProfileSample {
+  double s = 0.0, value = 0.0;
+};
+
+struct FitProfileOptions {
+  double tolerance = 0.02;  ///< largest error at a sample, in the unit of the values
+  bool closed = false;      ///< the last sample repeats the first one's value and the profile goes on there
+};
+
+struct ProfileFit {
+  std::vector<roadquery::Cubic> cubics;  ///< the first starts at the first sample's s
+  double max_error = 0.0;
+};
+
+/// Cubic Hermite pieces over as many samples as stay within the tolerance. s must not decrease; samples closer than
+/// 1 cm to the one before are left out. At least one sample.
+[[nodiscard]] ProfileFit fit_profile(std::span<const ProfileSample> samples, const FitProfileOptions& options = {});
+
+/// The cubic with these values and slopes at both ends.
+[[nodiscard]] roadquery::Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1);
+/// The part from s0 to s1 with s from 0.
+[[nodiscard]] std::vector<roadquery::Cubic> slice_profile(std::span<const roadquery::Cubic> cubics, double s0, double s1);
+/// The same profile of `length` seen from its other end; `sign` -1 for what changes sign then (superelevation).
+[[nodiscard]] std::vector<roadquery::Cubic> reverse_profile(std::span<const roadquery::Cubic> cubics, double length,
+                                                            double sign = 1.0);
+
+}  // namespace orthodrive::network

@@ -1,0 +1,40 @@
+#pragma once
+// The roads themselves: pieces of chains between the cuts, and the roads that connect them through junctions.
+
+#include <vector>
+
+#include "orthodrive/network/build_network.hpp"
+#include "orthodrive/network/chain_geometry.hpp"
+#include "orthodrive/network/stretches.hpp"
+#include "orthodrive/network/topology.hpp"
+
+namespace orthodrive::network {
+
+/// What the parts of the stage share: never changed once built.
+struct NetworkPlan {
+  const RoadNetwork& roads;
+  const Topology& topology;
+  const std::vector<ChainGeometry>& geometry;
+  const JunctionPlan& junctions;
+  const BuildNetworkOptions& options;
+};
+
+/// A road that ends at a junction.
+struct JunctionEnd {
+  int road = 0;         ///< index in RoadMap::roads
+  bool at_end = false;  ///< of the road: its end (else its start) touches the junction
+  int vertex = 0;
+  int stretch = 0;
+  double chain_s = 0.0;  ///< where on the stretch's chain
+  int through = -1;      ///< index of the end that its chain goes on to, in the same junction's list
+};
+
+/// Roads of all stretches, linked where they follow each other without a junction, ids from 1. Returns the ends at every
+/// junction, in the order of the stretches.
+[[nodiscard]] std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, roadquery::RoadMap& map);
+
+/// Connecting roads and junctions. From every incoming lane group to every other road of the junction that can be
+/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out.
+void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, roadquery::RoadMap& map);
+
+}  // namespace orthodrive::network

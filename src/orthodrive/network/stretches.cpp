@@ -1,0 +1,187 @@
+#include "orthodrive/network/stretches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace orthodrive::network {
+namespace {
+
+constexpr double corner_m = 2.0;       // room for the curve of the corner beyond the carriageways
+constexpr double reach_m = 40.0;       // narrow forks overlap for long: roads are cut back no further than this
+constexpr double step_m = 0.5;
+constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
+constexpr double min_road_m = 1.0;     // what is left of a road between two junctions
+constexpr double join_share = 0.4;     // junctions join when less than this share of the wished cuts fits between them
+constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::vector<Stretch> cut_at_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry) {
+  std::vector<Stretch> stretches;
+  for (std::size_t c = 0; c < topology.chains.size(); ++c) {
+    const Chain& chain = topology.chains[c];
+    if (geometry[c].empty()) continue;
+    const auto junction_at = [&](std::size_t k) {
+      const int vertex = k < chain.pieces.size() ? start_vertex(topology, chain.pieces[k])
+                                                 : end_vertex(topology, chain.pieces.back());
+      return topology.vertices[at(vertex)].is_junction() ? vertex : -1;
+    };
+    Stretch open{.chain = static_cast<int>(c), .s0 = 0.0, .vertex0 = junction_at(0)};
+    for (std::size_t k = 1; k <= chain.pieces.size(); ++k) {
+      const int vertex = junction_at(k);
+      if (vertex < 0 && k < chain.pieces.size()) continue;
+      open.s1 = geometry[c].vertex_s[k], open.vertex1 = vertex;
+      stretches.push_back(open);
+      open.s0 = open.s1, open.vertex0 = vertex;
+    }
+  }
+  return stretches;
+}
+
+bool on_roundabout(const RoadNetwork& roads, const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch) {
+  const std::size_t k = piece_at(geometry, 0.5 * (stretch.s0 + stretch.s1));
+  const Piece& piece = topology.pieces[at(topology.chains[at(stretch.chain)].pieces[k].piece)];
+  return roads.paths[at(piece.path)].roundabout;
+}
+
+/// Sampled from the junction outwards.
+struct ArmLine {
+  std::vector<Vec2> center, left, right;
+  std::vector<double> half_width_m;
+};
+
+ArmLine sample_arm(const std::vector<ChainGeometry>& geometry, const Stretch& stretch, bool at_s1) {
+  const ChainGeometry& g = geometry[at(stretch.chain)];
+  ArmLine line;
+  const double reach = std::min(reach_m + clear_m, stretch.s1 - stretch.s0);
+  const int steps = std::max(1, static_cast<int>(reach / step_m));
+  for (int i = 0; i <= steps; ++i) {
+    const double d = std::min(i * step_m, reach), s = at_s1 ? stretch.s1 - d : stretch.s0 + d;
+    const Pose pose = pose_at(g.plan, s);
+    // Half a step off the vertex, where the width may change from road to road.
+    const double half = 0.5 * width_at(g, at_s1 ? s - 0.5 * std::min(step_m, reach) : s);
+    line.center.push_back(pose.p);
+    line.half_width_m.push_back(half);
+    line.left.push_back(pose.p + left_normal(pose.direction) * half);
+    line.right.push_back(pose.p - left_normal(pose.direction) * half);
+  }
+  return line;
+}
+
+bool covers(const ArmLine& other, Vec2 p) {
+  for (std::size_t i = 1; i < other.center.size(); ++i) {
+    const Vec2 a = other.center[i - 1], d = other.center[i] - a;
+    const double n2 = dot(d, d), t = n2 > 0.0 ? std::clamp(dot(p - a, d) / n2, 0.0, 1.0) : 0.0;
+    const Vec2 off = p - (a + d * t);
+    const double half = other.half_width_m[i - 1] + (other.half_width_m[i] - other.half_width_m[i - 1]) * t;
+    if (dot(off, off) < half * half) return true;
+  }
+  return false;
+}
+
+/// Distance from its own vertex at which an arm has left all others.
+double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
+  const ArmLine& arm = arms[self];
+  double covered_until = 0.0;
+  for (std::size_t i = 0; i < arm.center.size(); ++i) {
+    const double d = static_cast<double>(i) * step_m;
+    if (d > covered_until + clear_m || d > reach_m) break;
+    for (std::size_t other = 0; other < arms.size(); ++other)
+      if (other != self && (covers(arms[other], arm.left[i]) || covers(arms[other], arm.right[i]))) {
+        covered_until = d;
+        break;
+      }
+  }
+  return covered_until;
+}
+
+class JunctionPlanner {
+ public:
+  JunctionPlanner(const RoadNetwork& roads, const Topology& topology, const std::vector<ChainGeometry>& geometry)
+      : roads_(roads), topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
+    std::iota(group_.begin(), group_.end(), 0);
+    plan_.stretches = cut_at_junctions(topology, geometry);
+  }
+
+  JunctionPlan run() {
+    cut_back();
+    join_close_junctions();
+    cut_back();  // joined junctions have more arms
+    shorten_cuts();
+    number_junctions();
+    return std::move(plan_);
+  }
+
+ private:
+  int group(int vertex) {
+    while (group_[at(vertex)] != vertex) vertex = group_[at(vertex)];
+    return vertex;
+  }
+
+  void cut_back() {
+    std::vector<std::vector<Arm>> arms(topology_.vertices.size());  // by the first vertex of the group
+    for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
+      const Stretch& stretch = plan_.stretches[i];
+      if (stretch.inside) continue;
+      if (stretch.vertex0 >= 0) arms[at(group(stretch.vertex0))].push_back({static_cast<int>(i), false});
+      if (stretch.vertex1 >= 0) arms[at(group(stretch.vertex1))].push_back({static_cast<int>(i), true});
+    }
+    for (const std::vector<Arm>& junction : arms) {
+      std::vector<ArmLine> lines;
+      for (const Arm& arm : junction) lines.push_back(sample_arm(geometry_, plan_.stretches[at(arm.stretch)], arm.at_s1));
+      for (std::size_t i = 0; i < junction.size(); ++i) {
+        Stretch& stretch = plan_.stretches[at(junction[i].stretch)];
+        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = clear_distance_m(lines, i) + corner_m;
+      }
+    }
+  }
+
+  void join_close_junctions() {
+    for (Stretch& stretch : plan_.stretches) {
+      if (stretch.vertex0 < 0 || stretch.vertex1 < 0) continue;
+      const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
+      const bool ring = on_roundabout(roads_, topology_, geometry_[at(stretch.chain)], stretch);
+      stretch.inside = ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished;
+      if (!stretch.inside) continue;
+      const int a = group(stretch.vertex0), b = group(stretch.vertex1);
+      group_[at(std::max(a, b))] = std::min(a, b);
+    }
+  }
+
+  void shorten_cuts() {
+    for (Stretch& stretch : plan_.stretches) {
+      const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
+      const double room = std::max(gap - min_road_m, 0.5 * gap);
+      if (stretch.inside || wished <= room) continue;
+      stretch.trim0_m *= room / wished;
+      stretch.trim1_m *= room / wished;
+    }
+  }
+
+  void number_junctions() {
+    plan_.junction_of_vertex.assign(topology_.vertices.size(), -1);
+    for (std::size_t v = 0; v < topology_.vertices.size(); ++v) {
+      if (!topology_.vertices[v].is_junction()) continue;
+      const int first = group(static_cast<int>(v));
+      if (plan_.junction_of_vertex[at(first)] < 0) plan_.junction_of_vertex[at(first)] = plan_.junctions++;
+      plan_.junction_of_vertex[v] = plan_.junction_of_vertex[at(first)];
+    }
+  }
+
+  const RoadNetwork& roads_;
+  const Topology& topology_;
+  const std::vector<ChainGeometry>& geometry_;
+  std::vector<int> group_;  ///< union-find: the lowest vertex of the joined junction
+  JunctionPlan plan_;
+};
+
+}  // namespace
+
+JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology,
+                            const std::vector<ChainGeometry>& geometry) {
+  return JunctionPlanner(roads, topology, geometry).run();
+}
+
+}  // namespace orthodrive::network

@@ -1,0 +1,38 @@
+#pragma once
+// How far roads are cut back at junctions, and which junctions are so close that they are one.
+
+#include <vector>
+
+#include "orthodrive/network/chain_geometry.hpp"
+#include "orthodrive/network/topology.hpp"
+
+namespace orthodrive::network {
+
+/// The part of a chain between two junctions (or ends). Closed chains: the last one may end at length_m, never beyond.
+struct Stretch {
+  int chain = 0;
+  double s0 = 0.0, s1 = 0.0;
+  int vertex0 = -1, vertex1 = -1;      ///< junction at s0 and s1, -1 for none
+  double trim0_m = 0.0, trim1_m = 0.0;  ///< cut back there
+  bool inside = false;                  ///< between two vertices of one junction: no road of its own
+};
+
+/// One end of a stretch at a junction.
+struct Arm {
+  int stretch = 0;
+  bool at_s1 = false;
+};
+
+struct JunctionPlan {
+  std::vector<Stretch> stretches;       ///< chain by chain, along the chain
+  std::vector<int> junction_of_vertex;  ///< -1 for vertices that are none
+  int junctions = 0;
+};
+
+/// A road ends where its whole cross section has left the carriageways of the other roads of the junction, plus 2 m for
+/// the corner. Junctions too close for that are joined into one; where the road between is long enough to stay, both
+/// cuts are shortened.
+[[nodiscard]] JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology,
+                                          const std::vector<ChainGeometry>& geometry);
+
+}  // namespace orthodrive::network

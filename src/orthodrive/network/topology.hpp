@@ -1,0 +1,59 @@
+#pragma once
+// Which pieces of path meet where, and which run on into each other.
+
+#include <vector>
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/model/road_network.hpp"
+
+namespace orthodrive::network {
+
+/// A piece of a path between two vertices.
+struct Piece {
+  int path = 0;
+  int first = 0, last = 0;  ///< node indices in the path, both ends included
+  int first_vertex = 0, last_vertex = 0;
+};
+
+struct PieceEnd {
+  int piece = -1;
+  bool at_last = false;
+};
+
+/// A place where paths end or meet.
+struct Vertex {
+  Vec2 p;                      ///< mean over the ends: paths are refined one by one and may disagree
+  std::vector<PieceEnd> ends;  ///< in the order of the pieces
+  [[nodiscard]] bool is_junction() const { return ends.size() >= 3; }
+};
+
+struct ChainPiece {
+  int piece = 0;
+  bool reversed = false;  ///< the chain runs against the path
+};
+
+/// Pieces that run on into each other: through vertices of two ends, and straight through junctions. A chain gets one
+/// smooth reference line and profile, from which its roads and the way through its junctions are cut.
+struct Chain {
+  std::vector<ChainPiece> pieces;
+  bool closed = false;  ///< starts at a junction if it touches one
+};
+
+struct Topology {
+  std::vector<Piece> pieces;
+  std::vector<Vertex> vertices;
+  std::vector<Chain> chains;
+};
+
+/// Dead ends shorter than 2 m at a junction are left out (a finding each).
+[[nodiscard]] Topology build_topology(const RoadNetwork& roads, Findings& findings);
+
+[[nodiscard]] inline int start_vertex(const Topology& t, ChainPiece c) {
+  const Piece& piece = t.pieces[static_cast<std::size_t>(c.piece)];
+  return c.reversed ? piece.last_vertex : piece.first_vertex;
+}
+[[nodiscard]] inline int end_vertex(const Topology& t, ChainPiece c) {
+  return start_vertex(t, {c.piece, !c.reversed});
+}
+
+}  // namespace orthodrive::network
