@@ -184,7 +184,7 @@ TEST(BuildScene, bridge_deck_stays_above_the_terrain_and_does_not_cut_it) {
        {.start = {west_m + 240.0, south_m + 40.0}, .heading_rad = 0.5 * pi, .length_m = 400.0, .z_m = 10.0}},
       valley);
   const SceneTile tile = build_one(site);
-  const TriMesh *terrain = find_mesh(tile, "terrain"), *bridge = find_mesh(tile, "bridge");
+  const TriMesh *terrain = find_mesh(tile, "terrain"), *bridge = find_mesh(tile, "road_body");
   ASSERT_TRUE(terrain != nullptr && bridge != nullptr);
   const double ground_roads_m2 = 2.0 * 140.0 * 6.0 + 400.0 * 6.0, deck_m2 = 120.0 * 6.0;
   EXPECT_NEAR(plan_area_m2(terrain), 480.0 * 480.0 - ground_roads_m2, 1.0);

@@ -13,7 +13,8 @@ namespace orthodrive {
 
 /// Triangles, counter-clockwise seen from above; x east, y north, z up, float metres relative to SceneTile::origin.
 struct TriMesh {
-  std::string name;  ///< "terrain" or "road": the viewer switches them by this name
+  std::string name;  ///< "terrain", "road" or "road_body" (sides and undersides of bridge decks, facing outwards):
+                     ///< the viewer switches them by this name
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<float, 3>> normals;
   std::vector<std::array<float, 2>> uv;  ///< glTF: (0,0) is the north-west corner of the texture

@@ -317,7 +317,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
   SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
   MeshBuilder terrain("terrain", center, layout.origin.z), road("road", center, layout.origin.z);
-  MeshBuilder body("bridge", center, 0.0);  // takes heights that are relative already
+  MeshBuilder body("road_body", center, 0.0);  // takes heights that are relative already
   add_ground(layout, address, terrain, road);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) add_deck(layout, deck, address, road, body);
 

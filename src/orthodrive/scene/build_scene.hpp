@@ -21,7 +21,7 @@ struct SceneInput {
   const roadquery::RoadMap& roads;
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
-  Polygon area;  ///< the scene ends here; without an outer ring: where the photo's grid ends
+  Polygon area;  ///< the scene ends here; without an outer ring: at the convex hull of the photo's valid pixels
 };
 
 struct SceneOptions {
@@ -53,8 +53,8 @@ class SceneLayout;
 [[nodiscard]] Vec3 scene_origin(const SceneLayout& layout);
 [[nodiscard]] const Findings& scene_findings(const SceneLayout& layout);
 /// Meshes "terrain" and "road" share the vertices where they meet; decks of bridges are in "road", their sides and
-/// undersides in "bridge". Vertices on the tile's border equal those of the neighbour bit by bit, once the origins are
-/// added. No meshes where there is no ground. Safe from any thread.
+/// undersides in "road_body". Vertices on the tile's border equal those of the neighbour bit by bit, once the origins
+/// are added. No meshes where there is no ground. Safe from any thread.
 [[nodiscard]] SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address);
 
 struct SceneResult {

@@ -1,10 +1,10 @@
 #include "orthodrive/scene/road_level.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/scene/convex_hull.hpp"
 #include "orthodrive/scene/overlay.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -20,23 +20,11 @@ constexpr double border_weight_m = 1e-6;  // makes the weight of a road positive
 
 Vec2 plan(const Vec3& p) { return {p.x, p.y}; }
 
-/// The convex hull (Andrew's monotone chain) of the four corners between two sections: unlike the quadrilateral, it is
-/// simple where the inner edge of a tight bend runs backwards.
+/// The convex hull of the four corners between two sections: unlike the quadrilateral, it is simple where the inner
+/// edge of a tight bend runs backwards.
 Ring piece_ring(const CrossSection& a, const CrossSection& b) {
-  std::array<Vec2, 4> p = {snap_to_grid(plan(a.left)), snap_to_grid(plan(a.right)), snap_to_grid(plan(b.left)),
-                           snap_to_grid(plan(b.right))};
-  std::sort(p.begin(), p.end(), [](Vec2 u, Vec2 v) { return u.x != v.x ? u.x < v.x : u.y < v.y; });
-  Ring hull;
-  const auto add = [&](Vec2 q, std::size_t base) {
-    while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], q - hull.back()) <= 0.0)
-      hull.pop_back();
-    hull.push_back(q);
-  };
-  for (std::size_t i = 0; i < p.size(); ++i) add(p[i], 0);
-  const std::size_t upper = hull.size() - 1;
-  for (std::size_t i = p.size() - 1; i-- > 0;) add(p[i], upper);
-  hull.pop_back();
-  return hull;
+  return convex_hull({snap_to_grid(plan(a.left)), snap_to_grid(plan(a.right)), snap_to_grid(plan(b.left)),
+                      snap_to_grid(plan(b.right))});
 }
 
 MultiPolygon strip_union(const std::vector<CrossSection>& strip) {

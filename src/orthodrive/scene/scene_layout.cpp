@@ -7,6 +7,7 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/scene/convex_hull.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -112,6 +113,20 @@ using namespace scene;
 
 namespace {
 
+/// Around all valid pixels.
+Ring photo_hull(const Photo& photo) {
+  std::vector<Vec2> corners;
+  for (int row = 0; row < photo.frame.height; ++row) {
+    int first = 0, end = photo.frame.width;
+    while (first < end && !photo.valid.at(first, row)) ++first;
+    while (end > first && !photo.valid.at(end - 1, row)) --end;
+    if (first == end) continue;
+    for (const int r : {row, row + 1})
+      for (const int c : {first, end}) corners.push_back(photo.frame.world_from_pixel(c, r));
+  }
+  return convex_hull(std::move(corners));
+}
+
 struct SortedRoads {
   std::vector<const roadquery::Road*> ground;
   std::map<int, std::vector<const roadquery::Road*>> decks;
@@ -156,10 +171,8 @@ HeightGrid filled_terrain(const HeightGrid& terrain, Findings& findings) {
 SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
     : options(scene_options), photo(&input.photo) {
   Polygon limits = input.area;
-  if (limits.outer.empty()) {
-    const Box2 b = input.photo.frame.bounds();
-    limits.outer = {{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}};
-  }
+  if (limits.outer.empty()) limits.outer = photo_hull(input.photo);
+  if (limits.outer.size() < 3) throw InputError("photo", "has no valid pixel, give one that shows the area");
   const MultiPolygon area_polygons = dense_area(limits, options.terrain_step_m);
   area = Outline(area_polygons, area_reach_m);
   const Box2 bounds = bounds_of(limits.outer);
