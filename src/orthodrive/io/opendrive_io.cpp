@@ -1,0 +1,228 @@
+#include "orthodrive/io/opendrive_io.hpp"
+
+#include <fmt/format.h>
+
+#include <pugixml.hpp>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive::io {
+namespace {
+
+using roadquery::Cubic;
+using roadquery::Lane;
+using roadquery::Road;
+
+/// "12.50000000" becomes "12.5", "-0.00000000" becomes "0".
+std::string trimmed(std::string text) {
+  if (text.find('.') != std::string::npos) {
+    while (text.back() == '0') text.pop_back();
+    if (text.back() == '.') text.pop_back();
+  }
+  return text == "-0" ? "0" : text;
+}
+std::string metres(double v) { return trimmed(fmt::format("{:.8f}", v)); }
+std::string radians(double v) { return trimmed(fmt::format("{:.12f}", v)); }
+std::string per_metre(double v) { return trimmed(fmt::format("{:.14f}", v)); }
+std::string coefficient(double v) { return v == 0.0 ? "0" : fmt::format("{:.13g}", v); }
+
+void set(pugi::xml_node node, const char* name, const std::string& value) { node.append_attribute(name) = value.c_str(); }
+void set(pugi::xml_node node, const char* name, int value) { node.append_attribute(name) = value; }
+
+void add_cubic(pugi::xml_node parent, const char* name, const Cubic& cubic, const char* s_name = "s") {
+  pugi::xml_node node = parent.append_child(name);
+  set(node, s_name, metres(cubic.s));
+  set(node, "a", coefficient(cubic.a));
+  set(node, "b", coefficient(cubic.b));
+  set(node, "c", coefficient(cubic.c));
+  set(node, "d", coefficient(cubic.d));
+}
+
+struct AddShape {
+  pugi::xml_node geometry;
+  void operator()(const roadquery::Line&) { geometry.append_child("line"); }
+  void operator()(const roadquery::Arc& arc) { set(geometry.append_child("arc"), "curvature", per_metre(arc.curvature)); }
+  void operator()(const roadquery::Spiral& spiral) {
+    pugi::xml_node node = geometry.append_child("spiral");
+    set(node, "curvStart", per_metre(spiral.curvature_start));
+    set(node, "curvEnd", per_metre(spiral.curvature_end));
+  }
+  void operator()(const roadquery::ParamPoly3& poly) {
+    pugi::xml_node node = geometry.append_child("paramPoly3");
+    set(node, "aU", coefficient(poly.a_u)), set(node, "bU", coefficient(poly.b_u));
+    set(node, "cU", coefficient(poly.c_u)), set(node, "dU", coefficient(poly.d_u));
+    set(node, "aV", coefficient(poly.a_v)), set(node, "bV", coefficient(poly.b_v));
+    set(node, "cV", coefficient(poly.c_v)), set(node, "dV", coefficient(poly.d_v));
+    set(node, "pRange", poly.normalized ? "normalized" : "arcLength");
+  }
+};
+
+const char* contact_name(roadquery::ContactPoint contact) {
+  return contact == roadquery::ContactPoint::start ? "start" : "end";
+}
+
+void add_link(pugi::xml_node parent, const char* name, const roadquery::RoadLink& link) {
+  if (link.kind == roadquery::LinkKind::none) return;
+  pugi::xml_node node = parent.append_child(name);
+  const bool road = link.kind == roadquery::LinkKind::road;
+  set(node, "elementType", road ? "road" : "junction");
+  set(node, "elementId", link.id);
+  if (road) set(node, "contactPoint", contact_name(link.contact));
+}
+
+/// OpenDRIVE's road types, coarsely: OSM does not say whether a road runs through a town.
+const char* road_type(const std::string& highway) {
+  if (highway.starts_with("motorway")) return "motorway";
+  if (highway.starts_with("trunk") || highway.starts_with("primary")) return "rural";
+  if (highway == "living_street") return "lowSpeed";
+  if (highway == "raceway" || highway == "track" || highway.empty()) return "unknown";
+  return "town";
+}
+
+const char* lane_type(roadquery::LaneType type) {
+  switch (type) {
+    case roadquery::LaneType::none: return "none";
+    case roadquery::LaneType::driving: return "driving";
+    case roadquery::LaneType::shoulder: return "shoulder";
+    case roadquery::LaneType::border: return "border";
+    case roadquery::LaneType::sidewalk: return "sidewalk";
+    case roadquery::LaneType::parking: return "parking";
+    case roadquery::LaneType::biking: return "biking";
+    case roadquery::LaneType::other: break;
+  }
+  return "none";
+}
+
+void add_lane(pugi::xml_node side, const Lane& lane) {
+  pugi::xml_node node = side.append_child("lane");
+  set(node, "id", lane.id);
+  set(node, "type", lane_type(lane.type));
+  set(node, "level", "false");
+  if (lane.predecessor || lane.successor) {
+    pugi::xml_node link = node.append_child("link");
+    if (lane.predecessor) set(link.append_child("predecessor"), "id", *lane.predecessor);
+    if (lane.successor) set(link.append_child("successor"), "id", *lane.successor);
+  }
+  for (const Cubic& width : lane.width) add_cubic(node, "width", width, "sOffset");
+  for (const roadquery::RoadMark& mark : lane.marks) {
+    pugi::xml_node m = node.append_child("roadMark");
+    set(m, "sOffset", metres(mark.s_offset));
+    set(m, "type", mark.type);
+    set(m, "color", "standard");
+    set(m, "width", metres(mark.width));
+  }
+}
+
+void add_lanes(pugi::xml_node parent, const Road& road) {
+  pugi::xml_node lanes = parent.append_child("lanes");
+  for (const Cubic& cubic : road.lane_offset) add_cubic(lanes, "laneOffset", cubic);
+  for (const roadquery::LaneSection& section : road.sections) {
+    pugi::xml_node node = lanes.append_child("laneSection");
+    set(node, "s", metres(section.s));
+    if (!section.left.empty()) {
+      pugi::xml_node left = node.append_child("left");  // by custom from the outside in: ids descend through the section
+      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane) add_lane(left, *lane);
+    }
+    add_lane(node.append_child("center"), section.center);
+    if (!section.right.empty()) {
+      pugi::xml_node right = node.append_child("right");
+      for (const Lane& lane : section.right) add_lane(right, lane);
+    }
+  }
+}
+
+void add_user_data(pugi::xml_node road, const char* code, const std::string& value) {
+  pugi::xml_node node = road.append_child("userData");
+  set(node, "code", code);
+  set(node, "value", value);
+}
+
+void add_road(pugi::xml_node root, const Road& road) {
+  pugi::xml_node node = root.append_child("road");
+  if (!road.name.empty()) set(node, "name", road.name);
+  set(node, "length", metres(road.length));
+  set(node, "id", road.id);
+  set(node, "junction", road.junction);
+  set(node, "rule", road.left_hand_traffic ? "LHT" : "RHT");
+  pugi::xml_node link = node.append_child("link");
+  add_link(link, "predecessor", road.predecessor);
+  add_link(link, "successor", road.successor);
+  pugi::xml_node type = node.append_child("type");
+  set(type, "s", "0");
+  set(type, "type", road_type(road.highway));
+  pugi::xml_node plan = node.append_child("planView");
+  for (const roadquery::PlanElement& e : road.plan) {
+    pugi::xml_node geometry = plan.append_child("geometry");
+    set(geometry, "s", metres(e.s));
+    set(geometry, "x", metres(e.x));
+    set(geometry, "y", metres(e.y));
+    set(geometry, "hdg", radians(e.hdg));
+    set(geometry, "length", metres(e.length));
+    std::visit(AddShape{geometry}, e.shape);
+  }
+  if (!road.elevation.empty()) {
+    pugi::xml_node profile = node.append_child("elevationProfile");
+    for (const Cubic& cubic : road.elevation) add_cubic(profile, "elevation", cubic);
+  }
+  if (!road.superelevation.empty()) {
+    pugi::xml_node profile = node.append_child("lateralProfile");
+    for (const Cubic& cubic : road.superelevation) add_cubic(profile, "superelevation", cubic);
+  }
+  add_lanes(node, road);
+  if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
+  if (!road.highway.empty()) add_user_data(node, "highway", road.highway);
+  if (road.layer != 0) add_user_data(node, "layer", std::to_string(road.layer));
+  if (road.bridge) add_user_data(node, "bridge", "yes");
+  if (road.tunnel) add_user_data(node, "tunnel", "yes");
+}
+
+void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
+  pugi::xml_node node = root.append_child("junction");
+  if (!junction.name.empty()) set(node, "name", junction.name);
+  set(node, "id", junction.id);
+  for (const roadquery::Connection& connection : junction.connections) {
+    pugi::xml_node c = node.append_child("connection");
+    set(c, "id", connection.id);
+    set(c, "incomingRoad", connection.incoming_road);
+    set(c, "connectingRoad", connection.connecting_road);
+    set(c, "contactPoint", contact_name(connection.contact));
+    for (const roadquery::LaneLink& link : connection.lane_links) {
+      pugi::xml_node l = c.append_child("laneLink");
+      set(l, "from", link.from);
+      set(l, "to", link.to);
+    }
+  }
+}
+
+}  // namespace
+
+void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map) {
+  if (map.roads.empty()) throw Error(path.string() + ": no road to write, OpenDRIVE needs at least one");
+  pugi::xml_document document;
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  set(declaration, "version", "1.0");
+  set(declaration, "encoding", "UTF-8");
+  pugi::xml_node root = document.append_child("OpenDRIVE");
+  pugi::xml_node header = root.append_child("header");
+  set(header, "revMajor", 1);
+  set(header, "revMinor", 7);
+  set(header, "name", map.name);
+  set(header, "north", metres(map.north));
+  set(header, "south", metres(map.south));
+  set(header, "east", metres(map.east));
+  set(header, "west", metres(map.west));
+  set(header, "vendor", "orthodrive");
+  if (!map.geo_reference.empty())
+    header.append_child("geoReference").append_child(pugi::node_cdata).set_value(map.geo_reference.c_str());
+  for (const Road& road : map.roads) add_road(root, road);
+  for (const roadquery::Junction& junction : map.junctions) add_junction(root, junction);
+  std::ostringstream text;
+  document.save(text, " ", pugi::format_indent, pugi::encoding_utf8);
+  write_text_file(path, text.str());
+}
+
+}  // namespace orthodrive::io
