@@ -3,7 +3,7 @@
 
 import {
   BoxGeometry, CanvasTexture, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
-  PlaneGeometry, Shape, Sprite, SpriteMaterial,
+  PlaneGeometry, Shape, Sprite, SpriteMaterial, SRGBColorSpace,
 } from 'three';
 
 import type {CarState} from './lap';
@@ -108,5 +108,7 @@ function radialTexture(stops: [number, string][]): CanvasTexture {
   for (const [offset, color] of stops) gradient.addColorStop(offset, color);
   context.fillStyle = gradient;
   context.fillRect(0, 0, size, size);
-  return new CanvasTexture(canvas);
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  return texture;
 }

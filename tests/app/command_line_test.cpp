@@ -1,0 +1,105 @@
+// What holds for every sub-command: help, exit codes, missing files.
+
+#include "app/expect_clean_failure.hpp"
+
+namespace orthodrive {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+
+const std::vector<std::string> commands{"build",   "synth", "train", "segment", "refine",  "elevate",
+                                        "network", "scene", "drive", "view",    "evaluate"};
+
+TEST(CommandLine, help_lists_all_commands) {
+  const ToolRun run = run_tool({"--help"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.err, "");
+  for (const std::string& command : commands) EXPECT_THAT(run.out, HasSubstr("  " + command));
+}
+
+TEST(CommandLine, version_is_one_line) {
+  const ToolRun run = run_tool({"--version"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, testing::MatchesRegex("[0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(CommandLine, each_command_has_help_with_examples_of_itself) {
+  for (const std::string& command : commands) {
+    SCOPED_TRACE(command);
+    const ToolRun run = run_tool({command, "--help"});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_EQ(run.err, "");
+    const auto examples = run.out.find("Examples");
+    ASSERT_NE(examples, std::string::npos) << run.out;
+    EXPECT_THAT(run.out.substr(examples), HasSubstr("orthodrive " + command + " "));
+  }
+}
+
+TEST(CommandLine, usage_errors_have_exit_code_2) {
+  for (const Arguments& arguments : std::vector<Arguments>{{}, {"no-such-command"}, {"--no-such-option"}}) {
+    const ToolRun run = run_tool(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.err, "");
+  }
+  for (const std::string& command : commands) {
+    SCOPED_TRACE(command);
+    const ToolRun unknown = run_tool({command, "--no-such-option"});
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_EQ(unknown.out, "");
+    EXPECT_NE(unknown.err, "");
+    EXPECT_EQ(run_tool({command}).exit_code, 2) << "every command needs an argument";
+  }
+}
+
+TEST(CommandLine, numbers_out_of_range_are_usage_errors) {
+  for (const Arguments& arguments : std::vector<Arguments>{{"view", "DIR", "--port", "70000"},
+                                                           {"view", "DIR", "--port", "http"},
+                                                           {"synth", "-o", "DIR", "--preset", "metropolis"},
+                                                           {"synth", "-o", "DIR", "--seed", "-1"},
+                                                           {"view", "DIR", "--threads", "-1"}}) {
+    SCOPED_TRACE(arguments[2]);
+    EXPECT_EQ(run_tool(arguments).exit_code, 2);
+  }
+}
+
+TEST(CommandLine, missing_input_is_one_line_naming_the_file_and_writes_nothing) {
+  const Scratch scratch;
+  write_bytes(scratch / "earlier.tif", "an earlier output");
+  const std::string out = scratch / "earlier.tif", missing = scratch / "missing";
+  const std::vector<Arguments> cases{
+      {"build", missing + ".toml", "-o", out + ".d"},
+      {"train", missing + ".toml", "-o", out + ".d"},
+      {"segment", missing + ".tif", "-o", out},
+      {"refine", "--osm", missing + ".osm", "--labels", missing + ".tif", "-o", out},
+      {"elevate", "--roads", missing + ".gpkg", "--dtm", missing + ".tif", "-o", out},
+      {"network", "--roads", missing + ".gpkg", "-o", out},
+      {"scene", "--network", missing + ".xodr", "--labels", missing + ".tif", "--photo", missing + ".tif", "--dtm",
+       missing + ".tif", "-o", out + ".d"},
+      {"drive", "--network", missing + ".xodr", "-o", out + ".d"},
+      {"view", missing},
+      {"evaluate", "labels", missing + ".tif", missing + "2.tif"},
+      {"evaluate", "roads", missing + ".gpkg", missing + ".geojson"},
+      {"evaluate", "heights", missing + ".gpkg", missing + ".tif"},
+      {"evaluate", "network", missing + ".xodr"},
+      {"evaluate", "site", missing, "--truth", missing},
+  };
+  for (Arguments arguments : cases) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    arguments.push_back("--quiet");
+    expect_clean_failure(scratch.folder(), missing, [&] { return run_tool(arguments); });
+  }
+}
+
+TEST(CommandLine, missing_model_names_where_it_was_looked_for) {
+  const Scratch scratch;
+  write_bytes(scratch / "photo.ppm", "P6\n1 1\n255\nrgb");
+  expect_clean_failure(scratch.folder(), "no-such-model", [&] {
+    return run_tool(
+        {"--quiet", "segment", scratch / "photo.ppm", "-o", scratch / "labels.tif", "--model", "no-such-model"});
+  });
+}
+
+}  // namespace
+}  // namespace orthodrive
