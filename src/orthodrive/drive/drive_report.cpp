@@ -1,0 +1,136 @@
+#include "orthodrive/drive/drive_report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "orthodrive/core/svg_plot.hpp"
+#include "roadquery/road_surface.hpp"
+
+namespace orthodrive {
+namespace {
+
+constexpr double kmh_per_mps = 3.6;
+constexpr double deg_per_rad = 180.0 / std::numbers::pi;
+
+template <typename Value>
+std::vector<double> column(const DriveResult& result, Value&& value) {
+  std::vector<double> values;
+  values.reserve(result.samples.size());
+  for (const DriveSample& s : result.samples) values.push_back(value(s));
+  return values;
+}
+
+/// Reference lines of all roads, as the background of the map.
+std::vector<PlotSeries> road_lines(const roadquery::RoadMap& map) {
+  constexpr double step_m = 5.0;
+  std::vector<PlotSeries> lines;
+  for (const roadquery::Road& road : map.roads) {
+    PlotSeries line;
+    const int steps = 1 + static_cast<int>(road.length / step_m);
+    for (int k = 0; k <= steps; ++k) {
+      const auto p = roadquery::reference_point(road, road.length * k / steps);
+      line.x.push_back(p.x), line.y.push_back(p.y);
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+}  // namespace
+
+std::string lap_csv(const DriveResult& result) {
+  std::string csv =
+      "t_s,s_m,x_m,y_m,z_m,heading_rad,pitch_rad,roll_rad,speed_mps,a_lon_mps2,a_lat_mps2,curvature_1pm,gradient,"
+      "road_id,road_s_m,road_t_m,z_fl_m,z_fr_m,z_rl_m,z_rr_m\n";
+  csv.reserve(csv.size() + result.samples.size() * 200);
+  for (const DriveSample& s : result.samples) {
+    fmt::format_to(std::back_inserter(csv),
+                   "{:.3f},{:.3f},{:.3f},{:.3f},{:.4f},{:.6f},{:.6f},{:.6f},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},"
+                   "{},{:.3f},{:.3f},{:.4f},{:.4f},{:.4f},{:.4f}\n",
+                   s.t_s, s.s_m, s.x_m, s.y_m, s.z_m, s.heading_rad, s.pitch_rad, s.roll_rad, s.speed_mps, s.a_lon_mps2,
+                   s.a_lat_mps2, s.curvature_1pm, s.gradient, s.road_id, s.road_s_m, s.road_t_m, s.wheel_z_m[0],
+                   s.wheel_z_m[1], s.wheel_z_m[2], s.wheel_z_m[3]);
+  }
+  return csv;
+}
+
+std::vector<std::pair<std::string, std::string>> lap_numbers(const DriveResult& r) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  const auto add = [&](const char* label, std::string value) { rows.emplace_back(label, std::move(value)); };
+  add("Route", r.route.name + (r.route.closed ? " (closed)" : " (open)"));
+  add("Driven", fmt::format("{:.1f} m{}", r.length_m, r.finished ? "" : ", not to the end"));
+  add("Lap time", fmt::format("{}:{:06.3f}", static_cast<int>(r.lap_time_s) / 60, std::fmod(r.lap_time_s, 60.0)));
+  add("Speed, mean and largest",
+      fmt::format("{:.1f} and {:.1f} km/h", r.mean_speed_mps * kmh_per_mps, r.max_speed_mps * kmh_per_mps));
+  add("Largest acceleration", fmt::format("{:.2f} m/s² lateral, {:.2f} driving, {:.2f} braking", r.max_lateral_mps2,
+                                          r.max_driving_mps2, r.max_braking_mps2));
+  add("Gradient", fmt::format("{:+.1f} % to {:+.1f} %, {:.1f} m of climb", 100.0 * r.min_gradient,
+                              100.0 * r.max_gradient, r.climb_m));
+  add("Largest roll", fmt::format("{:.2f}°", r.max_roll_rad * deg_per_rad));
+  add("Largest distance from the line", fmt::format("{:.3f} m", r.max_line_error_m));
+  add("Tyre contacts off the road", fmt::format("{:.3f} % of {}", 100.0 * r.off_road_share, r.tyre_queries));
+  add("Largest step of a contact height in 1 ms",
+      fmt::format("{:.2f} mm, {:.0f} m into the lap", 1000.0 * r.max_height_step_m, r.max_height_step_s_m));
+  add("Simulation", fmt::format("{:.0f} times real time, {:.2f} million tyre queries a second", r.real_time_factor(),
+                                1e-6 * r.tyre_queries_per_s()));
+  return rows;
+}
+
+std::vector<std::string> lap_plots(const roadquery::RoadMap& map, const DriveResult& result) {
+  const std::vector<double> s = column(result, [](const DriveSample& p) { return p.s_m; });
+  const auto series = [&](const char* name, auto&& value) {
+    return PlotSeries{name, s, column(result, value), "", false};
+  };
+  const auto plot = [](std::vector<PlotSeries> lines, const char* title, const char* unit, bool from_zero = false) {
+    return svg_line_plot(lines,
+                         {.title = title, .x_label = "distance driven, m", .y_label = unit, .y_from_zero = from_zero});
+  };
+  return {
+      svg_map_plot({column(result, [](const DriveSample& p) { return p.x_m; }),
+                    column(result, [](const DriveSample& p) { return p.y_m; }),
+                    column(result, [](const DriveSample& p) { return p.speed_mps * kmh_per_mps; })},
+                   road_lines(map), {.title = "The lap", .value_label = "km/h", .start_label = "start"}),
+      plot({series("", [](const DriveSample& p) { return p.speed_mps * kmh_per_mps; })}, "Speed", "km/h", true),
+      plot({series("", [](const DriveSample& p) { return p.z_m; })}, "Height", "m"),
+      plot({series("", [](const DriveSample& p) { return 100.0 * p.gradient; })}, "Gradient", "%", true),
+      plot({series("lateral (left +)", [](const DriveSample& p) { return p.a_lat_mps2; }),
+            series("longitudinal (ahead +)", [](const DriveSample& p) { return p.a_lon_mps2; })},
+           "Acceleration", "m/s²", true),
+      plot({series("roll (left side up +)", [](const DriveSample& p) { return p.roll_rad * deg_per_rad; }),
+            series("pitch (nose up +)", [](const DriveSample& p) { return p.pitch_rad * deg_per_rad; })},
+           "Banking and pitch of the car", "degrees", true),
+  };
+}
+
+std::string lap_report_html(const roadquery::RoadMap& map, const DriveResult& result) {
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n<style>\n"
+      "body{{font:15px/1.5 system-ui,sans-serif;color:#1f2933;background:#f4f6f8;margin:0;padding:24px}}\n"
+      "main{{max-width:1000px;margin:auto}} h1{{font-size:24px;margin:0 0 16px}}\n"
+      "section{{background:#fff;border:1px solid #e4e8ec;border-radius:8px;padding:16px;margin-bottom:16px}}\n"
+      "table{{border-collapse:collapse;width:100%}} td,th{{padding:4px 12px 4px "
+      "0;text-align:left;vertical-align:top}}\n"
+      "tr+tr td{{border-top:1px solid #e4e8ec}} td:first-child{{color:#66727f;white-space:nowrap}}\n"
+      "</style></head><body><main>\n<h1>{0}</h1>\n",
+      escape_xml("Lap: " + result.route.name));
+  html += "<section><table>\n";
+  for (const auto& [label, value] : lap_numbers(result)) {
+    html += "<tr><td>" + escape_xml(label) + "</td><td>" + escape_xml(value) + "</td></tr>\n";
+  }
+  html += "</table></section>\n";
+  for (const std::string& plot : lap_plots(map, result)) html += "<section>\n" + plot + "</section>\n";
+  if (!result.findings.empty()) {
+    html += "<section><h2>Findings</h2><table>\n";
+    for (const Finding& finding : result.findings) {
+      html += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.1f}, {:.1f}</td></tr>\n", escape_xml(finding.code),
+                          escape_xml(finding.message), finding.x_m, finding.y_m);
+    }
+    html += "</table></section>\n";
+  }
+  return html + "</main></body></html>\n";
+}
+
+}  // namespace orthodrive
