@@ -118,8 +118,12 @@ struct Frame {
   Vec3 east, north, up, at;
 };
 
+Vec3 cross_product(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+double norm(Vec3 a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
+
 /// How one metre of the site CRS to the east, to the north and up lies in ECEF at the origin: turned by the meridian
-/// convergence and stretched by the scale of the projection, both from differences over 2 x 100 m.
+/// convergence and stretched by the scale of the projection (UTM: conformal). Heights are stretched alike, by 0.04 % at
+/// most, because renderers expect a uniform scale.
 Frame ecef_frame(const Crs& crs, Vec3 origin) {
   constexpr double step_m = 100.0;
   const CoordinateTransform to_geographic(crs, Crs{"EPSG:4326"});
@@ -129,10 +133,12 @@ Frame ecef_frame(const Crs& crs, Vec3 origin) {
   };
   const Vec2 lonlat = to_geographic.target_from_source({origin.x, origin.y});
   const double lon = lonlat.x * std::numbers::pi / 180.0, lat = lonlat.y * std::numbers::pi / 180.0;
-  return {(ecef(step_m, 0.0) - ecef(-step_m, 0.0)) * (0.5 / step_m),
-          (ecef(0.0, step_m) - ecef(0.0, -step_m)) * (0.5 / step_m),
-          {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)},
-          ecef(0.0, 0.0)};
+  const Vec3 up{std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+  const Vec3 east = (ecef(step_m, 0.0) - ecef(-step_m, 0.0)) * (0.5 / step_m);
+  const Vec3 north = (ecef(0.0, step_m) - ecef(0.0, -step_m)) * (0.5 / step_m);
+  const double scale = 0.5 * (norm(east) + norm(north));
+  const Vec3 unit_east = east * (1.0 / norm(east));
+  return {unit_east * scale, cross_product(up, unit_east) * scale, up * scale, ecef(0.0, 0.0)};
 }
 
 using Json = nlohmann::ordered_json;

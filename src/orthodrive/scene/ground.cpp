@@ -17,10 +17,10 @@ double smoothstep(double u) { return u * u * (3.0 - 2.0 * u); }
 
 }  // namespace
 
-std::size_t fill_holes(Raster<float>& heights) {
+void fill_holes(Raster<float>& heights) {
   const auto is_hole = [](float v) { return std::isnan(v); };
-  const auto holes = static_cast<std::size_t>(std::count_if(heights.data.begin(), heights.data.end(), is_hole));
-  if (holes == 0 || holes == heights.data.size()) return 0;
+  const auto holes = std::count_if(heights.data.begin(), heights.data.end(), is_hole);
+  if (holes == 0 || static_cast<std::size_t>(holes) == heights.data.size()) return;
   Raster<float> half((heights.width + 1) / 2, (heights.height + 1) / 2, 1, std::numeric_limits<float>::quiet_NaN());
   for (int row = 0; row < half.height; ++row) {
     for (int col = 0; col < half.width; ++col) {
@@ -40,7 +40,6 @@ std::size_t fill_holes(Raster<float>& heights) {
     for (int col = 0; col < heights.width; ++col)
       if (is_hole(heights.at(col, row)))
         heights.at(col, row) = static_cast<float>(sample_bilinear(coarse, {col + 0.5, -row - 0.5}));
-  return holes;
 }
 
 Ground::Ground(HeightGrid filled_terrain, const RoadLevel& roads, std::span<const RoadLevel> decks,

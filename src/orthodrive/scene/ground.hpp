@@ -9,8 +9,8 @@
 namespace orthodrive::scene {
 
 /// Holes (NaN) are filled from their surroundings: means over ever larger squares, then down again (pull-push, Gortler
-/// et al., The Lumigraph, 1996, sec. 3.4). Returns the number of pixels filled; all NaN stays so.
-std::size_t fill_holes(Raster<float>& heights);
+/// et al., The Lumigraph, 1996, sec. 3.4). All NaN stays so.
+void fill_holes(Raster<float>& heights);
 
 struct GroundOptions {
   double verge_m = 5.0;  ///< over this distance from a road the ground goes from the road's edge to the terrain

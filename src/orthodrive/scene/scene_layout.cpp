@@ -149,20 +149,28 @@ SortedRoads sort_roads(const roadquery::RoadMap& map, Findings& findings) {
   return sorted;
 }
 
-HeightGrid filled_terrain(const HeightGrid& terrain, Findings& findings) {
-  HeightGrid filled = terrain;
-  const std::size_t holes = fill_holes(filled.height_m);
-  const auto& data = filled.height_m.data;
-  if (data.empty() || std::isnan(data.front()))
-    throw InputError("terrain model", "has no height anywhere, give a DTM that covers the area");
+/// Holes outside the area (terrain models end somewhere) are nobody's business.
+HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findings& findings) {
+  std::size_t holes = 0;
+  Vec2 sum;
+  for (int row = 0; row < terrain.frame.height; ++row) {
+    for (int col = 0; col < terrain.frame.width; ++col) {
+      const Vec2 p = terrain.frame.center_of(col, row);
+      if (!std::isnan(terrain.height_m.at(col, row)) || !area.contains(p)) continue;
+      ++holes, sum = sum + p;
+    }
+  }
   if (holes > 0) {
-    const Box2 b = terrain.frame.bounds();
-    const double hole_m2 = static_cast<double>(holes) * terrain.frame.gsd_m * terrain.frame.gsd_m;
+    const double n = static_cast<double>(holes), hole_m2 = n * terrain.frame.gsd_m * terrain.frame.gsd_m;
     findings.push_back(
         {Severity::warning, "scene.terrain_hole",
-         fmt::format("{:.0f} m2 of the terrain grid have no height and were filled from around", hole_m2),
-         0.5 * (b.min_x + b.max_x), 0.5 * (b.min_y + b.max_y)});
+         fmt::format("{:.0f} m2 of the terrain model have no height and were filled from around", hole_m2), sum.x / n,
+         sum.y / n});
   }
+  HeightGrid filled = terrain;
+  fill_holes(filled.height_m);
+  if (filled.height_m.empty() || std::isnan(filled.height_m.data.front()))
+    throw InputError("terrain model", "has no height anywhere, give a DTM that covers the area");
   return filled;
 }
 
@@ -184,7 +192,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   const SortedRoads sorted = sort_roads(input.roads, findings);
   roads = RoadLevel(sorted.ground, limits, level_options);
   for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, limits, level_options);
-  ground.emplace(filled_terrain(input.terrain, findings), roads, decks,
+  ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
   origin = {middle.x, middle.y, std::floor(ground->terrain_m(middle))};

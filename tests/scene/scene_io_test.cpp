@@ -1,0 +1,129 @@
+#include "orthodrive/io/scene_io.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "orthodrive/geo/crs.hpp"
+
+namespace orthodrive {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+const fs::path folder = fs::path(testing::TempDir()) / "orthodrive_scene_io_test";
+
+SceneTile small_tile() {
+  SceneTile tile{.column = 5, .row = 7, .origin = {500240.0, 5400240.0, 200.0}, .min_z_m = 200.0, .max_z_m = 203.0};
+  tile.meshes.push_back({"terrain",
+                         {{-240.0F, -240.0F, 0.0F}, {240.0F, -240.0F, 1.0F}, {-240.0F, 240.0F, 3.0F}},
+                         {{0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, 1.0F}},
+                         {{0.0F, 1.0F}, {1.0F, 1.0F}, {0.0F, 0.0F}},
+                         {0, 1, 2}});
+  tile.meshes.push_back(tile.meshes[0]);
+  tile.meshes[1].name = "road";
+  tile.texture_rgb = Raster<std::uint8_t>(16, 16, 3, 77);
+  return tile;
+}
+
+std::string read(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+struct Glb {
+  Json json;
+  std::string bytes;
+};
+Glb read_glb(const fs::path& path) {
+  const std::string file = read(path);
+  std::uint32_t length = 0;
+  std::memcpy(&length, &file[12], 4);
+  return {Json::parse(file.substr(20, length)), file.substr(20 + length + 8)};
+}
+
+TEST(SceneIo, glb_is_y_up_and_placed_from_the_site_origin) {
+  const auto entry = io::write_tile_glb(folder, small_tile(), {500000.0, 5400000.0, 190.0});
+  EXPECT_EQ(entry.uri, "tile_5_7.glb");
+  EXPECT_EQ(entry.bounds, (Box2{500000.0, 5400000.0, 500480.0, 5400480.0}));
+  const Glb glb = read_glb(folder / entry.uri);
+  ASSERT_EQ(glb.json["meshes"].size(), 2U);
+  EXPECT_EQ(glb.json["meshes"][0]["name"], "terrain");
+  EXPECT_EQ(glb.json["meshes"][1]["name"], "road");
+  // East 240, north 240, up 10 from the site's origin: x east, y up, z south.
+  EXPECT_EQ(glb.json["nodes"][0]["translation"], (Json{240.0, 10.0, -240.0}));
+  const Json& positions =
+      glb.json["accessors"][glb.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<int>()];
+  EXPECT_EQ(positions["max"], (Json{240.0, 3.0, 240.0}));
+  std::array<float, 3> third{};
+  std::memcpy(
+      third.data(),
+      &glb.bytes[glb.json["bufferViews"][positions["bufferView"].get<int>()]["byteOffset"].get<std::size_t>() + 24],
+      12);
+  EXPECT_EQ(third, (std::array<float, 3>{-240.0F, 3.0F, -240.0F}));
+  EXPECT_EQ(glb.bytes.substr(0, 2), "\xff\xd8");  // the JPEG comes first
+}
+
+TEST(SceneIo, same_tile_gives_the_same_bytes) {
+  (void)io::write_tile_glb(folder, small_tile(), {});
+  const std::string first = read(folder / "tile_5_7.glb");
+  (void)io::write_tile_glb(folder, small_tile(), {});
+  EXPECT_EQ(first, read(folder / "tile_5_7.glb"));
+}
+
+TEST(SceneIo, khronos_validator_finds_no_error) {
+  const fs::path source = ORTHODRIVE_SOURCE_DIR;
+  if (!fs::exists(source / "viewer/node_modules/gltf-validator"))
+    GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix viewer";
+  const fs::path own = folder / "validated";
+  const auto entry = io::write_tile_glb(own, small_tile(), {500000.0, 5400000.0, 190.0});
+  SceneTile untextured = small_tile();
+  untextured.row = 8;
+  untextured.texture_rgb = {};
+  (void)io::write_tile_glb(own, untextured, {});
+  const std::string script = (source / "tools/validate_gltf.mjs").string();
+  EXPECT_EQ(std::system(("node '" + script + "' '" + own.string() + "' > /dev/null").c_str()), 0);
+  // The check itself can fail: an index beyond the vertices.
+  SceneTile broken = small_tile();
+  broken.meshes[0].indices[2] = 9;
+  (void)io::write_tile_glb(own, broken, {});
+  EXPECT_NE(std::system(("node '" + script + "' '" + (own / entry.uri).string() + "' > /dev/null").c_str()), 0);
+}
+
+TEST(SceneIo, tileset_places_the_site_on_the_earth) {
+  const Crs crs{"EPSG:32633"};
+  const Vec3 origin{322560.0, 6394305.0, 10.0};  // 3 degrees west of the central meridian: convergence -2.5 degrees
+  io::write_tileset(folder, {{"tile_1_2.glb", {322000.0, 6394000.0, 322480.0, 6394480.0}, 5.0, 45.0}}, crs, origin);
+  const Json tileset = Json::parse(read(folder / "tileset.json"));
+  EXPECT_EQ(tileset["asset"]["version"], "1.1");
+  EXPECT_EQ(tileset["asset"]["extras"]["orthodrive"]["crs"], "EPSG:32633");
+  EXPECT_EQ(tileset["asset"]["extras"]["orthodrive"]["origin"], (Json{322560.0, 6394305.0, 10.0}));
+  const Json& child = tileset["root"]["children"][0];
+  EXPECT_EQ(child["content"]["uri"], "tile_1_2.glb");
+  EXPECT_EQ(child["boundingVolume"]["box"],
+            (Json{-320.0, -65.0, 15.0, 240.0, 0.0, 0.0, 0.0, 240.0, 0.0, 0.0, 0.0, 20.0}));
+
+  const auto m = tileset["root"]["transform"].get<std::vector<double>>();  // column by column
+  const CoordinateTransform to_geographic(crs, Crs{"EPSG:4326"});
+  // A flat map leaves the earth by d^2 / 2R: 0.16 m at 1.4 km.
+  for (const Vec3 d :
+       {Vec3{0.0, 0.0, 0.0}, Vec3{1000.0, 0.0, 0.0}, Vec3{0.0, -1000.0, 0.0}, Vec3{1000.0, 1000.0, 30.0}}) {
+    const Vec2 lonlat = to_geographic.target_from_source({origin.x + d.x, origin.y + d.y});
+    const Vec3 truth = ecef_from_geographic(lonlat.x, lonlat.y, origin.z + d.z);
+    EXPECT_NEAR(m[0] * d.x + m[4] * d.y + m[8] * d.z + m[12], truth.x, 0.2);
+    EXPECT_NEAR(m[1] * d.x + m[5] * d.y + m[9] * d.z + m[13], truth.y, 0.2);
+    EXPECT_NEAR(m[2] * d.x + m[6] * d.y + m[10] * d.z + m[14], truth.z, 0.2);
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive
