@@ -2,11 +2,12 @@
 // the road under the middle of the wheelbase.
 
 import {
-  BoxGeometry, CanvasTexture, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
-  PlaneGeometry, Shape, Sprite, SpriteMaterial, SRGBColorSpace,
+  BoxGeometry, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
+  PlaneGeometry, Shape, Sprite, SpriteMaterial, Texture,
 } from 'three';
 
 import type {CarState} from './lap';
+import {radialTexture} from './radial_texture';
 
 const wheelRadius_m = 0.33;
 const wheelbase_m = 2.6;
@@ -95,20 +96,6 @@ function shadow(): Mesh {
   return patch;
 }
 
-function dotTexture(): CanvasTexture {
+function dotTexture(): Texture {
   return radialTexture([[0, '#e23b2e'], [0.6, '#e23b2e'], [0.66, '#fff'], [0.9, '#fff'], [1, 'rgba(255,255,255,0)']]);
-}
-
-function radialTexture(stops: [number, string][]): CanvasTexture {
-  const size = 64;
-  const canvas = document.createElement('canvas');
-  canvas.width = canvas.height = size;
-  const context = canvas.getContext('2d')!;
-  const gradient = context.createRadialGradient(size / 2, size / 2, 0, size / 2, size / 2, size / 2);
-  for (const [offset, color] of stops) gradient.addColorStop(offset, color);
-  context.fillStyle = gradient;
-  context.fillRect(0, 0, size, size);
-  const texture = new CanvasTexture(canvas);
-  texture.colorSpace = SRGBColorSpace;
-  return texture;
 }

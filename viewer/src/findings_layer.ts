@@ -2,6 +2,7 @@
 
 import {BufferAttribute, BufferGeometry, Camera, Color, Points, PointsMaterial, Vector2, Vector3} from 'three';
 
+import {radialTexture} from './radial_texture';
 import type {Finding, Site} from './site';
 import type {TileLayers} from './tile_layers';
 import {utmFromGeographic, utmZone} from './utm';
@@ -27,7 +28,11 @@ export class FindingsLayer {
       colors[finding.severity].toArray(tints.array, 3 * i);
     });
     const geometry = new BufferGeometry().setAttribute('position', this.positions).setAttribute('color', tints);
-    this.object = new Points(geometry, new PointsMaterial({size: 9, sizeAttenuation: false, vertexColors: true, depthTest: false, fog: false}));
+    const material = new PointsMaterial({
+      size: 11, sizeAttenuation: false, vertexColors: true, depthTest: false, fog: false, transparent: true,
+      map: radialTexture([[0, '#fff'], [0.8, '#fff'], [1, 'rgba(255,255,255,0)']]),
+    });
+    this.object = new Points(geometry, material);
     this.object.frustumCulled = false;
     this.object.renderOrder = 1;
     this.object.visible = false;
