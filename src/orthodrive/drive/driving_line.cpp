@@ -19,6 +19,7 @@ using roadquery::Road;
 constexpr double spacing_m = 1.0;
 constexpr double min_route_m = 10.0;
 constexpr double blend_base_m = 12.0, blend_per_jump = 12.0;
+constexpr double half_car_m = 0.9;
 constexpr double shortest_wave_m = 15.0;
 
 /// t of the centre of the outermost driving lane in that direction.
@@ -46,6 +47,13 @@ struct Piece {
     const auto p = roadquery::surface_point(*road, s, t);
     return {p.x, p.y};
   }
+  /// Whether the lane centre shifted to the left by so much stays on the road with room for half a car.
+  [[nodiscard]] bool has_room(double driven_m, double shift_m) const {
+    const double s = forward ? driven_m : road->length - driven_m;
+    const double t = lane_center_t(*road, forward, s) + (forward ? shift_m : -shift_m);
+    const auto edges = roadquery::road_edges(*road, s);
+    return t + half_car_m <= edges.left_t && t - half_car_m >= edges.right_t;
+  }
   [[nodiscard]] Vec2 left(double driven_m) const {
     const double hdg = roadquery::reference_point(*road, forward ? driven_m : road->length - driven_m).hdg;
     const double sign = forward ? 1.0 : -1.0;
@@ -69,14 +77,18 @@ std::vector<Piece> join_lanes(const roadquery::RoadMap& map, const Route& route)
     pieces.push_back({&map.roads[static_cast<std::size_t>(step.road)], step.forward});
   }
   const std::size_t joints = route.closed ? pieces.size() : pieces.size() - 1;
-  std::vector<double> jumps(joints);
+  std::vector<std::pair<double, double>> shifts(joints);  // at the end of the one road, at the start of the next
   for (std::size_t i = 0; i < joints; ++i) {
     const Piece &a = pieces[i], &b = pieces[(i + 1) % pieces.size()];
-    jumps[i] = dot(b.point(0.0) - a.point(a.road->length), a.left(a.road->length));
+    const double end_m = a.road->length;
+    const double jump_m = dot(b.point(0.0) - a.point(end_m), a.left(end_m));
+    const bool room_before = a.has_room(end_m, jump_m), room_after = b.has_room(0.0, -jump_m);
+    const double share_before = room_before == room_after ? 0.5 : room_before ? 1.0 : 0.0;
+    shifts[i] = {share_before * jump_m, (share_before - 1.0) * jump_m};
   }
   for (std::size_t i = 0; i < joints; ++i) {
-    pieces[i].shift_end_m = 0.5 * jumps[i];
-    pieces[(i + 1) % pieces.size()].shift_begin_m = -0.5 * jumps[i];
+    pieces[i].shift_end_m = shifts[i].first;
+    pieces[(i + 1) % pieces.size()].shift_begin_m = shifts[i].second;
   }
   return pieces;
 }

@@ -27,10 +27,12 @@ struct DrivingLine {
   [[nodiscard]] LinePoint at(double s_m) const;
 };
 
-/// Follows the outermost driving lane in each step's direction. Where the lane centres of two steps do not meet, half
-/// the jump is made up on each side over 12 m a metre of it; then the line is smoothed as stiffly as a driver would
-/// steer: min sum |p - q|^2 + (15 m / 2 pi)^6 |p'''|^2, which damps waves shorter than 15 m. Throws Error for a route
-/// that is too short to drive (below 10 m).
+/// Follows the outermost driving lane in each step's direction. Where the lane centres of two steps do not meet, the
+/// jump is made up over 12 m a metre of it on the road that has room for it (half on each when both or neither have);
+/// then the line is smoothed as stiffly as a driver would steer: min sum |p - q|^2 + (15 m / 2 pi)^6 |p'''|^2, which
+/// damps waves shorter than 15 m.
+///
+/// Throws Error for a route that is too short to drive (below 10 m).
 [[nodiscard]] DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route);
 
 }  // namespace orthodrive

@@ -128,10 +128,12 @@ double steering_rad(const DrivingLine& line, const Progress& progress, const Car
   return std::clamp(heading_error + slip + correction, -v.max_steer_rad, v.max_steer_rad);
 }
 
-/// Force of the engine (> 0) or brakes (< 0) for the planned speed.
+/// Force of the engine (> 0) or brakes (< 0) for the wanted acceleration, with what slows the car down made up for:
+/// air, rolling, gradient and the backward part of the steered wheels' side force.
 double traction_n(double wanted_mps2, const Car& car, const Attitude& attitude, const Vehicle& v) {
-  const double force =
-      v.mass_kg * (wanted_mps2 + resistance_mps2(v, car.ahead_mps) + gravity_mps2 * std::sin(attitude.pitch_rad));
+  const double cornering_mps2 = v.rear_axle_m() / v.wheelbase_m * car.a_lat_mps2 * std::sin(car.steer_rad);
+  const double force = v.mass_kg * (wanted_mps2 + resistance_mps2(v, car.ahead_mps) + cornering_mps2 +
+                                    gravity_mps2 * std::sin(attitude.pitch_rad));
   return std::clamp(force, -v.grip * v.mass_kg * gravity_mps2, v.mass_kg * engine_mps2(v, car.ahead_mps));
 }
 
