@@ -48,20 +48,20 @@ Mood make_mood(std::uint64_t seed) {
 
 /// Share of direct sun that reaches each pixel, 0..255. The sun stands in the south, so rows are swept from south to
 /// north: the shadow's upper bound is carried from row to row along the sun's direction.
-Raster<std::uint8_t> cast_shadows(const SceneRaster& scene, const Mood& mood) {
+Raster<std::uint8_t> cast_shadows(const SceneSource& source, const SceneRaster& scene, const Mood& mood) {
   const int width = scene.frame.width, height = scene.frame.height;
   Raster<std::uint8_t> lit(width, height, 1, 255);
   const double shift = -std::tan(mood.sun_azimuth_rad - std::numbers::pi);  // columns towards the sun a row
   const auto drop = static_cast<float>(scene.frame.gsd_m * std::hypot(1.0, shift) * std::tan(mood.sun_elevation_rad));
   const int whole = static_cast<int>(std::floor(shift));
   const auto part = static_cast<float>(shift - whole);
-  std::vector<float> ray(static_cast<std::size_t>(width), 0.0f), south(ray);
+  std::vector<float> ray(static_cast<std::size_t>(width), -1e4f), south(ray);
   for (int row = height - 1; row >= 0; --row) {
     std::swap(ray, south);
     for (int col = 0; col < width; ++col) {
       const int a = std::clamp(col + whole, 0, width - 1), b = std::clamp(a + 1, 0, width - 1);
       const float bound = (1.0f - part) * south[static_cast<std::size_t>(a)] + part * south[static_cast<std::size_t>(b)] - drop;
-      const float here = scene.height_m.at(col, row);
+      const float here = ground_height(source, scene.frame.center_of(col, row)) + scene.height_m.at(col, row);
       lit.at(col, row) = static_cast<std::uint8_t>(255.0f * (1.0f - smoothstep(0.05f, 0.7f, bound - here)));
       ray[static_cast<std::size_t>(col)] = std::max(bound, here);
     }
@@ -89,7 +89,7 @@ class Painter {
       : source_(source), scene_(scene), mood_(mood), counts_(counts_of(source.objects)), seed_(source.seed) {
     const double elevation = mood.sun_elevation_rad;
     sun_ = {std::sin(mood.sun_azimuth_rad) * std::cos(elevation), std::cos(mood.sun_azimuth_rad) * std::cos(elevation), std::sin(elevation)};
-    lit_ = cast_shadows(scene, mood);
+    lit_ = cast_shadows(source, scene, mood);
     terrain_shade_ = shade_terrain(source, sun_);
   }
 
@@ -101,7 +101,6 @@ class Painter {
     float roughness = 0.0f;  // how much of the relief's own shading counts
     if (object < 0) {
       albedo = ground(col, row, p);
-      // Decks are flat; only their edges would shade.
     } else if (object < counts_.houses) {
       albedo = roof(source_.objects.houses[static_cast<std::size_t>(object)], object, p);
       roughness = 1.0f;
@@ -112,9 +111,7 @@ class Painter {
       albedo = car(source_.objects.cars[static_cast<std::size_t>(object - counts_.houses - counts_.trees)], p);
     }
     float lambert = roughness > 0.0f ? 1.0f + roughness * (relief_shade(col, row) - 1.0f) : 1.0f;
-    const Vec2 q = source_.earth_frame.pixel_from_world(p);
-    lambert *= terrain_shade_.at(std::clamp(static_cast<int>(q.x), 0, terrain_shade_.width - 1),
-                                 std::clamp(static_cast<int>(q.y), 0, terrain_shade_.height - 1));
+    if (!on_deck(col, row)) lambert *= terrain_shade(p);
     const float sunlight = static_cast<float>(lit_.at(col, row)) / 255.0f * lambert;
     Rgb out;
     for (std::size_t i = 0; i < 3; ++i) out[i] = albedo[i] * (mood_.ambient[i] + mood_.direct[i] * sunlight) / (mood_.ambient[i] + mood_.direct[i]);
@@ -130,6 +127,22 @@ class Painter {
     const float hy = std::clamp((h.at(col, north) - h.at(col, south)) / (2.0f * pixel), -1.6f, 1.6f);
     const double cosine = (sun_.z - hx * sun_.x - hy * sun_.y) / std::sqrt(1.0 + hx * hx + hy * hy);
     return static_cast<float>(std::clamp(cosine / sun_.z, 0.0, 1.7));
+  }
+
+  [[nodiscard]] bool on_deck(int col, int row) const {
+    const std::int32_t segment = scene_.road_segment.at(col, row);
+    if (segment < 0) return false;
+    const auto i = static_cast<std::size_t>(segment);
+    return source_.road_samples[i].bridge || source_.road_samples[i + 1].bridge;
+  }
+
+  /// Bilinear; the terrain's grid reaches beyond the photo.
+  [[nodiscard]] float terrain_shade(Vec2 p) const {
+    const Vec2 q = source_.earth_frame.pixel_from_world(p) - Vec2{0.5, 0.5};
+    const int col = static_cast<int>(q.x), row = static_cast<int>(q.y);
+    const auto u = static_cast<float>(q.x - col), v = static_cast<float>(q.y - row);
+    const Raster<float>& t = terrain_shade_;
+    return (t.at(col, row) * (1.0f - u) + t.at(col + 1, row) * u) * (1.0f - v) + (t.at(col, row + 1) * (1.0f - u) + t.at(col + 1, row + 1) * u) * v;
   }
 
   [[nodiscard]] float noise(Vec2 p, double size_m, std::uint32_t layer) const { return value_noise(p.x / size_m, p.y / size_m, seed_ + layer); }
@@ -167,6 +180,7 @@ class Painter {
         return {tone, tone * 0.985f, tone * 0.96f};
       }
       case Cover::parking: return parking(p);
+      case Cover::pool: return Rgb{0.36f, 0.66f, 0.74f} * (1.0f + 0.05f * noise(p, 0.8, 33));
       case Cover::water: {
         const float ripple = 0.02f * fractal(p, 1.6, 31, 2) + 0.02f * noise(p, 25.0, 32);
         return {0.14f + ripple, 0.20f + ripple, 0.20f + ripple};
@@ -326,7 +340,7 @@ class Painter {
 
 /// The camera: haze, contrast, tint, blur of the optics and noise of the sensor, row by row.
 void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed, int row, Raster<std::uint8_t>& rgb) {
-  constexpr std::array blur{0.22f, 0.56f, 0.22f};
+  constexpr std::array blur{0.25f, 0.50f, 0.25f};
   const int width = rgb.width;
   for (int col = 0; col < width; ++col) {
     Rgb sum{};

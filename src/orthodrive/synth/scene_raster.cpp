@@ -68,13 +68,18 @@ void paint_covers(const SceneSource& source, const Band& band, SceneRaster& scen
         scene.detail.at(col, row) = field_number(scene.frame.center_of(col, row), source.seed + 11);
 }
 
-/// Distance to the edge of a straight piece of carriageway; flat at the two ends of a road.
+/// Distance to the edge of a straight piece of carriageway. Ends of a road are flat, and what lies beyond them counts as
+/// farther away than it is: or a side road that ends in the middle of the main one would bulge the main road's far edge.
+/// Decks end sharply.
 double edge_distance(const RoadSample& a, const RoadSample& b, bool first, bool last, Vec2 p) {
+  const double beyond_end = a.bridge || b.bridge ? 1000.0 : 4.0;
+  constexpr double joint_m = 0.8;  // enough for the wedge outside a bend, less than a segment: no rounded ends
   const Vec2 d = b.p - a.p;
   const double n = length(d), along = dot(p - a.p, d) / n, across = std::abs(cross(d, p - a.p)) / n;
   const double overshoot = std::max(-along, along - n);
   if (overshoot <= 0.0) return across - a.half_width_m;
-  if ((first && along < 0.0) || (last && along > n)) return std::max(across - a.half_width_m, overshoot);
+  if ((first && along < 0.0) || (last && along > n)) return std::max(across - a.half_width_m, beyond_end * overshoot);
+  if (overshoot > joint_m) return far_from_roads_m;
   return std::hypot(across, overshoot) - a.half_width_m;
 }
 
@@ -118,7 +123,8 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       const int row0 = std::max(band.first, static_cast<int>(low.y)), row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
       const int col0 = std::max(0, static_cast<int>(low.x)), col1 = std::min(frame.width, static_cast<int>(high.x) + 1);
       const bool closed = source.plan.roads[a.road].alignment.closed;
-      const bool first = !closed && a.s_m == 0.0f, last = !closed && b.last;
+      const bool first = a.s_m == 0.0f ? !closed : (samples[i - 1].bridge || a.bridge) != layer.bridge;
+      const bool last = b.last ? !closed : (b.bridge || samples[i + 2].bridge) != layer.bridge;
       for (int row = row0; row < row1; ++row)
         for (int col = col0; col < col1; ++col) {
           const auto edge = static_cast<float>(edge_distance(a, b, first, last, frame.center_of(col, row)));
@@ -186,9 +192,7 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
       const RoadSample& a = source.road_samples[static_cast<std::size_t>(segment)];
       const RoadSample& b = source.road_samples[static_cast<std::size_t>(segment) + 1];
       if (!(a.bridge || b.bridge)) continue;
-      const Vec2 q = source.earth_frame.pixel_from_world(frame.center_of(col, row));
-      const float ground = source.earth.height_m.at(static_cast<int>(q.x), static_cast<int>(q.y));
-      height = std::max(0.0f, 0.5f * (a.z_m + b.z_m) - ground) + (scene.road_edge_m.at(col, row) > 0.0f ? 0.9f : 0.0f);
+      height = std::max(0.0f, 0.5f * (a.z_m + b.z_m) - ground_height(source, frame.center_of(col, row))) + (scene.road_edge_m.at(col, row) > 0.0f ? 0.9f : 0.0f);
     }
   const auto put = [&](int col, int row, double height, std::int32_t number) {
     float& top = scene.height_m.at(col, row);
@@ -228,6 +232,14 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
 }
 }  // namespace
 
+float ground_height(const SceneSource& source, Vec2 p_local) {
+  const Vec2 q = source.earth_frame.pixel_from_world(p_local) - Vec2{0.5, 0.5};
+  const int col = static_cast<int>(q.x), row = static_cast<int>(q.y);
+  const auto u = static_cast<float>(q.x - col), v = static_cast<float>(q.y - row);
+  const Raster<float>& z = source.earth.height_m;
+  return (z.at(col, row) * (1.0f - u) + z.at(col + 1, row) * u) * (1.0f - v) + (z.at(col, row + 1) * (1.0f - u) + z.at(col + 1, row + 1) * u) * v;
+}
+
 SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, int threads) {
   SceneRaster scene{frame, Raster<Cover>(frame.width, frame.height), Raster<std::uint16_t>(frame.width, frame.height),
                     Raster<std::int32_t>(frame.width, frame.height), Raster<float>(frame.width, frame.height),
@@ -254,7 +266,8 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
       case Cover::road: return road;
       case Cover::parking:
       case Cover::paved: return parking;
-      case Cover::water: return water;
+      case Cover::water:
+      case Cover::pool: return water;
       case Cover::field: {
         const auto crop = static_cast<Crop>(detail % crop_count);
         return crop == Crop::ploughed || crop == Crop::stubble ? ground : grass;

@@ -43,6 +43,9 @@ struct ObjectCounts {
   return {static_cast<std::int32_t>(o.houses.size()), static_cast<std::int32_t>(o.trees.size()), static_cast<std::int32_t>(o.cars.size())};
 }
 
+/// Bare earth, bilinear. Precondition: p lies in the site (the earth's grid reaches beyond it).
+[[nodiscard]] float ground_height(const SceneSource& source, Vec2 p_local);
+
 [[nodiscard]] SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, int threads);
 
 /// Default class table: what is seen from above. Crowns over a road are vegetation, cars are what they stand on.

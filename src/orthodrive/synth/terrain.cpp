@@ -281,6 +281,7 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
     };
     const Near none{max_clearance_m, 0.0, 0.0, 0.0, 0.0};
     std::vector<Near> near(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(end - first));
+    std::vector<float> bed_of_others(near.size(), 0.0f);  // 1 on the bed of a road painted before, 0 from 3 m beside it
     for (const std::size_t road : order) {  // the most important road last: its bed is exact
       std::fill(near.begin(), near.end(), none);
       for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
@@ -306,7 +307,8 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
       }
       for (int row = first; row < end; ++row)
         for (int col = 0; col < frame.width; ++col) {
-          const Near& q = near[static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+          const std::size_t cell = static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col);
+          const Near& q = near[cell];
           if (q.distance_m >= max_clearance_m) continue;
           float& z = earth.height_m.at(col, row);
           float& clearance = earth.clearance_m.at(col, row);
@@ -315,8 +317,12 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
           const double shoulder_m = q.half_width_m + 1.0, slope_m = 3.0 + 2.5 * std::abs(q.z_m - z);
           const double lateral = std::clamp(q.offset_m, -shoulder_m, shoulder_m);
           const double bed = q.z_m + std::tan(q.banking) * lateral;
-          const float weight = 1.0f - smoothstep(0.0f, 1.0f, static_cast<float>((q.distance_m - shoulder_m) / slope_m));
+          float weight = 1.0f - smoothstep(0.0f, 1.0f, static_cast<float>((q.distance_m - shoulder_m) / slope_m));
+          // An embankment does not run across the bed of a road far above or below: that is where abutments stand.
+          if (q.distance_m > shoulder_m)
+            weight *= 1.0f - bed_of_others[cell] * smoothstep(0.5f, 2.0f, static_cast<float>(std::abs(q.z_m - z)));
           z += weight * static_cast<float>(bed - z);
+          bed_of_others[cell] = std::max(bed_of_others[cell], 1.0f - smoothstep(0.0f, 3.0f, static_cast<float>(q.distance_m - shoulder_m)));
         }
     }
   });

@@ -43,20 +43,25 @@ class Placer {
 
   VillageObjects run() {
     place_woods_and_pond();
+    place_paths();
     place_parking();
     for (std::size_t r = 0; r < plan_.roads.size(); ++r) place_lots(r);
     grow_woods();
+    plant_orchards();
     for (std::size_t r = 0; r < plan_.roads.size(); ++r) place_roadside_trees(r), place_traffic(r);
     scatter_trees();
     return std::move(objects_);
   }
 
  private:
-  /// Distance to the edge of the nearest carriageway; far outside counts as far from roads.
+  /// Distance to the edge of the nearest carriageway or bridge; far outside counts as far from roads.
   [[nodiscard]] double clearance(Vec2 p) const {
     const Vec2 q = frame_.pixel_from_world(p);
     const int col = static_cast<int>(std::floor(q.x)), row = static_cast<int>(std::floor(q.y));
-    return clearance_.inside(col, row) ? clearance_.at(col, row) : 40.0;
+    double clearance_m = clearance_.inside(col, row) ? clearance_.at(col, row) : 40.0;
+    for (const PlannedBridge& b : plan_.bridges)
+      clearance_m = std::min(clearance_m, distance(p, evaluate(plan_.roads[b.over].alignment, b.s_over_m).p) - b.half_length_m);
+    return clearance_m;
   }
   [[nodiscard]] bool in_site(Vec2 p, double margin) const {
     return p.x > margin && p.y > margin && p.x < plan_.size_m - margin && p.y < plan_.size_m - margin;
@@ -106,6 +111,39 @@ class Placer {
     if (radius > 3.0) {
       objects_.areas.push_back({{blob(best, 1.25 * radius), {}}, Cover::meadow, false});
       objects_.areas.push_back({{blob(best, radius), {}}, Cover::water, true});
+    }
+  }
+
+  /// Unpaved tracks into the fields and footpaths, none of them in the OSM file: light strips that are no roads.
+  void place_paths() {
+    const int count = static_cast<int>(8.0 * std::min(1.0, plan_.size_m / 1000.0)) + 2;
+    for (int i = 0; i < count; ++i) {
+      const PlannedRoad& road = plan_.roads[random_.below(plan_.roads.size())];
+      const AlignmentPoint q = evaluate(road.alignment, random_.uniform(0.1, 0.9) * road.alignment.length_m);
+      const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5), bend = random_.uniform(-0.01, 0.01);
+      const double length_m = random_.uniform(0.08, 0.25) * plan_.size_m, start = q.heading_rad + side * random_.uniform(1.0, 2.1);
+      Polyline line{q.p};
+      for (double s = 0.0; s < length_m; s += 6.0) {
+        line.push_back(line.back() + unit(start + bend * s + 0.25 * std::sin(s / 31.0)) * 6.0);
+        if (s > 12.0 && clearance(line.back()) < 4.0) break;  // reached another road
+      }
+      const std::vector<double> half(line.size(), half_m);
+      objects_.areas.push_back({{strip_ring(line, half, half), {}}, Cover::gravel, false});
+    }
+  }
+
+  /// Fruit trees in rows.
+  void plant_orchards() {
+    const int count = static_cast<int>(5.0 * std::min(1.0, plan_.size_m / 1000.0)) + 1;
+    for (int i = 0; i < count; ++i) {
+      const Vec2 corner = Vec2{random_.uniform(0.2, 0.8), random_.uniform(0.2, 0.8)} * plan_.size_m;
+      const Vec2 along = unit(random_.uniform(0.0, pi)), across = left_normal(along);
+      const double spacing_m = random_.uniform(7.0, 9.0), radius_m = random_.uniform(1.4, 2.4);
+      for (int u = 0; u < 8; ++u)
+        for (int v = 0; v < 5; ++v) {
+          const double jitter_u = random_.uniform(-0.5, 0.5), jitter_v = random_.uniform(-0.5, 0.5);
+          add_tree(corner + along * (u * spacing_m + jitter_u) + across * (v * spacing_m + jitter_v), radius_m * random_.uniform(0.8, 1.2), 3.0, 0.0);
+        }
     }
   }
 
@@ -186,6 +224,18 @@ class Placer {
     objects_.areas.push_back({{rectangle(drive, q.heading_rad, 1.6, 0.5 * (drive_end - half_road_m)), {}},
                               random_.uniform() < 0.7 ? Cover::paved : Cover::gravel, false});
     objects_.houses.push_back(house);
+    // Path to the door, terrace behind the house, now and then a pool.
+    const Vec2 door = q.p + outward * (0.5 * (half_road_m + walk_m + setback_m));
+    objects_.areas.push_back({{rectangle(door, q.heading_rad, 0.6, 0.5 * (walk_m + setback_m - half_road_m)), {}}, Cover::paved, false});
+    const double back_m = walk_m + setback_m + 2.0 * half_deep;
+    const Vec2 terrace = q.p + outward * (back_m + 1.5) + along * random_.uniform(-2.0, 2.0);
+    if (random_.uniform() < 0.7)
+      objects_.areas.push_back({{rectangle(terrace, turn, random_.uniform(2.0, 4.5), 2.0), {}}, Cover::paved, false});
+    if (random_.uniform() < 0.1)
+      objects_.areas.push_back({{rectangle(terrace + outward * 6.5, turn, 3.2, 1.6), {}}, Cover::pool, false});
+    if (random_.uniform() < 0.6)  // hedge along the street, with a gap for the drive
+      for (double a = -0.5 * lot_m + 0.5; a < 0.5 * lot_m; a += 1.0)
+        if (std::abs(a - drive_at) > 2.4 && std::abs(a) > 1.2) add_tree(q.p + outward * (walk_m + 0.6) + along * a, 0.65, 1.2, 1.3);
     if (random_.uniform() < 0.5) {  // garage or shed at the end of the drive
       const House shed{q.p + along * drive_at + outward * (drive_end + 3.2), turn, 1.9, 3.1, 2.6, 0.25,
                        random_.below(2) ? RoofShape::flat : RoofShape::gable, roof_color(random_)};
@@ -219,7 +269,8 @@ class Placer {
       for (double y = box.min_y; y < box.max_y; y += spacing_m)
         for (double x = box.min_x; x < box.max_x; x += spacing_m) {
           const Vec2 p{x + random_.uniform(-1.9, 1.9), y + random_.uniform(-1.9, 1.9)};
-          if (contains(area.polygon, p)) add_tree(p, random_.uniform(2.0, 4.3), 1.2, random_.uniform(9.0, 16.0));
+          const double radius_m = random_.uniform(2.0, 4.3), height_m = random_.uniform(9.0, 16.0);
+          if (contains(area.polygon, p)) add_tree(p, radius_m, 1.2, height_m);
         }
     }
   }

@@ -36,7 +36,7 @@ struct Car {
 };
 
 /// What covers the ground of an area; later areas lie on earlier ones, roads on all.
-enum class Cover : std::uint8_t { field, meadow, lawn, garden_bed, forest_floor, paved, parking, gravel, water, road, verge, sidewalk };
+enum class Cover : std::uint8_t { field, meadow, lawn, garden_bed, forest_floor, paved, parking, gravel, water, pool, road, verge, sidewalk };
 
 struct Area {
   Polygon polygon;

@@ -66,7 +66,7 @@ std::size_t add_circuit(Planner& planner) {
     const double angle = std::numbers::pi * (0.5 + (2.0 * i + 1.0) / corners) + planner.random_.uniform(-0.06, 0.06);
     const double radius = 0.315 + planner.random_.uniform(-0.055, 0.045);
     ring.push_back({planner.place(0.5 + 1.08 * radius * std::cos(angle), 0.54 + 0.96 * radius * std::sin(angle)),
-                    planner.random_.uniform(45.0, 130.0)});
+                    planner.random_.uniform(50.0, 220.0)});
   }
   return planner.add({.highway = "tertiary", .name = "Circuit", .width_m = planner.random_.uniform(8.0, 9.5),
                       .alignment = round_corners(ring, true)});
