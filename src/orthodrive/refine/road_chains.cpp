@@ -1,78 +1,16 @@
 #include "orthodrive/refine/road_chains.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <span>
 
 #include "orthodrive/model/path_crossings.hpp"
+#include "orthodrive/model/path_links.hpp"
 
 namespace orthodrive {
 namespace {
-
-constexpr double direction_length_m = 10.0;  // the direction of a way at its end is that of its outermost 10 m
-
-struct PathEnd {
-  std::size_t path = 0;
-  bool at_back = false;
-  friend auto operator<=>(const PathEnd&, const PathEnd&) = default;
-};
-
-const RoadNode& node_of(const RoadNetwork& osm, PathEnd end) {
-  const auto& nodes = osm.paths[end.path].nodes;
-  return end.at_back ? nodes.back() : nodes.front();
-}
-
-/// Unit vector from the end into the path.
-Vec2 inward_direction(const RoadNetwork& osm, PathEnd end) {
-  Polyline line = centerline(osm.paths[end.path]);
-  if (end.at_back) std::reverse(line.begin(), line.end());
-  return normalized(point_at(line, direction_length_m) - line.front());
-}
-
-/// How badly b continues a, in rad of turning: 0 is straight on along the same road. None when it is no continuation.
-std::optional<double> continuation_cost(const RoadNetwork& osm, PathEnd a, PathEnd b, bool only_pair) {
-  constexpr double deg = std::numbers::pi / 180.0;
-  const Vec2 in = inward_direction(osm, a) * -1.0, out = inward_direction(osm, b);
-  const double turn = std::abs(std::atan2(cross(in, out), dot(in, out)));
-  const RoadPath &pa = osm.paths[a.path], &pb = osm.paths[b.path];
-  // A road may bend sharply between two ways; at a junction only a pair that is fairly straight is one road.
-  if (turn > (only_pair ? 100.0 : 50.0) * deg) return std::nullopt;
-  return turn + (pa.highway != pb.highway ? 30.0 * deg : 0.0) + (pa.name != pb.name ? 15.0 * deg : 0.0);
-}
-
-using Links = std::map<PathEnd, PathEnd>;
-
-Links link_ends(const RoadNetwork& osm) {
-  std::map<std::int64_t, std::vector<PathEnd>> ends_at;
-  std::map<std::int64_t, int> incidences;
-  for (std::size_t p = 0; p < osm.paths.size(); ++p) {
-    for (const bool at_back : {false, true})
-      if (const auto id = node_of(osm, {p, at_back}).osm_node; id > 0) ends_at[id].push_back({p, at_back});
-    for (const RoadNode& node : osm.paths[p].nodes)
-      if (node.osm_node > 0) ++incidences[node.osm_node];
-  }
-  Links links;
-  for (const auto& [id, ends] : ends_at) {
-    struct Pair {
-      double cost;
-      PathEnd a, b;
-      auto operator<=>(const Pair&) const = default;
-    };
-    std::vector<Pair> pairs;
-    for (std::size_t i = 0; i < ends.size(); ++i)
-      for (std::size_t k = i + 1; k < ends.size(); ++k)
-        if (const auto cost = continuation_cost(osm, ends[i], ends[k], incidences[id] == 2))
-          pairs.push_back({*cost, ends[i], ends[k]});
-    std::sort(pairs.begin(), pairs.end());
-    for (const Pair& pair : pairs)
-      if (!links.contains(pair.a) && !links.contains(pair.b)) links[pair.a] = pair.b, links[pair.b] = pair.a;
-  }
-  return links;
-}
 
 struct Walk {
   std::vector<ChainPiece> pieces;  // path and reversed only
@@ -80,7 +18,7 @@ struct Walk {
 };
 
 /// Goes from `path` against its direction to the beginning of the chain, then along the chain to its end.
-Walk walk_chain(const Links& links, std::size_t path) {
+Walk walk_chain(const PathLinks& links, std::size_t path) {
   const auto next_of = [&](PathEnd leaving) -> std::optional<PathEnd> {
     const auto it = links.find(leaving);
     return it == links.end() ? std::nullopt : std::optional(it->second);
@@ -169,7 +107,7 @@ RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std:
 }  // namespace
 
 std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& options) {
-  const Links links = link_ends(osm);
+  const PathLinks links = link_path_ends(osm);
   std::map<std::int64_t, int> incidences;
   for (const RoadPath& path : osm.paths)
     for (const RoadNode& node : path.nodes)

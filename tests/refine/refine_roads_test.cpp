@@ -1,0 +1,246 @@
+#include "orthodrive/refine/refine_roads.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "orthodrive/core/error.hpp"
+#include "refine/road_scene.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace test;
+
+double wave(double s) { return 2.5 * std::sin(s / 45.0) + 1.2 * std::cos(s / 110.0); }
+
+Polyline s_curve(double y = 200.0) {
+  return trace(360.0, [y](double s) { return at(20.0 + s, y + 30.0 * std::sin(s / 55.0)); });
+}
+
+const RoadError& print(const char* what, const RoadError& e) {
+  std::printf("%s: offset mean %.3f max %.3f m, width mean %.3f max %.3f m (%d nodes)\n", what, e.mean_offset_m, e.max_offset_m,
+              e.mean_width_m, e.max_width_m, e.count);
+  return e;
+}
+
+std::set<std::string> codes(const Findings& findings) {
+  std::set<std::string> result;
+  for (const Finding& finding : findings) result.insert(finding.code);
+  return result;
+}
+
+TEST(RefineRoads, disturbed_osm_recovers_line_and_width) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, s_curve(), 7.0);
+  add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = wave}, 5.5));
+  const RoadError before = print("osm", compare(scene.osm.paths[0], scene.truth[0]));
+  EXPECT_GT(before.mean_offset_m, 1.0);
+
+  const auto result = refine_roads(scene.osm, scene.labels);
+  const RoadPath& path = result.roads.paths.at(0);
+  const RoadError after = print("refined", compare(path, scene.truth[0]));
+  EXPECT_LT(after.mean_offset_m, 0.15);
+  EXPECT_LT(after.max_offset_m, 0.6);
+  EXPECT_LT(after.mean_width_m, 0.25);
+  EXPECT_TRUE(result.solve.converged);
+  EXPECT_LE(result.solve.cost_after, result.solve.cost_before);
+  EXPECT_TRUE(result.findings.empty());
+  for (std::size_t i = 0; i + 1 < path.nodes.size(); ++i) {
+    EXPECT_NEAR(path.nodes[i + 1].s_m - path.nodes[i].s_m, 2.0, 0.8);
+    EXPECT_GT(path.nodes[i].sigma_offset_m, 0.0);
+  }
+}
+
+TEST(RefineRoads, offset_is_positive_to_the_left) {
+  RoadScene scene = make_scene(200.0);
+  add_truth(scene, straight(at(10, 103), at(190, 103)), 6.0);
+  add_way(scene, 1, {{.p = at(10, 100), .width_m = 5.5}, {.p = at(190, 100), .width_m = 5.5}});
+  add_way(scene, 2, {{.p = at(190, 100), .width_m = 5.5}, {.p = at(10, 100), .width_m = 5.5}});
+  const auto result = refine_roads(scene.osm, scene.labels);
+  EXPECT_NEAR(result.roads.paths[0].nodes[40].offset_m, 3.0, 0.1);
+  EXPECT_NEAR(result.roads.paths[1].nodes[40].offset_m, -3.0, 0.1);
+}
+
+TEST(RefineRoads, far_off_osm_is_inside_the_capture_range) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, s_curve(), 5.0);
+  add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = [](double) { return -5.5; }}, 5.5));
+  const auto result = refine_roads(scene.osm, scene.labels);
+  EXPECT_LT(print("refined", compare(result.roads.paths[0], scene.truth[0])).mean_offset_m, 0.2);
+}
+
+TEST(RefineRoads, trees_over_the_road_do_not_move_it) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, s_curve(), 7.0);
+  add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = wave}, 5.5));
+  for (const double s : {60.0, 64.0, 140.0, 146.0, 152.0, 240.0})  // crowns over the whole road
+    paint_disc(scene.labels, point_at(scene.truth[0].line, s), 6.0, label_vegetation);
+  for (const double s : {100.0, 190.0, 198.0, 206.0, 290.0})  // crowns over its left edge
+    paint_disc(scene.labels, point_at(scene.truth[0].line, s) + Vec2{0.0, 5.0}, 4.0, label_vegetation);
+  const auto result = refine_roads(scene.osm, scene.labels);
+  const RoadError after = print("refined", compare(result.roads.paths[0], scene.truth[0]));
+  EXPECT_LT(after.mean_offset_m, 0.3);
+  EXPECT_LT(after.max_offset_m, 1.0);
+  EXPECT_LT(after.mean_width_m, 0.5);
+}
+
+TEST(RefineRoads, road_that_is_not_seen_stays_with_osm_and_says_so) {
+  RoadScene scene = make_scene(400.0);
+  add_way(scene, 77, map_line(s_curve(), {}, 5.5));
+  const auto result = refine_roads(scene.osm, scene.labels);
+  EXPECT_THAT(codes(result.findings), testing::ElementsAre("refine.no_road_seen"));
+  const RoadPath& path = result.roads.paths[0];
+  for (const RoadNode& node : path.nodes) {
+    EXPECT_LT(std::abs(node.offset_m), 1.0);
+    EXPECT_NEAR(node.width_m, 5.5, 0.1);
+  }
+
+  RoadScene seen = make_scene(400.0);
+  add_truth(seen, s_curve(), 5.5);
+  add_way(seen, 77, map_line(s_curve(), {}, 5.5));
+  const auto sure = refine_roads(seen.osm, seen.labels);
+  EXPECT_GT(path.nodes[90].sigma_offset_m, 4.0 * sure.roads.paths[0].nodes[90].sigma_offset_m);
+}
+
+TEST(RefineRoads, nodata_counts_for_nothing) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, s_curve(), 7.0);
+  add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = wave}, 5.5));
+  paint(scene.labels, {at(180, 0), at(220, 0), at(220, 400), at(180, 400)}, label_nodata);
+  const auto result = refine_roads(scene.osm, scene.labels);
+  EXPECT_LT(print("refined", compare(result.roads.paths[0], scene.truth[0])).mean_offset_m, 0.3);
+}
+
+TEST(RefineRoads, parallel_carriageways_keep_apart) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, straight(at(20, 200), at(380, 200)), 5.0);
+  add_truth(scene, straight(at(380, 208), at(20, 208)), 5.0);
+  const auto shift = [](double sign) { return [sign](double s) { return sign * (1.5 + std::sin(s / 60.0)); }; };
+  add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = shift(1.0)}, 5.5), "primary");
+  add_way(scene, 2, map_line(scene.truth[1].line, {.offset_m = shift(-1.0)}, 5.5), "primary");
+  const auto result = refine_roads(scene.osm, scene.labels);
+  for (const int k : {0, 1}) {
+    const RoadError after = print("refined", compare(result.roads.paths[k], scene.truth[k]));
+    EXPECT_LT(after.mean_offset_m, 0.3);
+    EXPECT_LT(after.mean_width_m, 0.5);
+  }
+}
+
+TEST(RefineRoads, forecourt_beside_the_road_does_not_blow_up_the_width) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, straight(at(20, 200), at(380, 200)), 6.0);
+  paint(scene.labels, {at(150, 200), at(200, 200), at(200, 240), at(150, 240)}, label_road);
+  add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = [](double) { return 1.5; }}, 5.5));
+  const auto result = refine_roads(scene.osm, scene.labels);
+  const RoadError after = print("refined", compare(result.roads.paths[0], scene.truth[0]));
+  EXPECT_LT(after.mean_offset_m, 0.5);
+  EXPECT_LT(after.max_width_m, 3.9);
+}
+
+/// A through road of two ways, a side road that ends on it, and a crossing road.
+RoadScene make_junctions() {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, straight(at(20, 200), at(380, 215)), 7.0);
+  add_truth(scene, straight(at(150, 205.4), at(170, 380)), 5.0);
+  add_truth(scene, straight(at(300, 20), at(290, 380)), 5.0);
+  const Vec2 shift{1.5, 2.5};
+  const auto node = [&](double x, double y, std::int64_t id) { return RoadNode{.p = at(x, y) + shift, .osm_node = id, .width_m = 5.5}; };
+  const RoadNode t = node(150, 205.4, 10), joint = node(220, 208.3, 11), cross = node(295, 211.5, 12);
+  add_way(scene, 1, {node(20, 200, 1), t, joint}, "tertiary");
+  add_way(scene, 2, {node(380, 215, 2), cross, joint}, "tertiary");  // against the direction of way 1
+  add_way(scene, 3, {node(170, 380, 3), t});
+  add_way(scene, 4, {node(300, 20, 4), cross, node(290, 380, 5)});
+  return scene;
+}
+
+TEST(RefineRoads, shared_nodes_meet_in_one_point) {
+  const RoadScene scene = make_junctions();
+  const auto result = refine_roads(scene.osm, scene.labels);
+  std::map<std::int64_t, std::vector<Vec2>> places;
+  for (const RoadPath& path : result.roads.paths)
+    for (const RoadNode& node : path.nodes)
+      if (node.osm_node > 0) places[node.osm_node].push_back(node.p);
+  for (const std::int64_t id : {10, 11, 12}) {
+    ASSERT_EQ(places[id].size(), 2u) << id;
+    EXPECT_EQ(places[id][0], places[id][1]) << id;
+  }
+  EXPECT_LT(distance(places[10][0], at(150, 205.4)), 0.6);
+  for (const auto& [k, truth] : {std::pair{0, 0}, {1, 0}, {2, 1}, {3, 2}}) {
+    const RoadError after = print("refined", compare(result.roads.paths[k], scene.truth[truth], 3.0));
+    EXPECT_LT(after.mean_offset_m, 0.25) << k;
+    EXPECT_LT(after.mean_width_m, 0.4) << k;
+  }
+}
+
+TEST(RefineRoads, ways_that_continue_share_tangent_and_width) {
+  const RoadScene scene = make_junctions();
+  const auto roads = refine_roads(scene.osm, scene.labels).roads;
+  const auto &a = roads.paths[0].nodes, &b = roads.paths[1].nodes;  // they meet with their backs
+  ASSERT_EQ(a.back().osm_node, 11);
+  ASSERT_EQ(b.back().osm_node, 11);
+  EXPECT_EQ(a.back().width_m, b.back().width_m);
+  const Vec2 in = normalized(a.back().p - a[a.size() - 2].p), out = normalized(b[b.size() - 2].p - b.back().p);
+  EXPECT_LT(std::abs(cross(in, out)), 0.05);  // no more than elsewhere on the way
+}
+
+TEST(RefineRoads, roundabout_stays_closed) {
+  RoadScene scene = make_scene(200.0);
+  const double r = 15.0;
+  add_truth(scene, trace(2 * M_PI * r, [&](double s) { return at(100 + r * std::cos(s / r), 100 + r * std::sin(s / r)); }), 6.0);
+  auto nodes = map_line(scene.truth[0].line, {.node_spacing_m = 10.0}, 5.0);
+  for (RoadNode& node : nodes) node.p = node.p + Vec2{1.5, -1.0};
+  nodes.front().osm_node = nodes.back().osm_node = 9;
+  add_way(scene, 1, nodes);
+  const auto result = refine_roads(scene.osm, scene.labels);
+  const auto& refined = result.roads.paths[0].nodes;
+  EXPECT_EQ(refined.front().p, refined.back().p);
+  EXPECT_EQ(refined.front().osm_node, 9);
+  EXPECT_EQ(refined.back().osm_node, 9);
+  EXPECT_LT(print("refined", compare(result.roads.paths[0], scene.truth[0])).mean_offset_m, 0.3);
+}
+
+TEST(RefineRoads, any_thread_count_gives_the_same) {
+  const RoadScene scene = make_junctions();
+  const auto one = refine_roads(scene.osm, scene.labels, {.threads = 1}), four = refine_roads(scene.osm, scene.labels, {.threads = 4});
+  for (std::size_t p = 0; p < one.roads.paths.size(); ++p)
+    for (std::size_t i = 0; i < one.roads.paths[p].nodes.size(); ++i) {
+      const RoadNode &a = one.roads.paths[p].nodes[i], &b = four.roads.paths[p].nodes[i];
+      EXPECT_EQ(a.p, b.p);
+      EXPECT_EQ(a.width_m, b.width_m);
+      EXPECT_EQ(a.sigma_offset_m, b.sigma_offset_m);
+    }
+}
+
+TEST(RefineRoads, tiny_and_degenerate_ways) {
+  RoadScene scene = make_scene(100.0);
+  add_way(scene, 1, {{.p = at(50, 50), .width_m = 5.0}, {.p = at(50.1, 50), .width_m = 5.0}});
+  add_way(scene, 2, {{.p = at(20, 20), .width_m = 5.0}, {.p = at(20, 20), .width_m = 5.0}});          // no length
+  add_way(scene, 3, {{.p = at(-500, 20), .width_m = 5.0}, {.p = at(-400, 20), .width_m = 5.0}});      // outside the labels
+  add_way(scene, 4, {{.p = at(50, 50), .width_m = 5.0}, {.p = at(60, 50), .width_m = 5.0}, {.p = at(50, 50.1), .width_m = 5.0}});  // there and back
+  const auto result = refine_roads(scene.osm, scene.labels);
+  ASSERT_EQ(result.roads.paths.size(), 4u);
+  for (const RoadPath& path : result.roads.paths) {
+    EXPECT_GE(path.nodes.size(), 2u);
+    for (const RoadNode& node : path.nodes) EXPECT_TRUE(std::isfinite(node.p.x) && std::isfinite(node.sigma_width_m));
+  }
+}
+
+TEST(RefineRoads, no_roads_give_no_roads) {
+  EXPECT_TRUE(refine_roads(make_scene(50.0).osm, make_scene(50.0).labels).roads.paths.empty());
+}
+
+TEST(RefineRoads, wrong_input_is_refused) {
+  RoadScene scene = make_scene(50.0);
+  scene.osm.crs = {"EPSG:32634"};
+  EXPECT_THROW((void)refine_roads(scene.osm, scene.labels), OptionError);
+  scene = make_scene(50.0);
+  add_way(scene, 1, {{.p = at(5, 5)}, {.p = at(40, 5)}});  // no width
+  EXPECT_THROW((void)refine_roads(scene.osm, scene.labels), OptionError);
+}
+
+}  // namespace
+}  // namespace orthodrive
