@@ -200,10 +200,12 @@ void write_tileset(const std::filesystem::path& folder, const std::vector<TileEn
   // Not drawn, only compared: the error of a scene without any tile. Bigger than any screen error a viewer accepts.
   constexpr double nothing_drawn_error_m = 1e4;
   const Frame f = ecef_frame(crs, site_origin);
+  std::vector<TileEntry> sorted = tiles;  // tiles come in the order in which threads were done
+  std::sort(sorted.begin(), sorted.end(), [](const TileEntry& a, const TileEntry& b) { return a.uri < b.uri; });
   Json children = Json::array();
   Box2 all;
   double min_z = 0.0, max_z = 0.0;
-  for (const TileEntry& tile : tiles) {
+  for (const TileEntry& tile : sorted) {
     const Box2 local{tile.bounds.min_x - site_origin.x, tile.bounds.min_y - site_origin.y,
                      tile.bounds.max_x - site_origin.x, tile.bounds.max_y - site_origin.y};
     const double low = tile.min_z_m - site_origin.z, high = tile.max_z_m - site_origin.z;

@@ -22,6 +22,7 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
 
 /// tileset.json: root transform from local east-north-up metres at `site_origin` to ECEF; asset.extras holds
 /// {"orthodrive": {"crs", "origin": [x, y, z]}} so that a viewer can place what is given in the site CRS.
+/// Tiles are sorted by uri: their order here does not matter.
 void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs, Vec3 site_origin);
 
 }  // namespace orthodrive::io
