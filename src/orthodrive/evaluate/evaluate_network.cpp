@@ -1,0 +1,223 @@
+#include "orthodrive/evaluate/evaluate_network.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+#include <vector>
+
+#include "orthodrive/geo/vec.hpp"
+#include "roadquery/road_surface.hpp"
+
+namespace orthodrive {
+namespace {
+using roadquery::ContactPoint;
+using roadquery::LinkKind;
+using roadquery::Road;
+using roadquery::RoadMap;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+void count_elements(const RoadMap& map, NetworkScores& scores) {
+  constexpr const char* kinds[] = {"line", "arc", "spiral", "paramPoly3"};  // order of roadquery::PlanShape
+  for (const char* kind : kinds) scores.elements[kind] = 0;
+  scores.roads = map.roads.size();
+  scores.junctions = map.junctions.size();
+  for (const Road& road : map.roads) {
+    scores.connecting_roads += road.junction >= 0 ? 1 : 0;
+    scores.length_m += road.length;
+    for (const roadquery::PlanElement& element : road.plan) ++scores.elements[kinds[element.shape.index()]];
+  }
+}
+
+double gradient_kink(const Road& road) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < road.elevation.size(); ++i) {
+    const roadquery::Cubic &before = road.elevation[i], &after = road.elevation[i + 1];
+    const double ds = after.s - before.s;
+    largest = std::max(largest, std::abs(after.b - (before.b + ds * (2.0 * before.c + 3.0 * ds * before.d))));
+  }
+  return largest;
+}
+
+// ---- joints ----------------------------------------------------------------------------------------------------------
+
+double element_gap_m(const Road& road) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i + 1 < road.plan.size(); ++i) {
+    const roadquery::PlanPoint end = roadquery::evaluate(road.plan[i], road.plan[i].length);
+    largest = std::max(largest, std::hypot(end.x - road.plan[i + 1].x, end.y - road.plan[i + 1].y));
+  }
+  return largest;
+}
+
+struct RoadEnd {
+  const Road* road = nullptr;
+  ContactPoint contact = ContactPoint::start;
+  [[nodiscard]] double s() const { return contact == ContactPoint::start ? 0.0 : road->length; }
+  [[nodiscard]] const roadquery::LaneSection& section() const {
+    return contact == ContactPoint::start ? road->sections.front() : road->sections.back();
+  }
+};
+
+const roadquery::Lane* find_lane(const roadquery::LaneSection& section, int id) {
+  for (const auto* side : {&section.left, &section.right})
+    for (const roadquery::Lane& lane : *side)
+      if (lane.id == id) return &lane;
+  return nullptr;
+}
+
+/// Inner border of a lane at the end of its road.
+roadquery::SurfacePoint inner_border(const RoadEnd& end, int lane_id) {
+  const roadquery::LaneSection& section = end.section();
+  double t = roadquery::evaluate(end.road->lane_offset, end.s());
+  for (const roadquery::Lane& lane : lane_id > 0 ? section.left : section.right)
+    if (std::abs(lane.id) < std::abs(lane_id)) t += (lane_id > 0 ? 1.0 : -1.0) * roadquery::lane_width(lane, end.s() - section.s);
+  return roadquery::surface_point(*end.road, end.s(), t);
+}
+
+double distance_m(const roadquery::SurfacePoint& a, const roadquery::SurfacePoint& b) {
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+/// Where lanes are linked the best of them counts: a connecting road's reference line need not meet that of the road, and
+/// lanes of different width have one common border at most. A gap of the roads shows in all lanes.
+double link_gap_m(const RoadEnd& from, const RoadEnd& to) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const auto* side : {&from.section().left, &from.section().right})
+    for (const roadquery::Lane& lane : *side) {
+      const std::optional<int>& linked = from.contact == ContactPoint::start ? lane.predecessor : lane.successor;
+      if (linked && find_lane(to.section(), *linked)) smallest = std::min(smallest, distance_m(inner_border(from, lane.id), inner_border(to, *linked)));
+    }
+  if (std::isfinite(smallest)) return smallest;
+  return distance_m(roadquery::surface_point(*from.road, from.s(), 0.0), roadquery::surface_point(*to.road, to.s(), 0.0));
+}
+
+class RoadsById {
+ public:
+  explicit RoadsById(const RoadMap& map) {
+    for (std::size_t i = 0; i < map.roads.size(); ++i) index_.emplace(map.roads[i].id, i);
+  }
+  [[nodiscard]] std::optional<std::size_t> find(int id) const {
+    const auto at = index_.find(id);
+    return at == index_.end() ? std::nullopt : std::optional(at->second);
+  }
+
+ private:
+  std::unordered_map<int, std::size_t> index_;
+};
+
+void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
+  for (const Road& road : map.roads) {
+    scores.max_gradient_kink = std::max(scores.max_gradient_kink, gradient_kink(road));
+    scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, element_gap_m(road));
+    for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
+      const roadquery::RoadLink& link = contact == ContactPoint::start ? road.predecessor : road.successor;
+      if (link.kind != LinkKind::road) continue;
+      if (const auto other = by_id.find(link.id))
+        scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, link_gap_m({&road, contact}, {&map.roads[*other], link.contact}));
+      else
+        ++scores.broken_links;
+    }
+  }
+}
+
+// ---- what hangs together ---------------------------------------------------------------------------------------------
+
+double connected_share(const RoadMap& map, const RoadsById& by_id) {
+  std::vector<std::size_t> parent(map.roads.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const auto join = [&](std::size_t a, std::optional<std::size_t> b) {
+    if (b) parent[root(a)] = root(*b);
+  };
+  for (std::size_t i = 0; i < map.roads.size(); ++i)
+    for (const roadquery::RoadLink* link : {&map.roads[i].predecessor, &map.roads[i].successor})
+      if (link->kind == LinkKind::road) join(i, by_id.find(link->id));
+  for (const roadquery::Junction& junction : map.junctions)
+    for (const roadquery::Connection& connection : junction.connections)
+      if (const auto incoming = by_id.find(connection.incoming_road)) join(*incoming, by_id.find(connection.connecting_road));
+  std::vector<double> length_m(map.roads.size());
+  double total_m = 0.0;
+  for (std::size_t i = 0; i < map.roads.size(); ++i) {
+    length_m[root(i)] += map.roads[i].length;
+    total_m += map.roads[i].length;
+  }
+  return total_m > 0.0 ? *std::max_element(length_m.begin(), length_m.end()) / total_m : nan;
+}
+
+// ---- bridges ---------------------------------------------------------------------------------------------------------
+
+/// A piece of a reference line.
+struct Piece {
+  std::size_t road = 0;
+  Vec3 a, b;
+};
+
+std::vector<Piece> pieces_of(const RoadMap& map) {
+  constexpr double step_m = 5.0;  // a clothoid of 15 m radius leaves its chord by 0.2 m: nothing in height
+  std::vector<Piece> pieces;
+  for (std::size_t i = 0; i < map.roads.size(); ++i) {
+    const Road& road = map.roads[i];
+    const auto at = [&](double s) {
+      const roadquery::PlanPoint p = roadquery::reference_point(road, s);
+      return Vec3{p.x, p.y, roadquery::elevation(road, s)};
+    };
+    const int n = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+    for (int k = 0; k < n; ++k) pieces.push_back({i, at(road.length * k / n), at(road.length * (k + 1) / n)});
+  }
+  return pieces;
+}
+
+/// Roads that meet at a joint or in a junction touch there; that is no bridge.
+bool meet(const Road& a, const Road& b) {
+  const auto leads_to = [](const Road& from, const Road& to) {
+    for (const roadquery::RoadLink* link : {&from.predecessor, &from.successor}) {
+      if (link->kind == LinkKind::road && link->id == to.id) return true;
+      if (link->kind != LinkKind::junction) continue;
+      if (to.junction == link->id) return true;
+      for (const roadquery::RoadLink* other : {&to.predecessor, &to.successor})
+        if (other->kind == LinkKind::junction && other->id == link->id) return true;
+    }
+    return false;
+  };
+  return leads_to(a, b) || leads_to(b, a) || (a.junction >= 0 && a.junction == b.junction);
+}
+
+/// Sweep over x: pieces are short, so few overlap at a time.
+void measure_clearance(const RoadMap& map, NetworkScores& scores) {
+  scores.min_clearance_m = nan;
+  std::vector<Piece> pieces = pieces_of(map);
+  const auto min_x = [](const Piece& p) { return std::min(p.a.x, p.b.x); };
+  const auto max_x = [](const Piece& p) { return std::max(p.a.x, p.b.x); };
+  std::sort(pieces.begin(), pieces.end(), [&](const Piece& p, const Piece& q) { return std::pair(min_x(p), p.road) < std::pair(min_x(q), q.road); });
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    for (std::size_t k = i + 1; k < pieces.size() && min_x(pieces[k]) <= max_x(pieces[i]); ++k) {
+      const Piece &p = pieces[i], &q = pieces[k];
+      const Road &first = map.roads[p.road], &second = map.roads[q.road];
+      if (first.layer == second.layer) continue;
+      const Vec2 d{p.b.x - p.a.x, p.b.y - p.a.y}, e{q.b.x - q.a.x, q.b.y - q.a.y}, between{q.a.x - p.a.x, q.a.y - p.a.y};
+      const double denominator = cross(d, e);
+      if (denominator == 0.0) continue;
+      const double u = cross(between, e) / denominator, v = cross(between, d) / denominator;
+      if (u < 0.0 || u >= 1.0 || v < 0.0 || v >= 1.0 || meet(first, second)) continue;
+      const double clearance = std::abs(p.a.z + u * (p.b.z - p.a.z) - q.a.z - v * (q.b.z - q.a.z));
+      scores.min_clearance_m = scores.crossings++ == 0 ? clearance : std::min(scores.min_clearance_m, clearance);
+    }
+}
+}  // namespace
+
+NetworkScores evaluate_network(const RoadMap& map) {
+  NetworkScores scores;
+  const RoadsById by_id(map);
+  count_elements(map, scores);
+  measure_joints(map, by_id, scores);
+  measure_clearance(map, scores);
+  scores.connected_share = connected_share(map, by_id);
+  return scores;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,139 @@
+#include "orthodrive/evaluate/evaluate_roads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "orthodrive/evaluate/line_index.hpp"
+#include "orthodrive/evaluate/overlay.hpp"
+
+namespace orthodrive {
+namespace {
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<Polygon> surface_polygons(const RoadNetwork& roads) {
+  std::vector<Polygon> all;
+  for (const RoadPath& path : roads.paths)
+    for (Polygon& polygon : evaluate::carriageway_polygons(path)) all.push_back(std::move(polygon));
+  return all;
+}
+
+std::vector<Polygon> surface_polygons(const RoadTruth& truth) {
+  std::vector<Polygon> all;
+  for (const TruthSurface& surface : truth.surfaces) all.insert(all.end(), surface.polygons.begin(), surface.polygons.end());
+  return all;
+}
+
+/// Width of the surface across a line at p, where it is on it: between the two borders around p.
+std::optional<double> width_across(const MultiPolygon& surface, Vec2 p, Vec2 direction) {
+  const Vec2 left = left_normal(direction);
+  std::vector<double> crossings;
+  const auto add = [&](const Ring& ring) {
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const double a = dot(ring[j] - p, direction), b = dot(ring[i] - p, direction);
+      if ((a > 0.0) == (b > 0.0)) continue;
+      crossings.push_back(dot(ring[j] - p, left) + a / (a - b) * dot(ring[i] - ring[j], left));
+    }
+  };
+  for (const Polygon& polygon : surface) {
+    if (!contains(polygon, p)) continue;
+    add(polygon.outer);
+    for (const Ring& hole : polygon.holes) add(hole);
+    break;
+  }
+  std::sort(crossings.begin(), crossings.end());
+  const auto above = std::upper_bound(crossings.begin(), crossings.end(), 0.0);
+  if (above == crossings.begin() || above == crossings.end()) return {};
+  return *above - *(above - 1);
+}
+
+class TruthWidths {
+ public:
+  explicit TruthWidths(const RoadTruth& truth) : truth_(truth) {
+    for (const TruthSurface& surface : truth.surfaces) by_id_.emplace(surface.id, &surface);
+  }
+  [[nodiscard]] std::optional<double> at(const TruthLine& line, std::size_t segment, double fraction, Vec2 p, Vec2 direction) const {
+    if (!line.width_m.empty()) return line.width_m[segment] + fraction * (line.width_m[segment + 1] - line.width_m[segment]);
+    if (const auto found = by_id_.find(line.of); found != by_id_.end()) return width_across(found->second->polygons, p, direction);
+    for (const TruthSurface& surface : truth_.surfaces)
+      if (const auto width = width_across(surface.polygons, p, direction)) return width;
+    return {};
+  }
+
+ private:
+  const RoadTruth& truth_;
+  std::map<std::string, const TruthSurface*> by_id_;
+};
+
+/// Counts of errors within one and two sigma.
+struct SigmaCount {
+  std::size_t all = 0, one = 0, two = 0;
+  void add(double error, double sigma) {
+    if (!(sigma > 0.0)) return;
+    ++all;
+    one += std::abs(error) <= sigma ? 1 : 0;
+    two += std::abs(error) <= 2.0 * sigma ? 1 : 0;
+  }
+  [[nodiscard]] SigmaCoverage coverage() const {
+    if (all == 0) return {nan, nan};
+    return {static_cast<double>(one) / static_cast<double>(all), static_cast<double>(two) / static_cast<double>(all)};
+  }
+};
+}  // namespace
+
+RoadTruth road_truth(const RoadNetwork& roads, const Crs& crs) {
+  RoadNetwork moved = roads;
+  if (roads.crs != crs) {
+    const CoordinateTransform there(roads.crs, crs);
+    for (RoadPath& path : moved.paths)
+      for (RoadNode& node : path.nodes) node.p = there.target_from_source(node.p);
+  }
+  RoadTruth truth;
+  for (const RoadPath& path : moved.paths) {
+    truth.surfaces.push_back({.polygons = evaluate::carriageway_polygons(path)});
+    TruthLine& line = truth.lines.emplace_back(TruthLine{.line = centerline(path)});
+    for (const RoadNode& node : path.nodes) line.width_m.push_back(node.width_m);
+  }
+  return truth;
+}
+
+RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, const EvaluateRoadsOptions& options) {
+  const evaluate::LineIndex index(roads);
+  const TruthWidths widths(truth);
+  std::vector<double> offsets, width_errors;
+  SigmaCount offset_sigma, width_sigma;
+  RoadScores scores;
+  for (const TruthLine& line : truth.lines) {
+    const std::vector<double> s = arc_lengths_m(line.line);
+    std::size_t segment = 0;
+    for (int k = 0; !s.empty() && (k + 0.5) * options.step_m < s.back(); ++k) {
+      const double at = (k + 0.5) * options.step_m;
+      while (s[segment + 1] <= at) ++segment;
+      const double fraction = (at - s[segment]) / (s[segment + 1] - s[segment]);
+      const Vec2 p = line.line[segment] + fraction * (line.line[segment + 1] - line.line[segment]);
+      if (!options.region.contains(p)) continue;
+      ++scores.samples;
+      const Vec2 direction = normalized(line.line[segment + 1] - line.line[segment]);
+      const auto road = index.find({.p = p, .direction = direction, .reach_m = options.search_m});
+      if (!road) continue;
+      const RoadNode& nearest = roads.paths[road->path].nodes[road->segment + (road->fraction < 0.5 ? 0 : 1)];
+      offsets.push_back(road->offset_m);
+      offset_sigma.add(road->offset_m, nearest.sigma_offset_m);
+      if (const auto width = widths.at(line, segment, fraction, p, direction)) {
+        width_errors.push_back(evaluate::interpolate(roads, *road, &RoadNode::width_m) - *width);
+        width_sigma.add(width_errors.back(), nearest.sigma_width_m);
+      }
+    }
+  }
+  scores.surface_iou = truth.surfaces.empty() ? nan : evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), options.region).iou();
+  scores.offset_m = summarize(offsets);
+  scores.width_m = summarize(width_errors);
+  scores.offset_sigma = offset_sigma.coverage();
+  scores.width_sigma = width_sigma.coverage();
+  scores.matched_share = scores.samples == 0 ? nan : static_cast<double>(offsets.size()) / static_cast<double>(scores.samples);
+  return scores;
+}
+
+}  // namespace orthodrive

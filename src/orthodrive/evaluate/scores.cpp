@@ -1,0 +1,28 @@
+#include "orthodrive/evaluate/scores.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace orthodrive {
+
+ErrorSummary summarize(const std::vector<double>& errors) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  if (errors.empty()) return {nan, nan, nan, 0};
+  ErrorSummary summary{.n = errors.size()};
+  std::vector<double> sizes;
+  sizes.reserve(errors.size());
+  for (const double error : errors) {
+    summary.bias += error;
+    sizes.push_back(std::abs(error));
+    summary.mean_abs += sizes.back();
+  }
+  summary.bias /= static_cast<double>(errors.size());
+  summary.mean_abs /= static_cast<double>(errors.size());
+  const std::size_t rank = (95 * errors.size() + 99) / 100;  // 1-based, rounded up
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(rank - 1), sizes.end());
+  summary.p95 = sizes[rank - 1];
+  return summary;
+}
+
+}  // namespace orthodrive

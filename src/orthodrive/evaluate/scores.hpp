@@ -1,0 +1,30 @@
+#pragma once
+// What all evaluations share: where they look, and how errors are summed up.
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "orthodrive/geo/polygon.hpp"
+
+namespace orthodrive {
+
+/// Where a score counts, in the CRS of what is scored.
+struct ScoreRegion {
+  std::optional<MultiPolygon> area;  ///< nothing given: everywhere
+  MultiPolygon ignore;
+  [[nodiscard]] bool contains(Vec2 p) const {
+    return (!area || orthodrive::contains(*area, p)) && !orthodrive::contains(ignore, p);
+  }
+};
+
+/// Errors are "ours minus truth". Without samples all but n are NaN.
+struct ErrorSummary {
+  double bias = 0.0;      ///< mean
+  double mean_abs = 0.0;
+  double p95 = 0.0;       ///< 95 % of the absolute errors are at most this (nearest rank)
+  std::size_t n = 0;
+};
+[[nodiscard]] ErrorSummary summarize(const std::vector<double>& errors);
+
+}  // namespace orthodrive

@@ -1,0 +1,111 @@
+// Network scores of maps made by hand, each with one known fault.
+
+#include "orthodrive/evaluate/evaluate_network.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace orthodrive {
+namespace {
+using namespace roadquery;
+
+Road straight_road(int id, double x, double y, double hdg, double length) {
+  Road road{.id = id, .length = length};
+  road.plan = {{.x = x, .y = y, .hdg = hdg, .length = length, .shape = Line{}}};
+  road.elevation = {{.a = 10.0}};
+  LaneSection section;
+  section.left = {{.id = 1, .width = {{.a = 3.0}}}};
+  section.right = {{.id = -1, .width = {{.a = 3.0}}}};
+  road.sections = {section};
+  return road;
+}
+void link(Road& before, Road& after) {
+  before.successor = {LinkKind::road, after.id, ContactPoint::start};
+  after.predecessor = {LinkKind::road, before.id, ContactPoint::end};
+  for (Lane* lane : {&before.sections[0].left[0], &before.sections[0].right[0]}) lane->successor = lane->id;
+  for (Lane* lane : {&after.sections[0].left[0], &after.sections[0].right[0]}) lane->predecessor = lane->id;
+}
+
+TEST(EvaluateNetwork, two_roads_in_a_row) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 50)}};
+  link(map.roads[0], map.roads[1]);
+  const NetworkScores scores = evaluate_network(map);
+  EXPECT_EQ(scores.roads, 2u);
+  EXPECT_DOUBLE_EQ(scores.length_m, 150.0);
+  EXPECT_EQ(scores.elements.at("line"), 2u);
+  EXPECT_EQ(scores.elements.at("spiral"), 0u);
+  EXPECT_NEAR(scores.max_joint_gap_m, 0.0, 1e-12);
+  EXPECT_DOUBLE_EQ(scores.connected_share, 1.0);
+  EXPECT_EQ(scores.crossings, 0u);
+  EXPECT_TRUE(std::isnan(scores.min_clearance_m));
+}
+
+TEST(EvaluateNetwork, gap_step_and_broken_link) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100.3, 0, 0, 50)}};
+  link(map.roads[0], map.roads[1]);
+  map.roads[1].elevation[0].a = 10.4;
+  EXPECT_NEAR(evaluate_network(map).max_joint_gap_m, 0.5, 1e-12) << "0.3 along and 0.4 up";
+  map.roads[1].successor = {LinkKind::road, 99, ContactPoint::start};
+  EXPECT_EQ(evaluate_network(map).broken_links, 1u);
+}
+
+TEST(EvaluateNetwork, gap_between_the_elements_of_one_road) {
+  Road road = straight_road(1, 0, 0, 0, 60);
+  road.plan[0].length = 30.0;
+  road.plan.push_back({.s = 30.0, .x = 30.0, .y = 0.02, .hdg = 0.0, .length = 30.0, .shape = Arc{0.01}});
+  const NetworkScores scores = evaluate_network({.roads = {road}});
+  EXPECT_NEAR(scores.max_joint_gap_m, 0.02, 1e-12);
+  EXPECT_EQ(scores.elements.at("arc"), 1u);
+}
+
+TEST(EvaluateNetwork, connecting_road_that_starts_at_the_lane_edge_has_no_gap) {
+  // Its reference line is the inner border of the incoming road's left lane pair shifted: only the linked lane has to meet.
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, -3, 0, 20)}};
+  Road& connecting = map.roads[1];
+  connecting.junction = 7;
+  connecting.lane_offset = {{.a = 3.0}};  // back to the middle of the incoming road
+  connecting.sections[0].left.clear();
+  connecting.predecessor = {LinkKind::road, 1, ContactPoint::end};
+  connecting.sections[0].right[0].predecessor = -1;
+  map.roads[0].successor = {LinkKind::junction, 7, ContactPoint::start};
+  map.junctions = {{.id = 7, .connections = {{.incoming_road = 1, .connecting_road = 2}}}};
+  const NetworkScores scores = evaluate_network(map);
+  EXPECT_NEAR(scores.max_joint_gap_m, 0.0, 1e-12);
+  EXPECT_EQ(scores.connecting_roads, 1u);
+  EXPECT_EQ(scores.junctions, 1u);
+  EXPECT_DOUBLE_EQ(scores.connected_share, 1.0);
+}
+
+TEST(EvaluateNetwork, gradient_kink_inside_a_road) {
+  Road road = straight_road(1, 0, 0, 0, 100);
+  road.elevation = {{.s = 0, .a = 0, .b = 0.01, .c = 0.0005}, {.s = 20, .a = 0.4, .b = 0.03}, {.s = 60, .a = 1.6, .b = -0.04}};
+  EXPECT_NEAR(evaluate_network({.roads = {road}}).max_gradient_kink, 0.07, 1e-12) << "smooth at 20 m, 0.03 to -0.04 at 60 m";
+}
+
+TEST(EvaluateNetwork, clearance_under_a_bridge) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 50, -50, 1.5707963267948966, 100)}};
+  map.roads[1].elevation = {{.a = 13.0, .b = 0.05}};  // 15.5 m at the crossing
+  EXPECT_EQ(evaluate_network(map).crossings, 0u) << "same layer: not a bridge but a missing junction";
+  map.roads[1].layer = 1;
+  const NetworkScores scores = evaluate_network(map);
+  EXPECT_EQ(scores.crossings, 1u);
+  EXPECT_NEAR(scores.min_clearance_m, 5.5, 1e-9);
+  EXPECT_DOUBLE_EQ(scores.connected_share, 0.5);
+}
+
+TEST(EvaluateNetwork, bridge_that_joins_the_road_before_it_is_no_crossing) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0.2, 50)}};
+  map.roads[1].layer = 1;
+  link(map.roads[0], map.roads[1]);
+  EXPECT_EQ(evaluate_network(map).crossings, 0u);
+}
+
+TEST(EvaluateNetwork, empty_map) {
+  const NetworkScores scores = evaluate_network({});
+  EXPECT_EQ(scores.roads, 0u);
+  EXPECT_TRUE(std::isnan(scores.connected_share));
+}
+
+}  // namespace
+}  // namespace orthodrive
