@@ -53,7 +53,7 @@ struct Lane {
 
 struct LaneSection {
   double s = 0.0;
-  std::vector<Lane> left;   ///< ids 1, 2, ... outwards
+  std::vector<Lane> left;  ///< ids 1, 2, ... outwards
   Lane center;
   std::vector<Lane> right;  ///< ids -1, -2, ... outwards
 };

@@ -17,6 +17,7 @@ constexpr double max_cells = 1e6;
 constexpr double seam_m = 0.25;  // how far a surface goes on beyond the end of its road
 constexpr double edge_rounding_m = 1e-6;
 constexpr double same_level_m = 0.3;  // surfaces of one junction differ by less, a bridge and its road by more
+constexpr double same_height_m = 1e-3;
 constexpr double coherent_level_m = 1.0;
 constexpr double last_step_m = 1e-4;  // the step after one this small would be below 1e-8 m
 constexpr int max_steps = 12;
@@ -211,6 +212,8 @@ std::optional<Hit> RoadQuery::search(double x, double y, double z_hint, int pref
   const auto better = [&](const Candidate& a, const Candidate& b) {
     if (a.on_seam != b.on_seam) return !a.on_seam;
     if ((a.road == preferred_road) != (b.road == preferred_road)) return a.road == preferred_road;
+    const double a_off = level_distance(a), b_off = level_distance(b);
+    if (std::abs(a_off - b_off) > same_height_m) return a_off < b_off;
     return a.off_center < b.off_center;  // equal: the one found first, which has the lower index
   };
   for (auto c = found.begin(); c != end; ++c) {

@@ -31,9 +31,9 @@ struct Cursor {
 ///
 /// Where surfaces lie one above the other the one nearest to z_hint wins (NaN: the highest). Surfaces within 0.3 m of
 /// that one count as the same level (overlapping roads of a junction): there the road of the cursor goes on while the
-/// point is inside its edges, else the road on which the point lies most centrally, else the lower index. Up to 0.25 m
-/// beyond the end of a road its surface goes on where nothing else is: that closes the wedge between two roads that
-/// meet at a slight angle.
+/// point is inside its edges, else the road nearest to z_hint, of those as near to a millimetre the one on which the
+/// point lies most centrally, else the lower index. Up to 0.25 m beyond the end of a road its surface goes on where
+/// nothing else is: that closes the wedge between two roads that meet at a slight angle.
 class RoadQuery {
  public:
   explicit RoadQuery(RoadMap map);

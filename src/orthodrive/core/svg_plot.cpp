@@ -195,7 +195,7 @@ std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions&
     flush();
     if (s.name.empty()) continue;
     text(svg, legend_x, 20, "end", ink, s.name);
-    legend_x -= 7.0 * static_cast<double>(s.name.size()) + 6.0;  // 7 px: about the mean width of a character at 12 px
+    legend_x -= 6.3 * static_cast<double>(s.name.size()) + 6.0;  // 6.3 px: about the mean width of a character at 12 px
     fmt::format_to(Out(svg), R"(<path d="M{:.1f} 16h-20" stroke="{}" stroke-width="2.5"{}/>)", legend_x, color, dash);
     legend_x -= 34.0;
   }
@@ -265,7 +265,7 @@ std::string svg_map_plot(const MapLine& line, std::span<const PlotSeries> backgr
     text(svg, px + 10, py - 8, "start", ink, options.start_label,
          R"(font-weight="600" stroke="#fff" stroke-width="3" paint-order="stroke")");
   }
-  const auto bars = round_ticks(0.0, 0.25 * width / px_per_m, 1);
+  const auto bars = round_ticks(0.0, 0.25 * width / px_per_m, 2);
   const double bar_m = bars.empty() ? 1.0 : bars.back();
   fmt::format_to(Out(svg), R"(<path d="M{:.1f} {:.1f}v6h{:.1f}v-6" fill="none" stroke="{}" stroke-width="1.5"/>)",
                  left + 12, bottom - 18, bar_m * px_per_m, ink);

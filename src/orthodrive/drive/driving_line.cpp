@@ -20,9 +20,10 @@ constexpr double spacing_m = 1.0;
 constexpr double min_route_m = 10.0;
 constexpr double blend_base_m = 12.0, blend_per_jump = 12.0;
 constexpr double half_car_m = 0.9;
+constexpr double edge_room_m = 1.4;  // drivers keep the middle of the car so far from the edge where they can
 constexpr double shortest_wave_m = 15.0;
 
-/// t of the centre of the outermost driving lane in that direction.
+/// t of the centre of the outermost driving lane in that direction; on a narrow road nearer to its middle.
 double lane_center_t(const Road& road, bool forward, double s) {
   const auto& section = roadquery::section_at(road, s);
   const bool right = forward != road.left_hand_traffic;
@@ -32,7 +33,11 @@ double lane_center_t(const Road& road, bool forward, double s) {
     if (lane.type == roadquery::LaneType::driving) center = outer + 0.5 * width;
     outer += width;
   }
-  return roadquery::evaluate(road.lane_offset, s) + (right ? -center : center);
+  const double t = roadquery::evaluate(road.lane_offset, s) + (right ? -center : center);
+  const auto edges = roadquery::road_edges(road, s);
+  const double middle = 0.5 * (edges.left_t + edges.right_t);
+  return right ? std::max(t, std::min(edges.right_t + edge_room_m, middle))
+               : std::min(t, std::max(edges.left_t - edge_room_m, middle));
 }
 
 /// A step of the route with the shift to the left (in driving direction) that makes its ends meet its neighbours.

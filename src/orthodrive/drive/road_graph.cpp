@@ -91,14 +91,14 @@ std::optional<std::vector<int>> PathTree::path_to(int to) const {
   return path;
 }
 
-PathTree shortest_paths(const RoadGraph& graph, int from, const NodeCost& cost, double max_cost) {
+PathTree shortest_paths(const RoadGraph& graph, int from, const NodeCosts& costs, double max_cost) {
   PathTree tree{from, std::vector<double>(static_cast<std::size_t>(graph.node_count()), PathTree::unreached),
                 std::vector<int>(static_cast<std::size_t>(graph.node_count()), -1)};
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   const auto spread = [&](int node, double cost_so_far) {
     for (const int to : graph.next(node)) {
-      const double total = cost_so_far + cost(to);
+      const double total = cost_so_far + costs[static_cast<std::size_t>(to)];
       if (total < tree.cost[static_cast<std::size_t>(to)] && total <= max_cost) {
         tree.cost[static_cast<std::size_t>(to)] = total;
         tree.before[static_cast<std::size_t>(to)] = node;

@@ -1,10 +1,8 @@
 #pragma once
 // The roads of a map as a directed graph: a node is a road in one direction, an edge leads to where one may go on.
 
-#include <functional>
 #include <limits>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "orthodrive/drive/route.hpp"
@@ -34,8 +32,8 @@ class RoadGraph {
   std::vector<bool> open_;
 };
 
-/// Cost of driving a node, >= 0; infinite: closed.
-using NodeCost = std::function<double(int)>;
+/// Cost of driving each node, >= 0; infinite: closed.
+using NodeCosts = std::vector<double>;
 
 /// Shortest paths from the end of one node (Dijkstra).
 struct PathTree {
@@ -48,7 +46,7 @@ struct PathTree {
   /// Nodes after `from` up to and with `to`; nothing when unreached. path_to(from) is a loop.
   [[nodiscard]] std::optional<std::vector<int>> path_to(int to) const;
 };
-[[nodiscard]] PathTree shortest_paths(const RoadGraph& graph, int from, const NodeCost& cost,
+[[nodiscard]] PathTree shortest_paths(const RoadGraph& graph, int from, const NodeCosts& costs,
                                       double max_cost = PathTree::unreached);
 
 }  // namespace orthodrive

@@ -14,6 +14,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/drive/road_graph.hpp"
+#include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -27,10 +28,12 @@ using Nodes = std::vector<int>;
 constexpr double min_loop_m = 500.0, good_loop_m = 2000.0, max_loop_m = 5000.0;
 constexpr std::size_t max_seeds = 24;  // roads from which loops are tried; the most important ones come first
 constexpr std::size_t max_wanted_seeds = 200;
-constexpr int far_ends_per_seed = 16;   // one a compass sector
+constexpr std::size_t compass_sectors = 16;
+constexpr double min_end_m = 250.0, max_end_m = 1500.0;  // the far roads of a loop lie so far from where it starts
 constexpr double detour_factor = 30.0;  // a metre off the roads that were asked for costs as much as so many on them
 constexpr double repeat_factor = 8.0;   // the same for a metre on a road that was driven already
-constexpr double max_snap_m = 100.0;    // a via point has to be this near to a road
+constexpr double max_detour_cost = 10.0 * max_loop_m;
+constexpr double max_snap_m = 100.0;  // a via point has to be this near to a road
 
 bool is_connecting(const Road& road) { return road.junction >= 0; }
 
@@ -66,6 +69,12 @@ Nodes seeds(const RoadGraph& graph, const std::function<bool(const Road&)>& filt
   return result;
 }
 
+NodeCosts costs_of(const RoadGraph& graph, const std::function<double(const Road&)>& cost) {
+  NodeCosts costs(static_cast<std::size_t>(graph.node_count()));
+  for (int n = 0; n < graph.node_count(); ++n) costs[static_cast<std::size_t>(n)] = cost(graph.road(n));
+  return costs;
+}
+
 /// A way through the graph and how much it is liked.
 struct Choice {
   Nodes nodes;
@@ -78,10 +87,8 @@ struct Choice {
 
 /// The loop, or else the open way, with most of the wanted roads.
 Choice along_wanted(const RoadGraph& graph, const std::function<bool(const Road&)>& wanted, double detour) {
-  const NodeCost cost = [&](int n) {
-    const Road& road = graph.road(n);
-    return road.length * (is_connecting(road) || wanted(road) ? 1.0 : detour);
-  };
+  const NodeCosts cost = costs_of(
+      graph, [&](const Road& road) { return road.length * (is_connecting(road) || wanted(road) ? 1.0 : detour); });
   const auto weight = [&](const Road& road) { return wanted(road) ? 1.0 : 0.0; };
   Nodes tried = seeds(graph, wanted);
   if (tried.size() > max_wanted_seeds) tried.resize(max_wanted_seeds);
@@ -95,10 +102,8 @@ Choice along_wanted(const RoadGraph& graph, const std::function<bool(const Road&
     }
   }
   if (best.closed) return best;
-  const NodeCost strict = [&](int n) {
-    const Road& road = graph.road(n);
-    return is_connecting(road) || wanted(road) ? road.length : PathTree::unreached;
-  };
+  const NodeCosts strict = costs_of(
+      graph, [&](const Road& road) { return is_connecting(road) || wanted(road) ? road.length : PathTree::unreached; });
   for (const int seed : tried) {
     const PathTree tree = shortest_paths(graph, seed, strict);
     for (int n = 0; n < graph.node_count(); ++n) {
@@ -115,6 +120,16 @@ Choice along_wanted(const RoadGraph& graph, const std::function<bool(const Road&
   return best;
 }
 
+Vec2 place(const Road& road) { return {road.plan.front().x, road.plan.front().y}; }
+
+/// 1 for a circle, towards 0 for a loop that comes back beside the way it went: 4 pi area / length^2.
+double roundness(const RoadGraph& graph, const Nodes& loop, double length_m) {
+  Ring corners;
+  for (const int n : loop) corners.push_back(place(graph.road(n)));
+  return std::min(4.0 * std::numbers::pi * std::abs(signed_area_m2(corners)) / (length_m * length_m), 1.0);
+}
+
+/// 0 .. 1: important roads, a length in the wanted range, each road once, and an area that is driven around.
 double loop_score(const RoadGraph& graph, const Nodes& loop) {
   const double all = length_of(graph, loop);
   const double distinct = distinct_length(graph, loop, [](const Road&) { return 1.0; });
@@ -123,45 +138,55 @@ double loop_score(const RoadGraph& graph, const Nodes& loop) {
                       : all > max_loop_m ? 0.25 * max_loop_m / all
                                          : std::min(1.0, 0.5 + 0.5 * all / good_loop_m);
   const double once = distinct / all;
-  return important * size * once * once;
+  const double round = loop.size() > 2 ? 0.2 + 0.8 * std::sqrt(roundness(graph, loop, all)) : 1.0;
+  return important * size * once * once * round;
 }
 
-/// Goes out to far roads in all directions and comes back on other roads where there are any.
+/// Goes on from the end of a way to `to`, on other roads where there are any. False when no way leads there.
+bool go_on(const RoadGraph& graph, Nodes& way, int to, NodeCosts costs) {
+  for (const int n : way) {
+    for (const int used : {n, n ^ 1}) costs[static_cast<std::size_t>(used)] *= repeat_factor;
+  }
+  const auto more = shortest_paths(graph, way.back(), costs, max_detour_cost).path_to(to);
+  if (more) way.insert(way.end(), more->begin(), more->end());
+  return more.has_value();
+}
+
+/// Tries loops from important roads: out to a far road in each direction of the compass, on to another one a quarter
+/// turn further (or not), and back.
 Choice best_loop(const RoadGraph& graph) {
-  const NodeCost cost = [&](int n) { return graph.road(n).length / importance(graph.road(n)); };
+  const NodeCosts costs = costs_of(graph, [](const Road& road) { return road.length / importance(road); });
   Nodes tried = seeds(graph, [](const Road&) { return true; });
   if (tried.size() > max_seeds) tried.resize(max_seeds);
-  const auto place = [&](int n) { return Vec2{graph.road(n).plan.front().x, graph.road(n).plan.front().y}; };
 
   Choice best;
   for (const int seed : tried) {
-    const PathTree out = shortest_paths(graph, seed, cost, 10.0 * max_loop_m);
+    const PathTree out = shortest_paths(graph, seed, costs, max_detour_cost);
     if (const auto loop = out.path_to(seed)) best.take_better({*loop, true, loop_score(graph, *loop)});
     // In each compass sector the cheapest road to reach that lies far enough for a good loop.
-    std::array<int, far_ends_per_seed> ends;
+    std::array<int, compass_sectors> ends;
     ends.fill(-1);
     for (int n = 0; n < graph.node_count(); ++n) {
       const double there = out.cost[static_cast<std::size_t>(n)];
-      const Vec2 d = place(n) - place(seed);
-      if (there == PathTree::unreached || is_connecting(graph.road(n)) || length(d) < 0.15 * good_loop_m ||
-          length(d) > 0.4 * max_loop_m)
+      const Vec2 d = place(graph.road(n)) - place(graph.road(seed));
+      if (there == PathTree::unreached || is_connecting(graph.road(n)) || length(d) < min_end_m ||
+          length(d) > max_end_m) {
         continue;
+      }
       const double turn = std::atan2(d.y, d.x) / (2.0 * std::numbers::pi) + 0.5;
-      int& end =
-          ends[static_cast<std::size_t>(std::min(static_cast<int>(turn * far_ends_per_seed), far_ends_per_seed - 1))];
+      int& end = ends[std::min(static_cast<std::size_t>(turn * compass_sectors), compass_sectors - 1)];
       if (end < 0 || there < out.cost[static_cast<std::size_t>(end)]) end = n;
     }
-    for (const int end : ends) {
-      if (end < 0) continue;
-      Nodes loop = *out.path_to(end);
-      std::set<int> used;
-      for (const int n : loop) used.insert(n / 2);
-      const NodeCost other_ways = [&](int n) { return cost(n) * (used.contains(n / 2) ? repeat_factor : 1.0); };
-      const auto back = shortest_paths(graph, end, other_ways).path_to(seed);
-      if (!back) continue;
-      loop.insert(loop.end(), back->begin(), back->end());
-      const double score = loop_score(graph, loop);
-      best.take_better({std::move(loop), true, score});
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const int quarter = ends[(i + compass_sectors / 4) % compass_sectors];
+      for (const int corner : {-1, quarter}) {
+        if (ends[i] < 0) continue;
+        Nodes loop = *out.path_to(ends[i]);
+        if (corner >= 0 && !go_on(graph, loop, corner, costs)) continue;
+        if (!go_on(graph, loop, seed, costs)) continue;
+        const double score = loop_score(graph, loop);
+        best.take_better({std::move(loop), true, score});
+      }
     }
   }
   return best;
@@ -242,7 +267,7 @@ Nodes nodes_near(const RoadGraph& graph, Vec2 p) {
 /// Shortest way past all points and back to the first: for each direction on the first road, the cheapest directions on
 /// the others (dynamic programming).
 Choice along_points(const RoadGraph& graph, const std::vector<Vec2>& via) {
-  const NodeCost cost = [&](int n) { return graph.road(n).length; };
+  const NodeCosts cost = costs_of(graph, [](const Road& road) { return road.length; });
   std::vector<Nodes> stops;
   for (const Vec2 p : via) {
     Nodes nodes = nodes_near(graph, p);
