@@ -80,8 +80,10 @@ void add_synth(CLI::App& app, Context& context) {
     arguments->village.threads = context.threads;
     const SynthSite site = make_village(arguments->village, context.monitor);
     write_site(arguments->output, site);
-    context.monitor->info(fmt::format("{}: {} ways, {} truth nodes in {}", site.name, site.roads.paths.size(), site.surfaces.size(),
-                                      arguments->output.string()));
+    double road_m = 0.0;
+    for (const RoadPath& path : site.roads.paths) road_m += path.nodes.back().s_m;
+    context.monitor->info(fmt::format("{}: {} ways, {:.1f} km of road, written to {}", site.name, site.roads.paths.size(),
+                                      road_m / 1000.0, arguments->output.string()));
   });
 }
 

@@ -14,6 +14,8 @@ constexpr std::array weights{0.3626837833783620, 0.3137066458778873, 0.222381034
 
 /// Share of a corner's deflection that each of the two clothoids turns; the arc turns the rest.
 constexpr double clothoid_share = 0.32;
+/// Clothoids are at least this long where there is room: a slight corner gets a large radius, not a jerk.
+constexpr double min_clothoid_m = 12.0;
 /// Share of a polygon edge that a corner may use when it has a corner on its other end too.
 constexpr double edge_share = 0.46;
 
@@ -87,7 +89,8 @@ Alignment round_corners(const std::vector<Corner>& corners, bool closed) {
     const double unit_tangent = evaluate(r.shape.back(), r.shape.back().length_m).p.y / std::sin(deflection);
     const double room_in = length(in) * (!closed && i == 1 ? 0.8 : edge_share);
     const double room_out = length(out) * (!closed && i + 2 == n ? 0.8 : edge_share);
-    r.radius_m = std::min(corners[i].radius_m, std::min(room_in, room_out) / unit_tangent);
+    const double wanted_m = std::max(corners[i].radius_m, min_clothoid_m / r.shape.front().length_m);
+    r.radius_m = std::min(wanted_m, std::min(room_in, room_out) / unit_tangent);
     r.tangent_m = r.radius_m * unit_tangent;
   }
 

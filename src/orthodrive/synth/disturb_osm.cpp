@@ -11,7 +11,7 @@
 namespace orthodrive::synth {
 namespace {
 constexpr std::int64_t first_way_id = 100, first_area_id = 10000;
-constexpr double min_spacing_m = 12.0, max_spacing_m = 40.0;
+constexpr double min_spacing_m = 7.0, max_spacing_m = 40.0;
 constexpr double max_sagitta_m = 0.3;  // mappers set nodes closer in bends, so that the chord stays this near
 constexpr double width_tag_share = 0.12, lanes_tag_share = 0.3;
 
@@ -31,6 +31,14 @@ class DisplacementField {
   DisturbOptions options_;
   std::uint32_t seed_;
 };
+
+/// Largest distance of the line from its chord between two places.
+double sagitta_m(const Alignment& alignment, double from, double to) {
+  const Vec2 a = evaluate(alignment, from).p, chord = normalized(evaluate(alignment, to).p - a);
+  double most = 0.0;
+  for (int i = 1; i < 8; ++i) most = std::max(most, std::abs(cross(chord, evaluate(alignment, from + (to - from) * i / 8.0).p - a)));
+  return most;
+}
 
 std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridge, Random& random) {
   std::map<std::string, std::string> tags{{"highway", road.highway}};
@@ -91,10 +99,11 @@ OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways
       double s = planned.stops[i].s_m;
       put(planned.stops[i].osm_node, s);
       for (;;) {
-        const double curvature = std::max(std::abs(evaluate(alignment, s).curvature_1pm), std::abs(evaluate(alignment, s + min_spacing_m).curvature_1pm));
-        const double bend_m = curvature > 0.0 ? std::sqrt(8.0 * max_sagitta_m / curvature) : max_spacing_m;
-        s += std::clamp(bend_m, min_spacing_m, random.uniform(15.0, max_spacing_m));
-        if (s > end - min_spacing_m) break;
+        double spacing_m = random.uniform(15.0, max_spacing_m);
+        if (s + spacing_m > end - min_spacing_m) spacing_m = end - s;
+        while (spacing_m > min_spacing_m && sagitta_m(alignment, s, s + spacing_m) > max_sagitta_m) spacing_m *= 0.8;
+        s += spacing_m;
+        if (s > end - 0.5 * min_spacing_m) break;
         put(next_node++, s);
       }
     }

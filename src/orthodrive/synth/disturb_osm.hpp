@@ -28,8 +28,8 @@ struct DisturbOptions {
   double offset_min_m = 0.0, offset_max_m = 0.0;
   std::uint64_t seed = 0;
 };
-/// OSM of the village in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 12 - 40 m
-/// apart, few width and lanes tags; junctions shared. Buildings and areas are moved by a third of that.
+/// OSM of the village in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 15 - 40 m
+/// apart (closer in bends), few width and lanes tags; junctions shared. Buildings and areas are moved by a third of that.
 [[nodiscard]] OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects,
                                   const DisturbOptions& options);
 

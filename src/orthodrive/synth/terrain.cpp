@@ -163,7 +163,7 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
     const auto& u = knots.unknown[r];
     const Alignment& alignment = plan.roads[r].alignment;
     // How far the road irons out the terrain: a wavelength of 2 pi l is halved.
-    const double stiffness_m = (surface_priority(plan, r) >= 10 ? 50.0 : 32.0) * std::clamp(plan.size_m / 600.0, 0.5, 1.0);
+    const double stiffness_m = (surface_priority(plan, r) >= 10 ? 50.0 : 32.0) * std::clamp(plan.size_m / 600.0, 0.8, 1.0);
     const std::size_t n = s.size();
     for (std::size_t i = 0; i + (alignment.closed ? 1 : 0) < n; ++i) {
       const double h0 = i > 0 ? s[i] - s[i - 1] : s[n - 1] - s[n - 2], h1 = i + 1 < n ? s[i + 1] - s[i] : 0.0;
