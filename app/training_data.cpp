@@ -118,8 +118,10 @@ TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassS
   return {std::move(name), std::move(rgb), std::move(allowed), gsd_m, use.weight, use.min_zoom, use.max_zoom, use.from_step};
 }
 
+enum class Part { training, held_out };
+
 /// Images at the scale they are said to have; those held out are brought to the model's scale.
-void add_images(TrainingData& result, const ImageData& data, double gsd_m, const ClassTable& classes, int threads) {
+void add_images(TrainingData& result, const ImageData& data, Part part, double gsd_m, const ClassTable& classes, int threads) {
   std::map<std::array<std::uint8_t, 3>, ClassSet> palette;
   for (const auto& [color, names] : data.palette) palette[color] = class_set(names, classes, data.name);
   std::vector<fs::path> files;
@@ -129,11 +131,12 @@ void add_images(TrainingData& result, const ImageData& data, double gsd_m, const
   const std::size_t first = result.scenes.size();
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();
+    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(), [&](const std::string& prefix) { return stem.starts_with(prefix); });
+    if (held_out != (part == Part::held_out)) continue;
     Raster<std::uint8_t> rgb = io::read_image(file);
     Raster<ClassSet> allowed = sets_from_colors(io::read_image(data.labels / (stem + ".png")), palette);
     if (allowed.width != rgb.width || allowed.height != rgb.height) throw InputError(file.string(), "differs in size from its labels");
-    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(), [&](const std::string& prefix) { return stem.starts_with(prefix); });
-    if (!held_out) {
+    if (part == Part::training) {
       result.scenes.push_back(scene_of(stem, std::move(rgb), std::move(allowed), data.gsd_m, data.use));
       continue;
     }
@@ -156,11 +159,32 @@ void add_images(TrainingData& result, const ImageData& data, double gsd_m, const
   for (std::size_t i = first; i < result.scenes.size(); ++i) result.scenes[i].weight *= static_cast<double>(result.scenes[i].allowed.data.size()) / area;
 }
 
-void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, bool validation, const SceneUse& use) {
-  if (validation) {
+void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, Part part, const SceneUse& use) {
+  if (part == Part::held_out) {
     result.validation.push_back({name, std::move(labelled.photo), std::move(labelled.allowed)});
   } else {
     result.scenes.push_back(scene_of(name, std::move(labelled.photo.rgb), std::move(labelled.allowed), labelled.photo.frame.gsd_m, use));
+  }
+}
+
+void add_part(TrainingData& result, const Experiment& experiment, Part part, const ClassTable& classes, int threads, Monitor* monitor) {
+  const auto tell = [&](const std::string& name) {
+    if (monitor) monitor->info("reading " + name + (part == Part::held_out ? ", held out" : ""));
+  };
+  for (const MapData& data : experiment.maps) {
+    if (part == Part::held_out && !data.held_out_lonlat) continue;
+    tell(data.name);
+    const Box2& lonlat = part == Part::held_out ? *data.held_out_lonlat : data.area_lonlat;
+    add_labelled(result, data.name, read_map_data(data, lonlat, experiment.gsd_m, classes, threads), part, data.use);
+  }
+  for (const SyntheticData& data : experiment.synthetic) {
+    if (data.held_out != (part == Part::held_out)) continue;
+    tell(data.name);
+    add_labelled(result, data.name, read_synthetic(data, experiment.gsd_m, classes, threads), part, data.use);
+  }
+  for (const ImageData& data : experiment.images) {
+    tell(data.name);
+    add_images(result, data, part, experiment.gsd_m, classes, threads);
   }
 }
 
@@ -168,24 +192,15 @@ void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto l
 
 TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads, Monitor* monitor) {
   TrainingData result;
-  const auto tell = [&](const std::string& name) {
-    if (monitor) monitor->info("reading " + name);
-  };
-  for (const MapData& data : experiment.maps) {
-    tell(data.name);
-    add_labelled(result, data.name, read_map_data(data, data.area_lonlat, experiment.gsd_m, classes, threads), false, data.use);
-    if (!data.held_out_lonlat) continue;
-    add_labelled(result, data.name, read_map_data(data, *data.held_out_lonlat, experiment.gsd_m, classes, threads), true, data.use);
-  }
-  for (const SyntheticData& data : experiment.synthetic) {
-    tell(data.name);
-    add_labelled(result, data.name, read_synthetic(data, experiment.gsd_m, classes, threads), data.validation, data.use);
-  }
-  for (const ImageData& data : experiment.images) {
-    tell(data.name);
-    add_images(result, data, experiment.gsd_m, classes, threads);
-  }
+  add_part(result, experiment, Part::training, classes, threads, monitor);
+  add_part(result, experiment, Part::held_out, classes, threads, monitor);
   return result;
+}
+
+std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, const ClassTable& classes, int threads, Monitor* monitor) {
+  TrainingData result;
+  add_part(result, experiment, Part::held_out, classes, threads, monitor);
+  return std::move(result.validation);
 }
 
 Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed, const ClassTable& classes) {

@@ -165,7 +165,7 @@ SyntheticData read_synthetic(Section& section) {
   for (const char* key : {"name", "folder"}) section.require(key);
   section.read("name", data.name);
   section.read("folder", data.folder);
-  section.read("validation", data.validation);
+  section.read("held_out", data.held_out);
   read_use(section, data.use);
   return data;
 }

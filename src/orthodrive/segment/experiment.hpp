@@ -56,7 +56,7 @@ struct ImageData {
 struct SyntheticData {
   std::string name;
   std::filesystem::path folder;
-  bool validation = false;
+  bool held_out = false;                ///< measured, not trained on
   SceneUse use;
 };
 

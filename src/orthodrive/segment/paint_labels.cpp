@@ -43,8 +43,11 @@ class Painter {
   Painter(Raster<ClassSet>& sets, const GridFrame& frame) : sets_(sets), frame_(frame) {}
 
   void erase_outer_band(const PaintShape& shape, const PaintLayer& layer) {
-    visit_line(frame_, shape.line, 0.5 * shape.width_m + layer.unknown_outside_m, [&](int col, int row) { erase(col, row); });
-    for (const Polygon& polygon : shape.polygons) erase_outline(polygon, layer.unknown_outside_m);
+    const auto erase_pixel = [&](int col, int row) {
+      if (!merges(sets_.at(col, row), layer)) sets_.at(col, row) = unknown_class;
+    };
+    visit_line(frame_, shape.line, 0.5 * shape.width_m + layer.unknown_outside_m, erase_pixel);
+    visit_outlines(shape, layer.unknown_outside_m, erase_pixel);
   }
 
   void fill(const PaintShape& shape, const PaintLayer& layer) {
@@ -53,23 +56,24 @@ class Painter {
       rasterize(polygon, frame_, [&](int row, int begin, int end) {
         for (int col = begin; col < end; ++col) put(col, row, layer);
       });
-      erase_outline(polygon, layer.unknown_inside_m);
     }
+    visit_outlines(shape, layer.unknown_inside_m, [&](int col, int row) { sets_.at(col, row) = unknown_class; });
   }
 
  private:
-  void erase(int col, int row) { sets_.at(col, row) = unknown_class; }
+  static bool merges(ClassSet set, const PaintLayer& layer) { return set != unknown_class && (set & ~layer.merge_over) == 0; }
 
   void put(int col, int row, const PaintLayer& layer) {
     ClassSet& set = sets_.at(col, row);
-    const bool merge = set != unknown_class && (set & ~layer.merge_over) == 0;
-    set = merge ? static_cast<ClassSet>(set | layer.classes) : layer.classes;
+    set = merges(set, layer) ? static_cast<ClassSet>(set | layer.classes) : layer.classes;
   }
 
-  void erase_outline(const Polygon& polygon, double radius_m) {
-    const auto erase_pixel = [&](int col, int row) { erase(col, row); };
-    visit_line(frame_, outline_of(polygon.outer), radius_m, erase_pixel);
-    for (const Ring& hole : polygon.holes) visit_line(frame_, outline_of(hole), radius_m, erase_pixel);
+  template <typename Visit>
+  void visit_outlines(const PaintShape& shape, double radius_m, const Visit& visit) const {
+    for (const Polygon& polygon : shape.polygons) {
+      visit_line(frame_, outline_of(polygon.outer), radius_m, visit);
+      for (const Ring& hole : polygon.holes) visit_line(frame_, outline_of(hole), radius_m, visit);
+    }
   }
 
   Raster<ClassSet>& sets_;

@@ -1,6 +1,6 @@
 #pragma once
 // The safetensors format: u64 header length (little endian), a JSON header, the tensors' bytes.
-// https://github.com/huggingface/safetensors (format section). Reads F32, F16 and I64; values are float in memory.
+// https://github.com/huggingface/safetensors (format section). Reads F32 and F16; values are float in memory.
 
 #include <cstdint>
 #include <map>

@@ -3,6 +3,7 @@
 #include <ATen/Parallel.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -187,19 +188,32 @@ TensorFile Trainer::model_file() const {
   return file;
 }
 
+int road_label(const ClassTable& classes) {
+  const auto road = std::find_if(classes.classes.begin(), classes.classes.end(), [](const ClassInfo& c) { return c.role == Role::road; });
+  if (road == classes.classes.end()) throw OptionError(fmt::format("class table '{}' has no class of role road", classes.name));
+  return static_cast<int>(road - classes.classes.begin());
+}
+
+std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes, int threads) {
+  std::map<std::string, LabelScore> scores;
+  for (const ValidationScene& scene : scenes) {
+    const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads});
+    LabelScore& score = scores.try_emplace(scene.name, static_cast<int>(model.classes.classes.size())).first->second;
+    score.add(result.labels.labels.data, scene.allowed.data);
+  }
+  return scores;
+}
+
 void train_network(Trainer& trainer, const TrainOptions& options, const std::vector<TrainingScene>& scenes,
                    const std::vector<ValidationScene>& validation, const TrainHooks& hooks, Monitor* monitor) {
   const auto start = std::chrono::steady_clock::now();  // for the log only
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const auto validate = [&] {
     const SegmentModel model = load_model(format_safetensors(trainer.model_file()), "network in training");
-    for (const ValidationScene& scene : validation) {
-      const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = options.threads});
-      LabelScore score(static_cast<int>(model.classes.classes.size()));
-      score.add(result.labels.labels.data, scene.allowed.data);
-      int road = 0;
-      while (model.classes.classes.at(static_cast<std::size_t>(road)).role != Role::road) ++road;
-      hooks.report({trainer.step(), trainer.learning_rate(), 0.0, seconds(), score.iou(road), score.mean_iou(), score.pixel_accuracy(), scene.name});
+    const int road = road_label(model.classes);
+    for (const auto& [name, score] : measure_model(model, validation, options.threads)) {
+      hooks.report({.step = trainer.step(), .learning_rate = trainer.learning_rate(), .seconds = seconds(), .road_iou = score.iou(road),
+                    .mean_iou = score.mean_iou(), .pixel_accuracy = score.pixel_accuracy(), .validation = name});
     }
   };
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -71,6 +72,12 @@ class Trainer {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Scores by name; scenes of one name count together. The scenes must have the model's scale.
+[[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
+                                                              int threads = 0);
+/// Label of the class with role road. Throws OptionError when there is none.
+[[nodiscard]] int road_label(const ClassTable& classes);
 
 struct TrainHooks {
   std::function<void(const TrainReport&)> report;    ///< every 10 steps and after each validation

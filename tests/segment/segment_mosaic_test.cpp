@@ -1,0 +1,154 @@
+#include "orthodrive/segment/segment_mosaic.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/segment/resample_photo.hpp"
+#include "segment/shipped_model.hpp"
+
+namespace orthodrive {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// Grass with a grey road from west to east, a red roof, and noise on everything.
+Photo painted_photo(int width, int height, double gsd_m) {
+  Photo photo{{"EPSG:32633"}, {500000.0, 6400000.0, gsd_m, width, height}, Raster<std::uint8_t>(width, height, 3), Raster<std::uint8_t>(width, height, 1, 1)};
+  Random random(5);
+  for (int row = 0; row < height; ++row) {
+    for (int col = 0; col < width; ++col) {
+      const double x_m = col * gsd_m, y_m = row * gsd_m;
+      const bool road = std::abs(y_m - 60.0 - 5.0 * std::sin(x_m / 30.0)) < 4.0, roof = x_m > 40.0 && x_m < 60.0 && y_m > 80.0 && y_m < 95.0;
+      const int base[3] = {road ? 115 : roof ? 170 : 90, road ? 115 : roof ? 90 : 115, road ? 118 : roof ? 75 : 70};
+      for (int c = 0; c < 3; ++c) photo.rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(base[c] + 12.0 * random.normal(), 0.0, 255.0));
+    }
+  }
+  return photo;
+}
+
+double share_of_different(const Raster<std::uint8_t>& a, const Raster<std::uint8_t>& b) {
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.data.size(); ++i) different += a.data[i] != b.data[i] ? 1 : 0;
+  return static_cast<double>(different) / static_cast<double>(a.data.size());
+}
+
+TEST(SegmentMosaic, outcome_does_not_depend_on_window_size) {
+  const Photo photo = painted_photo(300, 250, 0.5);
+  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 1536});
+  const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = 544});
+  // The sums of a convolution may be ordered otherwise for another window: a tie may go the other way, no more.
+  EXPECT_LT(share_of_different(one.labels.labels, many.labels.labels), 2e-4);
+  int largest = 0;
+  for (std::size_t i = 0; i < one.confidence.confidence.data.size(); ++i) {
+    largest = std::max(largest, std::abs(one.confidence.confidence.data[i] - many.confidence.confidence.data[i]));
+  }
+  EXPECT_LE(largest, 1);
+}
+
+TEST(SegmentMosaic, same_bytes_for_one_and_two_threads) {
+  const Photo photo = painted_photo(280, 130, 0.5);
+  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 544, .threads = 1});
+  const SegmentResult two = segment_mosaic(photo, shipped_model(), {.window_px = 544, .threads = 2});
+  EXPECT_EQ(one.labels.labels.data, two.labels.labels.data);
+  EXPECT_EQ(one.confidence.confidence.data, two.confidence.confidence.data);
+}
+
+TEST(SegmentMosaic, labels_lie_on_the_models_grid_and_skip_missing_photo) {
+  Photo photo = painted_photo(400, 300, 0.2);
+  for (int row = 0; row < 300; ++row) {
+    for (int col = 0; col < 100; ++col) photo.valid.at(col, row) = 0;
+  }
+  const SegmentResult result = segment_mosaic(photo, shipped_model());
+  EXPECT_EQ(result.labels.frame, (GridFrame{500000.0, 6400000.0, 0.5, 160, 120}));
+  EXPECT_EQ(result.labels.classes.classes.size(), 8u);
+  EXPECT_EQ(result.labels.labels.at(39, 60), label_nodata);
+  EXPECT_EQ(result.confidence.confidence.at(39, 60), 0);
+  EXPECT_LT(result.labels.labels.at(41, 60), 8);
+  EXPECT_TRUE(result.findings.empty());
+}
+
+TEST(SegmentMosaic, finds_a_plain_road) {
+  const SegmentResult result = segment_mosaic(painted_photo(300, 250, 0.5), shipped_model());
+  int hits = 0;
+  for (int col = 20; col < 280; ++col) {
+    const double row = 2.0 * (60.0 + 5.0 * std::sin(0.5 * col / 30.0));
+    hits += result.labels.labels.at(col, static_cast<int>(row)) == 1 ? 1 : 0;
+  }
+  EXPECT_GT(hits, 240) << "of 260 places on the centre line";
+}
+
+TEST(SegmentMosaic, empty_and_coarse_photos) {
+  Photo nothing = painted_photo(40, 30, 0.5);
+  std::fill(nothing.valid.data.begin(), nothing.valid.data.end(), std::uint8_t{0});
+  const SegmentResult result = segment_mosaic(nothing, shipped_model());
+  EXPECT_TRUE(std::all_of(result.labels.labels.data.begin(), result.labels.labels.data.end(), [](int label) { return label == label_nodata; }));
+  const SegmentResult coarse = segment_mosaic(painted_photo(20, 15, 2.0), shipped_model());
+  ASSERT_EQ(coarse.findings.size(), 1u);
+  EXPECT_EQ(coarse.findings[0].code, "segment.coarse_photo");
+}
+
+TEST(SegmentMosaic, refuses_windows_that_are_all_margin) {
+  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 416})), OptionError);
+  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 1000})), OptionError);
+}
+
+TEST(LoadModel, class_table_that_does_not_match_the_weights) {
+  TensorFile file = shipped_tensors();
+  std::string& table = file.metadata.at("classes");
+  table.replace(table.find("{\"color\""), table.find("},{") + 2 - table.find("{\"color\""), "");  // one class less
+  EXPECT_THAT([&] { static_cast<void>(load_model(format_safetensors(file), "m.safetensors")); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("m.safetensors: class table 'orthodrive-8' has 7 classes but the weights score 8"))));
+}
+
+TEST(LoadModel, damaged_files_are_input_errors) {
+  const std::string& bytes = shipped_model_bytes();
+  EXPECT_THROW(static_cast<void>(load_model(bytes.substr(0, bytes.size() / 2), "m")), InputError);
+  EXPECT_THROW(static_cast<void>(load_model("", "m")), InputError);
+  TensorFile no_table = shipped_tensors();
+  no_table.metadata.clear();
+  EXPECT_THROW(static_cast<void>(load_model(format_safetensors(no_table), "m")), InputError);
+  TensorFile other = shipped_tensors();
+  other.metadata["architecture"] = "vgg16";
+  EXPECT_THROW(static_cast<void>(load_model(format_safetensors(other), "m")), InputError);
+  TensorFile missing = shipped_tensors();
+  missing.tensors.erase("block_4_project/kernel");
+  EXPECT_THAT([&] { static_cast<void>(load_model(format_safetensors(missing), "m")); },
+              ThrowsMessage<InputError>(HasSubstr("tensor 'block_4_project/kernel' is missing")));
+  TensorFile reshaped = shipped_tensors();
+  reshaped.tensors.at("head/bias") = {{4}, {0, 0, 0, 0}, TensorType::f32};
+  EXPECT_THROW(static_cast<void>(load_model(format_safetensors(reshaped), "m")), InputError);
+}
+
+TEST(ResamplePhoto, averages_when_coarser_and_keeps_constant_colours) {
+  Photo photo{{"EPSG:32633"}, {0.0, 10.0, 0.2, 50, 50}, Raster<std::uint8_t>(50, 50, 3, 100), Raster<std::uint8_t>(50, 50, 1, 1)};
+  for (int row = 0; row < 50; ++row) photo.rgb.at(0, row, 0) = 200;  // a fifth and a fifth of the first pixel of 0.5 m
+  const Photo half = resample_photo(photo, 0.5);
+  EXPECT_EQ(half.frame, (GridFrame{0.0, 10.0, 0.5, 20, 20}));
+  EXPECT_EQ(half.rgb.at(0, 7, 0), 140);
+  EXPECT_EQ(half.rgb.at(0, 7, 1), 100);
+  EXPECT_EQ(half.rgb.at(19, 19, 2), 100);
+  const Photo same = resample_photo(photo, 0.2);
+  EXPECT_EQ(same.rgb.data, photo.rgb.data);
+}
+
+TEST(ResamplePhoto, bilinear_reproduces_a_ramp) {
+  Photo photo{{"EPSG:32633"}, {0.0, 52.0, 0.52, 100, 100}, Raster<std::uint8_t>(100, 100, 3), Raster<std::uint8_t>(100, 100, 1, 1)};
+  for (int row = 0; row < 100; ++row) {
+    for (int col = 0; col < 100; ++col) photo.rgb.at(col, row, 0) = static_cast<std::uint8_t>(2 * col);
+  }
+  const Photo out = resample_photo(photo, 0.5);
+  for (int col = 2; col < 100; ++col) {
+    const double expected = 2.0 * ((col + 0.5) * 0.5 / 0.52 - 0.5);
+    EXPECT_NEAR(out.rgb.at(col, 50, 0), expected, 0.51) << col;
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive
