@@ -30,7 +30,8 @@ void run(SegmentCommand& command, const Context& context) {
   command.options.threads = context.threads;
   const fs::path model_file = io::find_model(command.model);
   const SegmentModel model = load_model(io::read_file(model_file), model_file.string());
-  const SegmentResult result = segment_mosaic(read_whole_photo(command.photo, context.threads), model, command.options, context.monitor);
+  const SegmentResult result =
+      segment_mosaic(read_whole_photo(command.photo, context.threads), model, command.options, context.monitor);
   io::write_labels(command.labels, result.labels);
   if (!command.confidence.empty()) io::write_confidence(command.confidence, result.confidence);
   for (const Finding& finding : result.findings) context.monitor->info(finding.message);
@@ -45,7 +46,8 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_option("-o,--output", command->labels, "label map (palette GeoTIFF with class table)")->required();
   cmd->add_option("--confidence", command->confidence, "also write the probability of each label (GeoTIFF, 0..255)");
   cmd->add_option("--model", command->model, "name in the models folder or a .safetensors file")->capture_default_str();
-  cmd->add_option("--window", command->options.window_px, "pixels the network sees at once, a multiple of 16; the labels do not depend on it")
+  cmd->add_option("--window", command->options.window_px,
+                  "pixels the network sees at once, a multiple of 16; the labels do not depend on it")
       ->capture_default_str();
   cmd->footer(
       "Reads the photo and a model; writes the labels in the photo's UTM zone at the model's scale (0.5 m/px).\n"

@@ -39,10 +39,13 @@ class LogFile {
     if (!append) stream_ << "step,learning_rate,loss,seconds,validation,road_iou,mean_iou,pixel_accuracy\n";
   }
   void write(const TrainReport& report) {
-    const auto number = [](const std::optional<double>& value) { return value ? fmt::format("{:.4f}", *value) : std::string(); };
+    const auto number = [](const std::optional<double>& value) {
+      return value ? fmt::format("{:.4f}", *value) : std::string();
+    };
     stream_ << fmt::format("{},{:.6f},{},{:.1f},{},{},{},{}\n", report.step, report.learning_rate,
-                           report.validation.empty() ? fmt::format("{:.4f}", report.loss) : "", report.seconds, report.validation,
-                           number(report.road_iou), number(report.mean_iou), number(report.pixel_accuracy))
+                           report.validation.empty() ? fmt::format("{:.4f}", report.loss) : "", report.seconds,
+                           report.validation, number(report.road_iou), number(report.mean_iou),
+                           number(report.pixel_accuracy))
             << std::flush;
   }
 
@@ -74,20 +77,22 @@ void run(const TrainCommand& command, const Context& context) {
   experiment.train.threads = context.threads;
   const ClassTable& classes = default_class_table();
   if (!command.measure.empty()) {
-    return measure(command.measure, read_held_out_data(experiment, classes, context.threads, context.monitor), context.threads);
+    return measure(command.measure, read_held_out_data(experiment, classes, context.threads, context.monitor),
+                   context.threads);
   }
   if (command.out.empty()) throw OptionError("-o is missing: the folder to train into");
   const fs::path checkpoint = command.out / "checkpoint.safetensors";
   const bool exists = fs::exists(checkpoint);
   if (exists && !command.resume && !command.preview) {
-    throw OptionError(fmt::format("{} holds a training run: go on with --resume or choose another folder", command.out.string()));
+    throw OptionError(
+        fmt::format("{} holds a training run: go on with --resume or choose another folder", command.out.string()));
   }
   fs::create_directories(command.out);
   const TrainingData data = read_training_data(experiment, classes, context.threads, context.monitor);
   if (command.preview) return write_previews(data, classes, command.out);
 
-  Trainer trainer(parse_safetensors(io::read_file(experiment.trunk), experiment.trunk.string()), experiment.trunk.string(),
-                  {.classes = classes, .gsd_m = experiment.gsd_m}, experiment.train);
+  Trainer trainer(parse_safetensors(io::read_file(experiment.trunk), experiment.trunk.string()),
+                  experiment.trunk.string(), {.classes = classes, .gsd_m = experiment.gsd_m}, experiment.train);
   if (exists) trainer.restore(parse_safetensors(io::read_file(checkpoint), checkpoint.string()), checkpoint.string());
   write_text_file(command.out / "experiment.toml", text);
   LogFile log(command.out / "log.csv", exists);
@@ -106,14 +111,18 @@ void run(const TrainCommand& command, const Context& context) {
 void add_train(CLI::App& app, Context& context) {
   auto command = std::make_shared<TrainCommand>();
   CLI::App* cmd = app.add_subcommand("train", "Trains a segmentation network on photos, maps and synthetic sites.");
-  cmd->add_option("experiment", command->experiment, "what to train on and how (TOML, see docs/segmentation.md)")->required();
+  cmd->add_option("experiment", command->experiment, "what to train on and how (TOML, see docs/segmentation.md)")
+      ->required();
   cmd->add_option("-o,--output", command->out, "folder for model.safetensors, checkpoint.safetensors, log.csv");
   cmd->add_flag("--resume", command->resume, "go on from the checkpoint in the folder");
-  cmd->add_option("--measure", command->measure, "instead of training, print the scores of this model on the held-out data as JSON");
-  cmd->add_flag("--preview", command->preview, "only write pictures of the labels into the folder, to look at them before training");
+  cmd->add_option("--measure", command->measure,
+                  "instead of training, print the scores of this model on the held-out data as JSON");
+  cmd->add_flag("--preview", command->preview,
+                "only write pictures of the labels into the folder, to look at them before training");
   cmd->footer(
       "Reads the experiment and the data it names; writes into the output folder.\n"
-      "The outcome repeats for the same number of threads. Needs about 4 GB; the shipped model took an hour on two cores.\n"
+      "The outcome repeats for the same number of threads. Needs about 4 GB; the shipped model took an hour on two "
+      "cores.\n"
       "Examples:\n"
       "  orthodrive train models/default.toml -o out/train --preview\n"
       "  orthodrive train models/default.toml -o out/train --resume\n"

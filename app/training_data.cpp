@@ -20,10 +20,14 @@ SiteFrame site_of(const Box2& lonlat) {
   constexpr int steps = 16;  // a side: its edges bend in UTM
   SiteFrame site{utm_crs(0.5 * (lonlat.min_x + lonlat.max_x), 0.5 * (lonlat.min_y + lonlat.max_y)), {}};
   const CoordinateTransform transform({"EPSG:4326"}, site.crs);
-  const Vec2 corners[] = {{lonlat.min_x, lonlat.min_y}, {lonlat.max_x, lonlat.min_y}, {lonlat.max_x, lonlat.max_y}, {lonlat.min_x, lonlat.max_y}};
+  const Vec2 corners[] = {{lonlat.min_x, lonlat.min_y},
+                          {lonlat.max_x, lonlat.min_y},
+                          {lonlat.max_x, lonlat.max_y},
+                          {lonlat.min_x, lonlat.max_y}};
   for (int side = 0; side < 4; ++side) {
     const Vec2 from = corners[side], to = corners[(side + 1) % 4];
-    for (int i = 0; i < steps; ++i) site.area.outer.push_back(transform.target_from_source(from + (to - from) * (static_cast<double>(i) / steps)));
+    for (int i = 0; i < steps; ++i)
+      site.area.outer.push_back(transform.target_from_source(from + (to - from) * (static_cast<double>(i) / steps)));
   }
   return site;
 }
@@ -31,7 +35,8 @@ SiteFrame site_of(const Box2& lonlat) {
 bool matches(const PaintRule& rule, const std::map<std::string, std::string>& tags) {
   return std::all_of(rule.where.begin(), rule.where.end(), [&](const auto& condition) {
     const auto tag = tags.find(condition.first);
-    return tag != tags.end() && std::find(condition.second.begin(), condition.second.end(), tag->second) != condition.second.end();
+    return tag != tags.end() &&
+           std::find(condition.second.begin(), condition.second.end(), tag->second) != condition.second.end();
   });
 }
 
@@ -66,7 +71,8 @@ struct LabelledPhoto {
   Raster<ClassSet> allowed;
 };
 
-LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_m, const ClassTable& classes, int threads) {
+LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_m, const ClassTable& classes,
+                            int threads) {
   const SiteFrame site = site_of(lonlat);
   LabelledPhoto result;
   // Through the photo's own scale, as prediction comes to it.
@@ -98,14 +104,16 @@ LabelledPhoto read_synthetic(const SyntheticData& data, double gsd_m, const Clas
     for (int col = 0; col < frame.width; ++col) {
       const Vec2 p = labels.frame.pixel_from_world(frame.center_of(col, row));
       const int label_col = static_cast<int>(std::floor(p.x)), label_row = static_cast<int>(std::floor(p.y));
-      if (labels.labels.inside(label_col, label_row)) result.allowed.at(col, row) = set_of_label[labels.labels.at(label_col, label_row)];
+      if (labels.labels.inside(label_col, label_row))
+        result.allowed.at(col, row) = set_of_label[labels.labels.at(label_col, label_row)];
     }
   }
   forget_missing_photo(result.photo, result.allowed);
   return result;
 }
 
-Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const std::map<std::array<std::uint8_t, 3>, ClassSet>& palette) {
+Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image,
+                                  const std::map<std::array<std::uint8_t, 3>, ClassSet>& palette) {
   Raster<ClassSet> sets(image.width, image.height, 1, unknown_class);
   for (std::size_t i = 0; i < sets.data.size(); ++i) {
     const auto entry = palette.find({image.data[3 * i], image.data[3 * i + 1], image.data[3 * i + 2]});
@@ -114,14 +122,17 @@ Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const std::
   return sets;
 }
 
-TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassSet> allowed, double gsd_m, const SceneUse& use) {
-  return {std::move(name), std::move(rgb), std::move(allowed), gsd_m, use.weight, use.min_zoom, use.max_zoom, use.from_step};
+TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassSet> allowed, double gsd_m,
+                       const SceneUse& use) {
+  return {std::move(name), std::move(rgb), std::move(allowed), gsd_m,
+          use.weight,      use.min_zoom,   use.max_zoom,       use.from_step};
 }
 
 enum class Part { training, held_out };
 
 /// Images at the scale they are said to have; those held out are brought to the model's scale.
-void add_images(TrainingData& result, const ImageData& data, Part part, double gsd_m, const ClassTable& classes, int threads) {
+void add_images(TrainingData& result, const ImageData& data, Part part, double gsd_m, const ClassTable& classes,
+                int threads) {
   std::map<std::array<std::uint8_t, 3>, ClassSet> palette;
   for (const auto& [color, names] : data.palette) palette[color] = class_set(names, classes, data.name);
   std::vector<fs::path> files;
@@ -131,43 +142,54 @@ void add_images(TrainingData& result, const ImageData& data, Part part, double g
   const std::size_t first = result.scenes.size();
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();
-    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(), [&](const std::string& prefix) { return stem.starts_with(prefix); });
+    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(),
+                                      [&](const std::string& prefix) { return stem.starts_with(prefix); });
     if (held_out != (part == Part::held_out)) continue;
     Raster<std::uint8_t> rgb = io::read_image(file);
     Raster<ClassSet> allowed = sets_from_colors(io::read_image(data.labels / (stem + ".png")), palette);
-    if (allowed.width != rgb.width || allowed.height != rgb.height) throw InputError(file.string(), "differs in size from its labels");
+    if (allowed.width != rgb.width || allowed.height != rgb.height)
+      throw InputError(file.string(), "differs in size from its labels");
     if (part == Part::training) {
       result.scenes.push_back(scene_of(stem, std::move(rgb), std::move(allowed), data.gsd_m, data.use));
       continue;
     }
     const int width = rgb.width, height = rgb.height;
-    const Photo photo{{}, {0.0, height * data.gsd_m, data.gsd_m, width, height}, std::move(rgb), Raster<std::uint8_t>(width, height, 1, 1)};
+    const Photo photo{{},
+                      {0.0, height * data.gsd_m, data.gsd_m, width, height},
+                      std::move(rgb),
+                      Raster<std::uint8_t>(width, height, 1, 1)};
     ValidationScene scene{data.name, resample_photo(photo, gsd_m, threads), {}};
     const GridFrame& frame = scene.photo.frame;
     scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
     for (int row = 0; row < frame.height; ++row) {
       for (int col = 0; col < frame.width; ++col) {
         const Vec2 p = photo.frame.pixel_from_world(frame.center_of(col, row));
-        if (allowed.inside(static_cast<int>(p.x), static_cast<int>(p.y))) scene.allowed.at(col, row) = allowed.at(static_cast<int>(p.x), static_cast<int>(p.y));
+        if (allowed.inside(static_cast<int>(p.x), static_cast<int>(p.y)))
+          scene.allowed.at(col, row) = allowed.at(static_cast<int>(p.x), static_cast<int>(p.y));
       }
     }
     result.validation.push_back(std::move(scene));
   }
   // The weight is that of the data set: each image gets its share by area.
   double area = 0.0;
-  for (std::size_t i = first; i < result.scenes.size(); ++i) area += static_cast<double>(result.scenes[i].allowed.data.size());
-  for (std::size_t i = first; i < result.scenes.size(); ++i) result.scenes[i].weight *= static_cast<double>(result.scenes[i].allowed.data.size()) / area;
+  for (std::size_t i = first; i < result.scenes.size(); ++i)
+    area += static_cast<double>(result.scenes[i].allowed.data.size());
+  for (std::size_t i = first; i < result.scenes.size(); ++i)
+    result.scenes[i].weight *= static_cast<double>(result.scenes[i].allowed.data.size()) / area;
 }
 
-void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, Part part, const SceneUse& use) {
+void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, Part part,
+                  const SceneUse& use) {
   if (part == Part::held_out) {
     result.validation.push_back({name, std::move(labelled.photo), std::move(labelled.allowed)});
   } else {
-    result.scenes.push_back(scene_of(name, std::move(labelled.photo.rgb), std::move(labelled.allowed), labelled.photo.frame.gsd_m, use));
+    result.scenes.push_back(
+        scene_of(name, std::move(labelled.photo.rgb), std::move(labelled.allowed), labelled.photo.frame.gsd_m, use));
   }
 }
 
-void add_part(TrainingData& result, const Experiment& experiment, Part part, const ClassTable& classes, int threads, Monitor* monitor) {
+void add_part(TrainingData& result, const Experiment& experiment, Part part, const ClassTable& classes, int threads,
+              Monitor* monitor) {
   const auto tell = [&](const std::string& name) {
     if (monitor) monitor->info("reading " + name + (part == Part::held_out ? ", held out" : ""));
   };
@@ -190,20 +212,23 @@ void add_part(TrainingData& result, const Experiment& experiment, Part part, con
 
 }  // namespace
 
-TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads, Monitor* monitor) {
+TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads,
+                                Monitor* monitor) {
   TrainingData result;
   add_part(result, experiment, Part::training, classes, threads, monitor);
   add_part(result, experiment, Part::held_out, classes, threads, monitor);
   return result;
 }
 
-std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, const ClassTable& classes, int threads, Monitor* monitor) {
+std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, const ClassTable& classes, int threads,
+                                                Monitor* monitor) {
   TrainingData result;
   add_part(result, experiment, Part::held_out, classes, threads, monitor);
   return std::move(result.validation);
 }
 
-Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed, const ClassTable& classes) {
+Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed,
+                                   const ClassTable& classes) {
   Raster<std::uint8_t> preview = rgb;
   for (std::size_t i = 0; i < allowed.data.size(); ++i) {
     int count = 0;
@@ -214,7 +239,8 @@ Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster
       for (std::size_t k = 0; k < 3; ++k) sum[k] += classes.classes[c].color[k];
     }
     if (count == 0) continue;
-    for (std::size_t k = 0; k < 3; ++k) preview.data[3 * i + k] = static_cast<std::uint8_t>((rgb.data[3 * i + k] + sum[k] / count) / 2);
+    for (std::size_t k = 0; k < 3; ++k)
+      preview.data[3 * i + k] = static_cast<std::uint8_t>((rgb.data[3 * i + k] + sum[k] / count) / 2);
   }
   return preview;
 }

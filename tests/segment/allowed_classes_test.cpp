@@ -18,7 +18,8 @@ std::vector<float> random_scores(std::size_t pixels, std::uint64_t seed) {
   return scores;
 }
 
-double loss_of(const std::vector<float>& scores, const std::vector<ClassSet>& allowed, const AllowedLossOptions& options) {
+double loss_of(const std::vector<float>& scores, const std::vector<ClassSet>& allowed,
+               const AllowedLossOptions& options) {
   std::vector<float> gradient(scores.size());
   return allowed_class_loss(scores, allowed, options, gradient);
 }

@@ -52,11 +52,14 @@ TEST(Experiment, mistakes_are_named_with_their_line) {
     text.replace(text.find(from), from.size(), to);
     return [text] { static_cast<void>(parse_experiment(text, "x.toml")); };
   };
-  EXPECT_THAT(parse(small, "steps = 20", "stepps = 20"), ThrowsMessage<InputError>(HasSubstr("x.toml:3: 'stepps' is not known here")));
-  EXPECT_THAT(parse(small, "steps = 20", "steps = \"many\""), ThrowsMessage<InputError>(HasSubstr("'steps' must be a number")));
+  EXPECT_THAT(parse(small, "steps = 20", "stepps = 20"),
+              ThrowsMessage<InputError>(HasSubstr("x.toml:3: 'stepps' is not known here")));
+  EXPECT_THAT(parse(small, "steps = 20", "steps = \"many\""),
+              ThrowsMessage<InputError>(HasSubstr("'steps' must be a number")));
   EXPECT_THAT(parse(small, "steps = 20", "steps = = 20"), ThrowsMessage<InputError>(HasSubstr("x.toml:3")));
   EXPECT_THAT(parse(small, "name = \"town\"", ""), ThrowsMessage<InputError>(HasSubstr("'name' is missing")));
-  EXPECT_THAT(parse(small, "3.0, 4.0]", "3.0]"), ThrowsMessage<InputError>(HasSubstr("must be [west, south, east, north]")));
+  EXPECT_THAT(parse(small, "3.0, 4.0]", "3.0]"),
+              ThrowsMessage<InputError>(HasSubstr("must be [west, south, east, north]")));
 }
 
 TEST(Experiment, classes_by_name) {

@@ -15,7 +15,13 @@ std::string drawing(const Raster<ClassSet>& sets) {
   for (int row = 0; row < sets.height; ++row) {
     for (int col = 0; col < sets.width; ++col) {
       const ClassSet set = sets.at(col, row);
-      text += set == 0 ? '.' : set == ground ? 'g' : set == road ? 'r' : set == parking ? 'p' : set == building ? 'b' : set == (road | parking) ? 'x' : '?';
+      text += set == 0                  ? '.'
+              : set == ground           ? 'g'
+              : set == road             ? 'r'
+              : set == parking          ? 'p'
+              : set == building         ? 'b'
+              : set == (road | parking) ? 'x'
+                                        : '?';
     }
     text += '\n';
   }
@@ -30,9 +36,12 @@ TEST(PaintLabels, a_tiny_town) {
   const GridFrame frame{100.0, 210.0, 1.0, 12, 10};
   const PaintLayer car_park{.shapes = {box(100, 204, 104, 210)}, .classes = parking};
   const PaintLayer house{.shapes = {box(107, 205, 111, 209)}, .classes = building, .unknown_outside_m = 0.6};
-  const PaintLayer service{.shapes = {{.line = {{98.0, 207.5}, {105.9, 207.5}}, .width_m = 1.0}}, .classes = road, .merge_over = parking};
-  const PaintLayer street{.shapes = {{.line = {{90.0, 201.5}, {120.0, 201.5}}, .width_m = 3.0}}, .classes = road,
-                          .unknown_inside_m = 0.9, .unknown_outside_m = 0.4};
+  const PaintLayer service{
+      .shapes = {{.line = {{98.0, 207.5}, {105.9, 207.5}}, .width_m = 1.0}}, .classes = road, .merge_over = parking};
+  const PaintLayer street{.shapes = {{.line = {{90.0, 201.5}, {120.0, 201.5}}, .width_m = 3.0}},
+                          .classes = road,
+                          .unknown_inside_m = 0.9,
+                          .unknown_outside_m = 0.4};
   EXPECT_EQ(drawing(paint_labels(frame, ground, {car_park, house, service, street})),
             "ppppggg....g\n"
             "ppppgg.bbbb.\n"
@@ -48,8 +57,10 @@ TEST(PaintLabels, a_tiny_town) {
 
 TEST(PaintLabels, bands_do_not_cut_shapes_of_the_same_layer_that_touch) {
   const GridFrame frame{0.0, 3.0, 1.0, 6, 3};
-  const PaintLayer roads{.shapes = {{.line = {{-5.0, 1.5}, {11.0, 1.5}}, .width_m = 1.0}, {.line = {{2.5, -5.0}, {2.5, 8.0}}, .width_m = 1.0}},
-                         .classes = road, .unknown_outside_m = 1.0};
+  const PaintLayer roads{.shapes = {{.line = {{-5.0, 1.5}, {11.0, 1.5}}, .width_m = 1.0},
+                                    {.line = {{2.5, -5.0}, {2.5, 8.0}}, .width_m = 1.0}},
+                         .classes = road,
+                         .unknown_outside_m = 1.0};
   EXPECT_EQ(drawing(paint_labels(frame, ground, {roads})),
             "..r...\n"
             "rrrrrr\n"
@@ -62,7 +73,8 @@ TEST(PaintLabels, holes_points_and_things_outside) {
   ring.polygons[0].holes.push_back({{1, 1}, {1, 4}, {4, 4}, {4, 1}});
   const PaintLayer yard{.shapes = {ring}, .classes = building};
   const PaintLayer post{.shapes = {{.line = {{2.5, 2.5}}, .width_m = 1.0}}, .classes = parking};
-  const PaintLayer far_away{.shapes = {box(50, 50, 60, 60), {.line = {{-90.0, 0.0}, {-80.0, 0.0}}, .width_m = 4.0}}, .classes = road};
+  const PaintLayer far_away{.shapes = {box(50, 50, 60, 60), {.line = {{-90.0, 0.0}, {-80.0, 0.0}}, .width_m = 4.0}},
+                            .classes = road};
   EXPECT_EQ(drawing(paint_labels(frame, ground, {yard, post, far_away})),
             "bbbbb\n"
             "bgggb\n"
@@ -73,7 +85,9 @@ TEST(PaintLabels, holes_points_and_things_outside) {
 
 TEST(PaintLabels, a_line_thinner_than_its_doubt_leaves_only_doubt) {
   const GridFrame frame{0.0, 3.0, 1.0, 3, 3};
-  const PaintLayer path{.shapes = {{.line = {{-1.0, 1.5}, {4.0, 1.5}}, .width_m = 1.0}}, .classes = road, .unknown_inside_m = 0.6,
+  const PaintLayer path{.shapes = {{.line = {{-1.0, 1.5}, {4.0, 1.5}}, .width_m = 1.0}},
+                        .classes = road,
+                        .unknown_inside_m = 0.6,
                         .unknown_outside_m = 0.0};
   EXPECT_EQ(drawing(paint_labels(frame, ground, {path})), "ggg\n...\nggg\n");
 }

@@ -37,12 +37,21 @@ TEST(Safetensors, write_read_gives_the_same) {
 // Values of IEEE 754 binary16: exact ones stay, others go to the nearest, ties to even.
 TEST(Safetensors, half_rounds_to_nearest_even) {
   const float inf = std::numeric_limits<float>::infinity();
-  const std::vector<std::pair<float, float>> cases{
-      {0.0F, 0.0F},          {1.0F, 1.0F},       {2049.0F, 2048.0F},  // tie: even
-      {2051.0F, 2052.0F},    {0.1F, 0.0999755859375F},                {65504.0F, 65504.0F}, {65519.9F, 65504.0F},
-      {65520.0F, inf},       {1e9F, inf},        {-inf, -inf},        {0x1.0p-24F, 0x1.0p-24F},
-      {0x1.8p-24F, 0x1.0p-23F},  // tie between 1 and 2 units: even
-      {0x1.0p-25F, 0.0F},    {0x1.ff8p-15F, 0x1.ff8p-15F},            {-0x1.0p-14F, -0x1.0p-14F}};
+  const std::vector<std::pair<float, float>> cases{{0.0F, 0.0F},
+                                                   {1.0F, 1.0F},
+                                                   {2049.0F, 2048.0F},  // tie: even
+                                                   {2051.0F, 2052.0F},
+                                                   {0.1F, 0.0999755859375F},
+                                                   {65504.0F, 65504.0F},
+                                                   {65519.9F, 65504.0F},
+                                                   {65520.0F, inf},
+                                                   {1e9F, inf},
+                                                   {-inf, -inf},
+                                                   {0x1.0p-24F, 0x1.0p-24F},
+                                                   {0x1.8p-24F, 0x1.0p-23F},  // tie between 1 and 2 units: even
+                                                   {0x1.0p-25F, 0.0F},
+                                                   {0x1.ff8p-15F, 0x1.ff8p-15F},
+                                                   {-0x1.0p-14F, -0x1.0p-14F}};
   for (const auto& [value, expected] : cases) {
     TensorFile file;
     file.tensors["t"] = {{1}, {value}, TensorType::f16};
@@ -72,10 +81,18 @@ TEST(Safetensors, refuses_other_types_and_lying_offsets) {
     const std::uint64_t size = header.size();
     return std::string(reinterpret_cast<const char*>(&size), 8) + header + std::string(8, '\0');
   };
-  EXPECT_THROW(static_cast<void>(parse_safetensors(with_header(R"({"t":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})"), "x")), InputError);
-  EXPECT_THROW(static_cast<void>(parse_safetensors(with_header(R"({"t":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})"), "x")), InputError);
-  EXPECT_THROW(static_cast<void>(parse_safetensors(with_header(R"({"t":{"dtype":"F32","shape":[1],"data_offsets":[8,4]}})"), "x")), InputError);
-  EXPECT_THROW(static_cast<void>(parse_safetensors(with_header(R"({"t":{"dtype":"F32","shape":[-1],"data_offsets":[0,8]}})"), "x")), InputError);
+  EXPECT_THROW(static_cast<void>(
+                   parse_safetensors(with_header(R"({"t":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})"), "x")),
+               InputError);
+  EXPECT_THROW(static_cast<void>(
+                   parse_safetensors(with_header(R"({"t":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})"), "x")),
+               InputError);
+  EXPECT_THROW(static_cast<void>(
+                   parse_safetensors(with_header(R"({"t":{"dtype":"F32","shape":[1],"data_offsets":[8,4]}})"), "x")),
+               InputError);
+  EXPECT_THROW(static_cast<void>(
+                   parse_safetensors(with_header(R"({"t":{"dtype":"F32","shape":[-1],"data_offsets":[0,8]}})"), "x")),
+               InputError);
   EXPECT_THROW(static_cast<void>(parse_safetensors(with_header("[1, 2]"), "x")), InputError);
 }
 

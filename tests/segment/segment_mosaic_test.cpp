@@ -20,14 +20,19 @@ using ::testing::ThrowsMessage;
 
 /// Grass with a grey road from west to east, a red roof, and noise on everything.
 Photo painted_photo(int width, int height, double gsd_m) {
-  Photo photo{{"EPSG:32633"}, {500000.0, 6400000.0, gsd_m, width, height}, Raster<std::uint8_t>(width, height, 3), Raster<std::uint8_t>(width, height, 1, 1)};
+  Photo photo{{"EPSG:32633"},
+              {500000.0, 6400000.0, gsd_m, width, height},
+              Raster<std::uint8_t>(width, height, 3),
+              Raster<std::uint8_t>(width, height, 1, 1)};
   Random random(5);
   for (int row = 0; row < height; ++row) {
     for (int col = 0; col < width; ++col) {
       const double x_m = col * gsd_m, y_m = row * gsd_m;
-      const bool road = std::abs(y_m - 60.0 - 5.0 * std::sin(x_m / 30.0)) < 4.0, roof = x_m > 40.0 && x_m < 60.0 && y_m > 80.0 && y_m < 95.0;
+      const bool road = std::abs(y_m - 60.0 - 5.0 * std::sin(x_m / 30.0))<4.0, roof = x_m> 40.0 && x_m < 60.0 &&
+                        y_m > 80.0 && y_m < 95.0;
       const int base[3] = {road ? 115 : roof ? 170 : 90, road ? 115 : roof ? 90 : 115, road ? 118 : roof ? 75 : 70};
-      for (int c = 0; c < 3; ++c) photo.rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(base[c] + 12.0 * random.normal(), 0.0, 255.0));
+      for (int c = 0; c < 3; ++c)
+        photo.rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(base[c] + 12.0 * random.normal(), 0.0, 255.0));
     }
   }
   return photo;
@@ -88,15 +93,18 @@ TEST(SegmentMosaic, empty_and_coarse_photos) {
   Photo nothing = painted_photo(40, 30, 0.5);
   std::fill(nothing.valid.data.begin(), nothing.valid.data.end(), std::uint8_t{0});
   const SegmentResult result = segment_mosaic(nothing, shipped_model());
-  EXPECT_TRUE(std::all_of(result.labels.labels.data.begin(), result.labels.labels.data.end(), [](int label) { return label == label_nodata; }));
+  EXPECT_TRUE(std::all_of(result.labels.labels.data.begin(), result.labels.labels.data.end(),
+                          [](int label) { return label == label_nodata; }));
   const SegmentResult coarse = segment_mosaic(painted_photo(20, 15, 2.0), shipped_model());
   ASSERT_EQ(coarse.findings.size(), 1u);
   EXPECT_EQ(coarse.findings[0].code, "segment.coarse_photo");
 }
 
 TEST(SegmentMosaic, refuses_windows_that_are_all_margin) {
-  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 416})), OptionError);
-  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 1000})), OptionError);
+  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 416})),
+               OptionError);
+  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 1000})),
+               OptionError);
 }
 
 TEST(LoadModel, class_table_that_does_not_match_the_weights) {
@@ -104,7 +112,8 @@ TEST(LoadModel, class_table_that_does_not_match_the_weights) {
   std::string& table = file.metadata.at("classes");
   table.replace(table.find("{\"color\""), table.find("},{") + 2 - table.find("{\"color\""), "");  // one class less
   EXPECT_THAT([&] { static_cast<void>(load_model(format_safetensors(file), "m.safetensors")); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("m.safetensors: class table 'orthodrive-8' has 7 classes but the weights score 8"))));
+              ThrowsMessage<InputError>(
+                  AllOf(HasSubstr("m.safetensors: class table 'orthodrive-8' has 7 classes but the weights score 8"))));
 }
 
 TEST(LoadModel, damaged_files_are_input_errors) {
@@ -127,7 +136,10 @@ TEST(LoadModel, damaged_files_are_input_errors) {
 }
 
 TEST(ResamplePhoto, averages_when_coarser_and_keeps_constant_colours) {
-  Photo photo{{"EPSG:32633"}, {0.0, 10.0, 0.2, 50, 50}, Raster<std::uint8_t>(50, 50, 3, 100), Raster<std::uint8_t>(50, 50, 1, 1)};
+  Photo photo{{"EPSG:32633"},
+              {0.0, 10.0, 0.2, 50, 50},
+              Raster<std::uint8_t>(50, 50, 3, 100),
+              Raster<std::uint8_t>(50, 50, 1, 1)};
   for (int row = 0; row < 50; ++row) photo.rgb.at(0, row, 0) = 200;  // a fifth and a fifth of the first pixel of 0.5 m
   const Photo half = resample_photo(photo, 0.5);
   EXPECT_EQ(half.frame, (GridFrame{0.0, 10.0, 0.5, 20, 20}));
@@ -139,7 +151,10 @@ TEST(ResamplePhoto, averages_when_coarser_and_keeps_constant_colours) {
 }
 
 TEST(ResamplePhoto, bilinear_reproduces_a_ramp) {
-  Photo photo{{"EPSG:32633"}, {0.0, 52.0, 0.52, 100, 100}, Raster<std::uint8_t>(100, 100, 3), Raster<std::uint8_t>(100, 100, 1, 1)};
+  Photo photo{{"EPSG:32633"},
+              {0.0, 52.0, 0.52, 100, 100},
+              Raster<std::uint8_t>(100, 100, 3),
+              Raster<std::uint8_t>(100, 100, 1, 1)};
   for (int row = 0; row < 100; ++row) {
     for (int col = 0; col < 100; ++col) photo.rgb.at(col, row, 0) = static_cast<std::uint8_t>(2 * col);
   }

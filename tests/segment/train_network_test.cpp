@@ -11,7 +11,8 @@ namespace {
 
 /// A bright square (class 1) on dark ground (class 0), with a strip where either may be.
 TrainingScene toy_scene() {
-  TrainingScene scene{.name = "toy", .rgb = Raster<std::uint8_t>(96, 96, 3, 60), .allowed = Raster<ClassSet>(96, 96, 1, only(0))};
+  TrainingScene scene{
+      .name = "toy", .rgb = Raster<std::uint8_t>(96, 96, 3, 60), .allowed = Raster<ClassSet>(96, 96, 1, only(0))};
   for (int row = 30; row < 66; ++row) {
     for (int col = 30; col < 66; ++col) {
       for (int c = 0; c < 3; ++c) scene.rgb.at(col, row, c) = 200;
@@ -23,10 +24,19 @@ TrainingScene toy_scene() {
 }
 
 TrainOptions toy_options() {
-  return {.steps = 8, .warmup_steps = 2, .decay_from_step = 6, .learning_rate = 3e-3, .freeze_norm_from_step = 6, .batch = 2, .crop_px = 64, .threads = 1};
+  return {.steps = 8,
+          .warmup_steps = 2,
+          .decay_from_step = 6,
+          .learning_rate = 3e-3,
+          .freeze_norm_from_step = 6,
+          .batch = 2,
+          .crop_px = 64,
+          .threads = 1};
 }
 
-Trainer toy_trainer() { return {shipped_tensors(), "default", {.classes = default_class_table(), .gsd_m = 0.5}, toy_options()}; }
+Trainer toy_trainer() {
+  return {shipped_tensors(), "default", {.classes = default_class_table(), .gsd_m = 0.5}, toy_options()};
+}
 
 TEST(Trainer, a_few_steps_lower_the_loss) {
   TrainOptions options = toy_options();
@@ -88,7 +98,8 @@ TEST(Trainer, refuses_impossible_options) {
 
 TEST(DrawCrop, repeats_for_a_seed_and_keeps_labels_with_their_pixels) {
   TrainingScene scene = toy_scene();
-  const Crop a = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 7), b = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 7);
+  const Crop a = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 7),
+             b = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 7);
   EXPECT_EQ(a.rgb.data, b.rgb.data);
   EXPECT_EQ(a.allowed.data, b.allowed.data);
   EXPECT_NE(a.rgb.data, draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 8).rgb.data);

@@ -17,8 +17,8 @@ float weight_of(ClassSet allowed, const AllowedLossOptions& options) {
 
 }  // namespace
 
-double allowed_class_loss(std::span<const float> scores, std::span<const ClassSet> allowed, const AllowedLossOptions& options,
-                          std::span<float> gradient) {
+double allowed_class_loss(std::span<const float> scores, std::span<const ClassSet> allowed,
+                          const AllowedLossOptions& options, std::span<float> gradient) {
   const std::size_t classes = options.class_weights.size();
   assert(classes <= 8 && scores.size() == allowed.size() * classes && gradient.size() == scores.size());
   double total_weight = 0.0, loss = 0.0;
@@ -80,7 +80,8 @@ double LabelScore::mean_iou() const {
 }
 
 double LabelScore::pixel_accuracy() const {
-  return known_ == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(right_) / static_cast<double>(known_);
+  return known_ == 0 ? std::numeric_limits<double>::quiet_NaN()
+                     : static_cast<double>(right_) / static_cast<double>(known_);
 }
 
 }  // namespace orthodrive

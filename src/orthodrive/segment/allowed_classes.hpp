@@ -20,13 +20,13 @@ struct AllowedLossOptions {
   float set_weight = 1.0F;           ///< for pixels with several
 };
 
-/// `scores`: pixels x classes, `allowed`: one set a pixel. Returns the weighted mean over the known pixels (0 when there
-/// are none) and writes its derivative by the scores.
+/// `scores`: pixels x classes, `allowed`: one set a pixel. Returns the weighted mean over the known pixels (0 when
+/// there are none) and writes its derivative by the scores.
 [[nodiscard]] double allowed_class_loss(std::span<const float> scores, std::span<const ClassSet> allowed,
                                         const AllowedLossOptions& options, std::span<float> gradient);
 
-/// How labels agree with weak labels: ordinary counts on pixels with one allowed class; a label outside a set of several
-/// is a false positive of that label.
+/// How labels agree with weak labels: ordinary counts on pixels with one allowed class; a label outside a set of
+/// several is a false positive of that label.
 class LabelScore {
  public:
   explicit LabelScore(int class_count);

@@ -154,7 +154,8 @@ ImageData read_images(Section& section) {
     entry.read("color", color);
     entry.read("classes", classes);
     color.resize(3);
-    data.palette[{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]), static_cast<std::uint8_t>(color[2])}] = classes;
+    data.palette[{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                  static_cast<std::uint8_t>(color[2])}] = classes;
   });
   read_use(section, data.use);
   return data;
@@ -217,7 +218,8 @@ ClassSet class_set(const std::vector<std::string>& names, const ClassTable& tabl
   for (const std::string& name : names) {
     std::size_t label = 0;
     while (label < table.classes.size() && table.classes[label].name != name) ++label;
-    if (label == table.classes.size()) throw InputError(source, fmt::format("class '{}' is not in the table '{}'", name, table.name));
+    if (label == table.classes.size())
+      throw InputError(source, fmt::format("class '{}' is not in the table '{}'", name, table.name));
     set = static_cast<ClassSet>(set | only(static_cast<int>(label)));
   }
   return set;

@@ -21,7 +21,7 @@ struct PaintRule {
   std::vector<std::string> highways;  ///< not empty: `file` is OSM, its roads of these kinds with their widths
   std::vector<std::string> classes;   ///< what may be there; empty: unknown
   std::vector<std::string> merge_over;
-  double line_width_m = 0.0;          ///< of lines and points
+  double line_width_m = 0.0;  ///< of lines and points
   double unknown_inside_m = 0.0, unknown_outside_m = 0.0;
 };
 
@@ -48,7 +48,7 @@ struct ImageData {
   std::filesystem::path images, labels;
   double gsd_m = 0.5;
   std::map<std::array<std::uint8_t, 3>, std::vector<std::string>> palette;  ///< other colours are unknown
-  std::vector<std::string> held_out;    ///< stems that begin so are for validation
+  std::vector<std::string> held_out;                                        ///< stems that begin so are for validation
   SceneUse use;
 };
 
@@ -56,7 +56,7 @@ struct ImageData {
 struct SyntheticData {
   std::string name;
   std::filesystem::path folder;
-  bool held_out = false;                ///< measured, not trained on
+  bool held_out = false;  ///< measured, not trained on
   SceneUse use;
 };
 
@@ -73,6 +73,7 @@ struct Experiment {
 [[nodiscard]] Experiment parse_experiment(std::string_view text, const std::filesystem::path& file);
 
 /// Bits of the named classes. Throws InputError naming `source` for an unknown name.
-[[nodiscard]] ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table, const std::string& source);
+[[nodiscard]] ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table,
+                                 const std::string& source);
 
 }  // namespace orthodrive

@@ -15,7 +15,11 @@ constexpr double batch_norm_eps = 1e-3;       // of the Keras weights
 constexpr double batch_norm_momentum = 0.02;  // share of the newest batch in the running statistics
 
 ConvSpec trunk_conv(const std::string& prefix, const std::string& part, int in, int out, bool relu6) {
-  return {.conv = prefix + "_" + part + "/kernel", .norm = prefix + "_" + part + "_BN", .in = in, .out = out, .relu6 = relu6};
+  return {.conv = prefix + "_" + part + "/kernel",
+          .norm = prefix + "_" + part + "_BN",
+          .in = in,
+          .out = out,
+          .relu6 = relu6};
 }
 
 ConvSpec trunk_depthwise(const std::string& prefix, int channels, int stride) {
@@ -39,8 +43,8 @@ ConvSpec decoder_conv(const std::string& name, int in, int out, bool depthwise, 
           .trunk = false};
 }
 
-/// Padding is symmetric where TensorFlow's 'same' pads strided layers at the end only. Both sample the same function, one
-/// pixel apart, so the ImageNet weights fit either way and this way costs no extra copy.
+/// Padding is symmetric where TensorFlow's 'same' pads strided layers at the end only. Both sample the same function,
+/// one pixel apart, so the ImageNet weights fit either way and this way costs no extra copy.
 at::Tensor convolve(const ConvSpec& spec, ConvParams& params, const at::Tensor& x, ForwardMode mode) {
   const std::int64_t padding = (spec.kernel - 1) / 2, groups = spec.depthwise ? spec.in : 1;
   at::Tensor y = at::conv2d(x, params.kernel, params.bias, spec.stride, padding, 1, groups);
@@ -87,7 +91,8 @@ at::Tensor he_normal(const ConvSpec& spec, std::uint64_t seed) {
   const double fan_in = spec.kernel * spec.kernel * (spec.depthwise ? 1 : spec.in);
   Random random(seed);
   float* data = hwio.data_ptr<float>();
-  for (std::int64_t i = 0; i < hwio.numel(); ++i) data[i] = static_cast<float>(random.normal() * std::sqrt(2.0 / fan_in));
+  for (std::int64_t i = 0; i < hwio.numel(); ++i)
+    data[i] = static_cast<float>(random.normal() * std::sqrt(2.0 / fan_in));
   return kernel_from_hwio(spec, hwio);
 }
 
@@ -107,9 +112,11 @@ ConvParams fresh_params(const ConvSpec& spec, std::uint64_t seed) {
 at::Tensor find_tensor(const TensorFile& file, const std::string& source, const std::string& name,
                        const std::vector<std::int64_t>& shape) {
   const auto it = file.tensors.find(name);
-  if (it == file.tensors.end()) throw InputError(source, fmt::format("tensor '{}' is missing, it is no {} model", name, FcnSpec::architecture));
+  if (it == file.tensors.end())
+    throw InputError(source, fmt::format("tensor '{}' is missing, it is no {} model", name, FcnSpec::architecture));
   if (it->second.shape != shape) {
-    throw InputError(source, fmt::format("tensor '{}' has shape [{}], need [{}]", name, fmt::join(it->second.shape, ","), fmt::join(shape, ",")));
+    throw InputError(source, fmt::format("tensor '{}' has shape [{}], need [{}]", name,
+                                         fmt::join(it->second.shape, ","), fmt::join(shape, ",")));
   }
   return tensor_from(it->second);
 }
@@ -121,7 +128,8 @@ std::string bias_name(const ConvSpec& spec) { return spec.conv.substr(0, spec.co
 FcnSpec make_fcn_spec(int class_count) {
   FcnSpec spec;
   spec.stem = {.conv = "Conv1/kernel", .norm = "bn_Conv1", .in = 3, .out = 32, .kernel = 3, .stride = 2};
-  spec.bottlenecks.push_back({{trunk_depthwise("expanded_conv", 32, 1), trunk_conv("expanded_conv", "project", 32, 16, false)}});
+  spec.bottlenecks.push_back(
+      {{trunk_depthwise("expanded_conv", 32, 1), trunk_conv("expanded_conv", "project", 32, 16, false)}});
   // Table 2 of the paper: out channels, repeats, stride of the first; expansion 6.
   struct Group {
     int out, repeats, stride;
@@ -130,10 +138,10 @@ FcnSpec make_fcn_spec(int class_count) {
   for (const Group group : {Group{24, 2, 2}, Group{32, 3, 2}, Group{64, 4, 2}, Group{96, 3, 1}}) {
     for (int i = 0; i < group.repeats; ++i, ++block) {
       const std::string prefix = fmt::format("block_{}", block);
-      spec.bottlenecks.push_back({{trunk_conv(prefix, "expand", in, 6 * in, true),
-                                   trunk_depthwise(prefix, 6 * in, i == 0 ? group.stride : 1),
-                                   trunk_conv(prefix, "project", 6 * in, group.out, false)},
-                                  i > 0});
+      spec.bottlenecks.push_back(
+          {{trunk_conv(prefix, "expand", in, 6 * in, true), trunk_depthwise(prefix, 6 * in, i == 0 ? group.stride : 1),
+            trunk_conv(prefix, "project", 6 * in, group.out, false)},
+           i > 0});
       in = group.out;
     }
   }
@@ -155,7 +163,8 @@ FcnSpec make_fcn_spec(int class_count) {
 
 std::vector<ConvSpec> FcnSpec::all() const {
   std::vector<ConvSpec> convs{stem};
-  for (const Bottleneck& bottleneck : bottlenecks) convs.insert(convs.end(), bottleneck.convs.begin(), bottleneck.convs.end());
+  for (const Bottleneck& bottleneck : bottlenecks)
+    convs.insert(convs.end(), bottleneck.convs.begin(), bottleneck.convs.end());
   convs.push_back(context_depthwise);
   convs.push_back(context_project);
   for (const Merge& merge : merges) {
@@ -217,7 +226,8 @@ FcnParams params_from_file(const FcnSpec& spec, const TensorFile& file, const st
       params.push_back(fresh_params(conv, derive_seed(options.seed, params.size())));
       continue;
     }
-    ConvParams p{.kernel = kernel_from_hwio(conv, find_tensor(file, source, conv.conv, file_shape(conv))), .depthwise = conv.depthwise};
+    ConvParams p{.kernel = kernel_from_hwio(conv, find_tensor(file, source, conv.conv, file_shape(conv))),
+                 .depthwise = conv.depthwise};
     const std::vector<std::int64_t> channels{conv.out};
     if (conv.norm.empty()) {
       p.bias = find_tensor(file, source, bias_name(conv), channels);

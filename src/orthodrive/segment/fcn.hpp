@@ -32,11 +32,11 @@ struct FcnSpec {
   };
   ConvSpec stem;
   std::vector<Bottleneck> bottlenecks;
-  ConvSpec context_depthwise, context_project;             ///< at stride 16
+  ConvSpec context_depthwise, context_project;  ///< at stride 16
   struct Merge {
     ConvSpec lateral, depthwise, project;
   };
-  std::vector<Merge> merges;                               ///< at strides 8, 4, 2
+  std::vector<Merge> merges;  ///< at strides 8, 4, 2
   ConvSpec head;
 
   [[nodiscard]] std::vector<ConvSpec> all() const;

@@ -26,7 +26,8 @@ ClassTable classes_from_json(const nlohmann::json& json) {
   ClassTable table{json.at("name").get<std::string>(), {}};
   for (const auto& entry : json.at("classes")) {
     table.classes.push_back({entry.at("name").get<std::string>(), entry.at("color").get<std::array<std::uint8_t, 3>>(),
-                             role_from_string(entry.at("role").get<std::string>()), entry.at("cost_false_positive").get<double>(),
+                             role_from_string(entry.at("role").get<std::string>()),
+                             entry.at("cost_false_positive").get<double>(),
                              entry.at("cost_false_negative").get<double>()});
   }
   return table;
@@ -39,8 +40,11 @@ ModelMetadata parse_model_metadata(const std::map<std::string, std::string>& met
     return {metadata.at("architecture"), classes_from_json(nlohmann::json::parse(metadata.at("classes"))),
             std::stod(metadata.at("gsd_m"))};
   } catch (const std::exception& error) {
-    throw InputError(source, fmt::format("has no model metadata (architecture, classes, gsd_m): {}; use a file written by 'orthodrive train'",
-                                         error.what()));
+    throw InputError(
+        source,
+        fmt::format(
+            "has no model metadata (architecture, classes, gsd_m): {}; use a file written by 'orthodrive train'",
+            error.what()));
   }
 }
 

@@ -15,7 +15,8 @@ struct ModelMetadata {
 };
 
 /// Keys "architecture", "gsd_m", "classes" (the JSON of docs/segmentation.md). Throws InputError naming `source`.
-[[nodiscard]] ModelMetadata parse_model_metadata(const std::map<std::string, std::string>& metadata, const std::string& source);
+[[nodiscard]] ModelMetadata parse_model_metadata(const std::map<std::string, std::string>& metadata,
+                                                 const std::string& source);
 [[nodiscard]] std::map<std::string, std::string> format_model_metadata(const ModelMetadata& metadata);
 
 }  // namespace orthodrive

@@ -11,7 +11,8 @@ template <typename Visit>
 void visit_capsule(const GridFrame& frame, Vec2 a, Vec2 b, double radius_m, const Visit& visit) {
   const Vec2 p = frame.pixel_from_world({std::min(a.x, b.x) - radius_m, std::max(a.y, b.y) + radius_m});
   const Vec2 q = frame.pixel_from_world({std::max(a.x, b.x) + radius_m, std::min(a.y, b.y) - radius_m});
-  const int begin_col = std::max(0, static_cast<int>(std::floor(p.x))), begin_row = std::max(0, static_cast<int>(std::floor(p.y)));
+  const int begin_col = std::max(0, static_cast<int>(std::floor(p.x))),
+            begin_row = std::max(0, static_cast<int>(std::floor(p.y)));
   const int end_col = static_cast<int>(std::min<double>(frame.width, std::ceil(q.x)));
   const int end_row = static_cast<int>(std::min<double>(frame.height, std::ceil(q.y)));
   const Vec2 direction = b - a;
@@ -51,7 +52,8 @@ class Painter {
   }
 
   void fill(const PaintShape& shape, const PaintLayer& layer) {
-    visit_line(frame_, shape.line, 0.5 * shape.width_m - layer.unknown_inside_m, [&](int col, int row) { put(col, row, layer); });
+    visit_line(frame_, shape.line, 0.5 * shape.width_m - layer.unknown_inside_m,
+               [&](int col, int row) { put(col, row, layer); });
     for (const Polygon& polygon : shape.polygons) {
       rasterize(polygon, frame_, [&](int row, int begin, int end) {
         for (int col = begin; col < end; ++col) put(col, row, layer);
@@ -61,7 +63,9 @@ class Painter {
   }
 
  private:
-  static bool merges(ClassSet set, const PaintLayer& layer) { return set != unknown_class && (set & ~layer.merge_over) == 0; }
+  static bool merges(ClassSet set, const PaintLayer& layer) {
+    return set != unknown_class && (set & ~layer.merge_over) == 0;
+  }
 
   void put(int col, int row, const PaintLayer& layer) {
     ClassSet& set = sets_.at(col, row);

@@ -27,7 +27,9 @@ struct PaintLayer {
   double unknown_inside_m = 0.0, unknown_outside_m = 0.0;
 };
 
-/// Starts from `background` everywhere. Within a layer all outer bands come first, so that they do not cut shapes that touch.
-[[nodiscard]] Raster<ClassSet> paint_labels(const GridFrame& frame, ClassSet background, const std::vector<PaintLayer>& layers);
+/// Starts from `background` everywhere. Within a layer all outer bands come first, so that they do not cut shapes that
+/// touch.
+[[nodiscard]] Raster<ClassSet> paint_labels(const GridFrame& frame, ClassSet background,
+                                            const std::vector<PaintLayer>& layers);
 
 }  // namespace orthodrive

@@ -18,7 +18,8 @@ struct Taps {
   std::vector<float> weights;
 };
 
-/// `start` and `ratio`: source coordinate of the target pixel's near edge and the target pixel's size, in source pixels.
+/// `start` and `ratio`: source coordinate of the target pixel's near edge and the target pixel's size, in source
+/// pixels.
 Taps make_taps(double start, double ratio) {
   Taps taps;
   if (ratio > average_from_ratio) {
@@ -53,7 +54,8 @@ Photo resample_photo(const Photo& photo, double gsd_m, int threads) {
   out.valid = Raster<std::uint8_t>(frame.width, frame.height, 1, 0);
   const double ratio = same_scale ? 1.0 : gsd_m / photo.frame.gsd_m;
   const Vec2 start = photo.frame.pixel_from_world({frame.west_m, frame.north_m});
-  const std::vector<Taps> columns = make_axis(frame.width, start.x, ratio), rows = make_axis(frame.height, start.y, ratio);
+  const std::vector<Taps> columns = make_axis(frame.width, start.x, ratio),
+                          rows = make_axis(frame.height, start.y, ratio);
   parallel_for(static_cast<std::size_t>(frame.height), threads, [&](std::size_t index) {
     const int row = static_cast<int>(index);
     const Taps& vertical = rows[index];

@@ -36,7 +36,8 @@ std::uint16_t half_from_float(float value) {
   if (magnitude >= 65520.0F) return static_cast<std::uint16_t>(sign | 0x7c00U);
   if (magnitude < 0x1.0p-14F) {  // subnormal: the addition rounds to multiples of 2^-24, to nearest even
     const float shifted = magnitude + 0.5F;
-    return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(shifted) - std::bit_cast<std::uint32_t>(0.5F)));
+    return static_cast<std::uint16_t>(sign |
+                                      (std::bit_cast<std::uint32_t>(shifted) - std::bit_cast<std::uint32_t>(0.5F)));
   }
   const std::uint32_t m = std::bit_cast<std::uint32_t>(magnitude);
   const std::uint32_t rounded = m + 0xfffU + ((m >> 13) & 1U) - ((127U - 15U) << 23);
@@ -55,9 +56,11 @@ NamedTensor parse_tensor(const nlohmann::json& entry, std::string_view data) {
   const auto begin = entry.at("data_offsets").at(0).get<std::size_t>();
   const auto end = entry.at("data_offsets").at(1).get<std::size_t>();
   const auto type = entry.at("dtype").get<std::string>();
-  if (type != "F32" && type != "F16") throw std::runtime_error("tensor type " + type + " is not supported, use F32 or F16");
+  if (type != "F32" && type != "F16")
+    throw std::runtime_error("tensor type " + type + " is not supported, use F32 or F16");
   const std::size_t count = element_count(tensor.shape), size = type == "F32" ? 4 : 2;
-  if (begin > end || end > data.size() || end - begin != count * size) throw std::runtime_error("truncated or inconsistent");
+  if (begin > end || end > data.size() || end - begin != count * size)
+    throw std::runtime_error("truncated or inconsistent");
   tensor.values.resize(count);
   if (type == "F32") {
     std::memcpy(tensor.values.data(), data.data() + begin, end - begin);
@@ -96,7 +99,8 @@ TensorFile parse_safetensors(std::string_view bytes, const std::string& source) 
       }
     }
   } catch (const std::exception& error) {
-    throw InputError(source, fmt::format("not a complete safetensors file (tensor '{}': {}): fetch it again", name, error.what()));
+    throw InputError(
+        source, fmt::format("not a complete safetensors file (tensor '{}': {}): fetch it again", name, error.what()));
   }
   return file;
 }

@@ -14,8 +14,8 @@ enum class TensorType { f32, f16 };
 
 struct NamedTensor {
   std::vector<std::int64_t> shape;
-  std::vector<float> values;              ///< row-major
-  TensorType stored_as = TensorType::f32; ///< type in the file; f16 rounds to nearest even
+  std::vector<float> values;               ///< row-major
+  TensorType stored_as = TensorType::f32;  ///< type in the file; f16 rounds to nearest even
 };
 
 struct TensorFile {

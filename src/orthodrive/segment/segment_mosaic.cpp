@@ -44,13 +44,14 @@ bool any_photo(const Photo& photo, const Core& core) {
 
 /// The core with its margin. Beyond the mosaic there is no photo, whatever window looks there.
 Raster<std::uint8_t> cut_window(const Photo& photo, const Core& core) {
-  Raster<std::uint8_t> window(round_up_to_stride(core.width) + 2 * fcn_margin_px, round_up_to_stride(core.height) + 2 * fcn_margin_px, 3,
-                              no_photo_value);
+  Raster<std::uint8_t> window(round_up_to_stride(core.width) + 2 * fcn_margin_px,
+                              round_up_to_stride(core.height) + 2 * fcn_margin_px, 3, no_photo_value);
   const int west = core.col - fcn_margin_px, north = core.row - fcn_margin_px;
   const int begin = std::max(0, -west), end = std::min(window.width, photo.frame.width - west);
   for (int row = 0; row < window.height; ++row) {
     if (north + row < 0 || north + row >= photo.frame.height) continue;
-    std::memcpy(&window.at(begin, row), &photo.rgb.at(west + begin, north + row), static_cast<std::size_t>(end - begin) * 3);
+    std::memcpy(&window.at(begin, row), &photo.rgb.at(west + begin, north + row),
+                static_cast<std::size_t>(end - begin) * 3);
   }
   return window;
 }
@@ -70,9 +71,11 @@ class SingleThreadedTorch {
 
 }  // namespace
 
-SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, const SegmentOptions& options, Monitor* monitor) {
+SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, const SegmentOptions& options,
+                             Monitor* monitor) {
   if (options.window_px % fcn_stride_px != 0 || options.window_px <= 2 * fcn_margin_px) {
-    throw OptionError(fmt::format("window of {} px: must be a multiple of {} above {}", options.window_px, fcn_stride_px, 2 * fcn_margin_px));
+    throw OptionError(fmt::format("window of {} px: must be a multiple of {} above {}", options.window_px,
+                                  fcn_stride_px, 2 * fcn_margin_px));
   }
   const Photo photo = resample_photo(source, model.gsd_m, options.threads);
   const GridFrame& frame = photo.frame;
@@ -81,10 +84,11 @@ SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, con
   result.confidence = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height, 1, 0)};
   if (source.frame.gsd_m > 1.5 * model.gsd_m) {
     const Vec2 center = frame.world_from_pixel(0.5 * frame.width, 0.5 * frame.height);
-    result.findings.push_back({Severity::warning, "segment.coarse_photo",
-                               fmt::format("the photo has {:.2f} m/px, the network was trained at {:.2f} m/px: expect ragged labels",
-                                           source.frame.gsd_m, model.gsd_m),
-                               center.x, center.y});
+    result.findings.push_back(
+        {Severity::warning, "segment.coarse_photo",
+         fmt::format("the photo has {:.2f} m/px, the network was trained at {:.2f} m/px: expect ragged labels",
+                     source.frame.gsd_m, model.gsd_m),
+         center.x, center.y});
   }
 
   const std::vector<Core> cores = plan_cores(frame.width, frame.height, options.window_px);
@@ -104,7 +108,8 @@ SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, con
         const float* p = &probabilities.at(fcn_margin_px + col, fcn_margin_px + row);
         const float* best = std::max_element(p, p + classes);
         result.labels.labels.at(core.col + col, core.row + row) = static_cast<std::uint8_t>(best - p);
-        result.confidence.confidence.at(core.col + col, core.row + row) = static_cast<std::uint8_t>(std::lround(*best * 255.0F));
+        result.confidence.confidence.at(core.col + col, core.row + row) =
+            static_cast<std::uint8_t>(std::lround(*best * 255.0F));
       }
     }
   };

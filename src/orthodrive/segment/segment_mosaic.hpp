@@ -22,7 +22,7 @@ struct SegmentResult {
 /// The photo is brought to the model's scale, then classified window by window. Each window carries a margin of real
 /// pixels at least as wide as what the network sees, so the windows leave no trace. Needs about 0.7 GB a worker at
 /// the default window, plus 5 bytes a pixel.
-[[nodiscard]] SegmentResult segment_mosaic(const Photo& photo, const SegmentModel& model, const SegmentOptions& options = {},
-                                           Monitor* monitor = nullptr);
+[[nodiscard]] SegmentResult segment_mosaic(const Photo& photo, const SegmentModel& model,
+                                           const SegmentOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

@@ -25,7 +25,8 @@ double learning_rate_at(const TrainOptions& options, std::int64_t step) {
   const auto t = static_cast<double>(step);
   if (step < options.warmup_steps) return options.learning_rate * (t + 1.0) / static_cast<double>(options.warmup_steps);
   if (step < options.decay_from_step) return options.learning_rate;
-  const double left = static_cast<double>(options.steps - step) / static_cast<double>(std::max<std::int64_t>(1, options.steps - options.decay_from_step));
+  const double left = static_cast<double>(options.steps - step) /
+                      static_cast<double>(std::max<std::int64_t>(1, options.steps - options.decay_from_step));
   return options.learning_rate * 0.5 * (1.0 - std::cos(std::numbers::pi * std::clamp(left, 0.0, 1.0)));
 }
 
@@ -46,7 +47,9 @@ NamedTensor copy_of(const at::Tensor& tensor) {
 void copy_into(at::Tensor& target, const TensorFile& file, const std::string& name, const std::string& source) {
   const auto it = file.tensors.find(name);
   if (it == file.tensors.end() || it->second.shape != target.sizes().vec()) {
-    throw InputError(source, fmt::format("tensor '{}' is missing or of another shape: the checkpoint is of another experiment", name));
+    throw InputError(
+        source,
+        fmt::format("tensor '{}' is missing or of another shape: the checkpoint is of another experiment", name));
   }
   const at::NoGradGuard no_grad;
   target.copy_(at::from_blob(const_cast<float*>(it->second.values.data()), it->second.shape, at::kFloat));
@@ -57,7 +60,8 @@ struct Batch {
   std::vector<ClassSet> allowed;
 };
 
-Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& options, double gsd_m, std::int64_t step) {
+Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& options, double gsd_m,
+                 std::int64_t step) {
   const std::size_t pixels = static_cast<std::size_t>(options.crop_px) * static_cast<std::size_t>(options.crop_px);
   const auto count = static_cast<std::size_t>(options.batch);
   Batch batch{std::vector<std::uint8_t>(3 * pixels * count), std::vector<ClassSet>(pixels * count)};
@@ -114,13 +118,15 @@ struct Trainer::State {
   }
 };
 
-Trainer::Trainer(const TensorFile& trunk, const std::string& source, const ModelMetadata& metadata, TrainOptions options)
+Trainer::Trainer(const TensorFile& trunk, const std::string& source, const ModelMetadata& metadata,
+                 TrainOptions options)
     : state_(std::make_unique<State>()) {
   if (options.class_weights.size() != metadata.classes.classes.size() || options.class_weights.size() > 8) {
-    throw OptionError(fmt::format("{} class weights for {} classes (at most 8): give one a class", options.class_weights.size(),
-                                  metadata.classes.classes.size()));
+    throw OptionError(fmt::format("{} class weights for {} classes (at most 8): give one a class",
+                                  options.class_weights.size(), metadata.classes.classes.size()));
   }
-  if (options.crop_px % fcn_stride_px != 0) throw OptionError(fmt::format("crop of {} px: must be a multiple of {}", options.crop_px, fcn_stride_px));
+  if (options.crop_px % fcn_stride_px != 0)
+    throw OptionError(fmt::format("crop of {} px: must be a multiple of {}", options.crop_px, fcn_stride_px));
   state_->options = std::move(options);
   state_->metadata = metadata;
   state_->metadata.architecture = FcnSpec::architecture;
@@ -147,8 +153,9 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
                                 .contiguous(at::MemoryFormat::ChannelsLast);
   at::Tensor gradient = at::empty_like(scores.detach(), at::MemoryFormat::Preserve);
   const auto count = static_cast<std::size_t>(scores.numel());
-  const double loss = allowed_class_loss({scores.data_ptr<float>(), count}, batch.allowed,
-                                         {s.options.class_weights, s.options.set_weight}, {gradient.data_ptr<float>(), count});
+  const double loss =
+      allowed_class_loss({scores.data_ptr<float>(), count}, batch.allowed,
+                         {s.options.class_weights, s.options.set_weight}, {gradient.data_ptr<float>(), count});
   if (!std::isfinite(loss)) throw Error(fmt::format("training diverged at step {}: lower the learning rate", s.step));
   scores.backward(gradient);
   s.update_weights(learning_rate());
@@ -189,12 +196,15 @@ TensorFile Trainer::model_file() const {
 }
 
 int road_label(const ClassTable& classes) {
-  const auto road = std::find_if(classes.classes.begin(), classes.classes.end(), [](const ClassInfo& c) { return c.role == Role::road; });
-  if (road == classes.classes.end()) throw OptionError(fmt::format("class table '{}' has no class of role road", classes.name));
+  const auto road = std::find_if(classes.classes.begin(), classes.classes.end(),
+                                 [](const ClassInfo& c) { return c.role == Role::road; });
+  if (road == classes.classes.end())
+    throw OptionError(fmt::format("class table '{}' has no class of role road", classes.name));
   return static_cast<int>(road - classes.classes.begin());
 }
 
-std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes, int threads) {
+std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
+                                                int threads) {
   std::map<std::string, LabelScore> scores;
   for (const ValidationScene& scene : scenes) {
     const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads});
@@ -212,8 +222,13 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
     const SegmentModel model = load_model(format_safetensors(trainer.model_file()), "network in training");
     const int road = road_label(model.classes);
     for (const auto& [name, score] : measure_model(model, validation, options.threads)) {
-      hooks.report({.step = trainer.step(), .learning_rate = trainer.learning_rate(), .seconds = seconds(), .road_iou = score.iou(road),
-                    .mean_iou = score.mean_iou(), .pixel_accuracy = score.pixel_accuracy(), .validation = name});
+      hooks.report({.step = trainer.step(),
+                    .learning_rate = trainer.learning_rate(),
+                    .seconds = seconds(),
+                    .road_iou = score.iou(road),
+                    .mean_iou = score.mean_iou(),
+                    .pixel_accuracy = score.pixel_accuracy(),
+                    .validation = name});
     }
   };
 
@@ -224,7 +239,10 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
     loss_sum += trainer.advance(scenes);
     ++loss_count;
     if (trainer.step() % report_every == 0) {
-      hooks.report({.step = trainer.step(), .learning_rate = rate, .loss = loss_sum / static_cast<double>(loss_count), .seconds = seconds()});
+      hooks.report({.step = trainer.step(),
+                    .learning_rate = rate,
+                    .loss = loss_sum / static_cast<double>(loss_count),
+                    .seconds = seconds()});
       loss_sum = 0.0, loss_count = 0;
       if (monitor) monitor->progress(static_cast<double>(trainer.step()) / static_cast<double>(options.steps), "train");
     }

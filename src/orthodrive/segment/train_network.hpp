@@ -23,15 +23,15 @@ namespace orthodrive {
 struct TrainOptions {
   std::int64_t steps = 2000, warmup_steps = 100, decay_from_step = 1500;
   double learning_rate = 1e-3;
-  double trunk_rate_factor = 0.5;          ///< the ImageNet weights move slower
-  double weight_decay = 1e-4;              ///< decoupled (Loshchilov and Hutter, 2019), kernels only
+  double trunk_rate_factor = 0.5;             ///< the ImageNet weights move slower
+  double weight_decay = 1e-4;                 ///< decoupled (Loshchilov and Hutter, 2019), kernels only
   std::int64_t freeze_norm_from_step = 1500;  ///< from here batch norm uses its running statistics, as prediction does
   int batch = 4, crop_px = 384;
   std::vector<float> class_weights = std::vector<float>(8, 1.0F);
-  float set_weight = 1.0F;                 ///< of pixels with several allowed classes
+  float set_weight = 1.0F;  ///< of pixels with several allowed classes
   std::uint64_t seed = 1;
-  std::int64_t validate_every = 200;       ///< steps; 0 = only at the end
-  int threads = 0;                         ///< results repeat for the same number only: sums run in parallel
+  std::int64_t validate_every = 200;  ///< steps; 0 = only at the end
+  int threads = 0;                    ///< results repeat for the same number only: sums run in parallel
 };
 
 struct ValidationScene {
@@ -44,7 +44,7 @@ struct ValidationScene {
 struct TrainReport {
   std::int64_t step = 0;
   double learning_rate = 0.0, loss = 0.0;
-  double seconds = 0.0;  ///< since this process began training
+  double seconds = 0.0;                                      ///< since this process began training
   std::optional<double> road_iou, mean_iou, pixel_accuracy;  ///< where validated
   std::string validation;
 };
@@ -74,14 +74,15 @@ class Trainer {
 };
 
 /// Scores by name; scenes of one name count together. The scenes must have the model's scale.
-[[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
+[[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model,
+                                                              const std::vector<ValidationScene>& scenes,
                                                               int threads = 0);
 /// Label of the class with role road. Throws OptionError when there is none.
 [[nodiscard]] int road_label(const ClassTable& classes);
 
 struct TrainHooks {
-  std::function<void(const TrainReport&)> report;    ///< every 10 steps and after each validation
-  std::function<void(const Trainer&)> checkpoint;    ///< after each validation round and at the end
+  std::function<void(const TrainReport&)> report;  ///< every 10 steps and after each validation
+  std::function<void(const Trainer&)> checkpoint;  ///< after each validation round and at the end
 };
 
 /// Trains until options.steps, validating on the way.

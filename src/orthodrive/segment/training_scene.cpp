@@ -25,7 +25,8 @@ Placement draw_placement(const TrainingScene& scene, const CropOptions& options,
   const Vec2 down = random.uniform() < 0.5 ? left_normal(right) : left_normal(right) * -1.0;
   // Centres keep a quarter of the crop inside the photo, so that few crops are mostly empty.
   const double margin = std::min({0.25 * step * options.size_px, 0.5 * scene.rgb.width, 0.5 * scene.rgb.height});
-  const Vec2 center{random.uniform(margin, scene.rgb.width - margin), random.uniform(margin, scene.rgb.height - margin)};
+  const Vec2 center{random.uniform(margin, scene.rgb.width - margin),
+                    random.uniform(margin, scene.rgb.height - margin)};
   return {center - (right + down) * (0.5 * (options.size_px - 1)), right, down};
 }
 
@@ -53,13 +54,15 @@ Crop cut(const TrainingScene& scene, int size, const Placement& place) {
 
 /// value -> 255 * gain * (contrast * (value/255 - 1/2) + 1/2) ^ gamma, another gain for each channel.
 void disturb_colors(Raster<std::uint8_t>& rgb, Random& random) {
-  const double brightness = random.uniform(0.75, 1.25), contrast = random.uniform(0.8, 1.25), gamma = random.uniform(0.8, 1.25);
+  const double brightness = random.uniform(0.75, 1.25), contrast = random.uniform(0.8, 1.25),
+               gamma = random.uniform(0.8, 1.25);
   for (int c = 0; c < 3; ++c) {
     const double gain = brightness * random.uniform(0.92, 1.08);
     std::array<std::uint8_t, 256> table{};
     for (int value = 0; value < 256; ++value) {
       const double stretched = std::clamp(contrast * (value / 255.0 - 0.5) + 0.5, 0.0, 1.0);
-      table[static_cast<std::size_t>(value)] = static_cast<std::uint8_t>(std::clamp(255.0 * gain * std::pow(stretched, gamma), 0.0, 255.0));
+      table[static_cast<std::size_t>(value)] =
+          static_cast<std::uint8_t>(std::clamp(255.0 * gain * std::pow(stretched, gamma), 0.0, 255.0));
     }
     for (std::size_t i = static_cast<std::size_t>(c); i < rgb.data.size(); i += 3) rgb.data[i] = table[rgb.data[i]];
   }

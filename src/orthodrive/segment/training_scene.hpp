@@ -12,12 +12,12 @@ namespace orthodrive {
 
 struct TrainingScene {
   std::string name;
-  Raster<std::uint8_t> rgb;         ///< no_photo_value where there is no photo
-  Raster<ClassSet> allowed;         ///< of the same size
+  Raster<std::uint8_t> rgb;  ///< no_photo_value where there is no photo
+  Raster<ClassSet> allowed;  ///< of the same size
   double gsd_m = 0.5;
-  double weight = 1.0;              ///< relative frequency of its crops
+  double weight = 1.0;                     ///< relative frequency of its crops
   double min_zoom = 0.8, max_zoom = 1.25;  ///< crops look as if photographed at gsd / zoom
-  std::int64_t from_step = 0;       ///< not used before
+  std::int64_t from_step = 0;              ///< not used before
 };
 
 struct CropOptions {
