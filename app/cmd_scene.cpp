@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
+#include <optional>
 #include <vector>
 
 #include "commands.hpp"
@@ -14,7 +13,6 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 
@@ -54,7 +52,13 @@ void run(const SceneCommand& command, const Context& context) {
   for (const auto& path : command.dtm) grids.push_back(io::read_dtm(path, {site.crs, photo_box}));
   const HeightGrid terrain = merge_heights(grids, b);
 
-  // A trailing slash would leave the folder's name empty.
+  std::optional<LabelMap> labels;
+  if (!command.labels.empty()) labels = io::read_labels(command.labels);
+  if (labels && proj_string(labels->crs) != proj_string(site.crs))
+    throw InputError(command.labels.string(),
+                     "is not in the CRS of the roads; write it with `orthodrive segment` from the same photo");
+
+  // A trailing slash would leave the folder without a name.
   AsideFile out(command.out.has_filename() ? command.out : command.out.parent_path());
   std::vector<io::TileEntry> entries;
   std::mutex mutex;
@@ -62,7 +66,7 @@ void run(const SceneCommand& command, const Context& context) {
   SceneOptions options = command.options;
   options.threads = context.threads;
   const SceneResult result = build_scene(
-      {roads, terrain, photo, site.area},
+      {roads, terrain, photo, site.area, labels ? &*labels : nullptr},
       [&](const SceneTile& tile, Vec3 site_origin) {
         const io::TileEntry entry = io::write_tile_glb(out.path(), tile, site_origin);
         const std::lock_guard lock(mutex);
@@ -88,6 +92,7 @@ void add_scene(CLI::App& app, Context& context) {
   cmd->add_option("--network", command->network, "roads (OpenDRIVE); their geoReference is the scene's CRS")
       ->required();
   cmd->add_option("--photo", command->photo, "orthophoto (any GDAL raster): texture and extent")->required();
+  cmd->add_option("--labels", command->labels, "label map of that photo: its classes become feature ids of the tiles");
   cmd->add_option("--dtm", command->dtm, "bare-earth terrain model, best first; later ones fill its holes")->required();
   cmd->add_option("-o,--output", command->out, "folder for tileset.json and *.glb; replaced when all is done")
       ->required();

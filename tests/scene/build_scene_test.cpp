@@ -304,6 +304,23 @@ TEST(BuildScene, texture_has_the_photo_at_its_place) {
   EXPECT_NEAR(half.at(150, 60, 0), 150, 1);
 }
 
+TEST(BuildScene, labels_of_the_tile_are_those_of_the_map) {
+  const Site site = make_site(480.0, {});
+  LabelMap labels;
+  labels.frame = {west_m, south_m + 480.0, 2.0, 200, 240};  // 80 m in the east are missing
+  labels.labels = Raster<std::uint8_t>(200, 240, 1, 0);
+  labels.labels.at(30, 10) = 6;
+  labels.classes = default_class_table();
+  SceneInput input = site.input();
+  input.labels = &labels;
+  const SceneTile tile = build_scene_tile(*lay_out_scene(input), {1000, 13000});
+  ASSERT_EQ(tile.labels.width, 240);
+  EXPECT_EQ(tile.labels.at(30, 10), 6);
+  EXPECT_EQ(tile.labels.at(31, 10), 0);
+  EXPECT_EQ(tile.labels.at(200, 10), label_nodata);
+  EXPECT_EQ(tile.classes.classes.size(), labels.classes.classes.size());
+}
+
 TEST(BuildScene, thread_count_does_not_change_a_byte) {
   const auto hills = [](Vec2 p) { return 20.0 + 3.0 * std::sin(p.x / 41.0) * std::cos(p.y / 29.0); };
   std::vector<RoadShape> shapes;

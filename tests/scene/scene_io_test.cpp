@@ -73,6 +73,25 @@ TEST(SceneIo, glb_is_y_up_and_placed_from_the_site_origin) {
   EXPECT_EQ(glb.bytes.substr(0, 2), "\xff\xd8");  // the JPEG comes first
 }
 
+TEST(SceneIo, labels_become_feature_ids_with_a_table) {
+  SceneTile tile = small_tile();
+  tile.labels = Raster<std::uint8_t>(16, 16, 1, 1);
+  tile.classes = {"small", {{.name = "ground", .role = Role::ground}, {.name = "asphalt", .role = Role::road}}};
+  const fs::path own = folder / "labels";
+  const Glb glb = read_glb(own / io::write_tile_glb(own, tile, {}).uri);
+  const Json& ids = glb.json["meshes"][1]["primitives"][0]["extensions"]["EXT_mesh_features"]["featureIds"][0];
+  EXPECT_EQ(ids["featureCount"], 2);
+  EXPECT_EQ(ids["nullFeatureId"], 255);
+  const Json& image = glb.json["images"][glb.json["textures"][ids["texture"]["index"].get<int>()]["source"].get<int>()];
+  EXPECT_EQ(image["mimeType"], "image/png");
+  const Json& table = glb.json["extensions"]["EXT_structural_metadata"]["propertyTables"][0];
+  EXPECT_EQ(table["count"], 2);
+  const Json& names = glb.json["bufferViews"][table["properties"]["name"]["values"].get<int>()];
+  EXPECT_EQ(glb.bytes.substr(names["byteOffset"].get<std::size_t>(), names["byteLength"].get<std::size_t>()),
+            "groundasphalt");
+  for (const Json& view : glb.json["bufferViews"]) EXPECT_EQ(view.value("byteOffset", 0) % 8, 0);
+}
+
 TEST(SceneIo, same_tile_gives_the_same_bytes) {
   (void)io::write_tile_glb(folder, small_tile(), {});
   const std::string first = read(folder / "tile_5_7.glb");
@@ -85,7 +104,10 @@ TEST(SceneIo, khronos_validator_finds_no_error) {
   if (!fs::exists(source / "viewer/node_modules/gltf-validator"))
     GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix viewer";
   const fs::path own = folder / "validated";
-  const auto entry = io::write_tile_glb(own, small_tile(), {500000.0, 5400000.0, 190.0});
+  SceneTile labelled = small_tile();
+  labelled.labels = Raster<std::uint8_t>(16, 16, 1, 1);
+  labelled.classes = default_class_table();
+  const auto entry = io::write_tile_glb(own, labelled, {500000.0, 5400000.0, 190.0});
   SceneTile untextured = small_tile();
   untextured.row = 8;
   untextured.texture_rgb = {};

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/site_frame.hpp"
@@ -29,17 +30,23 @@ struct ReadPhotoOptions {
 /// The photo as it is, on its own grid. It must be north-up in a metric CRS (as synth and read_photo make them).
 [[nodiscard]] Photo read_photo_native(const std::filesystem::path& path);
 
-/// Reads the first DTM that covers and fills nodata holes of it from the next ones. A DTM whose CRS is the site CRS is
-/// read on its own grid without resampling (cropped to area + margin); others are warped (cubic) to the site CRS at their own GSD.
-/// Throws InputError when the area is not covered: by how much, and by which box the file lies.
+/// Heights over the box and a little more, NaN where the file has none. A terrain model whose CRS is the one asked for is read
+/// on its own grid without resampling; others are warped (cubic, exact coordinates) at their own GSD.
+[[nodiscard]] HeightGrid read_heights(const std::filesystem::path& path, const Crs& crs, const Box2& box);
+/// Heights over the area and the margin around it. Throws InputError when less than 98 % of the area is covered: by how much,
+/// and which box the file covers.
 [[nodiscard]] HeightGrid read_dtm(const std::filesystem::path& path, const SiteFrame& site, double margin_m = 50.0);
-/// Share of the area (0..1) in which the grid has heights.
-[[nodiscard]] double coverage(const HeightGrid& grid, const SiteFrame& site);
+/// Several terrain models, best first, that cover the area together (model/sample_height.hpp: merge_heights).
+[[nodiscard]] std::vector<HeightGrid> read_dtms(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
+                                                double margin_m = 50.0);
+/// Share of the area (0..1) in which at least one of the grids has heights.
+[[nodiscard]] double coverage(std::span<const HeightGrid> grids, const SiteFrame& site);
 
 /// Palette COG with the class table (JSON) in the metadata item ORTHODRIVE_CLASSES, nodata 255.
 void write_labels(const std::filesystem::path& path, const LabelMap& labels);
-/// Throws InputError when there is no class table in the metadata and none is given.
-[[nodiscard]] LabelMap read_labels(const std::filesystem::path& path, const std::optional<ClassTable>& classes = {});
+/// `fallback` is the class table of files of others, which have none in their metadata. Throws InputError when there is
+/// neither, and when a label is not in the table.
+[[nodiscard]] LabelMap read_labels(const std::filesystem::path& path, const std::optional<ClassTable>& fallback = {});
 void write_confidence(const std::filesystem::path& path, const ConfidenceMap& confidence);
 
 struct WritePhotoOptions {
@@ -50,6 +57,8 @@ void write_dtm(const std::filesystem::path& path, const HeightGrid& grid);
 
 /// Encoded images for glTF and the report. rgb has 3 channels.
 [[nodiscard]] std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quality = 85);
+/// Lossless; 1 or 3 channels.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Raster<std::uint8_t>& image);
 void write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& rgb);
 /// 3 channels from any PNG/JPEG without georeferencing (training data).
 [[nodiscard]] Raster<std::uint8_t> read_image(const std::filesystem::path& path);

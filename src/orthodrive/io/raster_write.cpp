@@ -107,22 +107,30 @@ void write_png(const fs::path& path, const Raster<std::uint8_t>& rgb) {
   create_copy(path, "PNG", *dataset, {});
 }
 
-std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quality) {
-  const DatasetPtr dataset = memory_dataset(rgb.width, rgb.height);
-  wrap_for_reading(*dataset, rgb);
+namespace {
+std::vector<std::uint8_t> encode(const Raster<std::uint8_t>& image, const char* driver, const std::vector<std::string>& options) {
+  const DatasetPtr dataset = memory_dataset(image.width, image.height);
+  wrap_for_reading(*dataset, image);
   static std::atomic<int> counter{0};
-  const std::string name = fmt::format("/vsimem/orthodrive-{}.jpg", counter++);
+  const std::string name = fmt::format("/vsimem/orthodrive-image-{}", counter++);
   const ScopedGdalOption no_side_car("GDAL_PAM_ENABLED", "NO");
-  GdalOptions options({fmt::format("QUALITY={}", quality)});
+  GdalOptions list(options);
   GdalErrors errors;
-  DatasetPtr made(GetGDALDriverManager()->GetDriverByName("JPEG")->CreateCopy(name.c_str(), dataset.get(), FALSE, options.get(),
+  DatasetPtr made(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(name.c_str(), dataset.get(), FALSE, list.get(),
                                                                               nullptr, nullptr));
   const bool created = made != nullptr;
   made.reset();
   vsi_l_offset size = 0;
   const std::unique_ptr<GByte, decltype(&VSIFree)> bytes(VSIGetMemFileBuffer(name.c_str(), &size, TRUE), VSIFree);
-  if (!created || errors.any() || !bytes) throw Error("an image cannot be encoded as JPEG: " + errors.text());
+  if (!created || errors.any() || !bytes) throw Error(fmt::format("an image cannot be encoded as {}: {}", driver, errors.text()));
   return {bytes.get(), bytes.get() + size};
 }
+}  // namespace
+
+std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quality) {
+  return encode(rgb, "JPEG", {fmt::format("QUALITY={}", quality)});
+}
+
+std::vector<std::uint8_t> encode_png(const Raster<std::uint8_t>& image) { return encode(image, "PNG", {}); }
 
 }  // namespace orthodrive::io

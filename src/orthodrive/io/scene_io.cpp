@@ -10,6 +10,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
@@ -21,14 +22,15 @@ namespace {
 /// glTF is y up: east, up, south. 3D Tiles turns it back.
 std::array<float, 3> y_up(const std::array<float, 3>& v) { return {v[0], v[2], -v[1]}; }
 
-/// Appends values to the only buffer, each block on a multiple of four bytes, and describes them by view and accessor.
+/// Appends values to the only buffer, each block on a multiple of eight bytes (EXT_structural_metadata wants that; glTF
+/// four), and describes them by view and accessor.
 class GltfBuffer {
  public:
   explicit GltfBuffer(tinygltf::Model& model) : model_(model) { model_.buffers.emplace_back(); }
 
   int add_view(const void* bytes, std::size_t size, int target) {
     auto& data = model_.buffers[0].data;
-    data.resize((data.size() + 3) / 4 * 4);
+    data.resize((data.size() + 7) / 8 * 8);
     tinygltf::BufferView view;
     view.buffer = 0;
     view.byteOffset = data.size();
@@ -86,32 +88,88 @@ tinygltf::Primitive add_primitive(GltfBuffer& buffer, const TriMesh& mesh, int m
   return primitive;
 }
 
+using Value = tinygltf::Value;
+
+/// Returns the index of the new texture.
+int add_texture(tinygltf::Model& model, int image_view, const char* mime_type, int min_filter, int mag_filter) {
+  tinygltf::Image image;
+  image.mimeType = mime_type;
+  image.bufferView = image_view;
+  model.images.push_back(image);
+  tinygltf::Sampler sampler;
+  sampler.minFilter = min_filter;
+  sampler.magFilter = mag_filter;
+  sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+  model.samplers.push_back(sampler);
+  tinygltf::Texture texture;
+  texture.source = static_cast<int>(model.images.size()) - 1;
+  texture.sampler = static_cast<int>(model.samplers.size()) - 1;
+  model.textures.push_back(texture);
+  return static_cast<int>(model.textures.size()) - 1;
+}
+
 /// The photo holds its own light, so the material is unlit where the viewer can do that.
 int add_photo_material(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& rgb) {
   tinygltf::Material material;
   material.name = "photo";
   material.pbrMetallicRoughness.metallicFactor = 0.0;
   material.pbrMetallicRoughness.roughnessFactor = 1.0;
-  material.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
+  material.extensions["KHR_materials_unlit"] = Value(Value::Object{});
   model.extensionsUsed.push_back("KHR_materials_unlit");
   if (!rgb.empty()) {
     const auto jpeg = encode_jpeg(rgb);
-    tinygltf::Image image;
-    image.mimeType = "image/jpeg";
-    image.bufferView = buffer.add_view(jpeg.data(), jpeg.size(), 0);
-    model.images.push_back(image);
-    tinygltf::Sampler sampler;
-    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
-    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
-    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-    model.samplers.push_back(sampler);
-    tinygltf::Texture texture;
-    texture.source = texture.sampler = 0;
-    model.textures.push_back(texture);
-    material.pbrMetallicRoughness.baseColorTexture.index = 0;
+    material.pbrMetallicRoughness.baseColorTexture.index =
+        add_texture(model, buffer.add_view(jpeg.data(), jpeg.size(), 0), "image/jpeg",
+                    TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR, TINYGLTF_TEXTURE_FILTER_LINEAR);
   }
   model.materials.push_back(material);
   return 0;
+}
+
+Value strings_property(GltfBuffer& buffer, const std::vector<std::string>& strings) {
+  std::string text;
+  std::vector<std::uint32_t> offsets = {0};
+  for (const std::string& s : strings) {
+    text += s;
+    offsets.push_back(static_cast<std::uint32_t>(text.size()));
+  }
+  const int values = buffer.add_view(text.data(), text.size(), 0);
+  const int ends = buffer.add_view(offsets.data(), offsets.size() * sizeof(offsets[0]), 0);
+  return Value(Value::Object{{"values", Value(values)}, {"stringOffsets", Value(ends)}});
+}
+
+/// What the photo shows, the 3D Tiles 1.1 way: a feature id texture (EXT_mesh_features) whose ids are the rows of a
+/// table with each class's name and role (EXT_structural_metadata). Returns the extension of the primitives.
+Value add_labels(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& labels,
+                 const ClassTable& table) {
+  const auto png = encode_png(labels);
+  const int texture = add_texture(model, buffer.add_view(png.data(), png.size(), 0), "image/png",
+                                  TINYGLTF_TEXTURE_FILTER_NEAREST, TINYGLTF_TEXTURE_FILTER_NEAREST);
+  std::vector<std::string> names, roles;
+  for (const ClassInfo& info : table.classes) names.push_back(info.name), roles.push_back(to_string(info.role));
+  const int count = static_cast<int>(names.size());
+  const Value string_type(Value::Object{{"type", Value(std::string("STRING"))}});
+  const Value schema(Value::Object{
+      {"id", Value(std::string("orthodrive"))},
+      {"classes", Value(Value::Object{
+                      {"label", Value(Value::Object{{"properties", Value(Value::Object{{"name", string_type},
+                                                                                       {"role", string_type}})}})}})}});
+  const Value properties(
+      Value::Object{{"name", strings_property(buffer, names)}, {"role", strings_property(buffer, roles)}});
+  const Value rows(
+      Value::Object{{"class", Value(std::string("label"))}, {"count", Value(count)}, {"properties", properties}});
+  model.extensions["EXT_structural_metadata"] =
+      Value(Value::Object{{"schema", schema}, {"propertyTables", Value(Value::Array{rows})}});
+  model.extensionsUsed.push_back("EXT_structural_metadata");
+  model.extensionsUsed.push_back("EXT_mesh_features");
+  const Value channel(Value::Array{Value(0)});
+  const Value ids(Value::Object{
+      {"featureCount", Value(count)},
+      {"nullFeatureId", Value(static_cast<int>(label_nodata))},
+      {"label", Value(std::string("label"))},
+      {"texture", Value(Value::Object{{"index", Value(texture)}, {"texCoord", Value(0)}, {"channels", channel}})},
+      {"propertyTable", Value(0)}});
+  return Value(Value::Object{{"featureIds", Value(Value::Array{ids})}});
 }
 
 struct Frame {
@@ -156,6 +214,8 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   model.asset.generator = "Orthodrive";
   GltfBuffer buffer(model);
   const int material = add_photo_material(model, buffer, tile.texture_rgb);
+  std::optional<Value> features;
+  if (!tile.labels.empty()) features = add_labels(model, buffer, tile.labels, tile.classes);
   const Vec3 shift = tile.origin - site_origin;
   tinygltf::Scene scene;
   TileEntry entry{fmt::format("tile_{}_{}.glb", tile.column, tile.row)};
@@ -164,6 +224,7 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
     tinygltf::Mesh gltf_mesh;
     gltf_mesh.name = mesh.name;
     gltf_mesh.primitives.push_back(add_primitive(buffer, mesh, material));
+    if (features) gltf_mesh.primitives[0].extensions["EXT_mesh_features"] = *features;
     tinygltf::Node node;
     node.name = mesh.name;
     node.mesh = static_cast<int>(model.meshes.size());

@@ -16,13 +16,15 @@ struct TileEntry {
   double min_z_m = 0.0, max_z_m = 0.0;
 };
 
-/// One .glb: y up as glTF demands (3D Tiles turns it back), JPEG texture inside, one primitive a mesh.
+/// One .glb: y up as glTF demands (3D Tiles turns it back), JPEG texture inside, one primitive a mesh. Labels become
+/// feature ids with a table of their classes (EXT_mesh_features, EXT_structural_metadata).
 /// Node translation = tile origin - site origin.
 TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, Vec3 site_origin);
 
 /// tileset.json: root transform from local east-north-up metres at `site_origin` to ECEF; asset.extras holds
 /// {"orthodrive": {"crs", "origin": [x, y, z]}} so that a viewer can place what is given in the site CRS.
 /// Tiles are sorted by uri: their order here does not matter.
-void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs, Vec3 site_origin);
+void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs,
+                   Vec3 site_origin);
 
 }  // namespace orthodrive::io

@@ -8,6 +8,7 @@
 
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/geo/vec.hpp"
+#include "orthodrive/model/class_table.hpp"
 
 namespace orthodrive {
 
@@ -27,6 +28,8 @@ struct SceneTile {
   double min_z_m = 0.0, max_z_m = 0.0;
   std::vector<TriMesh> meshes;
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile
+  Raster<std::uint8_t> labels;       ///< of the whole tile: what the photo shows; empty: not known
+  ClassTable classes;                ///< of the labels
 };
 
 }  // namespace orthodrive

@@ -331,6 +331,10 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   tile.min_z_m = tile.origin.z + static_cast<double>(low);
   tile.max_z_m = tile.origin.z + static_cast<double>(high);
   tile.texture_rgb = tile_texture(*layout.photo, box, layout.options.max_texture_px);
+  if (layout.labels != nullptr) {
+    tile.labels = tile_labels(*layout.labels, box, layout.options.max_texture_px);
+    tile.classes = layout.labels->classes;
+  }
   return tile;
 }
 

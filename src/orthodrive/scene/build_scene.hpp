@@ -22,6 +22,7 @@ struct SceneInput {
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
   Polygon area;  ///< the scene ends here; without an outer ring: at the convex hull of the photo's valid pixels
+  const LabelMap* labels = nullptr;  ///< if given, tiles carry the classes, for simulators and viewers
 };
 
 struct SceneOptions {

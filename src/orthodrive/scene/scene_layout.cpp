@@ -177,7 +177,7 @@ HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findin
 }  // namespace
 
 SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
-    : options(scene_options), photo(&input.photo) {
+    : options(scene_options), photo(&input.photo), labels(input.labels) {
   Polygon limits = input.area;
   if (limits.outer.empty()) limits.outer = photo_hull(input.photo);
   if (limits.outer.size() < 3) throw InputError("photo", "has no valid pixel, give one that shows the area");

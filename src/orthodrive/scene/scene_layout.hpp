@@ -35,6 +35,7 @@ class SceneLayout {
 
   SceneOptions options;
   const Photo* photo = nullptr;
+  const LabelMap* labels = nullptr;
   Vec3 origin;
   Findings findings;
   std::vector<TileAddress> tiles;

@@ -10,6 +10,10 @@ namespace {
 constexpr std::uint8_t no_photo_grey = 128;
 constexpr int bleed_px = 4;  // reach of trilinear filtering over the first mipmap levels
 
+int texture_size_px(const Box2& square, double gsd_m, int max_px) {
+  return std::clamp(static_cast<int>(std::floor(square.width() / gsd_m)), 1, max_px);
+}
+
 /// Pixels of one axis that share length with a texel, and how much.
 struct Span {
   int first = 0;
@@ -55,8 +59,7 @@ void bleed(Raster<std::uint8_t>& rgb, Raster<std::uint8_t>& known) {
 }  // namespace
 
 Raster<std::uint8_t> tile_texture(const Photo& photo, const Box2& square, int max_px) {
-  const int native_px = static_cast<int>(std::floor(square.width() / photo.frame.gsd_m));
-  const int size = std::clamp(native_px, 1, max_px);
+  const int size = texture_size_px(square, photo.frame.gsd_m, max_px);
   const Vec2 corner = photo.frame.pixel_from_world({square.min_x, square.max_y});
   const double texel_px = square.width() / photo.frame.gsd_m / size;
   const auto columns = spans(corner.x, texel_px, size, photo.frame.width);
@@ -90,6 +93,20 @@ Raster<std::uint8_t> tile_texture(const Photo& photo, const Box2& square, int ma
   if (!any) return {};
   for (int i = 0; i < bleed_px; ++i) bleed(rgb, known);
   return rgb;
+}
+
+Raster<std::uint8_t> tile_labels(const LabelMap& labels, const Box2& square, int max_px) {
+  const int size = texture_size_px(square, labels.frame.gsd_m, max_px);
+  const GridFrame texels{square.min_x, square.max_y, square.width() / size, size, size};
+  Raster<std::uint8_t> result(size, size, 1, label_nodata);
+  for (int row = 0; row < size; ++row) {
+    for (int col = 0; col < size; ++col) {
+      const Vec2 at = labels.frame.pixel_from_world(texels.center_of(col, row));
+      const int c = static_cast<int>(std::floor(at.x)), r = static_cast<int>(std::floor(at.y));
+      if (labels.labels.inside(c, r)) result.at(col, row) = labels.labels.at(c, r);
+    }
+  }
+  return result;
 }
 
 }  // namespace orthodrive::scene

@@ -10,4 +10,7 @@ namespace orthodrive::scene {
 /// at all.
 [[nodiscard]] Raster<std::uint8_t> tile_texture(const Photo& photo, const Box2& square, int max_px);
 
+/// The label at the centre of each texel, label_nodata outside the map; texels as in tile_texture().
+[[nodiscard]] Raster<std::uint8_t> tile_labels(const LabelMap& labels, const Box2& square, int max_px);
+
 }  // namespace orthodrive::scene
