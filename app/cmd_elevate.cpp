@@ -1,5 +1,71 @@
+// orthodrive elevate: heights and gradients for refined roads.
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "commands.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
 
 namespace orthodrive::app {
-void add_elevate(CLI::App&, Context&) {}
+namespace {
+
+struct ElevateCommand {
+  std::filesystem::path roads, out;
+  std::vector<std::filesystem::path> dtm;
+  ElevateOptions options;
+};
+
+SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {
+  Ring points;
+  for (const RoadPath& path : roads.paths)
+    for (const RoadNode& node : path.nodes) points.push_back(node.p);
+  if (points.empty()) throw InputError(file.string(), "has no road; refine an area with roads");
+  const Box2 b = bounds_of(points);
+  return {roads.crs, {{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}}};
+}
+
+void run(const ElevateCommand& command, const Context& context) {
+  const RoadNetwork roads = io::read_roads(command.roads);
+  const std::vector<HeightGrid> dtms = io::read_dtms(command.dtm, site_of(command.roads, roads));
+  ElevateOptions options = command.options;
+  options.threads = context.threads;
+  const EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
+  io::write_roads(command.out, result.roads);
+  for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
+  context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2",
+                                    command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2));
+}
+
+}  // namespace
+
+void add_elevate(CLI::App& app, Context& context) {
+  auto command = std::make_shared<ElevateCommand>();
+  CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile from terrain models.");
+  cmd->add_option("--roads", command->roads, "roads of `orthodrive refine` (GeoPackage)")->required();
+  cmd->add_option("--dtm", command->dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")->required();
+  cmd->add_option("-o,--output", command->out, "roads with heights (GeoPackage); may be the input")->required();
+  const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}};
+  cmd->add_option("--sampling", command->options.sampling, "how heights are taken between the terrain's pixels")
+      ->transform(CLI::CheckedTransformer(samplings))->default_str("cubic");
+  ElevateOptions& o = command->options;
+  cmd->add_option("--weight-gradient", o.weight_gradient, "w_g: pulls gradients to zero (reference: 1.2)")
+      ->check(CLI::NonNegativeNumber)->capture_default_str();
+  cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
+      ->check(CLI::NonNegativeNumber)->capture_default_str();
+  cmd->footer(
+      "Reads roads and terrain; writes the roads with z, gradient and the standard deviation of z.\n"
+      "Examples:\n"
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o roads_3d.gpkg");
+  cmd->callback([command, &context] { run(*command, context); });
+}
+
 }  // namespace orthodrive::app

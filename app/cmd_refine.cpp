@@ -1,5 +1,74 @@
+// orthodrive refine: OSM roads moved onto the road in the labels.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
 #include "commands.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/refine/refine_roads.hpp"
 
 namespace orthodrive::app {
-void add_refine(CLI::App&, Context&) {}
+namespace {
+
+struct RefineCommand {
+  std::filesystem::path osm, labels, out;
+  RefineRoadsOptions options;
+};
+
+/// The box of the labels that are not nodata: where there is a photo.
+SiteFrame labelled_site(const std::filesystem::path& file, const LabelMap& map) {
+  int west = map.frame.width, north = map.frame.height, east = 0, south = 0;
+  for (int row = 0; row < map.frame.height; ++row)
+    for (int col = 0; col < map.frame.width; ++col) {
+      if (map.labels.at(col, row) == label_nodata) continue;
+      west = std::min(west, col), east = std::max(east, col + 1), north = std::min(north, row), south = std::max(south, row + 1);
+    }
+  if (west >= east) throw InputError(file.string(), "has no label but nodata; segment a photo of the area");
+  const auto corner = [&](int col, int row) { return map.frame.world_from_pixel(col, row); };
+  return {map.crs, {{corner(west, south), corner(east, south), corner(east, north), corner(west, north)}, {}}};
+}
+
+void run(const RefineCommand& command, const Context& context) {
+  const LabelMap labels = io::read_labels(command.labels);
+  const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels));
+  RefineRoadsOptions options = command.options;
+  options.threads = context.threads;
+  const RefineRoadsResult result = refine_roads(osm, labels, options, context.monitor);
+  io::write_roads(command.out, result.roads);
+
+  double offset_m = 0.0;
+  std::size_t nodes = 0;
+  for (const RoadPath& path : result.roads.paths)
+    for (const RoadNode& node : path.nodes) offset_m += std::abs(node.offset_m), ++nodes;
+  for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
+  context.monitor->info(fmt::format("{}: {} ways, {} nodes, moved by {:.2f} m on average", command.out.string(),
+                                    result.roads.paths.size(), nodes, offset_m / static_cast<double>(std::max<std::size_t>(1, nodes))));
+}
+
+}  // namespace
+
+void add_refine(CLI::App& app, Context& context) {
+  auto command = std::make_shared<RefineCommand>();
+  CLI::App* cmd = app.add_subcommand("refine", "Move OSM roads onto the road seen in the labels and measure their width.");
+  cmd->add_option("--osm", command->osm, "OSM roads (.osm, .osm.pbf)")->required();
+  cmd->add_option("--labels", command->labels, "label map of `orthodrive segment`: gives area and CRS")->required();
+  cmd->add_option("-o,--output", command->out, "refined roads (GeoPackage)")->required();
+  RefineRoadsOptions& o = command->options;
+  cmd->add_option("--search-radius", o.search_radius_m, "largest offset from the OSM line, m")
+      ->check(CLI::Range(1.0, 50.0))->capture_default_str();
+  cmd->add_option("--iterations", o.max_iterations, "largest number of iterations")->check(CLI::Range(0, 1000))->capture_default_str();
+  cmd->footer(
+      "Reads roads and labels; writes the layers centrelines, nodes and surface: centre line, offset, width and their\n"
+      "standard deviations every 2 m.\n"
+      "Examples:\n"
+      "  orthodrive refine --osm roads.osm --labels out/labels.tif -o roads.gpkg\n"
+      "  orthodrive refine --osm town.osm.pbf --labels labels.tif --search-radius 12 -o roads.gpkg");
+  cmd->callback([command, &context] { run(*command, context); });
+}
+
 }  // namespace orthodrive::app

@@ -17,16 +17,17 @@ namespace orthodrive {
 
 struct ElevateOptions {
   HeightSampling sampling = HeightSampling::cubic;
-  double weight_gradient = 1.2;         ///< w_g
+  double weight_gradient = 0.2;         ///< w_g; the reference's 1.2 pulls the ends of roads on slopes flat (docs/roads.md)
   double weight_gradient_change = 12.0; ///< w_v
   double weight_height = 0.2;           ///< w_e, 1/m
   double cauchy_scale = 0.5;            ///< of the loss on the weighted height residual
-  double clearance_m = 4.7;             ///< a bridge deck's surface over the surface of the road below
+  double clearance_m = 4.7;             ///< of a bridge's surface over the road below, of a road over a tunnel's surface
   int max_iterations = 50;
   int threads = 0;                      ///< 0 = all cores; the result does not depend on it
 };
 
-/// Means over all nodes with a terrain height (thesis eq. 3.12, 3.13).
+/// Means over the nodes where the terrain is the road: it has a height there, and there is no bridge or tunnel
+/// (eq. 3.12 and 3.13 of the reference).
 struct ProfileEnergy {
   double gradient = 0.0;        ///< E_RG: mean squared gradient
   double height_error_m2 = 0.0; ///< E_h: mean squared difference to the terrain
