@@ -52,19 +52,27 @@ std::optional<double> width_across(const MultiPolygon& surface, Vec2 p, Vec2 dir
 class TruthWidths {
  public:
   explicit TruthWidths(const RoadTruth& truth) : truth_(truth) {
-    for (const TruthSurface& surface : truth.surfaces) by_id_.emplace(surface.id, &surface);
+    for (const TruthSurface& surface : truth.surfaces) {
+      by_id_.emplace(surface.id, &surface);
+      Ring corners;
+      for (const Polygon& polygon : surface.polygons) corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
+      bounds_.push_back(bounds_of(corners));
+    }
   }
   [[nodiscard]] std::optional<double> at(const TruthLine& line, std::size_t segment, double fraction, Vec2 p, Vec2 direction) const {
     if (!line.width_m.empty()) return line.width_m[segment] + fraction * (line.width_m[segment + 1] - line.width_m[segment]);
     if (const auto found = by_id_.find(line.of); found != by_id_.end()) return width_across(found->second->polygons, p, direction);
-    for (const TruthSurface& surface : truth_.surfaces)
-      if (const auto width = width_across(surface.polygons, p, direction)) return width;
+    for (std::size_t i = 0; i < bounds_.size(); ++i) {
+      if (!bounds_[i].contains(p)) continue;
+      if (const auto width = width_across(truth_.surfaces[i].polygons, p, direction)) return width;
+    }
     return {};
   }
 
  private:
   const RoadTruth& truth_;
   std::map<std::string, const TruthSurface*> by_id_;
+  std::vector<Box2> bounds_;  ///< of the surfaces, so that a line without a name need not try all
 };
 
 /// Counts of errors within one and two sigma.

@@ -219,11 +219,11 @@ HeightGrid read_window(const fs::path& path, GDALDataset& dtm, const Georeferenc
   return grid;
 }
 
-HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const SiteFrame& site, const Box2& box, const PixelSize& pixel) {
+HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const Crs& crs, const Box2& box, const PixelSize& pixel) {
   HeightGrid grid{.frame = covering_grid(box, rounded_gsd_m(pixel.gsd_m()))};
   grid.height_m = Raster<float>(grid.frame.width, grid.frame.height, 1, no_height);
   const DatasetPtr target = memory_dataset(grid.frame.width, grid.frame.height);
-  place(*target, grid.frame, site.crs);
+  place(*target, grid.frame, crs);
   wrap_channels(*target, grid.height_m);
   target->GetRasterBand(1)->SetNoDataValue(no_height);
   std::vector<std::string> arguments = cubic_resampling(pixel, grid.frame.gsd_m);
@@ -239,44 +239,58 @@ std::string vertical_datum_of(const OGRSpatialReference& reference) {
 }
 }  // namespace
 
-HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m) {
+HeightGrid read_heights(const fs::path& path, const Crs& crs, const Box2& box) {
   const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
   const Georeference g = georeference_of(path, *source);
   require_complete(path, *source);
   const DatasetPtr metres = unscaled(*source);
   GDALDataset& dtm = metres ? *metres : *source;
-  const Box2 box = bounds_of(site.area.outer).grown(margin_m);
-  HeightGrid grid = lies_on_own_grid(g, site.crs)
-                        ? read_window(path, dtm, g, box)
-                        : warp_window(path, dtm, site, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
-  grid.crs = site.crs;
+  HeightGrid grid = lies_on_own_grid(g, crs) ? read_window(path, dtm, g, box)
+                                             : warp_window(path, dtm, crs, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
+  grid.crs = crs;
   grid.vertical_datum = vertical_datum_of(g.reference);
-  // Roads need heights all over the area; a rim thinner than a pixel or a pond without returns is no obstacle.
-  constexpr double least_coverage = 0.98;
-  const double covered = coverage(grid, site);
-  if (covered < least_coverage)
-    throw InputError(path.string(),
-                     fmt::format("has heights for {:.1f} % of the area only: it covers {}, the area is {}; add a terrain model or "
-                                 "choose a smaller area",
-                                 100.0 * covered, describe_extent(g, *source),
-                                 describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
   return grid;
 }
 
-double coverage(const HeightGrid& grid, const SiteFrame& site) {
-  if (grid.height_m.empty()) return 0.0;
-  const GridFrame places = covering_grid(bounds_of(site.area.outer), grid.frame.gsd_m);
+HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m) {
+  return std::move(read_dtms({path}, site, margin_m).front());
+}
+
+std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site, double margin_m) {
+  std::vector<HeightGrid> grids;
+  for (const fs::path& path : paths) grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(margin_m)));
+  // Roads need heights all over the area; a rim thinner than a pixel or a pond without returns is no obstacle.
+  constexpr double least_coverage = 0.98;
+  const double covered = coverage(grids, site);
+  if (covered >= least_coverage) return grids;
+  std::string names, extents;
+  for (const fs::path& path : paths) {
+    names += (names.empty() ? "" : ", ") + path.string();
+    extents += (extents.empty() ? "" : " and ") + describe_lonlat(bounds_of(raster_info(path).outline_lonlat.outer));
+  }
+  throw InputError(names, fmt::format("heights for {:.1f} % of the area only: the terrain covers {}, the area is {}; add a terrain model "
+                                      "or choose a smaller area", 100.0 * covered, extents,
+                                      describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
+}
+
+double coverage(std::span<const HeightGrid> grids, const SiteFrame& site) {
+  double gsd_m = std::numeric_limits<double>::infinity();
+  for (const HeightGrid& grid : grids) gsd_m = std::min(gsd_m, grid.frame.gsd_m);
+  if (grids.empty()) return 0.0;
+  const GridFrame places = covering_grid(bounds_of(site.area.outer), gsd_m);
   std::size_t inside = 0, known = 0;
   rasterize(site.area, places, [&](int row, int begin, int end) {
     for (int col = begin; col < end; ++col) {
+      const Vec2 p = places.center_of(col, row);
+      const auto has_height = [p](const HeightGrid& grid) { return !grid.height_m.empty() && !std::isnan(sample_bilinear(grid, p)); };
       ++inside;
-      known += std::isnan(sample_bilinear(grid, places.center_of(col, row))) ? 0 : 1;
+      known += std::any_of(grids.begin(), grids.end(), has_height) ? 1 : 0;
     }
   });
   return inside == 0 ? 0.0 : static_cast<double>(known) / static_cast<double>(inside);
 }
 
-LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& classes) {
+LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& fallback) {
   const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
   LabelMap map{.frame = north_up_frame(path, *source)};
   require_complete(path, *source);
@@ -285,9 +299,9 @@ LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& clas
   if (source->GetRasterCount() != 1 || band.GetRasterDataType() != GDT_Byte)
     throw InputError(path.string(), "is not a label map: need one band of 8 bit");
   const char* stored = source->GetMetadataItem("ORTHODRIVE_CLASSES");
-  if (!classes && !stored)
+  if (!stored && !fallback)
     throw InputError(path.string(), "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
-  map.classes = classes ? *classes : class_table_from_json(stored);
+  map.classes = stored ? class_table_from_json(stored) : *fallback;
   map.labels = Raster<std::uint8_t>(map.frame.width, map.frame.height);
   GdalErrors errors;
   if (band.RasterIO(GF_Read, 0, 0, map.frame.width, map.frame.height, map.labels.data.data(), map.frame.width, map.frame.height,

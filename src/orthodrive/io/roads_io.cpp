@@ -203,6 +203,11 @@ RoadNode node_of(const fs::path& path, const OGRFeature& row) {
 }
 }  // namespace
 
+bool holds_roads(const fs::path& path) {
+  const DatasetPtr dataset = open_dataset(path, GDAL_OF_VECTOR);
+  return dataset->GetLayerByName("centrelines") && dataset->GetLayerByName("nodes");
+}
+
 RoadNetwork read_roads(const fs::path& path) {
   const DatasetPtr dataset = open_dataset(path, GDAL_OF_VECTOR);
   OGRLayer& centrelines = need_layer(path, *dataset, "centrelines");

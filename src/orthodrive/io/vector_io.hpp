@@ -33,6 +33,8 @@ struct Feature {
 /// environment sets OGR_CURRENT_DATE, so that the same roads give the same bytes.
 void write_roads(const std::filesystem::path& path, const RoadNetwork& roads);
 [[nodiscard]] RoadNetwork read_roads(const std::filesystem::path& path);
+/// Whether the file has the layers that read_roads needs. Throws InputError when it is no vector file at all.
+[[nodiscard]] bool holds_roads(const std::filesystem::path& path);
 
 /// GeoJSON in WGS84 (7 decimals), points with severity, code, message.
 void write_findings(const std::filesystem::path& path, const Findings& findings, const Crs& crs);
