@@ -19,7 +19,9 @@ using roadquery::Arc;
 using roadquery::Line;
 using roadquery::PlanElement;
 
-constexpr double stencil_m = 4.0;  // tangents look this far to both sides: two node spacings, against node noise
+// Tangents look this far to both sides: two node spacings against node noise, less where the line bends more within that
+// than a circle does.
+constexpr double stencils_m[] = {4.0, 2.0};
 // A stretch counts as straight when it is this long and this close to its chord: an arc as flat as that over the
 // minimum length has a radius above 6 km.
 constexpr double straight_min_length_m = 40.0, straight_tolerance_m = 0.03;
@@ -121,16 +123,43 @@ Vec2 mirrored(Vec2 t, Vec2 chord) {
   return normalized(c * (2.0 * dot(t, c)) - t);
 }
 
-std::vector<Vec2> point_tangents(const PointLine& line) {
+double distance_to_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 p) {
+  const Vec2 u = b - a, v = c - a;
+  const double area = 2.0 * cross(u, v);
+  if (std::abs(area) < 1e-9) return std::abs(cross(normalized(v), p - a));
+  const Vec2 center = a + Vec2{v.y * dot(u, u) - u.y * dot(v, v), u.x * dot(v, v) - v.x * dot(u, u)} * (1.0 / area);
+  return std::abs(distance(center, p) - distance(center, a));
+}
+
+/// The points before and after i that its tangent is taken from (i itself at the ends of open lines).
+struct Stencil {
+  std::size_t before = 0, after = 0;
+};
+
+Stencil stencil_of(const PointLine& line, std::size_t i, double tolerance) {
+  const auto on_circle = [&](Stencil s) {
+    for (const int step : {-1, 1})
+      for (std::size_t k = line.neighbour(i, step, 1e-9); k != (step < 0 ? s.before : s.after); k = line.neighbour(k, step, 1e-9))
+        if (distance_to_circle(line[s.before], line[i], line[s.after], line[k]) > tolerance) return false;
+    return true;
+  };
+  for (const double reach : stencils_m) {
+    const Stencil s{line.neighbour(i, -1, reach), line.neighbour(i, 1, reach)};
+    if (s.before == i || s.after == i || on_circle(s)) return s;
+  }
+  return {line.neighbour(i, -1, 1e-9), line.neighbour(i, 1, 1e-9)};
+}
+
+std::vector<Vec2> point_tangents(const PointLine& line, double tolerance) {
   const std::size_t n = line.size();
   std::vector<Vec2> t(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t a = line.neighbour(i, -1, stencil_m), c = line.neighbour(i, 1, stencil_m);
+    const auto [a, c] = stencil_of(line, i, tolerance);
     if (a != i && c != i) {
       t[i] = circle_tangent(line[a], line[i], line[c]);
     } else {  // an end of an open line: the circle through it and two points further in
       const int step = a == i ? 1 : -1;
-      const std::size_t b = step > 0 ? c : a, far = line.neighbour(b, step, stencil_m);
+      const std::size_t b = step > 0 ? c : a, far = line.neighbour(b, step, stencils_m[0]);
       const Vec2 chord = (line[b] - line[i]) * static_cast<double>(step);
       t[i] = far == b ? normalized(chord)
                       : mirrored(circle_tangent(line[i], line[b], line[far]) * static_cast<double>(step), chord);
@@ -228,10 +257,19 @@ void append(std::vector<PlanElement>& plan, std::span<const PlanElement> element
 std::vector<PlanElement> biarc(const Pose& from, const Pose& to) {
   const Vec2 v = to.p - from.p, t = from.direction + to.direction;
   const double vt = dot(v, t), denominator = 2.0 * (1.0 - dot(from.direction, to.direction));
-  // Positive for all poses but equal directions with the target at right angles or behind.
-  double d = denominator > 1e-12 ? (-vt + std::sqrt(vt * vt + denominator * dot(v, v))) / denominator
-                                 : dot(v, v) / (2.0 * std::max(vt, 1e-9));
-  if (!(d < 1e6)) d = length(v);
+  const double d = denominator > 1e-12 ? (-vt + std::sqrt(vt * vt + denominator * dot(v, v))) / denominator
+                                       : dot(v, v) / (2.0 * std::max(vt, 1e-12));
+  if (d > 100.0 * length(v)) {
+    // (Nearly) equal directions and the target at right angles or behind: the arcs would be huge. Turn round half-way.
+    const Pose middle{(from.p + to.p) * 0.5, normalized(t) * -1.0};
+    std::vector<PlanElement> loop = biarc(from, middle);
+    const double start = plan_length(loop);
+    for (PlanElement e : biarc(middle, to)) {
+      e.s += start;
+      loop.push_back(e);
+    }
+    return loop;
+  }
   const Vec2 joint = (from.p + to.p + (from.direction - to.direction) * d) * 0.5;
   std::vector<PlanElement> elements{arc_to(from, joint)};
   // The second arc from its far end: it arrives exactly at `to` in its direction.
@@ -297,7 +335,7 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
   std::vector<Vec2> local(points.begin(), points.end());
   for (Vec2& p : local) p = p - origin;
   const PointLine line(local, options.closed);
-  std::vector<Vec2> tangent = point_tangents(line);
+  std::vector<Vec2> tangent = point_tangents(line, 0.5 * options.tolerance_m);
   if (options.closed) tangent.back() = tangent.front();
 
   const std::vector<Straight> straights = find_straights(line, options.closed);

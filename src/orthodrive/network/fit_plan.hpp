@@ -27,9 +27,10 @@ struct PlanFit {
 /// At least two points, neighbours at different places.
 [[nodiscard]] PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options = {});
 
-/// The biarc from one pose to another as one or two elements, s from 0. Headings are unit vectors.
+/// The biarc from one pose to another as one or two elements, s from 0; four where the target lies behind and looks the
+/// same way. The poses' places differ.
 struct Pose {
-  Vec2 p, direction;
+  Vec2 p, direction;  ///< unit vector
 };
 [[nodiscard]] std::vector<roadquery::PlanElement> biarc(const Pose& from, const Pose& to);
 

@@ -1,0 +1,415 @@
+// Hand-made networks, small enough to draw.
+
+#include "orthodrive/network/build_network.hpp"
+
+#include "network_support.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace orthodrive::testing;
+using roadquery::Arc;
+using roadquery::ContactPoint;
+using roadquery::LinkKind;
+using roadquery::Road;
+
+int count_findings(const NetworkResult& result, const std::string& code) {
+  return static_cast<int>(std::count_if(result.findings.begin(), result.findings.end(),
+                                        [&](const Finding& finding) { return finding.code == code; }));
+}
+
+double slope_height(Vec2 p) { return 50.0 + 0.03 * p.x + 0.01 * p.y; }
+
+TEST(BuildNetwork, no_paths_give_an_empty_map) {
+  const NetworkResult result = build_network(network_of({}));
+  EXPECT_TRUE(result.map.roads.empty());
+  EXPECT_TRUE(result.findings.empty());
+}
+
+TEST(BuildNetwork, straight_road) {
+  RoadPath path = make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 77, .highway = "tertiary", .width_m = 7.0});
+  path.name = "High Street";
+  const NetworkResult result = build_network(network_of({path}));
+  expect_sound(result.map);
+  ASSERT_EQ(result.map.roads.size(), 1u);
+  const Road& road = result.map.roads[0];
+  EXPECT_NEAR(road.length, 100.0, 1e-6);
+  EXPECT_EQ(road.plan.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<roadquery::Line>(road.plan[0].shape));
+  EXPECT_EQ(road.name, "High Street");
+  EXPECT_EQ(road.osm_id, "77");
+  EXPECT_EQ(road.predecessor.kind, LinkKind::none);
+  EXPECT_EQ(road.successor.kind, LinkKind::none);
+  const roadquery::Edges edges = roadquery::road_edges(road, 40.0);
+  EXPECT_NEAR(edges.left_t, 3.5, 1e-9);
+  EXPECT_NEAR(edges.right_t, -3.5, 1e-9);
+  EXPECT_EQ(road.sections[0].left.size(), 1u);
+  EXPECT_EQ(road.sections[0].center.marks[0].type, "broken");
+  EXPECT_EQ(road.sections[0].right[0].marks[0].type, "solid");
+  EXPECT_EQ(count_findings(result, "network.no_heights"), 1);  // it has none: it lies at z = 0
+  EXPECT_EQ(roadquery::elevation(road, 50.0), 0.0);
+  EXPECT_LT(result.map.west, site_origin.x);
+  EXPECT_GT(result.map.east, site_origin.x + 100.0);
+  EXPECT_NE(result.map.geo_reference.find("+proj=utm"), std::string::npos);
+}
+
+TEST(BuildNetwork, arc_of_known_radius_with_height_and_banking) {
+  const std::vector<Vec2> points = circle_points({0.0, 80.0}, 80.0, -M_PI / 2.0, 1.5);
+  PathOptions options{.height = slope_height, .banking = [](double s) { return 0.04 * std::sin(s / 30.0); }};
+  const NetworkResult result = build_network(network_of({make_path(points, {1}, options)}));
+  expect_sound(result.map);
+  EXPECT_TRUE(result.findings.empty());
+  ASSERT_EQ(result.map.roads.size(), 1u);
+  const Road& road = result.map.roads[0];
+  for (const roadquery::PlanElement& e : road.plan) {
+    ASSERT_TRUE(std::holds_alternative<Arc>(e.shape));
+    EXPECT_NEAR(std::get<Arc>(e.shape).curvature, 1.0 / 80.0, 1e-6);
+  }
+  for (double s = 0.0; s <= road.length; s += 3.0) {
+    const roadquery::PlanPoint q = roadquery::reference_point(road, s);
+    EXPECT_NEAR(std::hypot(q.x - site_origin.x, q.y - site_origin.y - 80.0), 80.0, 1e-6);
+    EXPECT_NEAR(roadquery::elevation(road, s), slope_height({q.x - site_origin.x, q.y - site_origin.y}), 0.025);
+    EXPECT_NEAR(roadquery::superelevation(road, s), 0.04 * std::sin(s / 30.0), 0.0025);
+  }
+}
+
+TEST(BuildNetwork, width_follows_the_nodes) {
+  RoadPath path = make_path({{0, 0}, {200, 0}}, {1, 2});
+  const auto width = [](double s) { return 6.0 + 1.5 * std::tanh((s - 100.0) / 15.0); };
+  for (RoadNode& node : path.nodes) node.width_m = width(node.s_m);
+  const NetworkResult result = build_network(network_of({path}));
+  const Road& road = result.map.roads.at(0);
+  for (double s = 0.0; s <= road.length; s += 2.0) {
+    const roadquery::Edges edges = roadquery::road_edges(road, s);
+    EXPECT_NEAR(edges.left_t - edges.right_t, width(s), 0.06);
+    EXPECT_NEAR(edges.left_t + edges.right_t, 0.0, 1e-9);
+  }
+  EXPECT_LT(road.sections[0].right[0].width.size(), 15u);
+}
+
+TEST(BuildNetwork, one_way_road_is_centred_on_its_reference_line) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {60, 10}}, {1, 2}, {.width_m = 8.0, .oneway = Oneway::forward, .lanes = 2})}));
+  expect_sound(result.map);
+  const Road& road = result.map.roads.at(0);
+  EXPECT_TRUE(road.sections[0].left.empty());
+  EXPECT_EQ(road.sections[0].right.size(), 2u);
+  const roadquery::Edges edges = roadquery::road_edges(road, 10.0);
+  EXPECT_NEAR(edges.left_t, 4.0, 1e-9);
+  EXPECT_NEAR(edges.right_t, -4.0, 1e-9);
+}
+
+TEST(BuildNetwork, odd_lane_gets_to_the_forward_side_and_edges_stay_centred) {
+  const NetworkResult result =
+      build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.highway = "primary", .width_m = 9.0, .lanes = 3})}));
+  const Road& road = result.map.roads.at(0);
+  EXPECT_EQ(road.sections[0].left.size(), 1u);
+  EXPECT_EQ(road.sections[0].right.size(), 2u);
+  EXPECT_NEAR(roadquery::evaluate(road.lane_offset, 5.0), 1.5, 1e-9);
+  EXPECT_NEAR(roadquery::road_edges(road, 5.0).left_t, 4.5, 1e-9);
+  EXPECT_NEAR(roadquery::road_edges(road, 5.0).right_t, -4.5, 1e-9);
+}
+
+TEST(BuildNetwork, left_hand_traffic_drives_on_the_left) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.oneway = Oneway::forward}),
+                  make_path({{60, 0}, {120, 0}}, {2, 3}, {.osm_id = 2}), make_path({{60, 0}, {60, 50}}, {2, 4}, {.osm_id = 3})}),
+      {.left_hand_traffic = true});
+  expect_sound(result.map);
+  for (const Road& road : result.map.roads) {
+    EXPECT_TRUE(road.left_hand_traffic);
+    EXPECT_EQ(road.sections[0].right.empty(), road.osm_id == "1" || road.junction >= 0);
+  }
+}
+
+TEST(BuildNetwork, t_junction) {
+  const NetworkResult result = build_network(network_of(
+      {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.width_m = 7.0, .height = slope_height}),
+       make_path({{0, 0}, {0, 50}}, {2, 4}, {.osm_id = 2, .width_m = 5.0, .height = slope_height})}));
+  expect_sound(result.map);
+  ASSERT_EQ(plain_roads(result.map).size(), 3u);
+  ASSERT_EQ(result.map.junctions.size(), 1u);
+  EXPECT_EQ(connecting_roads(result.map).size(), 6u);  // no U-turns
+  for (const Road* road : plain_roads(result.map)) {
+    EXPECT_TRUE((road->predecessor.kind == LinkKind::junction) != (road->successor.kind == LinkKind::junction));
+    // The main road ends beyond the side road's edge, the side road beyond the main road's.
+    EXPECT_LT(road->length, road->osm_id == "1" ? 60.0 - 2.5 : 50.0 - 3.5);
+    EXPECT_GT(road->length, 50.0 - 10.0);
+  }
+  int straight = 0;
+  for (const Road* road : connecting_roads(result.map)) {
+    EXPECT_EQ(road->sections[0].left.size(), 0u);
+    EXPECT_EQ(road->sections[0].right.size(), 1u);
+    if (road->osm_id == "1") {
+      ++straight;
+      ASSERT_EQ(road->plan.size(), 1u);
+      EXPECT_TRUE(std::holds_alternative<roadquery::Line>(road->plan[0].shape));
+    }
+  }
+  EXPECT_EQ(straight, 2);
+}
+
+TEST(BuildNetwork, carriageways_of_an_oblique_crossing_do_not_overlap) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 2, 3}, {.width_m = 8.0}),
+                  make_path({{-70, -35}, {0, 0}, {70, 35}}, {4, 2, 5}, {.osm_id = 2, .width_m = 6.0})}));
+  expect_sound(result.map);
+  const auto roads = plain_roads(result.map);
+  ASSERT_EQ(roads.size(), 4u);
+  const auto inside = [](const Road& road, double x, double y) {
+    for (double s = 0.0; s <= road.length; s += 0.25) {
+      const roadquery::PlanPoint q = roadquery::reference_point(road, s);
+      const double along = (x - q.x) * std::cos(q.hdg) + (y - q.y) * std::sin(q.hdg);
+      const double t = (y - q.y) * std::cos(q.hdg) - (x - q.x) * std::sin(q.hdg);
+      const roadquery::Edges edges = roadquery::road_edges(road, s);
+      if (std::abs(along) < 0.13 && t < edges.left_t && t > edges.right_t) return true;
+    }
+    return false;
+  };
+  for (const Road* a : roads)
+    for (const Road* b : roads)
+      for (double s = 0.0; a != b && s <= a->length; s += 0.5)
+        for (const double t : {roadquery::road_edges(*a, s).left_t, roadquery::road_edges(*a, s).right_t}) {
+          const roadquery::SurfacePoint p = roadquery::surface_point(*a, s, t);
+          EXPECT_FALSE(inside(*b, p.x, p.y)) << a->id << " in " << b->id << " at " << s;
+        }
+  // Of the eight sharp and blunt turns none goes back by more than 150 degrees.
+  EXPECT_EQ(connecting_roads(result.map).size(), 8u);
+}
+
+TEST(BuildNetwork, crossing_of_two_ways_cut_at_the_junction) {
+  std::vector<RoadPath> arms;
+  const std::vector<Vec2> ends{{60, 0}, {0, 60}, {-60, 0}, {0, -60}};
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    arms.push_back(make_path({ends[i], {0, 0}}, {static_cast<std::int64_t>(i) + 10, 5}, {.osm_id = static_cast<int>(i) + 1}));
+  const NetworkResult result = build_network(network_of(arms));
+  expect_sound(result.map);
+  EXPECT_EQ(plain_roads(result.map).size(), 4u);
+  EXPECT_EQ(connecting_roads(result.map).size(), 12u);
+  int straight = 0;
+  for (const Road* road : connecting_roads(result.map))
+    straight += std::holds_alternative<roadquery::Line>(road->plan[0].shape) ? 1 : 0;
+  EXPECT_EQ(straight, 4);
+}
+
+TEST(BuildNetwork, ways_that_meet_end_to_end_are_linked_in_any_direction) {
+  // The second way runs against the first: its banking and its lanes change sides.
+  PathOptions forward{.height = slope_height, .banking = [](double) { return 0.03; }};
+  PathOptions against{.osm_id = 2, .height = slope_height, .banking = [](double) { return -0.03; }};
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {50, 0}}, {1, 2}, forward), make_path({{100, 5}, {50, 0}}, {3, 2}, against)}));
+  expect_sound(result.map);
+  ASSERT_EQ(result.map.roads.size(), 2u);
+  EXPECT_TRUE(result.map.junctions.empty());
+  const Road &a = result.map.roads[0], &b = result.map.roads[1];
+  EXPECT_EQ(a.successor.kind, LinkKind::road);
+  EXPECT_EQ(a.successor.id, b.id);
+  EXPECT_EQ(a.successor.contact, ContactPoint::end);
+  EXPECT_EQ(b.successor.id, a.id);
+  EXPECT_EQ(a.sections[0].right[0].successor, 1);
+  EXPECT_EQ(a.sections[0].left[0].successor, -1);
+  EXPECT_NEAR(roadquery::superelevation(a, 25.0), 0.03, 1e-6);
+  EXPECT_NEAR(roadquery::superelevation(b, 25.0), -0.03, 1e-6);
+}
+
+TEST(BuildNetwork, ends_that_do_not_quite_meet_are_joined_smoothly) {
+  PathOptions low{.width_m = 5.0, .height = [](Vec2) { return 10.0; }};
+  PathOptions high{.osm_id = 2, .width_m = 7.0, .height = [](Vec2) { return 10.4; }};
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {80, 0}}, {1, 2}, low), make_path({{80, 0.6}, {160, 0.6}}, {2, 3}, high)}));
+  expect_sound(result.map);
+  const Road& a = result.map.roads.at(0);
+  EXPECT_NEAR(roadquery::elevation(a, a.length), 10.2, 1e-6);
+  EXPECT_NEAR(roadquery::elevation(a, 40.0), 10.0, 0.021);
+  EXPECT_NEAR(roadquery::road_edges(a, a.length).left_t, 3.0, 1e-6);
+}
+
+TEST(BuildNetwork, closed_way_is_its_own_successor) {
+  std::vector<Vec2> points = circle_points({0, 0}, 60.0, 0.0, 2.0 * M_PI);
+  points.back() = points.front();
+  RoadPath path = make_path(points, {1}, {.highway = "raceway", .width_m = 10.0, .oneway = Oneway::forward,
+                                          .height = slope_height});
+  path.nodes.back().osm_node = 1;
+  const NetworkResult result = build_network(network_of({path}));
+  expect_sound(result.map);
+  ASSERT_EQ(result.map.roads.size(), 1u);
+  const Road& road = result.map.roads[0];
+  EXPECT_EQ(road.successor.id, road.id);
+  EXPECT_EQ(road.successor.contact, ContactPoint::start);
+  EXPECT_EQ(road.predecessor.id, road.id);
+  EXPECT_EQ(road.sections[0].right[0].successor, -1);
+  EXPECT_NEAR(road.length, 2.0 * M_PI * 60.0, 0.05);
+}
+
+TEST(BuildNetwork, circuit_with_an_access_road_stays_smooth_through_its_junction) {
+  std::vector<Vec2> points = circle_points({0, 0}, 60.0, 0.0, 2.0 * M_PI);
+  points.back() = points.front();
+  const std::size_t gate = points.size() / 3;
+  std::vector<std::int64_t> ids(points.size(), 0);
+  ids.front() = ids.back() = 1, ids[gate] = 2;
+  const NetworkResult result = build_network(
+      network_of({make_path(points, ids, {.highway = "raceway", .width_m = 10.0, .oneway = Oneway::forward}),
+                  make_path({points[gate], points[gate] * 2.0}, {2, 3}, {.osm_id = 2, .highway = "service", .width_m = 4.0})}));
+  expect_sound(result.map);
+  // Once round along the same way: the roads of the circuit and the way through its junction.
+  double length = 0.0;
+  for (const Road& road : result.map.roads) {
+    if (road.osm_id != "1") continue;
+    length += road.length;
+    for (const roadquery::PlanElement& e : road.plan)
+      EXPECT_NEAR(std::get<Arc>(e.shape).curvature, 1.0 / 60.0, 1e-5);
+  }
+  EXPECT_NEAR(length, 2.0 * M_PI * 60.0, 0.05);
+}
+
+TEST(BuildNetwork, roundabout_keeps_its_ring_and_direction) {
+  std::vector<Vec2> ring = circle_points({0, 0}, 14.0, 0.0, 2.0 * M_PI);
+  ring.back() = ring.front();
+  std::vector<std::int64_t> ids(ring.size(), 0);
+  const std::size_t second = ring.size() / 3, third = 2 * ring.size() / 3;
+  ids.front() = ids.back() = 1, ids[second] = 2, ids[third] = 3;
+  std::vector<RoadPath> paths{make_path(ring, ids, {.width_m = 5.0, .oneway = Oneway::forward, .lanes = 1, .roundabout = true})};
+  int id = 2;
+  for (const std::size_t i : {std::size_t{0}, second, third}) {
+    paths.push_back(make_path({ring[i], ring[i] * 5.0}, {ids[i], id + 10}, {.osm_id = id}));
+    ++id;
+  }
+  const NetworkResult result = build_network(network_of(paths));
+  expect_sound(result.map);
+  EXPECT_EQ(result.map.junctions.size(), 3u);
+  EXPECT_EQ(plain_roads(result.map).size(), 6u);
+  // At each: on along the ring, out of it, into it. Not the wrong way, not from the arm to itself.
+  EXPECT_EQ(connecting_roads(result.map).size(), 9u);
+  for (const Road& road : result.map.roads)
+    for (const roadquery::PlanElement& e : road.plan)
+      if (road.osm_id == "1") {
+        EXPECT_NEAR(std::get<Arc>(e.shape).curvature, 1.0 / 14.0, 1e-4);
+      }
+}
+
+TEST(BuildNetwork, one_way_roads_are_not_entered_from_their_end) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}),
+                  make_path({{0, 50}, {0, 0}}, {4, 2}, {.osm_id = 2, .width_m = 4.0, .oneway = Oneway::forward, .lanes = 1})}));
+  expect_sound(result.map);
+  EXPECT_EQ(connecting_roads(result.map).size(), 4u);
+  for (const Road* road : connecting_roads(result.map)) EXPECT_NE(road_by_id(result.map, road->successor.id)->osm_id, "2");
+}
+
+TEST(BuildNetwork, lane_that_ends_at_a_junction_tapers_out) {
+  const NetworkResult result = build_network(network_of(
+      {make_path({{-80, 0}, {0, 0}}, {1, 2}, {.highway = "primary", .width_m = 7.0, .oneway = Oneway::forward, .lanes = 2}),
+       make_path({{0, 0}, {80, 0}}, {2, 3}, {.osm_id = 2, .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1}),
+       make_path({{0, 0}, {0, -60}}, {2, 4}, {.osm_id = 3, .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1})}));
+  expect_sound(result.map);
+  ASSERT_EQ(connecting_roads(result.map).size(), 2u);
+  for (const Road* road : connecting_roads(result.map)) {
+    const auto& lanes = road->sections[0].right;
+    if (road_by_id(result.map, road->successor.id)->osm_id == "2") {
+      ASSERT_EQ(lanes.size(), 2u);
+      EXPECT_EQ(lanes[1].predecessor, -2);
+      EXPECT_FALSE(lanes[1].successor);
+      EXPECT_NEAR(roadquery::lane_width(lanes[1], 0.0), 3.5, 1e-6);
+      EXPECT_NEAR(roadquery::lane_width(lanes[1], road->length), 0.0, 1e-9);
+    } else {  // to the right, from the right lane
+      ASSERT_EQ(lanes.size(), 1u);
+      EXPECT_EQ(lanes[0].predecessor, -2);
+      EXPECT_EQ(lanes[0].successor, -1);
+    }
+  }
+}
+
+TEST(BuildNetwork, bridge_over_a_road_is_no_junction) {
+  RoadPath over = make_path({{0, -50}, {0, 50}}, {3, 4}, {.osm_id = 2, .height = [](Vec2) { return 16.0; }});
+  over.bridge = true, over.layer = 1;
+  const NetworkResult result =
+      build_network(network_of({make_path({{-50, 0}, {50, 0}}, {1, 2}, {.height = [](Vec2) { return 10.0; }}), over}));
+  expect_sound(result.map);
+  ASSERT_EQ(result.map.roads.size(), 2u);
+  EXPECT_TRUE(result.map.junctions.empty());
+  EXPECT_TRUE(result.map.roads[1].bridge);
+  EXPECT_EQ(result.map.roads[1].layer, 1);
+  EXPECT_NEAR(roadquery::elevation(result.map.roads[1], 50.0), 16.0, 1e-9);
+}
+
+TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{-60, 0}, {0, 0}, {3, 0}, {60, 0}}, {1, 2, 3, 4}),
+                  make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}), make_path({{3, 0}, {3, -50}}, {3, 6}, {.osm_id = 3})}));
+  expect_sound(result.map);
+  EXPECT_EQ(result.map.junctions.size(), 1u);
+  EXPECT_EQ(plain_roads(result.map).size(), 4u);
+  EXPECT_EQ(connecting_roads(result.map).size(), 12u);
+}
+
+TEST(BuildNetwork, short_road_between_two_junctions_is_kept) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{-60, 0}, {0, 0}, {8, 0}, {60, 0}}, {1, 2, 3, 4}),
+                  make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}), make_path({{8, 0}, {8, -50}}, {3, 6}, {.osm_id = 3})}));
+  expect_sound(result.map);
+  EXPECT_EQ(result.map.junctions.size(), 2u);
+  double shortest = 1e9;
+  for (const Road* road : plain_roads(result.map)) shortest = std::min(shortest, road->length);
+  EXPECT_NEAR(shortest, 1.0, 1e-6);
+}
+
+TEST(BuildNetwork, very_short_ways) {
+  // 0.1 m between two longer ones: too short for a road; a stub of 1.5 m at a junction; a lone way of 1 m.
+  const NetworkResult result = build_network(network_of(
+      {make_path({{0, 0}, {40, 0}}, {1, 2}), make_path({{40, 0}, {40.1, 0}}, {2, 3}, {.osm_id = 2}),
+       make_path({{40.1, 0}, {80, 0}, {120, 0}}, {3, 4, 5}, {.osm_id = 3}), make_path({{80, 0}, {80, 1.5}}, {4, 6}, {.osm_id = 4}),
+       make_path({{0, 90}, {1, 90}}, {7, 8}, {.osm_id = 5}), make_path({{0, 95}, {0.1, 95}}, {9, 10}, {.osm_id = 6})}));
+  expect_sound(result.map);
+  EXPECT_TRUE(result.map.junctions.empty());
+  EXPECT_EQ(count_findings(result, "network.stub_dropped"), 1);
+  EXPECT_GE(count_findings(result, "network.way_in_junction"), 2);  // 0.1 m each
+  for (const Road& road : result.map.roads) EXPECT_GE(road.length, 0.5);
+}
+
+TEST(BuildNetwork, hairpin_is_eased_to_what_the_carriageway_allows) {
+  const NetworkResult result = build_network(network_of({make_path({{0, 0}, {50, 0}, {50, 3}, {0, 3}}, {1, 0, 0, 2})}));
+  expect_sound(result.map);
+  EXPECT_GT(result.eased_nodes, 0);
+  const NetworkResult corner = build_network(network_of({make_path({{0, 0}, {50, 0}, {50, 50}}, {1, 0, 2})}));
+  expect_sound(corner.map);
+  double sharpest = 0.0;
+  for (const roadquery::PlanElement& e : corner.map.roads.at(0).plan)
+    if (const Arc* arc = std::get_if<Arc>(&e.shape)) sharpest = std::max(sharpest, std::abs(arc->curvature));
+  EXPECT_LT(sharpest, 1.0 / 3.0) << "the inner edge of a 6 m road folds over";
+  EXPECT_EQ(count_findings(corner, "network.bend_too_sharp"), 0);
+}
+
+TEST(BuildNetwork, way_that_turns_back_on_itself_survives) {
+  const NetworkResult result = build_network(network_of({make_path({{0, 0}, {50, 0}, {0, 0.001}}, {1, 0, 2})}));
+  ASSERT_EQ(result.map.roads.size(), 1u);
+  expect_sound(result.map);
+}
+
+TEST(BuildNetwork, repeated_nodes_change_nothing) {
+  const RoadPath path = make_path({{0, 0}, {30, 4}, {60, 0}}, {1, 2, 3});
+  RoadPath repeated = path;
+  repeated.nodes.clear();
+  for (const RoadNode& node : path.nodes) repeated.nodes.insert(repeated.nodes.end(), 3, node);
+  const NetworkResult a = build_network(network_of({path})), b = build_network(network_of({repeated}));
+  expect_sound(b.map);
+  ASSERT_EQ(a.map.roads.size(), b.map.roads.size());
+  EXPECT_NEAR(a.map.roads[0].length, b.map.roads[0].length, 1e-9);
+}
+
+TEST(BuildNetwork, way_that_meets_itself) {
+  // A lollipop: out, round, and back to its own middle.
+  std::vector<Vec2> corners{{-80, 0}, {-20, 0}};
+  for (const Vec2 p : circle_points({0, 0}, 20.0, M_PI, 2.0 * M_PI)) corners.push_back(p);
+  corners.erase(corners.begin() + 2);
+  corners.back() = {-20, 0};
+  std::vector<std::int64_t> ids(corners.size(), 0);
+  ids[0] = 1, ids[1] = 2, ids.back() = 2;
+  const NetworkResult result = build_network(network_of({make_path(corners, ids)}));
+  expect_sound(result.map);
+  EXPECT_EQ(result.map.junctions.size(), 1u);
+  EXPECT_EQ(plain_roads(result.map).size(), 2u);
+  EXPECT_EQ(connecting_roads(result.map).size(), 6u);  // the loop's ends meet in one tangent: round again, too
+}
+
+}  // namespace
+}  // namespace orthodrive
