@@ -57,7 +57,6 @@ TEST(CommandLine, numbers_out_of_range_are_usage_errors) {
   for (const Arguments& arguments : std::vector<Arguments>{{"view", "DIR", "--port", "70000"},
                                                            {"view", "DIR", "--port", "http"},
                                                            {"synth", "-o", "DIR", "--preset", "metropolis"},
-                                                           {"synth", "-o", "DIR", "--seed", "-1"},
                                                            {"view", "DIR", "--threads", "-1"}}) {
     SCOPED_TRACE(arguments[2]);
     EXPECT_EQ(run_tool(arguments).exit_code, 2);

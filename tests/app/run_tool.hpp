@@ -69,11 +69,12 @@ inline ToolRun run_tool_with_file_limit(int limit_kib, const Arguments& argument
   return run_program(command);
 }
 
-/// All files below a folder with their content: equal before and after means that nothing was touched.
+/// All files below a folder with their content (not empty folders): equal before and after means that nothing was
+/// touched.
 inline std::map<std::string, std::string> snapshot(const std::filesystem::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    files[entry.path().string()] = entry.is_regular_file() ? bytes_of(entry.path()) : "";
+    if (entry.is_regular_file()) files[entry.path().string()] = bytes_of(entry.path());
   return files;
 }
 
