@@ -101,6 +101,28 @@ void scattered_anywhere(benchmark::State& state) {
 }
 BENCHMARK(scattered_anywhere)->Name("road_query/scattered_anywhere");
 
+/// Where twelve connecting roads overlap: the slowest place of a map.
+void junction(benchmark::State& state) {
+  RoadMap map;
+  for (int id = 0; id < 12; ++id) {
+    Road road = town().map().roads[0];
+    const double hdg = 0.5 * id;
+    road.id = id;
+    road.length = 20.0;
+    road.plan = {{0.0, -10.0 * std::cos(hdg), -10.0 * std::sin(hdg), hdg, 20.0, Spiral{0.0, 0.02}}};
+    map.roads.push_back(std::move(road));
+  }
+  const RoadQuery query(map);
+  Cursor cursor;
+  double x = -2.0;
+  for (auto _ : state) {
+    x = x < 2.0 ? x + 0.01 : -2.0;
+    benchmark::DoNotOptimize(query.find(x, 0.5, 200.0, cursor));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(junction)->Name("road_query/junction_of_12");
+
 void spiral_point(benchmark::State& state) {
   const PlanElement spiral{0.0, 0.0, 0.0, 0.3, 80.0, Spiral{0.0, 0.01}};
   double ds = 0.0;

@@ -16,8 +16,7 @@ constexpr double max_cells = 1e6;
 
 constexpr double seam_m = 0.25;  // how far a surface goes on beyond the end of its road
 constexpr double edge_rounding_m = 1e-6;
-constexpr double same_level_m = 0.3;  // surfaces of one junction differ by less, a bridge and its road by more
-constexpr double same_height_m = 1e-3;
+constexpr double same_level_m = 1.5;  // surfaces of one junction differ by less, the floors of a car park by more
 constexpr double coherent_level_m = 1.0;
 constexpr double last_step_m = 1e-4;  // the step after one this small would be below 1e-8 m
 constexpr int max_steps = 12;
@@ -66,13 +65,13 @@ int lane_at(const Road& road, double s, double t) {
   return 0;
 }
 
-/// A surface under the point, before it is known to be the one that counts.
+/// A surface under the point.
 struct Candidate {
   int road = -1;
   Foot foot;
   double t = 0.0, z = 0.0;
-  double off_center = 0.0;  ///< 0 in the middle of the road, 1 at its edges
-  bool on_seam = false;     ///< beyond the end of the road (or of its piece: then the neighbour, which is not, wins)
+  double inside_m = 0.0;  ///< distance to the nearest of the road's edges and ends
+  bool on_seam = false;   ///< beyond the end of the road, or of its piece: then the neighbour piece is not
 };
 
 std::optional<Candidate> candidate_at(const Road& road, int index, const std::optional<Foot>& foot) {
@@ -81,11 +80,13 @@ std::optional<Candidate> candidate_at(const Road& road, int index, const std::op
   const double t = foot->left / std::cos(bank);
   const Edges edges = road_edges(road, foot->s);
   if (t < edges.right_t - edge_rounding_m || t > edges.left_t + edge_rounding_m) return std::nullopt;
-  const double half_width = 0.5 * (edges.left_t - edges.right_t);
-  const double off_center = half_width > 0.0 ? std::abs(t - 0.5 * (edges.left_t + edges.right_t)) / half_width : 1.0;
-  return Candidate{index,      *foot,
-                   t,          elevation(road, foot->s) + t * std::sin(bank),
-                   off_center, std::abs(foot->along) > edge_rounding_m};
+  const double inside_m = std::min({edges.left_t - t, t - edges.right_t, foot->s, road.length - foot->s});
+  return Candidate{index,
+                   *foot,
+                   t,
+                   elevation(road, foot->s) + t * std::sin(bank),
+                   std::max(inside_m, 0.0),
+                   std::abs(foot->along) > edge_rounding_m};
 }
 
 Hit to_hit(const Road& road, const Candidate& c) {
@@ -98,15 +99,37 @@ Hit to_hit(const Road& road, const Candidate& c) {
           lane_at(road, c.foot.s, c.t)};
 }
 
+/// Mean of the surfaces, weighted by how far inside each the point lies: without a step where one begins or ends.
+Hit blend(const std::vector<Road>& roads, std::span<const Candidate> surfaces, const Candidate& named) {
+  constexpr double border_weight_m = 1e-6;  // a point on the very borders of all has a height, too
+  Hit hit = to_hit(roads[static_cast<std::size_t>(named.road)], named);
+  if (surfaces.size() == 1) return hit;
+  double sum_weight = 0.0, sum_z = 0.0;
+  std::array<double, 3> sum_normal = {0.0, 0.0, 0.0};
+  for (const Candidate& c : surfaces) {
+    const SurfacePoint point = surface_point(roads[static_cast<std::size_t>(c.road)], c.foot.s, c.t, c.foot.reference);
+    const double weight = c.inside_m + border_weight_m;
+    sum_weight += weight, sum_z += weight * point.z;
+    for (std::size_t k = 0; k < 3; ++k) sum_normal[k] += weight * point.normal[k];
+  }
+  const double norm = std::hypot(sum_normal[0], sum_normal[1], sum_normal[2]);
+  hit.z = sum_z / sum_weight;
+  for (std::size_t k = 0; k < 3; ++k) hit.normal[k] = sum_normal[k] / norm;
+  return hit;
+}
+
 }  // namespace
 
 RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)) {
   for (std::size_t i = 0; i < map_.roads.size(); ++i) cut_into_pieces(static_cast<int>(i));
+  first_piece_.push_back(pieces_.size());
   fill_grid();
+  find_overlaps();
 }
 
 void RoadQuery::cut_into_pieces(int index) {
   const Road& road = map_.roads[static_cast<std::size_t>(index)];
+  first_piece_.push_back(pieces_.size());
   for (std::size_t i = 0; i < road.plan.size(); ++i) {
     const PlanElement& element = road.plan[i];
     const double begin = std::max(element.s, 0.0);
@@ -134,7 +157,9 @@ void RoadQuery::cut_into_pieces(int index) {
         piece.min_x = std::min(piece.min_x, p.x), piece.max_x = std::max(piece.max_x, p.x);
         piece.min_y = std::min(piece.min_y, p.y), piece.max_y = std::max(piece.max_y, p.y);
       }
-      reach += box_margin_m;
+      piece.reach_m = reach += box_margin_m;
+      piece.middle = reference_point(road, 0.5 * (piece.s_begin + piece.s_end));
+      piece.cos_hdg = std::cos(piece.middle.hdg), piece.sin_hdg = std::sin(piece.middle.hdg);
       piece.min_x -= reach, piece.min_y -= reach, piece.max_x += reach, piece.max_y += reach;
       pieces_.push_back(piece);
     }
@@ -171,11 +196,63 @@ void RoadQuery::fill_grid() {
   }
 }
 
+/// A piece is alone where no other road's reference line comes nearer than both reach.
+void RoadQuery::find_overlaps() {
+  // Reference points of every piece, so dense that a line passes at most half their spacing from one.
+  std::vector<std::vector<PlanPoint>> points(pieces_.size());
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const Piece& p = pieces_[i];
+    const int steps = 1 + static_cast<int>((p.s_end - p.s_begin) / sample_m);
+    for (int k = 0; k <= steps; ++k) {
+      points[i].push_back(
+          reference_point(map_.roads[static_cast<std::size_t>(p.road)], p.s_begin + (p.s_end - p.s_begin) * k / steps));
+    }
+  }
+  const auto touch = [&](std::size_t i, std::size_t j) {
+    const Piece &a = pieces_[i], &b = pieces_[j];
+    if (a.min_x > b.max_x || b.min_x > a.max_x || a.min_y > b.max_y || b.min_y > a.max_y) return false;
+    const double near = a.reach_m + b.reach_m + sample_m;  // half a spacing of each
+    return std::any_of(points[i].begin(), points[i].end(), [&](const PlanPoint& p) {
+      return std::any_of(points[j].begin(), points[j].end(), [&](const PlanPoint& q) {
+        return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) < near * near;
+      });
+    });
+  };
+  for (std::size_t cell = 0; cell + 1 < cell_begin_.size(); ++cell) {
+    const std::span<const std::uint32_t> here{cell_pieces_.data() + cell_begin_[cell],
+                                              cell_begin_[cell + 1] - cell_begin_[cell]};
+    for (const std::uint32_t i : here) {
+      for (const std::uint32_t j : here) {
+        if (!pieces_[i].alone) break;
+        if (pieces_[i].road != pieces_[j].road && touch(i, j)) pieces_[i].alone = false;
+      }
+    }
+  }
+}
+
+bool RoadQuery::is_alone(int road, double s) const {
+  const auto begin = pieces_.begin() + static_cast<std::ptrdiff_t>(first_piece_[static_cast<std::size_t>(road)]);
+  const auto end = pieces_.begin() + static_cast<std::ptrdiff_t>(first_piece_[static_cast<std::size_t>(road) + 1]);
+  const auto after = std::upper_bound(begin, end, s, [](double v, const Piece& p) { return v < p.s_begin; });
+  return after != begin && (after - 1)->alone;
+}
+
+/// Foot on the circle of curvature in the middle of the piece, which saves Newton two steps of four.
+double RoadQuery::guess_s(const Piece& piece, double x, double y) {
+  const PlanPoint& m = piece.middle;
+  const double dx = x - m.x, dy = y - m.y;
+  const double along = dx * piece.cos_hdg + dy * piece.sin_hdg, left = dy * piece.cos_hdg - dx * piece.sin_hdg;
+  const double turn = std::atan2(m.curvature * along, 1.0 - m.curvature * left);
+  const double step = std::abs(m.curvature) > 1e-6 ? turn / m.curvature : along;
+  return 0.5 * (piece.s_begin + piece.s_end) + step / m.speed;
+}
+
 std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor) const {
   if (cursor.road >= 0 && static_cast<std::size_t>(cursor.road) < map_.roads.size()) {
     const Road& road = map_.roads[static_cast<std::size_t>(cursor.road)];
     const auto here = candidate_at(road, cursor.road, project(road, x, y, cursor.s, 0.0, road.length));
-    if (here && !here->on_seam && std::abs(here->z - z_hint) <= coherent_level_m) {
+    if (here && !here->on_seam && std::abs(here->z - z_hint) <= coherent_level_m &&
+        is_alone(cursor.road, here->foot.s)) {
       cursor.s = here->foot.s;
       return to_hit(road, *here);
     }
@@ -197,29 +274,31 @@ std::optional<Hit> RoadQuery::search(double x, double y, double z_hint, int pref
     const Piece& piece = pieces_[cell_pieces_[i]];
     if (x < piece.min_x || x > piece.max_x || y < piece.min_y || y > piece.max_y) continue;
     const Road& road = map_.roads[static_cast<std::size_t>(piece.road)];
-    const auto foot = project(road, x, y, 0.5 * (piece.s_begin + piece.s_end), piece.s_begin, piece.s_end);
+    const auto foot = project(road, x, y, guess_s(piece, x, y), piece.s_begin, piece.s_end);
     const auto candidate = candidate_at(road, piece.road, foot);
-    if (candidate) found[count++] = *candidate;
+    if (!candidate) continue;
+    // Two pieces of a road share the foot where they meet: count it once.
+    const bool again =
+        count > 0 && found[count - 1].road == piece.road && std::abs(found[count - 1].foot.s - foot->s) < seam_m;
+    if (again && (candidate->on_seam || !found[count - 1].on_seam)) continue;
+    found[again ? count - 1 : count++] = *candidate;
   }
   if (count == 0) return std::nullopt;
 
+  auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
   const auto level_distance = [&](const Candidate& c) { return std::isnan(z_hint) ? -c.z : std::abs(c.z - z_hint); };
-  const auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
   const double level_z = std::min_element(found.begin(), end, [&](const Candidate& a, const Candidate& b) {
                            return level_distance(a) < level_distance(b);
                          })->z;
-  const Candidate* best = nullptr;
-  const auto better = [&](const Candidate& a, const Candidate& b) {
-    if (a.on_seam != b.on_seam) return !a.on_seam;
-    if ((a.road == preferred_road) != (b.road == preferred_road)) return a.road == preferred_road;
-    const double a_off = level_distance(a), b_off = level_distance(b);
-    if (std::abs(a_off - b_off) > same_height_m) return a_off < b_off;
-    return a.off_center < b.off_center;  // equal: the one found first, which has the lower index
-  };
-  for (auto c = found.begin(); c != end; ++c) {
-    if (std::abs(c->z - level_z) <= same_level_m && (best == nullptr || better(*c, *best))) best = &*c;
+  end = std::remove_if(found.begin(), end, [&](const Candidate& c) { return std::abs(c.z - level_z) > same_level_m; });
+  if (std::any_of(found.begin(), end, [](const Candidate& c) { return !c.on_seam; })) {
+    end = std::remove_if(found.begin(), end, [](const Candidate& c) { return c.on_seam; });
   }
-  return to_hit(map_.roads[static_cast<std::size_t>(best->road)], *best);
+  const auto named = std::max_element(found.begin(), end, [&](const Candidate& a, const Candidate& b) {
+    if ((a.road == preferred_road) != (b.road == preferred_road)) return b.road == preferred_road;
+    return a.inside_m < b.inside_m;
+  });
+  return blend(map_.roads, {found.begin(), end}, *named);
 }
 
 }  // namespace roadquery

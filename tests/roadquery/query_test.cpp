@@ -204,6 +204,33 @@ TEST(RoadQuery, overlapping_roads_of_a_junction_keep_the_cursors_road) {
             1);  // 1 m from the middle of road 1, 2 m from that of road 0
 }
 
+TEST(RoadQuery, overlapping_surfaces_of_one_level_are_blended_without_a_step) {
+  // Two roads cross 0.2 m above each other: nobody builds that, but two connecting roads of a junction on a slope do
+  // it.
+  RoadMap map;
+  map.roads = {make_road(1, {0.0, -20.0, 0.0, 0.0, 40.0, Line{}}, 5.0),
+               make_road(2, {0.0, 0.0, -20.0, 0.5 * std::numbers::pi, 40.0, Line{}}, 5.2)};
+  const RoadQuery query(map);
+  for (const double y : {-3.0, 0.0, 2.0}) {
+    Cursor cursor;
+    double z = 5.0;
+    for (double x = -15.0; x <= 15.0; x += 0.01) {
+      const double next = query.find(x, y, z, cursor).value().z;
+      // Steepest where one weight begins and the other is 0.5 m: 0.2 m / 0.5 m.
+      ASSERT_NEAR(next, z, 0.01 * 0.2 / 0.5) << x << " " << y;
+      z = next;
+      if (std::abs(x) > 3.51) {
+        ASSERT_NEAR(z, 5.0, 1e-12) << x;
+      }
+      Cursor fresh;  // where a point came from does not change the height
+      ASSERT_EQ(query.find(x, y, z, fresh).value().z, next);
+    }
+    EXPECT_EQ(cursor.road, 0);
+  }
+  Cursor cursor;
+  EXPECT_NEAR(query.find(0.0, 0.0, 5.0, cursor).value().z, 5.1, 1e-12);  // as deep in one as in the other
+}
+
 TEST(RoadQuery, empty_map_far_points_and_strange_numbers) {
   const RoadQuery nothing{RoadMap{}};
   Cursor cursor;
