@@ -1,0 +1,33 @@
+#pragma once
+// What `evaluate` reads, in the many forms it accepts.
+
+#include <filesystem>
+#include <variant>
+
+#include "orthodrive/evaluate/evaluate_roads.hpp"
+#include "orthodrive/evaluate/scores.hpp"
+#include "orthodrive/model/rasters.hpp"
+
+namespace orthodrive::app {
+
+/// Polygons in any CRS; empty paths: everywhere, nothing ignored.
+struct RegionFiles {
+  std::filesystem::path area, ignore;
+};
+[[nodiscard]] ScoreRegion read_region(const RegionFiles& files, const Crs& crs);
+
+/// PATH itself, or PATH/name when PATH is a truth folder.
+[[nodiscard]] std::filesystem::path inside_folder(const std::filesystem::path& path, const char* name);
+/// By its extension: GeoJSON, GeoPackage, OSM, Shapefile.
+[[nodiscard]] bool is_vector_file(const std::filesystem::path& path);
+
+/// A label raster (class table of `prediction` when it has none), or polygons painted on the prediction's grid, or road
+/// polygons that know no classes.
+[[nodiscard]] std::variant<LabelMap, MultiPolygon> read_label_truth(const std::filesystem::path& path, const LabelMap& prediction);
+
+/// A folder as `synth` writes it, a roads.gpkg, or polygons (id) and centre lines (of) in any CRS.
+[[nodiscard]] RoadTruth read_road_truth(const std::filesystem::path& path, const Crs& crs);
+/// roads.gpkg, or an OSM file as it is, with default widths, in the box around the truth.
+[[nodiscard]] RoadNetwork read_scored_roads(const std::filesystem::path& path, const std::filesystem::path& truth);
+
+}  // namespace orthodrive::app

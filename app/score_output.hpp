@@ -1,0 +1,25 @@
+#pragma once
+// Scores as one JSON object (docs/architecture.md lists the keys) and as a table for people.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "orthodrive/evaluate/evaluate_heights.hpp"
+#include "orthodrive/evaluate/evaluate_labels.hpp"
+#include "orthodrive/evaluate/evaluate_network.hpp"
+#include "orthodrive/evaluate/evaluate_roads.hpp"
+
+namespace orthodrive::app {
+
+using ScoreJson = nlohmann::ordered_json;
+
+/// Numbers that do not exist (NaN) become null.
+[[nodiscard]] ScoreJson to_json(const LabelScores& scores);
+[[nodiscard]] ScoreJson to_json(const RoadRoleScores& scores);
+[[nodiscard]] ScoreJson to_json(const RoadScores& scores);
+[[nodiscard]] ScoreJson to_json(const HeightScores& scores);
+[[nodiscard]] ScoreJson to_json(const NetworkScores& scores);
+
+[[nodiscard]] std::string to_table(const ScoreJson& scores);
+
+}  // namespace orthodrive::app
