@@ -205,22 +205,15 @@ std::string drive_section(const ReportInput& in) {
   Polyline lap;
   for (std::size_t i = 0; i < column["x_m"].size(); ++i) lap.push_back({column["x_m"][i], column["y_m"][i]});
   if (lap.empty()) return "";
-  std::vector<double> kmh = column["speed_mps"];
-  const double fastest = 3.6 * *std::max_element(kmh.begin(), kmh.end());
+  const std::vector<double>& speed = column["speed_mps"];
+  const double fastest = 3.6 * *std::max_element(speed.begin(), speed.end());
   Box2 box = bounds_of(lap);
   const double side = std::max({box.width(), box.height(), 100.0});
   box = Box2{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y), 0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)}.grown(0.58 * side);
   std::string html = "<h2>7. The simulated drive</h2>\n" + color_bar("speed", std::round(fastest), "km/h") +
-                     figure(picture_of_lap(in.photo, lap, kmh, box), "The driven lap, colored by speed");
-  for (double& v : kmh) v *= 3.6;
-  const auto plot = [&](const char* title, const char* unit, std::vector<std::pair<std::string, std::vector<double>>> lines) {
-    std::vector<PlotSeries> series;
-    for (auto& [name, y] : lines) series.push_back({.name = lines.size() > 1 ? name : "", .x = column["s_m"], .y = std::move(y)});
-    html += svg_line_plot(series, {.title = title, .x_label = "distance (m)", .y_label = unit, .height_px = 200});
-  };
-  plot("Speed", "km/h", {{"speed", kmh}});
-  plot("Height", "m", {{"height", column["z_m"]}});
-  plot("Acceleration", "m/s\u00b2", {{"longitudinal", column["a_lon_mps2"]}, {"lateral", column["a_lat_mps2"]}});
+                     figure(picture_of_lap(in.photo, lap, speed, box), "The driven lap, colored by speed");
+  std::ifstream plots(in.out_dir / ".orthodrive" / "lap_plots.html");
+  html.append(std::istreambuf_iterator<char>(plots), {});
   return html + numbers_of(in, "drive") + "<p>More in <a href=\"drive/report.html\">drive/report.html</a>.</p>\n";
 }
 
@@ -298,8 +291,8 @@ void write_report(const ReportInput& in) {
   tile(fmt::format("{:.2f} km\u00b2", area_m2(in.site.frame.area) / 1e6), "area");
   tile(fmt::format("{:.1f} km", road_m / 1000.0), "roads");
   tile(std::to_string(map.junctions.size()), "junctions");
-  if (const StageRecord* drive = find_stage(in, "drive"); drive && drive->outcome.numbers.contains("time_s"))
-    tile(fmt::format("{:.1f} s", drive->outcome.numbers["time_s"].get<double>()), "driven");
+  if (const StageRecord* drive = find_stage(in, "drive"); drive && drive->outcome.numbers.contains("lap_time_s"))
+    tile(fmt::format("{:.1f} s", drive->outcome.numbers["lap_time_s"].get<double>()), "driven");
   tile(std::to_string(findings), "findings");
   tile(fmt::format("{:.0f} s", seconds), "to build");
 
