@@ -1,0 +1,207 @@
+// Our files before real readers: our own, the ASAM schema (xmllint) and SUMO (netconvert); and real towns from OSM.
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "network_support.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/opendrive_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+
+namespace orthodrive {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace orthodrive::testing;
+using roadquery::Road;
+
+// Canonical: xmllint takes one file under two spellings ("a/../b") for two.
+const fs::path data_folder = fs::weakly_canonical(fs::path(ORTHODRIVE_SOURCE_DIR) / ".." / "shared" / "data");
+const fs::path schema = data_folder / "opendrive" / "xsd" / "1.7.0" / "opendrive_17_core.xsd";
+
+class OpenDrive : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("orthodrive_network_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] fs::path file(const std::string& name) const { return folder_ / name; }
+  static std::string content(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Exit code; what the command says goes to `log`.
+  int run(const std::string& command, std::string& log) const {
+    const fs::path said = file("log.txt");
+    const int status = std::system((command + " > '" + said.string() + "' 2>&1").c_str());
+    log = content(said);
+    return status;
+  }
+  void expect_valid(const fs::path& xodr) const {
+    std::string log;
+    EXPECT_EQ(run("xmllint --noout --schema '" + schema.string() + "' '" + xodr.string() + "'", log), 0) << log;
+  }
+  /// SUMO reads the file without error and makes at least one edge of every road.
+  void expect_sumo_finds_all(const fs::path& xodr, const roadquery::RoadMap& map) const {
+    std::string log;
+    const fs::path net = file("out.net.xml");
+    ASSERT_EQ(run("SUMO_HOME=/usr/share/sumo netconvert --opendrive-files '" + xodr.string() +
+                      "' --xml-validation never -o '" + net.string() + "'", log), 0) << log;
+    EXPECT_EQ(log.find("Error"), std::string::npos) << log;
+    const std::string text = content(net);
+    std::set<int> edges;
+    const std::string key = "<edge id=\"";
+    for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+      const char* id = text.c_str() + at + key.size();
+      if (*id != ':') edges.insert(std::abs(std::atoi(id)));  // "-12#1": against road 12, its second part
+    }
+    for (const Road* road : plain_roads(map)) EXPECT_TRUE(edges.count(road->id)) << "road " << road->id;
+  }
+
+ private:
+  fs::path folder_;
+};
+
+/// Everything at once: a circuit with an access road, a crossing, a bridge, one-way lanes, ways in both directions.
+RoadNetwork mixed_network() {
+  const auto height = [](Vec2 p) { return 40.0 + 2.0 * std::sin(p.x / 50.0) + 0.02 * p.y; };
+  std::vector<Vec2> ring = circle_points({200, 0}, 60.0, M_PI, 2.0 * M_PI);
+  ring.back() = ring.front();
+  std::vector<std::int64_t> ring_ids(ring.size(), 0);
+  ring_ids.front() = ring_ids.back() = 7;
+  std::vector<RoadPath> paths{
+      make_path({{-100, 0}, {0, 0}, {100, 20}}, {1, 2, 3}, {.osm_id = 1, .highway = "primary", .width_m = 8.0, .height = height,
+                                                           .banking = [](double s) { return 0.02 * std::sin(s / 40.0); }}),
+      make_path({{0, -80}, {0, 0}, {-10, 90}}, {4, 2, 5}, {.osm_id = 2, .width_m = 5.5, .height = height}),
+      make_path({{140, 0}, {100, 20}}, {7, 3}, {.osm_id = 3, .width_m = 6.0, .height = height}),
+      make_path(ring, ring_ids, {.osm_id = 4, .highway = "raceway", .width_m = 9.0, .oneway = Oneway::forward, .height = height}),
+      make_path({{-50, -90}, {-50, 90}}, {8, 9}, {.osm_id = 5, .highway = "secondary", .width_m = 7.0,
+                                                  .oneway = Oneway::forward, .lanes = 2, .height = [&](Vec2 p) { return height(p) + 6.0; }})};
+  paths[4].bridge = true, paths[4].layer = 1;
+  paths[0].name = "Straße <1> & \"2\"";
+  return network_of(std::move(paths));
+}
+
+TEST_F(OpenDrive, reading_back_gives_the_same_map) {
+  const roadquery::RoadMap map = build_network(mixed_network()).map;
+  io::write_opendrive(file("a.xodr"), map);
+  const roadquery::RoadMap read = roadquery::read_opendrive(file("a.xodr").string());
+  expect_sound(read);
+  EXPECT_EQ(read.name, map.name);
+  EXPECT_EQ(read.geo_reference, map.geo_reference);
+  EXPECT_EQ(read.north, map.north);
+  ASSERT_EQ(read.roads.size(), map.roads.size());
+  ASSERT_EQ(read.junctions.size(), map.junctions.size());
+  for (std::size_t i = 0; i < map.roads.size(); ++i) {
+    const Road &a = map.roads[i], &b = read.roads[i];
+    EXPECT_EQ(a.id, b.id);
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.junction, b.junction);
+    EXPECT_EQ(a.osm_id, b.osm_id);
+    EXPECT_EQ(a.highway, b.highway);
+    EXPECT_EQ(a.layer, b.layer);
+    EXPECT_EQ(a.bridge, b.bridge);
+    EXPECT_EQ(a.left_hand_traffic, b.left_hand_traffic);
+    EXPECT_NEAR(a.length, b.length, 1e-7);
+    EXPECT_EQ(a.plan.size(), b.plan.size());
+    EXPECT_EQ(a.elevation.size(), b.elevation.size());
+    EXPECT_EQ(a.superelevation.size(), b.superelevation.size());
+    for (const auto& [la, lb] : {std::pair{a.predecessor, b.predecessor}, std::pair{a.successor, b.successor}}) {
+      EXPECT_EQ(la.kind, lb.kind);
+      EXPECT_EQ(la.id, lb.id);
+      EXPECT_EQ(la.contact, lb.contact);
+    }
+    ASSERT_EQ(b.sections.size(), 1u);
+    const auto expect_lanes = [](const std::vector<roadquery::Lane>& u, const std::vector<roadquery::Lane>& v) {
+      ASSERT_EQ(u.size(), v.size());
+      for (std::size_t k = 0; k < u.size(); ++k) {
+        EXPECT_EQ(u[k].id, v[k].id);
+        EXPECT_EQ(u[k].type, v[k].type);
+        EXPECT_EQ(u[k].predecessor, v[k].predecessor);
+        EXPECT_EQ(u[k].successor, v[k].successor);
+        EXPECT_EQ(u[k].marks.at(0).type, v[k].marks.at(0).type);
+      }
+    };
+    expect_lanes(a.sections[0].left, b.sections[0].left);
+    expect_lanes(a.sections[0].right, b.sections[0].right);
+    for (double s = 0.0; s <= a.length; s += 2.5)
+      for (const double t : {-2.0, 0.0, 2.0}) {
+        const roadquery::SurfacePoint p = roadquery::surface_point(a, s, t), q = roadquery::surface_point(b, s, t);
+        EXPECT_NEAR(std::hypot(p.x - q.x, p.y - q.y, p.z - q.z), 0.0, 1e-6);
+        EXPECT_NEAR(roadquery::road_edges(a, s).left_t, roadquery::road_edges(b, s).left_t, 1e-9);
+      }
+  }
+  for (std::size_t j = 0; j < map.junctions.size(); ++j)
+    EXPECT_EQ(read.junctions[j].connections.size(), map.junctions[j].connections.size());
+}
+
+TEST_F(OpenDrive, same_roads_give_the_same_bytes_for_any_thread_count) {
+  io::write_opendrive(file("a.xodr"), build_network(mixed_network(), {.threads = 1}).map);
+  io::write_opendrive(file("b.xodr"), build_network(mixed_network(), {.threads = 4}).map);
+  EXPECT_EQ(content(file("a.xodr")), content(file("b.xodr")));
+  EXPECT_GT(content(file("a.xodr")).size(), 10000u);
+}
+
+TEST_F(OpenDrive, map_without_roads_is_refused_and_the_old_file_stays) {
+  std::ofstream(file("a.xodr")) << "old";
+  EXPECT_THROW(io::write_opendrive(file("a.xodr"), {}), Error);
+  EXPECT_EQ(content(file("a.xodr")), "old");
+}
+
+TEST_F(OpenDrive, all_shapes_are_written) {
+  roadquery::RoadMap map = build_network(network_of({make_path({{0, 0}, {30, 0}}, {1, 2})})).map;
+  map.roads[0].plan = {{0, 0, 0, 0, 10, roadquery::Spiral{0.0, 0.02}},
+                       {10, 10, 0, 0, 20, roadquery::ParamPoly3{0, 1, 0.25, 0, 0, 0, 0.5, -0.125, false}}};
+  io::write_opendrive(file("a.xodr"), map);
+  const roadquery::RoadMap read = roadquery::read_opendrive(file("a.xodr").string());
+  EXPECT_EQ(std::get<roadquery::Spiral>(read.roads[0].plan[0].shape).curvature_end, 0.02);
+  EXPECT_EQ(std::get<roadquery::ParamPoly3>(read.roads[0].plan[1].shape).d_v, -0.125);
+  EXPECT_FALSE(std::get<roadquery::ParamPoly3>(read.roads[0].plan[1].shape).normalized);
+}
+
+TEST_F(OpenDrive, file_is_valid_against_the_asam_schema) {
+  if (!fs::exists(schema)) GTEST_SKIP() << "NOT TESTED: no OpenDRIVE schema at " << schema;
+  io::write_opendrive(file("a.xodr"), build_network(mixed_network()).map);
+  expect_valid(file("a.xodr"));
+  std::string log;  // the test can fail: a road without its id
+  std::string broken = content(file("a.xodr"));
+  broken.erase(broken.find(" junction=\"-1\""), 14);
+  std::ofstream(file("b.xodr")) << broken;
+  EXPECT_NE(run("xmllint --noout --schema '" + schema.string() + "' '" + file("b.xodr").string() + "'", log), 0);
+}
+
+TEST_F(OpenDrive, sumo_reads_every_road) {
+  const roadquery::RoadMap map = build_network(mixed_network()).map;
+  io::write_opendrive(file("a.xodr"), map);
+  expect_sumo_finds_all(file("a.xodr"), map);
+}
+
+TEST_F(OpenDrive, kvarnbyn_from_osm_alone) {
+  const fs::path osm = data_folder / "kvarnbyn" / "roads.osm";
+  if (!fs::exists(osm)) GTEST_SKIP() << "NOT TESTED: no real data at " << osm;
+  SiteFrame site{{"EPSG:32633"}, {}};
+  const CoordinateTransform from_lonlat({"EPSG:4326"}, site.crs);
+  for (const Vec2 p : {Vec2{12.0, 57.6}, {12.1, 57.6}, {12.1, 57.7}, {12.0, 57.7}})
+    site.area.outer.push_back(from_lonlat.target_from_source(p));
+  const RoadNetwork roads = io::read_osm_roads(osm, site);
+  const auto start = std::chrono::steady_clock::now();
+  const NetworkResult result = build_network(roads);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5.0);
+  expect_sound(result.map);
+  EXPECT_LE(result.max_plan_deviation_m, 0.1);
+  EXPECT_GT(plain_roads(result.map).size(), roads.paths.size());
+  io::write_opendrive(file("a.xodr"), result.map);
+  if (fs::exists(schema)) expect_valid(file("a.xodr"));
+  expect_sumo_finds_all(file("a.xodr"), result.map);
+}
+
+}  // namespace
+}  // namespace orthodrive
