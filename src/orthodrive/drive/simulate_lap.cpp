@@ -240,17 +240,19 @@ struct Lap {
   const DrivingLine& line;
   const Plan& plan;
   const Vehicle& vehicle;
+  const Driver& driver;
   Car car;
   Tyres tyres;
   Progress progress;
   roadquery::Cursor cursor;  ///< of the middle of the car
 
-  Lap(const roadquery::RoadQuery& query, const DrivingLine& line, const Plan& plan, const Vehicle& vehicle,
+  Lap(const roadquery::RoadQuery& query, const DrivingLine& line, const Plan& plan, const DriveOptions& options,
       double start_m)
       : query(query),
         line(line),
         plan(plan),
-        vehicle(vehicle),
+        vehicle(options.vehicle),
+        driver(options.driver),
         car(place_car(line, start_m, line.closed ? plan.at(start_m).speed_mps : 0.0, vehicle)),
         tyres(query, vehicle, line.at(start_m).z_m),
         progress{start_m} {
@@ -260,7 +262,8 @@ struct Lap {
   void advance() {
     const Attitude attitude = tyres.attitude();
     const Plan::At planned = plan.at(progress.s_m);
-    const double wanted_mps2 = planned.acceleration_mps2 + speed_gain_1ps * (planned.speed_mps - car.ahead_mps);
+    const double wanted_mps2 = std::min(
+        planned.acceleration_mps2 + speed_gain_1ps * (planned.speed_mps - car.ahead_mps), driver.max_drive_mps2);
     move(car, traction_n(wanted_mps2, car, attitude, vehicle), steering_rad(line, progress, car, attitude, vehicle),
          attitude, vehicle);
     tyres.update(car);
@@ -326,7 +329,7 @@ DriveResult simulate_lap(const roadquery::RoadMap& map, const DriveOptions& opti
   // The front axle starts at the line's start; on an open one far enough into it for the rear axle to stand on the
   // road.
   const double start_m = line.closed ? 0.0 : std::min(vehicle.wheelbase_m + 0.5, 0.5 * line.length_m());
-  Lap lap(query, line, plan, vehicle, start_m);
+  Lap lap(query, line, plan, options, start_m);
   result.samples.push_back(lap.sample(0.0));
 
   SpacedFindings bumps(result.findings), misses(result.findings);
