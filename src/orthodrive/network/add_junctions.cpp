@@ -88,7 +88,9 @@ std::vector<Movement> choose_movements(const std::vector<JunctionEnd>& ends, con
                                        bool left_hand_traffic) {
   std::vector<Movement> movements;
   for (std::size_t to = 0; to < ends.size(); ++to) {
-    if (to == from || out[to].lanes.empty() || reached.count(ends[to].vertex) == 0) continue;
+    if (out[to].lanes.empty() || reached.count(ends[to].vertex) == 0) continue;
+    // Back into the same road: only round a circuit, not round a block's inner drive.
+    if (ends[to].road == ends[from].road && static_cast<int>(to) != ends[from].through) continue;
     movements.push_back({static_cast<int>(from), static_cast<int>(to), turn_between(in[from], out[to])});
   }
   if (movements.empty() || in[from].lanes.empty()) return {};
