@@ -87,7 +87,7 @@ RoadMap crossing(const std::vector<std::pair<int, int>>& turns) {
     roads.push_back(make_road(arm, {0.0, 20.0 * std::cos(hdg), 20.0 * std::sin(hdg), hdg, 300.0, Line{}}));
     roads.back().predecessor = {LinkKind::junction, 50, ContactPoint::start};
   }
-  roads.push_back(make_road(5, {0.0, 320.0, 0.0, 0.0, 900.0, Arc{0.005}}));
+  roads.push_back(make_road(5, {0.0, 320.0, 0.0, 0.0, 1.5 * std::numbers::pi * 320.0, Arc{1.0 / 320.0}}));
   link(roads[0], roads[4]);
   roads[4].successor = {LinkKind::road, 2, ContactPoint::end};
   roads[1].successor = {LinkKind::road, 5, ContactPoint::end};
@@ -95,7 +95,10 @@ RoadMap crossing(const std::vector<std::pair<int, int>>& turns) {
   map.junctions = {{50, "", {}}};
   int id = 100;
   for (const auto& [from, to] : turns) {
-    Road connecting = make_road(id, {0.0, 0.0, 0.0, 0.0, 30.0, Line{}});
+    const auto &a = roads[static_cast<std::size_t>(from - 1)].plan[0],
+               &b = roads[static_cast<std::size_t>(to - 1)].plan[0];
+    const double dx = b.x - a.x, dy = b.y - a.y;
+    Road connecting = make_road(id, {0.0, a.x, a.y, std::atan2(dy, dx), std::hypot(dx, dy), Line{}});
     connecting.junction = 50;
     connecting.sections[0].left.clear();
     connecting.predecessor = {LinkKind::road, from, ContactPoint::start};
@@ -120,6 +123,12 @@ TEST(FindRoute, goes_through_junctions_only_where_connections_lead) {
   RoadMap wrong = crossing({{2, 1}});
   wrong.junctions[0].connections[0].lane_links = {{-1, -1}};
   EXPECT_FALSE(find_route(wrong).closed);
+}
+
+TEST(FindRoute, link_between_ends_far_apart_is_no_way) {
+  Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 100.0, Line{}});
+  link(road, road);  // says it closes, but its end is 100 m from its start
+  EXPECT_FALSE(find_route(map_of({road})).closed);
 }
 
 TEST(FindRoute, open_route_is_the_longest_way) {

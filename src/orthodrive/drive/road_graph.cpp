@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <queue>
 
+#include "roadquery/road_surface.hpp"
+
 namespace orthodrive {
 namespace {
 
 using roadquery::ContactPoint;
 using roadquery::LinkKind;
 using roadquery::Road;
+
+constexpr double max_gap_m = 10.0;  // a link between ends further apart is a mistake in the file: nobody can drive it
 
 /// Sign of the ids of the lanes that go in this direction.
 int lane_sign(const Road& road, bool forward) { return forward != road.left_hand_traffic ? -1 : 1; }
@@ -25,6 +29,12 @@ bool attaches(const Road& connecting, ContactPoint contact, const Road& road, bo
   const roadquery::RoadLink& link = contact == ContactPoint::start ? connecting.predecessor : connecting.successor;
   if (link.kind != LinkKind::road) return true;
   return link.id == road.id && link.contact == (forward ? ContactPoint::end : ContactPoint::start);
+}
+
+/// Where a road is left in that direction (or entered, against it).
+Vec2 end_of(const Road& road, bool forward) {
+  const auto p = roadquery::reference_point(road, forward ? road.length : 0.0);
+  return {p.x, p.y};
 }
 
 }  // namespace
@@ -54,7 +64,9 @@ void RoadGraph::connect(int node) {
   const auto add = [&](int road_id, ContactPoint contact, const auto& condition) {
     const Road* to = find_by_id(map_->roads, road_id);
     if (to == nullptr || !condition(*to)) return;
-    const int target = node_of({static_cast<int>(to - map_->roads.data()), contact == ContactPoint::start});
+    const bool enter_forward = contact == ContactPoint::start;
+    if (distance(end_of(from, forward), end_of(*to, !enter_forward)) > max_gap_m) return;
+    const int target = node_of({static_cast<int>(to - map_->roads.data()), enter_forward});
     if (is_open(target)) next.push_back(target);
   };
   const roadquery::RoadLink& exit = forward ? from.successor : from.predecessor;
