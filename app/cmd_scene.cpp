@@ -33,9 +33,15 @@ Crs site_crs(const std::string& network_file, const roadquery::RoadMap& roads, c
   return proj_string(photo_crs) == proj_string(crs) ? photo_crs : crs;
 }
 
-/// The photo on its own grid where it lies in the site CRS, warped otherwise; `site.area` becomes the photo's outline.
+/// The photo on its own grid where it lies in the site CRS, warped otherwise; the area is what it shows.
 Photo read_photo_for(const std::filesystem::path& path, const io::RasterInfo& info, SiteFrame& site, int threads) {
-  if (site.crs == info.crs) return io::read_photo_native(path);
+  if (site.crs == info.crs) {
+    Photo photo = io::read_photo_native(path);
+    site.area = photo_outline(photo);
+    if (site.area.outer.empty())
+      throw InputError(path.string(), "has no valid pixel, give a photo that shows the roads");
+    return photo;
+  }
   const CoordinateTransform to_geographic(site.crs, Crs{"EPSG:4326"});
   for (const Vec2 p : info.outline_lonlat.outer) site.area.outer.push_back(to_geographic.source_from_target(p));
   return io::read_photo(path, site, {.threads = threads});
@@ -46,11 +52,9 @@ void run(const SceneCommand& command, const Context& context) {
   const io::RasterInfo info = io::raster_info(command.photo);
   SiteFrame site{site_crs(command.network.string(), roads, info.crs), {}};
   const Photo photo = read_photo_for(command.photo, info, site, context.threads);
-  const Box2 b = photo.frame.bounds();
-  const Polygon photo_box{{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
   std::vector<HeightGrid> grids;
-  for (const auto& path : command.dtm) grids.push_back(io::read_dtm(path, {site.crs, photo_box}));
-  const HeightGrid terrain = merge_heights(grids, b);
+  for (const auto& path : command.dtm) grids.push_back(io::read_dtm(path, site));
+  const HeightGrid terrain = merge_heights(grids, bounds_of(site.area.outer).grown(50.0));
 
   std::optional<LabelMap> labels;
   if (!command.labels.empty()) labels = io::read_labels(command.labels);

@@ -230,6 +230,18 @@ TEST(BuildScene, scene_ends_at_a_slanted_area) {
   });
 }
 
+TEST(BuildScene, outline_of_a_photo_is_around_its_valid_pixels) {
+  Photo photo = make_site(480.0, {}).photo;
+  for (int row = 0; row < 480; ++row)
+    for (int col = 0; col < row; ++col) photo.valid.at(col, row) = 0;  // the half below the diagonal is missing
+  const Polygon outline = photo_outline(photo);
+  EXPECT_NEAR(area_m2(outline), 0.5 * 480.0 * 480.0 + 480.0, 500.0);
+  EXPECT_TRUE(contains(outline, {west_m + 300.0, south_m + 300.0}));
+  EXPECT_FALSE(contains(outline, {west_m + 100.0, south_m + 100.0}));
+  std::fill(photo.valid.data.begin(), photo.valid.data.end(), 0);
+  EXPECT_TRUE(photo_outline(photo).outer.empty());
+}
+
 TEST(BuildScene, tile_outside_the_area_is_empty) {
   const Site site = make_site(480.0, {{.start = {west_m + 10.0, south_m + 10.0}}});
   const auto layout = lay_out_scene(site.input());
@@ -261,11 +273,14 @@ TEST(BuildScene, holes_of_the_terrain_are_filled_and_found) {
   }
 }
 
-TEST(BuildScene, terrain_without_any_height_is_an_error) {
+TEST(BuildScene, no_height_no_step_no_area_are_errors) {
   Site site = make_site(480.0, {});
   for (float& z : site.terrain.height_m.data) z = std::nanf("");
   EXPECT_THROW((void)lay_out_scene(site.input()), InputError);
-  EXPECT_THROW((void)lay_out_scene(make_site(480.0, {}).input(), {.terrain_step_m = 0.0}), OptionError);
+  site = make_site(480.0, {});
+  EXPECT_THROW((void)lay_out_scene(site.input(), {.terrain_step_m = 0.0}), OptionError);
+  site.area = {};
+  EXPECT_THROW((void)lay_out_scene(site.input()), OptionError);
 }
 
 TEST(BuildScene, road_without_heights_is_left_out_and_found) {

@@ -9,6 +9,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/scene/convex_hull.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
 #include "orthodrive/scene/triangulate.hpp"
@@ -305,7 +306,21 @@ std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input, const 
         options.deck_thickness_m > 0.0 && options.max_texture_px > 0))
     throw OptionError(
         "scene: tolerance, verge, deck thickness and texture size must be positive, the step at least 4 m");
+  if (input.area.outer.size() < 3) throw OptionError("scene: needs an area");
   return std::make_shared<const SceneLayout>(input, options);
+}
+
+Polygon photo_outline(const Photo& photo) {
+  std::vector<Vec2> corners;
+  for (int row = 0; row < photo.frame.height; ++row) {
+    int first = 0, end = photo.frame.width;
+    while (first < end && !photo.valid.at(first, row)) ++first;
+    while (end > first && !photo.valid.at(end - 1, row)) --end;
+    if (first == end) continue;
+    for (const int r : {row, row + 1})
+      for (const int c : {first, end}) corners.push_back(photo.frame.world_from_pixel(c, r));
+  }
+  return {convex_hull(std::move(corners)), {}};
 }
 
 const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout) { return layout.tiles; }

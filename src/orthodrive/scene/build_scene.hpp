@@ -21,7 +21,7 @@ struct SceneInput {
   const roadquery::RoadMap& roads;
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
-  Polygon area;  ///< the scene ends here; without an outer ring: at the convex hull of the photo's valid pixels
+  Polygon area;                      ///< the scene ends here
   const LabelMap* labels = nullptr;  ///< if given, tiles carry the classes, for simulators and viewers
 };
 
@@ -45,7 +45,10 @@ struct TileAddress {
 /// What tiles share: the roads' union by level, its heights, the splits at tile borders.
 class SceneLayout;
 
-/// Throws InputError when the terrain has no height at all.
+/// Convex hull of the photo's valid pixels: the area of who has no other. Empty for a photo without any.
+[[nodiscard]] Polygon photo_outline(const Photo& photo);
+
+/// Throws OptionError without an area and InputError when the terrain has no height at all.
 [[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input,
                                                                const SceneOptions& options = {});
 /// The tiles that share ground with the area, by column, then row.

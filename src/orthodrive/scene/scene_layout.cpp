@@ -7,7 +7,6 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/scene/convex_hull.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -113,20 +112,6 @@ using namespace scene;
 
 namespace {
 
-/// Around all valid pixels.
-Ring photo_hull(const Photo& photo) {
-  std::vector<Vec2> corners;
-  for (int row = 0; row < photo.frame.height; ++row) {
-    int first = 0, end = photo.frame.width;
-    while (first < end && !photo.valid.at(first, row)) ++first;
-    while (end > first && !photo.valid.at(end - 1, row)) --end;
-    if (first == end) continue;
-    for (const int r : {row, row + 1})
-      for (const int c : {first, end}) corners.push_back(photo.frame.world_from_pixel(c, r));
-  }
-  return convex_hull(std::move(corners));
-}
-
 struct SortedRoads {
   std::vector<const roadquery::Road*> ground;
   std::map<int, std::vector<const roadquery::Road*>> decks;
@@ -178,20 +163,17 @@ HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findin
 
 SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
     : options(scene_options), photo(&input.photo), labels(input.labels) {
-  Polygon limits = input.area;
-  if (limits.outer.empty()) limits.outer = photo_hull(input.photo);
-  if (limits.outer.size() < 3) throw InputError("photo", "has no valid pixel, give one that shows the area");
-  const MultiPolygon area_polygons = dense_area(limits, options.terrain_step_m);
+  const MultiPolygon area_polygons = dense_area(input.area, options.terrain_step_m);
   area = Outline(area_polygons, area_reach_m);
-  const Box2 bounds = bounds_of(limits.outer);
+  const Box2 bounds = bounds_of(input.area.outer);
 
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
       .reach_m = options.verge_m + 1.0,
       .threads = options.threads};
   const SortedRoads sorted = sort_roads(input.roads, findings);
-  roads = RoadLevel(sorted.ground, limits, level_options);
-  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, limits, level_options);
+  roads = RoadLevel(sorted.ground, input.area, level_options);
+  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, input.area, level_options);
   ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
