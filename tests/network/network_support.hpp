@@ -66,9 +66,9 @@ inline std::vector<Vec2> circle_points(Vec2 center, double radius_m, double from
 inline RoadNetwork network_of(std::vector<RoadPath> paths) { return {{"EPSG:32633"}, std::move(paths)}; }
 
 inline const roadquery::Road* road_by_id(const roadquery::RoadMap& map, int id) {
-  for (const roadquery::Road& road : map.roads)
-    if (road.id == id) return &road;
-  return nullptr;
+  const auto road = std::lower_bound(map.roads.begin(), map.roads.end(), id,
+                                     [](const roadquery::Road& r, int wanted) { return r.id < wanted; });
+  return road != map.roads.end() && road->id == id ? &*road : nullptr;
 }
 
 /// How roads differ where they are linked.

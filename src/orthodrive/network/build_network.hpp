@@ -12,7 +12,9 @@ namespace orthodrive {
 
 struct BuildNetworkOptions {
   std::string name = "orthodrive";       ///< header/@name
-  double plan_tolerance_m = 0.05;        ///< largest distance of a node from the reference line
+  /// Largest distance of a node from the reference line. Refined lines are uncertain by some decimetres; following them
+  /// more closely turns their noise into curvature.
+  double plan_tolerance_m = 0.08;
   double elevation_tolerance_m = 0.02;   ///< largest height error at a node
   double banking_tolerance_rad = 0.002;  ///< largest superelevation error at a node
   double width_tolerance_m = 0.05;       ///< largest error of the carriageway width at a node
@@ -30,7 +32,7 @@ struct NetworkResult {
 
 /// One road per piece of path between shared nodes. Where two pieces meet end to end they are linked directly; where three
 /// or more meet the roads are cut back and a junction joins their lanes. Paths without heights lie flat at z = 0.
-/// Throws InputError-free: any network with a finite geometry gives a map; an empty one gives an empty map.
+/// An empty network gives an empty map.
 [[nodiscard]] NetworkResult build_network(const RoadNetwork& roads, const BuildNetworkOptions& options = {},
                                           Monitor* monitor = nullptr);
 

@@ -24,7 +24,7 @@ struct ChainGeometry {
 };
 
 struct FitChainOptions {
-  double plan_tolerance_m = 0.05, elevation_tolerance_m = 0.02, banking_tolerance_rad = 0.002;
+  double plan_tolerance_m = 0.0, elevation_tolerance_m = 0.0, banking_tolerance_rad = 0.0;  ///< see BuildNetworkOptions
 };
 
 [[nodiscard]] ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceNode>>& pieces,

@@ -22,9 +22,9 @@ using roadquery::PlanElement;
 // Tangents look this far to both sides: two node spacings against node noise, less where the line bends more within that
 // than a circle does.
 constexpr double stencils_m[] = {4.0, 2.0};
-// A stretch counts as straight when it is this long and this close to its chord: an arc as flat as that over the
-// minimum length has a radius above 6 km.
-constexpr double straight_min_length_m = 40.0, straight_tolerance_m = 0.03;
+// A stretch counts as straight when it is this long and within half the tolerance of its chord: an arc as flat as that
+// has a radius of 5 km and more (at 0.08 m).
+constexpr double straight_min_length_m = 40.0;
 constexpr double straight_run_in_m = 5.0;  // left to curves at both ends, so that neighbouring straights can join
 
 double wrap_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
@@ -175,10 +175,10 @@ double distance_to_chord(Vec2 a, Vec2 b, Vec2 p) {
 }
 
 /// Last index of the longest straight stretch that starts at i (found by doubling, then halving).
-std::size_t straight_reach(const PointLine& line, std::size_t i) {
+std::size_t straight_reach(const PointLine& line, std::size_t i, double tolerance) {
   const auto straight = [&](std::size_t j) {
     for (std::size_t k = i + 1; k < j; ++k)
-      if (distance_to_chord(line[i], line[j], line[k]) > straight_tolerance_m) return false;
+      if (distance_to_chord(line[i], line[j], line[k]) > tolerance) return false;
     return distance(line[i], line[j]) > 0.999 * (line.s(j) - line.s(i));
   };
   std::size_t good = i + 1, step = 1;
@@ -192,18 +192,18 @@ struct Straight {
   std::size_t first = 0, last = 0;
 };
 
-std::vector<Straight> find_straights(const PointLine& line, bool closed) {
+std::vector<Straight> find_straights(const PointLine& line, const FitPlanOptions& options) {
   std::vector<Straight> found;
   const std::size_t end = line.size() - 1;
   for (std::size_t i = 0; i < end;) {
-    const std::size_t j = straight_reach(line, i);
+    const std::size_t j = straight_reach(line, i, 0.5 * options.tolerance_m);
     if (line.s(j) - line.s(i) < straight_min_length_m) {
       ++i;
       continue;
     }
     std::size_t first = i, last = j;
-    while ((i > 0 || closed) && line.s(first) - line.s(i) < straight_run_in_m) ++first;
-    while ((j < end || closed) && line.s(j) - line.s(last) < straight_run_in_m) --last;
+    while ((i > 0 || options.closed) && line.s(first) - line.s(i) < straight_run_in_m) ++first;
+    while ((j < end || options.closed) && line.s(j) - line.s(last) < straight_run_in_m) --last;
     found.push_back({first, last});
     i = j;
   }
@@ -338,7 +338,7 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
   std::vector<Vec2> tangent = point_tangents(line, 0.5 * options.tolerance_m);
   if (options.closed) tangent.back() = tangent.front();
 
-  const std::vector<Straight> straights = find_straights(line, options.closed);
+  const std::vector<Straight> straights = find_straights(line, options);
   for (const Straight& straight : straights)
     tangent[straight.first] = tangent[straight.last] = normalized(local[straight.last] - local[straight.first]);
 
