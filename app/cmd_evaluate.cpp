@@ -81,6 +81,8 @@ void add_evaluate(CLI::App& app, Context&) {
   cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
   cmd->add_option("--area", command->region.area, "polygons (GeoJSON, GeoPackage, any CRS) that limit the score; default: everywhere");
   cmd->add_option("--ignore", command->region.ignore, "polygons taken out of the score");
+  cmd->footer("Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
+              "  orthodrive evaluate site out --truth site/truth --json");
 
   const auto add = [&](const char* name, const char* purpose, const char* footer, ScoreJson (*score)(const EvaluateCommand&)) {
     CLI::App* kind = cmd->add_subcommand(name, purpose);
