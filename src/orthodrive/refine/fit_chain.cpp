@@ -13,9 +13,9 @@ namespace {
 
 // A weak pull to the input keeps nodes without evidence determined: standard deviations of an OSM line and of a width
 // taken from a default, against weight 1 of a residual.
-constexpr double prior_offset_m = 4.0, prior_width_share = 0.3;
+constexpr double prior_offset_m = 2.0, prior_width_share = 0.3;
 constexpr double loss_scale = 3.0;             // of r_c: a third of a strip full of errors is an outlier already
-constexpr double label_error_length_m = 10.0;  // labels err in blobs of this size: errors of near segments are not independent
+constexpr double label_error_length_m = 20.0;  // labels err in blobs of this size: errors of near segments are not independent
 
 /// r_c, eq. 3.3: left and right context strip, left and right boundary strip of a segment.
 class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> {
@@ -112,6 +112,23 @@ class PriorCost final : public ceres::SizedCostFunction<1, 1> {
   double value_, weight_;
 };
 
+struct OffsetBounds {
+  double right_m, left_m;
+};
+
+/// The search radius; inside a bend not so far that neighbours come closer than 40 % of their distance.
+OffsetBounds offset_bounds(const RoadChain& chain, std::size_t i, double search_radius_m) {
+  constexpr double least_stretch = 0.4;
+  OffsetBounds bounds{-search_radius_m, search_radius_m};
+  for (std::size_t k = i > 0 ? i - 1 : 0; k < std::min(i + 1, chain.nodes.size() - 1); ++k) {
+    const ChainNode &a = chain.nodes[k], &b = chain.nodes[k + 1];
+    const double turn = std::atan2(cross(a.normal, b.normal), dot(a.normal, b.normal)), run_m = std::max(0.1, distance(a.base, b.base));
+    if (turn > 0.0) bounds.left_m = std::min(bounds.left_m, (1.0 - least_stretch) * run_m / turn);
+    if (turn < 0.0) bounds.right_m = std::max(bounds.right_m, (1.0 - least_stretch) * run_m / turn);
+  }
+  return bounds;
+}
+
 /// Standard deviations from the normal matrix, scaled by the residual variance of the classification costs.
 void estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& parameters,
                      const std::vector<ceres::ResidualBlockId>& class_blocks, double evidence_rows, double floor_residual,
@@ -147,12 +164,13 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   std::vector<double*> parameters;
   for (std::size_t i = 0; i < count - (chain.closed ? 1 : 0); ++i) {
     const double w0 = chain.nodes[i].input_width_m, low = options.min_width_factor * w0, high = options.max_width_factor * w0;
-    offset[i] = std::clamp(offset[i], -options.search_radius_m, options.search_radius_m);
+    const auto [right_m, left_m] = offset_bounds(chain, i, options.search_radius_m);
+    offset[i] = std::clamp(offset[i], right_m, left_m);
     width[i] = std::clamp(width[i], low, high);
     problem.AddParameterBlock(&offset[i], 1);
     problem.AddParameterBlock(&width[i], 1);
-    problem.SetParameterLowerBound(&offset[i], 0, -options.search_radius_m);
-    problem.SetParameterUpperBound(&offset[i], 0, options.search_radius_m);
+    problem.SetParameterLowerBound(&offset[i], 0, right_m);
+    problem.SetParameterUpperBound(&offset[i], 0, left_m);
     problem.SetParameterLowerBound(&width[i], 0, low);
     problem.SetParameterUpperBound(&width[i], 0, high);
     problem.AddResidualBlock(new PriorCost(0.0, prior_offset_m), nullptr, &offset[i]);

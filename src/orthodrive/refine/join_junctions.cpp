@@ -12,9 +12,9 @@ namespace {
 
 // Weights of the linear least-squares problem, 1/m. Lines decide; what they leave open (roads that meet at a small angle)
 // is decided by the fitted nodes along the lines.
-constexpr double along_weight = 0.1, end_weight = 0.5;
-// Two junctions d metres apart on one chain should move alike with weight 3 / d: a short link keeps its direction.
-constexpr double link_weight_m = 3.0;
+constexpr double along_weight = 0.2, end_weight = 0.5;
+// Two junctions d metres apart on one chain should move alike with weight 20 / d: a short link keeps its direction.
+constexpr double link_weight_m = 20.0;
 
 struct Incidence {
   std::size_t chain = 0, node = 0;

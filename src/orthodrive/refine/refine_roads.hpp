@@ -16,14 +16,14 @@ namespace orthodrive {
 struct RefineRoadsOptions {
   double spacing_m = 2.0;          ///< paths are resampled to about this distance
   double search_radius_m = 8.0;    ///< largest offset to each side of the OSM line
-  double strip_m = 1.25;           ///< width of the context and boundary strips
+  double strip_m = 1.5;            ///< width of the context and boundary strips: three pixels of the labels
   double min_width_factor = 0.5;   ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
   double weight_class = 10.0;      ///< w_c
-  double weight_angle = 20.0;      ///< w_a, 1/rad
-  double weight_width = 10.0;      ///< w_w, 1/m
+  double weight_angle = 60.0;      ///< w_a, 1/rad
+  double weight_width = 20.0;      ///< w_w, 1/m
   double weight_offset = 0.2;      ///< w_o, 1/m
-  int max_iterations = 40;
+  int max_iterations = 60;
   int threads = 0;                 ///< 0 = all cores; the result does not depend on it
 };
 
