@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -23,13 +24,29 @@ struct ElevateCommand {
   ElevateOptions options;
 };
 
+/// Convex hull (Andrew's monotone chain), counter-clockwise.
+Ring convex_hull(Ring points) {
+  std::sort(points.begin(), points.end(), [](Vec2 a, Vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  Ring hull;
+  for (int side = 0; side < 2; ++side) {  // the lower, then the upper one
+    const std::size_t first = hull.size();
+    for (const Vec2 p : points) {
+      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();  // the first of the other side
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+/// The hull of the roads: a box would ask for terrain in corners that a slanting area does not have.
 SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {
   Ring points;
   for (const RoadPath& path : roads.paths)
     for (const RoadNode& node : path.nodes) points.push_back(node.p);
   if (points.empty()) throw InputError(file.string(), "has no road; refine an area with roads");
-  const Box2 b = bounds_of(points);
-  return {roads.crs, {{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}}};
+  return {roads.crs, {convex_hull(std::move(points)), {}}};
 }
 
 void run(const ElevateCommand& command, const Context& context) {
