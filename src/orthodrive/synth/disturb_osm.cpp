@@ -36,7 +36,8 @@ class DisplacementField {
 double sagitta_m(const Alignment& alignment, double from, double to) {
   const Vec2 a = evaluate(alignment, from).p, chord = normalized(evaluate(alignment, to).p - a);
   double most = 0.0;
-  for (int i = 1; i < 8; ++i) most = std::max(most, std::abs(cross(chord, evaluate(alignment, from + (to - from) * i / 8.0).p - a)));
+  for (int i = 1; i < 8; ++i)
+    most = std::max(most, std::abs(cross(chord, evaluate(alignment, from + (to - from) * i / 8.0).p - a)));
   return most;
 }
 
@@ -62,7 +63,10 @@ std::vector<PlannedWay> plan_ways(const VillagePlan& plan) {
     std::sort(cuts.begin(), cuts.end());
     std::int64_t cut_node = 0;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      PlannedWay way{.osm_id = first_way_id + static_cast<std::int64_t>(ways.size()), .road = r, .s_begin_m = cuts[i], .s_end_m = cuts[i + 1],
+      PlannedWay way{.osm_id = first_way_id + static_cast<std::int64_t>(ways.size()),
+                     .road = r,
+                     .s_begin_m = cuts[i],
+                     .s_end_m = cuts[i + 1],
                      .bridge = on_bridge(plan, r, 0.5 * (cuts[i] + cuts[i + 1]))};
       for (std::size_t j = 0; j < plan.junctions.size(); ++j)
         for (const PlannedJunction::Arm& arm : plan.junctions[j].arms)
@@ -71,8 +75,10 @@ std::vector<PlannedWay> plan_ways(const VillagePlan& plan) {
       std::sort(way.stops.begin(), way.stops.end(), [](const auto& a, const auto& b) { return a.s_m < b.s_m; });
       if (way.stops.empty() || way.stops.front().s_m > way.s_begin_m + 1e-6)
         way.stops.insert(way.stops.begin(), {way.s_begin_m, cut_node != 0 ? cut_node : next_node++});
-      if (road.alignment.closed) way.stops.push_back({way.s_end_m, way.stops.front().osm_node});
-      else if (way.stops.back().s_m < way.s_end_m - 1e-6) way.stops.push_back({way.s_end_m, next_node++});
+      if (road.alignment.closed)
+        way.stops.push_back({way.s_end_m, way.stops.front().osm_node});
+      else if (way.stops.back().s_m < way.s_end_m - 1e-6)
+        way.stops.push_back({way.s_end_m, next_node++});
       cut_node = way.stops.back().osm_node;
       ways.push_back(std::move(way));
     }
@@ -80,7 +86,8 @@ std::vector<PlannedWay> plan_ways(const VillagePlan& plan) {
   return ways;
 }
 
-OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects, const DisturbOptions& options) {
+OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects,
+                    const DisturbOptions& options) {
   const DisplacementField field(options);
   Random random(derive_seed(options.seed, 6));
   std::map<std::int64_t, Vec2> nodes;
@@ -132,7 +139,8 @@ OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways
   return osm;
 }
 
-RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways, const OsmData& osm) {
+RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways,
+                       const OsmData& osm) {
   std::map<std::int64_t, Vec2> osm_nodes;
   for (const OsmNode& node : osm.nodes) osm_nodes.emplace(node.id, node.p);
   const Box2 site{0.0, 0.0, plan.size_m, plan.size_m};
@@ -143,8 +151,13 @@ RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const st
     Polyline osm_line;
     for (const std::int64_t id : osm.ways[w].nodes) osm_line.push_back(osm_nodes.at(id));
     const auto& tags = osm.ways[w].tags;
-    RoadPath path{.osm_id = way.osm_id, .highway = road.highway, .name = road.name, .layer = way.bridge ? 1 : 0, .bridge = way.bridge,
-                  .oneway = road.oneway ? Oneway::forward : Oneway::no, .lanes = tags.contains("lanes") ? road.lanes : 0};
+    RoadPath path{.osm_id = way.osm_id,
+                  .highway = road.highway,
+                  .name = road.name,
+                  .layer = way.bridge ? 1 : 0,
+                  .bridge = way.bridge,
+                  .oneway = road.oneway ? Oneway::forward : Oneway::no,
+                  .lanes = tags.contains("lanes") ? road.lanes : 0};
     const auto put = [&](double s, std::int64_t osm_node) {
       const AlignmentPoint q = evaluate(road.alignment, s);
       if (!site.contains(q.p)) return;

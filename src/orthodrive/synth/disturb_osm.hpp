@@ -29,12 +29,13 @@ struct DisturbOptions {
   std::uint64_t seed = 0;
 };
 /// OSM of the village in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 15 - 40 m
-/// apart (closer in bends), few width and lanes tags; junctions shared. Buildings and areas are moved by a third of that.
-[[nodiscard]] OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects,
-                                  const DisturbOptions& options);
+/// apart (closer in bends), few width and lanes tags; junctions shared. Buildings and areas are moved by a third of
+/// that.
+[[nodiscard]] OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways,
+                                  const VillageObjects& objects, const DisturbOptions& options);
 
 /// The exact roads inside [0, size]^2 with a node a metre, in local metres.
-[[nodiscard]] RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways,
-                                     const OsmData& osm);
+[[nodiscard]] RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain,
+                                     const std::vector<PlannedWay>& ways, const OsmData& osm);
 
 }  // namespace orthodrive::synth

@@ -23,7 +23,8 @@ void check(const VillageOptions& o) {
     throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 200 and 4000", o.size_m));
   if (!(o.gsd_m >= 0.05 && o.gsd_m <= 2.0)) throw OptionError(fmt::format("gsd is {} m, need 0.05 to 2", o.gsd_m));
   if (!(o.osm_offset_min_m >= 0.0 && o.osm_offset_min_m <= o.osm_offset_max_m && o.osm_offset_max_m <= 20.0))
-    throw OptionError(fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
+    throw OptionError(
+        fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
 }
 
 GridFrame to_world(GridFrame frame) {
@@ -52,12 +53,14 @@ Polygon carriageway(const RoadPath& path) {
   const std::size_t n = path.nodes.size();
   if (path.nodes.front().p != path.nodes.back().p) return {ring, {}};
   // Closed: two rings instead of a strip that touches itself. The first and the last node coincide.
-  Ring right(ring.begin(), ring.begin() + static_cast<long>(n) - 1), left(ring.begin() + static_cast<long>(n), ring.end() - 1);
+  Ring right(ring.begin(), ring.begin() + static_cast<long>(n) - 1),
+      left(ring.begin() + static_cast<long>(n), ring.end() - 1);
   if (std::abs(signed_area_m2(right)) < std::abs(signed_area_m2(left))) std::swap(right, left);
   return {right, {left}};
 }
 
-std::vector<SynthSurface> make_surfaces(const RoadNetwork& roads, const Raster<std::uint8_t>& labels, const GridFrame& frame) {
+std::vector<SynthSurface> make_surfaces(const RoadNetwork& roads, const Raster<std::uint8_t>& labels,
+                                        const GridFrame& frame) {
   constexpr std::uint8_t road = 1;
   std::vector<SynthSurface> surfaces;
   for (const RoadPath& path : roads.paths) {
@@ -96,7 +99,8 @@ SynthSite make_village(const VillageOptions& options, Monitor* monitor) {
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 1.0);
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));
   const GridFrame photo_frame{0.0, size, options.gsd_m, photo_px, photo_px};
-  const SceneSource source{plan, samples, objects, earth, earth_frame, static_cast<std::uint32_t>(derive_seed(options.seed, 7))};
+  const SceneSource source{plan,  samples,     objects,
+                           earth, earth_frame, static_cast<std::uint32_t>(derive_seed(options.seed, 7))};
   {
     const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
     report(0.35);

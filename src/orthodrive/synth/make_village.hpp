@@ -14,14 +14,14 @@
 namespace orthodrive {
 
 struct VillageOptions {
-  double size_m = 1000.0;           ///< edge of the square site, a multiple of 10 m, 200 - 4000
-  double gsd_m = 0.2;               ///< of the photo and the labels
+  double size_m = 1000.0;  ///< edge of the square site, a multiple of 10 m, 200 - 4000
+  double gsd_m = 0.2;      ///< of the photo and the labels
   std::uint64_t seed = 7;
-  double osm_offset_min_m = 1.4;    ///< OSM lies at least so far from the truth (in any direction) ...
-  double osm_offset_max_m = 3.6;    ///< ... and at most so far; 0 and 0: OSM nodes lie on the true lines
-  double dtm_1m_sigma_m = 0.05;     ///< noise of the heights
+  double osm_offset_min_m = 1.4;  ///< OSM lies at least so far from the truth (in any direction) ...
+  double osm_offset_max_m = 3.6;  ///< ... and at most so far; 0 and 0: OSM nodes lie on the true lines
+  double dtm_1m_sigma_m = 0.05;   ///< noise of the heights
   double dtm_10m_sigma_m = 0.10;
-  int threads = 0;                  ///< 0 = all cores; the result does not depend on it
+  int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 /// True carriageway of a way.
@@ -34,16 +34,16 @@ struct SynthSurface {
 
 struct SynthSite {
   std::string name;
-  Crs crs;                       ///< EPSG:32633
+  Crs crs;  ///< EPSG:32633
   Box2 bounds;
   Photo photo;
-  LabelMap labels;               ///< what is visible from above, default class table, on the photo's grid
-  HeightGrid dtm_1m, dtm_10m;    ///< bare earth with noise; 60 m beyond the bounds
-  HeightGrid true_dtm;           ///< 1 m without noise; bare earth below bridges
-  OsmData osm;                   ///< disturbed: roads, buildings, woods, water, parking
-  RoadNetwork roads;             ///< truth, a node a metre: width, z, gradient, banking, offset from the OSM line
+  LabelMap labels;                     ///< what is visible from above, default class table, on the photo's grid
+  HeightGrid dtm_1m, dtm_10m;          ///< bare earth with noise; 60 m beyond the bounds
+  HeightGrid true_dtm;                 ///< 1 m without noise; bare earth below bridges
+  OsmData osm;                         ///< disturbed: roads, buildings, woods, water, parking
+  RoadNetwork roads;                   ///< truth, a node a metre: width, z, gradient, banking, offset from the OSM line
   std::vector<SynthSurface> surfaces;  ///< one a path of `roads`
-  std::string circuit_name;      ///< of the closed way
+  std::string circuit_name;            ///< of the closed way
 };
 
 /// Takes 15 s and 0.7 GB for 1 km2 at 0.2 m on one core. Throws OptionError for sizes it cannot fill.

@@ -8,7 +8,8 @@ namespace orthodrive::synth {
 
 /// 32 well mixed bits of a lattice point (the finaliser of MurmurHash3 over a linear combination).
 [[nodiscard]] inline std::uint32_t hash_lattice(std::int32_t x, std::int32_t y, std::uint32_t seed) {
-  std::uint32_t h = seed * 0x9e3779b9u + static_cast<std::uint32_t>(x) * 0x85ebca6bu + static_cast<std::uint32_t>(y) * 0xc2b2ae35u;
+  std::uint32_t h =
+      seed * 0x9e3779b9u + static_cast<std::uint32_t>(x) * 0x85ebca6bu + static_cast<std::uint32_t>(y) * 0xc2b2ae35u;
   h = (h ^ (h >> 16)) * 0x85ebca6bu;
   h = (h ^ (h >> 13)) * 0xc2b2ae35u;
   return h ^ (h >> 16);

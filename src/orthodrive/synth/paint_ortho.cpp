@@ -60,7 +60,8 @@ Raster<std::uint8_t> cast_shadows(const SceneSource& source, const SceneRaster& 
     std::swap(ray, south);
     for (int col = 0; col < width; ++col) {
       const int a = std::clamp(col + whole, 0, width - 1), b = std::clamp(a + 1, 0, width - 1);
-      const float bound = (1.0f - part) * south[static_cast<std::size_t>(a)] + part * south[static_cast<std::size_t>(b)] - drop;
+      const float bound =
+          (1.0f - part) * south[static_cast<std::size_t>(a)] + part * south[static_cast<std::size_t>(b)] - drop;
       const float here = ground_height(source, scene.frame.center_of(col, row)) + scene.height_m.at(col, row);
       lit.at(col, row) = static_cast<std::uint8_t>(255.0f * (1.0f - smoothstep(0.05f, 0.7f, bound - here)));
       ray[static_cast<std::size_t>(col)] = std::max(bound, here);
@@ -76,7 +77,8 @@ Raster<float> shade_terrain(const SceneSource& source, Vec3 sun) {
   const auto step = static_cast<float>(2.0 * source.earth_frame.gsd_m);
   for (int row = 1; row + 1 < z.height; ++row)
     for (int col = 1; col + 1 < z.width; ++col) {
-      const float zx = (z.at(col + 1, row) - z.at(col - 1, row)) / step, zy = (z.at(col, row - 1) - z.at(col, row + 1)) / step;
+      const float zx = (z.at(col + 1, row) - z.at(col - 1, row)) / step,
+                  zy = (z.at(col, row - 1) - z.at(col, row + 1)) / step;
       const double cosine = (sun.z - zx * sun.x - zy * sun.y) / std::sqrt(1.0 + zx * zx + zy * zy);
       shade.at(col, row) = static_cast<float>(std::clamp(cosine / sun.z, 0.4, 1.5));
     }
@@ -88,7 +90,8 @@ class Painter {
   Painter(const SceneSource& source, const SceneRaster& scene, const Mood& mood)
       : source_(source), scene_(scene), mood_(mood), counts_(counts_of(source.objects)), seed_(source.seed) {
     const double elevation = mood.sun_elevation_rad;
-    sun_ = {std::sin(mood.sun_azimuth_rad) * std::cos(elevation), std::cos(mood.sun_azimuth_rad) * std::cos(elevation), std::sin(elevation)};
+    sun_ = {std::sin(mood.sun_azimuth_rad) * std::cos(elevation), std::cos(mood.sun_azimuth_rad) * std::cos(elevation),
+            std::sin(elevation)};
     lit_ = cast_shadows(source, scene, mood);
     terrain_shade_ = shade_terrain(source, sun_);
   }
@@ -114,14 +117,16 @@ class Painter {
     if (!on_deck(col, row)) lambert *= terrain_shade(p);
     const float sunlight = static_cast<float>(lit_.at(col, row)) / 255.0f * lambert;
     Rgb out;
-    for (std::size_t i = 0; i < 3; ++i) out[i] = albedo[i] * (mood_.ambient[i] + mood_.direct[i] * sunlight) / (mood_.ambient[i] + mood_.direct[i]);
+    for (std::size_t i = 0; i < 3; ++i)
+      out[i] = albedo[i] * (mood_.ambient[i] + mood_.direct[i] * sunlight) / (mood_.ambient[i] + mood_.direct[i]);
     return out;
   }
 
  private:
   [[nodiscard]] float relief_shade(int col, int row) const {
     const Raster<float>& h = scene_.height_m;
-    const int west = std::max(0, col - 1), east = std::min(h.width - 1, col + 1), north = std::max(0, row - 1), south = std::min(h.height - 1, row + 1);
+    const int west = std::max(0, col - 1), east = std::min(h.width - 1, col + 1), north = std::max(0, row - 1),
+              south = std::min(h.height - 1, row + 1);
     const auto pixel = static_cast<float>(scene_.frame.gsd_m);
     const float hx = std::clamp((h.at(east, row) - h.at(west, row)) / (2.0f * pixel), -1.6f, 1.6f);
     const float hy = std::clamp((h.at(col, north) - h.at(col, south)) / (2.0f * pixel), -1.6f, 1.6f);
@@ -142,29 +147,40 @@ class Painter {
     const int col = static_cast<int>(q.x), row = static_cast<int>(q.y);
     const auto u = static_cast<float>(q.x - col), v = static_cast<float>(q.y - row);
     const Raster<float>& t = terrain_shade_;
-    return (t.at(col, row) * (1.0f - u) + t.at(col + 1, row) * u) * (1.0f - v) + (t.at(col, row + 1) * (1.0f - u) + t.at(col + 1, row + 1) * u) * v;
+    return (t.at(col, row) * (1.0f - u) + t.at(col + 1, row) * u) * (1.0f - v) +
+           (t.at(col, row + 1) * (1.0f - u) + t.at(col + 1, row + 1) * u) * v;
   }
 
-  [[nodiscard]] float noise(Vec2 p, double size_m, std::uint32_t layer) const { return value_noise(p.x / size_m, p.y / size_m, seed_ + layer); }
+  [[nodiscard]] float noise(Vec2 p, double size_m, std::uint32_t layer) const {
+    return value_noise(p.x / size_m, p.y / size_m, seed_ + layer);
+  }
   [[nodiscard]] float fractal(Vec2 p, double size_m, std::uint32_t layer, int octaves) const {
     return fractal_noise(p.x / size_m, p.y / size_m, seed_ + layer, octaves);
   }
   /// A number in [0, 1) of a thing.
-  [[nodiscard]] float trait(std::int32_t thing, std::uint32_t layer) const { return unit_hash(thing, 77, seed_ + layer); }
+  [[nodiscard]] float trait(std::int32_t thing, std::uint32_t layer) const {
+    return unit_hash(thing, 77, seed_ + layer);
+  }
 
   [[nodiscard]] Rgb ground(int col, int row, Vec2 p) const {
     const std::uint16_t detail = scene_.detail.at(col, row);
     switch (scene_.cover.at(col, row)) {
-      case Cover::road: return road(col, row, p);
-      case Cover::field: return field(p, detail);
-      case Cover::meadow: return grass(p, 0.0f, 0.5f);
-      case Cover::lawn: return grass(p, trait(detail, 20) - 0.5f, trait(detail, 21));
-      case Cover::verge: return mix(grass(p, -0.2f, 0.5f), {0.52f, 0.48f, 0.37f}, 0.35f + 0.3f * noise(p, 1.5, 22));
+      case Cover::road:
+        return road(col, row, p);
+      case Cover::field:
+        return field(p, detail);
+      case Cover::meadow:
+        return grass(p, 0.0f, 0.5f);
+      case Cover::lawn:
+        return grass(p, trait(detail, 20) - 0.5f, trait(detail, 21));
+      case Cover::verge:
+        return mix(grass(p, -0.2f, 0.5f), {0.52f, 0.48f, 0.37f}, 0.35f + 0.3f * noise(p, 1.5, 22));
       case Cover::garden_bed: {
         const Rgb soil{0.40f, 0.32f, 0.25f};
         return mix(soil, mood_.foliage * 1.3f, smoothstep(0.0f, 0.5f, fractal(p, 0.9, 23, 2)));
       }
-      case Cover::forest_floor: return mood_.foliage * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
+      case Cover::forest_floor:
+        return mood_.foliage * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
       case Cover::paved: {
         const float tone = 0.52f + 0.22f * trait(detail, 25) + 0.03f * fractal(p, 1.0, 26, 3);
         const float red = 0.06f * trait(detail, 27);
@@ -179,8 +195,10 @@ class Painter {
         const float tone = (edge < 0.18f ? 0.70f : 0.60f) + 0.03f * fractal(p, 0.7, 30, 3);
         return {tone, tone * 0.985f, tone * 0.96f};
       }
-      case Cover::parking: return parking(p);
-      case Cover::pool: return Rgb{0.36f, 0.66f, 0.74f} * (1.0f + 0.05f * noise(p, 0.8, 33));
+      case Cover::parking:
+        return parking(p);
+      case Cover::pool:
+        return Rgb{0.36f, 0.66f, 0.74f} * (1.0f + 0.05f * noise(p, 0.8, 33));
       case Cover::water: {
         const float ripple = 0.02f * fractal(p, 1.6, 31, 2) + 0.02f * noise(p, 25.0, 32);
         return {0.14f + ripple, 0.20f + ripple, 0.20f + ripple};
@@ -206,12 +224,25 @@ class Painter {
     double row_m = 1.2;
     float row_depth = 0.03f;
     switch (static_cast<Crop>(thing % crop_count)) {
-      case Crop::wheat: color = {0.31f, 0.40f, 0.21f}; break;
-      case Crop::rape: color = {0.62f, 0.59f, 0.22f}; row_depth = 0.02f; break;
-      case Crop::ploughed: color = {0.47f, 0.38f, 0.29f}, row_m = 2.4, row_depth = 0.07f; break;
-      case Crop::stubble: color = {0.64f, 0.56f, 0.40f}, row_m = 3.0, row_depth = 0.05f; break;
-      case Crop::maize: color = {0.27f, 0.36f, 0.18f}, row_m = 0.75, row_depth = 0.08f; break;
-      case Crop::hay: color = mood_.grass, row_m = 4.0, row_depth = 0.04f; break;
+      case Crop::wheat:
+        color = {0.31f, 0.40f, 0.21f};
+        break;
+      case Crop::rape:
+        color = {0.62f, 0.59f, 0.22f};
+        row_depth = 0.02f;
+        break;
+      case Crop::ploughed:
+        color = {0.47f, 0.38f, 0.29f}, row_m = 2.4, row_depth = 0.07f;
+        break;
+      case Crop::stubble:
+        color = {0.64f, 0.56f, 0.40f}, row_m = 3.0, row_depth = 0.05f;
+        break;
+      case Crop::maize:
+        color = {0.27f, 0.36f, 0.18f}, row_m = 0.75, row_depth = 0.08f;
+        break;
+      case Crop::hay:
+        color = mood_.grass, row_m = 4.0, row_depth = 0.04f;
+        break;
     }
     for (std::size_t i = 0; i < 3; ++i) color[i] *= 0.93f + 0.14f * trait(thing, 53 + static_cast<std::uint32_t>(i));
     const auto wave = static_cast<float>(std::sin(2.0 * std::numbers::pi * across / row_m + 0.5 * noise(p, 9.0, 56)));
@@ -223,8 +254,9 @@ class Painter {
   }
 
   [[nodiscard]] Rgb asphalt(Vec2 p, float tone) const {
-    const float blotches = 0.045f * fractal(p, 9.0, 60, 4), stones = 0.035f * signed_hash(static_cast<int>(std::floor(p.x / 0.17)),
-                                                                                          static_cast<int>(std::floor(p.y / 0.17)), seed_ + 61);
+    const float blotches = 0.045f * fractal(p, 9.0, 60, 4),
+                stones = 0.035f * signed_hash(static_cast<int>(std::floor(p.x / 0.17)),
+                                              static_cast<int>(std::floor(p.y / 0.17)), seed_ + 61);
     float value = tone * (1.0f + blotches + stones);
     // Cracks: where a slow noise passes through zero.
     const float crack = std::abs(fractal(p, 5.0, 62, 3));
@@ -238,7 +270,8 @@ class Painter {
     const double s = dot(p - c[0], along), d = dot(p - c[0], inward), depth = distance(c[0], c[3]);
     Rgb color = asphalt(p, mood_.asphalt + 0.05f);
     const bool in_bay = d < 5.0 || d > depth - 5.0;
-    if (in_bay && std::abs(std::remainder(s, 2.5)) < 0.5 * 0.12 + 0.25 * scene_.frame.gsd_m) color = mix(color, grey(0.85f), 0.65f);
+    if (in_bay && std::abs(std::remainder(s, 2.5)) < 0.5 * 0.12 + 0.25 * scene_.frame.gsd_m)
+      color = mix(color, grey(0.85f), 0.65f);
     return color;
   }
 
@@ -256,12 +289,14 @@ class Painter {
     const int stretch = static_cast<int>(std::floor(s / 140.0 + 0.3 * trait(a.road, 71)));
     tone += 0.6f * mood_.asphalt_spread * signed_hash(stretch, a.road, seed_ + 72);
     const int patch_s = static_cast<int>(std::floor(s / 7.0)), patch_t = static_cast<int>(std::floor(t / 2.6));
-    if (unit_hash(patch_s, patch_t * 64 + a.road, seed_ + 73) < 0.05f) tone *= 0.90f + 0.16f * unit_hash(patch_s, patch_t, seed_ + 74);
+    if (unit_hash(patch_s, patch_t * 64 + a.road, seed_ + 73) < 0.05f)
+      tone *= 0.90f + 0.16f * unit_hash(patch_s, patch_t, seed_ + 74);
     if (bridge) tone += 0.05f;
     // Wheel tracks are polished lighter, oil darkens the middle of the lane.
     const double lane = plan.oneway || plan.lanes < 2 ? 0.0 : 0.25 * plan.width_m;
     const auto from_lane = static_cast<float>(std::abs(std::abs(t) - lane));
-    tone *= 1.0f + 0.025f * std::exp(-8.0f * (from_lane - 0.8f) * (from_lane - 0.8f)) - 0.03f * std::exp(-6.0f * from_lane * from_lane);
+    tone *= 1.0f + 0.025f * std::exp(-8.0f * (from_lane - 0.8f) * (from_lane - 0.8f)) -
+            0.03f * std::exp(-6.0f * from_lane * from_lane);
     Rgb color = asphalt({p.x, p.y}, tone);
     // Dust and moss along the edge.
     const float edge = scene_.road_edge_m.at(col, row);
@@ -278,7 +313,8 @@ class Painter {
     if (junction && road.highway == "tertiary" && &road != &source_.plan.roads[circuit_road]) return 0.0f;
     const double pixel = scene_.frame.gsd_m;
     const auto line = [&](double offset, double width) {
-      return static_cast<float>(std::clamp((0.5 * (width + pixel) - std::abs(t - offset)) / pixel, 0.0, std::min(1.0, width / pixel)));
+      return static_cast<float>(
+          std::clamp((0.5 * (width + pixel) - std::abs(t - offset)) / pixel, 0.0, std::min(1.0, width / pixel)));
     };
     const double period = road.highway == "secondary" ? 12.0 : 9.0;
     float paint = 0.0f;
@@ -293,20 +329,23 @@ class Painter {
   [[nodiscard]] Rgb roof(const House& house, std::int32_t number, Vec2 p) const {
     const Vec2 d = p - house.center, along{std::cos(house.heading_rad), std::sin(house.heading_rad)};
     const double u = dot(d, along), v = cross(along, d);
-    float shade = 1.0f + 0.05f * fractal(p, 3.0, 80, 3) + 0.03f * signed_hash(static_cast<int>(p.x * 6.0), static_cast<int>(p.y * 6.0), seed_ + 81);
+    float shade = 1.0f + 0.05f * fractal(p, 3.0, 80, 3) +
+                  0.03f * signed_hash(static_cast<int>(p.x * 6.0), static_cast<int>(p.y * 6.0), seed_ + 81);
     if (house.roof == RoofShape::flat) {
       const bool rim = house.half_length_m - std::abs(u) < 0.3 || house.half_width_m - std::abs(v) < 0.3;
       return house.color * (rim ? shade * 1.15f : shade);
     }
     shade *= 1.0f + 0.04f * static_cast<float>(std::sin(2.0 * std::numbers::pi * v / 0.7));  // rows of tiles
-    if (std::abs(v) < 0.2) shade *= 1.08f;                                                    // ridge
+    if (std::abs(v) < 0.2) shade *= 1.08f;                                                   // ridge
     // Roof windows, a chimney, on some roofs solar panels.
     const int cell = static_cast<int>(std::floor(u / 2.2));
-    if (trait(number, 82) < 0.5f && std::abs(std::abs(v) - 0.5 * house.half_width_m) < 0.5 && std::abs(u - 2.2 * cell - 1.1) < 0.4 &&
-        unit_hash(cell, number, seed_ + 83) < 0.4f)
+    if (trait(number, 82) < 0.5f && std::abs(std::abs(v) - 0.5 * house.half_width_m) < 0.5 &&
+        std::abs(u - 2.2 * cell - 1.1) < 0.4 && unit_hash(cell, number, seed_ + 83) < 0.4f)
       return {0.25f, 0.28f, 0.32f};
-    if (std::abs(u - (trait(number, 84) - 0.5f) * house.half_length_m) < 0.35 && std::abs(v - 0.8) < 0.35) return {0.50f, 0.40f, 0.36f};
-    if (trait(number, 85) < 0.15f && v > 0.15 * house.half_width_m && v < 0.8 * house.half_width_m && std::abs(u) < 0.65 * house.half_length_m)
+    if (std::abs(u - (trait(number, 84) - 0.5f) * house.half_length_m) < 0.35 && std::abs(v - 0.8) < 0.35)
+      return {0.50f, 0.40f, 0.36f};
+    if (trait(number, 85) < 0.15f && v > 0.15 * house.half_width_m && v < 0.8 * house.half_width_m &&
+        std::abs(u) < 0.65 * house.half_length_m)
       return {0.13f, 0.15f, 0.22f};
     return house.color * shade;
   }
@@ -339,15 +378,18 @@ class Painter {
 };
 
 /// The camera: haze, contrast, tint, blur of the optics and noise of the sensor, row by row.
-void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed, int row, Raster<std::uint8_t>& rgb) {
+void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed, int row,
+             Raster<std::uint8_t>& rgb) {
   constexpr std::array blur{0.25f, 0.50f, 0.25f};
   const int width = rgb.width;
   for (int col = 0; col < width; ++col) {
     Rgb sum{};
     for (std::size_t j = 0; j < 3; ++j)
       for (int i = -1; i <= 1; ++i)
-        sum = sum + (*rows[j])[static_cast<std::size_t>(std::clamp(col + i, 0, width - 1))] * (blur[j] * blur[static_cast<std::size_t>(i + 1)]);
-    const float grain = signed_hash(col, row, seed + 100) + signed_hash(col, row, seed + 101);  // triangular, sigma 0.82
+        sum = sum + (*rows[j])[static_cast<std::size_t>(std::clamp(col + i, 0, width - 1))] *
+                        (blur[j] * blur[static_cast<std::size_t>(i + 1)]);
+    const float grain =
+        signed_hash(col, row, seed + 100) + signed_hash(col, row, seed + 101);  // triangular, sigma 0.82
     for (int c = 0; c < 3; ++c) {
       float value = sum[static_cast<std::size_t>(c)];
       value = (value - 0.45f) * mood.contrast + 0.45f;
@@ -373,7 +415,8 @@ Raster<std::uint8_t> paint_ortho(const SceneSource& source, const SceneRaster& s
     const auto fill = [&](int row) {
       std::vector<Rgb>& line = window[slot(row)];
       line.resize(static_cast<std::size_t>(width));
-      for (int col = 0; col < width; ++col) line[static_cast<std::size_t>(col)] = painter.light(col, std::clamp(row, 0, height - 1));
+      for (int col = 0; col < width; ++col)
+        line[static_cast<std::size_t>(col)] = painter.light(col, std::clamp(row, 0, height - 1));
     };
     fill(first - 1), fill(first);
     for (int row = first; row < end; ++row) {

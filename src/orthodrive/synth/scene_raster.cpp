@@ -9,10 +9,10 @@
 namespace orthodrive::synth {
 namespace {
 constexpr int band_rows = 64;
-constexpr double road_reach_m = 6.0;    // beyond its edge a road changes nothing
+constexpr double road_reach_m = 6.0;  // beyond its edge a road changes nothing
 constexpr float far_from_roads_m = 9.0f;
 constexpr float corner_rounding_m = 7.0f;
-constexpr double deck_edge_m = 0.4;     // parapet of a bridge, outside the carriageway
+constexpr double deck_edge_m = 0.4;  // parapet of a bridge, outside the carriageway
 constexpr float walk_m = 1.6f, shoulder_m = 0.6f, verge_m = 2.2f;
 
 /// Minimum of two distances that rounds the corner between them (Quilez, polynomial smooth minimum).
@@ -30,7 +30,8 @@ std::uint16_t field_number(Vec2 p, std::uint32_t seed) {
   std::uint32_t number = 0;
   for (int j = iy - 1; j <= iy + 1; ++j)
     for (int i = ix - 1; i <= ix + 1; ++i) {
-      const double dx = i + 0.5 + 0.3 * signed_hash(i, j, seed + 1) - x, dy = j + 0.5 + 0.3 * signed_hash(i, j, seed + 2) - y;
+      const double dx = i + 0.5 + 0.3 * signed_hash(i, j, seed + 1) - x,
+                   dy = j + 0.5 + 0.3 * signed_hash(i, j, seed + 2) - y;
       const double d = dx * dx + dy * dy;
       if (d < nearest) nearest = d, number = hash_lattice(i, j, seed + 3);
     }
@@ -68,9 +69,9 @@ void paint_covers(const SceneSource& source, const Band& band, SceneRaster& scen
         scene.detail.at(col, row) = field_number(scene.frame.center_of(col, row), source.seed + 11);
 }
 
-/// Distance to the edge of a straight piece of carriageway. Ends of a road are flat, and what lies beyond them counts as
-/// farther away than it is: or a side road that ends in the middle of the main one would bulge the main road's far edge.
-/// Decks end sharply.
+/// Distance to the edge of a straight piece of carriageway. Ends of a road are flat, and what lies beyond them counts
+/// as farther away than it is: or a side road that ends in the middle of the main one would bulge the main road's far
+/// edge. Decks end sharply.
 double edge_distance(const RoadSample& a, const RoadSample& b, bool first, bool last, Vec2 p) {
   const double beyond_end = a.bridge || b.bridge ? 1000.0 : 4.0;
   constexpr double joint_m = 0.8;  // enough for the wedge outside a bend, less than a segment: no rounded ends
@@ -102,7 +103,8 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
   for (std::size_t r = 0; r < source.plan.roads.size(); ++r)
     layers.push_back({static_cast<std::uint16_t>(r), false, surface_priority(source.plan, r)});
   for (const PlannedBridge& b : source.plan.bridges) layers.push_back({static_cast<std::uint16_t>(b.over), true, 1000});
-  std::stable_sort(layers.begin(), layers.end(), [](const Layer& a, const Layer& b) { return a.priority < b.priority; });
+  std::stable_sort(layers.begin(), layers.end(),
+                   [](const Layer& a, const Layer& b) { return a.priority < b.priority; });
 
   struct Near {
     float edge_m;
@@ -119,8 +121,10 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
                      std::max(a.p.y, b.p.y) + reach};
       if (!box.overlaps(band.box)) continue;
       if (!touched) std::fill(near.begin(), near.end(), Near{far_from_roads_m, -1}), touched = true;
-      const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}), high = frame.pixel_from_world({box.max_x, box.min_y});
-      const int row0 = std::max(band.first, static_cast<int>(low.y)), row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
+      const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}),
+                 high = frame.pixel_from_world({box.max_x, box.min_y});
+      const int row0 = std::max(band.first, static_cast<int>(low.y)),
+                row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
       const int col0 = std::max(0, static_cast<int>(low.x)), col1 = std::min(frame.width, static_cast<int>(high.x) + 1);
       const bool closed = source.plan.roads[a.road].alignment.closed;
       const bool first = a.s_m == 0.0f ? !closed : (samples[i - 1].bridge || a.bridge) != layer.bridge;
@@ -128,14 +132,16 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       for (int row = row0; row < row1; ++row)
         for (int col = col0; col < col1; ++col) {
           const auto edge = static_cast<float>(edge_distance(a, b, first, last, frame.center_of(col, row)));
-          Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+          Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) +
+                         static_cast<std::size_t>(col)];
           if (edge < n.edge_m) n = {edge, static_cast<std::int32_t>(i)};
         }
     }
     if (!touched) continue;
     for (int row = band.first; row < band.first + band.rows; ++row)
       for (int col = 0; col < frame.width; ++col) {
-        const Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+        const Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) +
+                             static_cast<std::size_t>(col)];
         if (n.segment < 0) continue;
         float& edge = scene.road_edge_m.at(col, row);
         std::int32_t& segment = scene.road_segment.at(col, row);
@@ -156,21 +162,30 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       const float edge = scene.road_edge_m.at(col, row);
       Cover& cover = scene.cover.at(col, row);
       const std::string& highway = source.plan.roads[samples[static_cast<std::size_t>(segment)].road].highway;
-      if (edge <= 0.0f) cover = Cover::road;
-      else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking) continue;
-      else if (edge < walk_m && highway == "residential") cover = Cover::sidewalk;
-      else if (edge < shoulder_m) cover = Cover::gravel;
-      else if (edge < verge_m && cover == Cover::field) cover = Cover::verge;
+      if (edge <= 0.0f)
+        cover = Cover::road;
+      else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking)
+        continue;
+      else if (edge < walk_m && highway == "residential")
+        cover = Cover::sidewalk;
+      else if (edge < shoulder_m)
+        cover = Cover::gravel;
+      else if (edge < verge_m && cover == Cover::field)
+        cover = Cover::verge;
     }
 }
 
 /// Calls visit(col, row, p, u, v) for the pixels of the band in a turned rectangle; u along, v across.
 template <typename Visit>
-void for_rectangle(const Band& band, const GridFrame& frame, Vec2 center, double heading, double half_u, double half_v, const Visit& visit) {
+void for_rectangle(const Band& band, const GridFrame& frame, Vec2 center, double heading, double half_u, double half_v,
+                   const Visit& visit) {
   const double reach = std::hypot(half_u, half_v);
-  const Vec2 low = frame.pixel_from_world(center + Vec2{-reach, reach}), high = frame.pixel_from_world(center + Vec2{reach, -reach});
-  const int row0 = std::max(band.first, static_cast<int>(std::floor(low.y))), row1 = std::min(band.first + band.rows, static_cast<int>(std::ceil(high.y)));
-  const int col0 = std::max(0, static_cast<int>(std::floor(low.x))), col1 = std::min(frame.width, static_cast<int>(std::ceil(high.x)));
+  const Vec2 low = frame.pixel_from_world(center + Vec2{-reach, reach}),
+             high = frame.pixel_from_world(center + Vec2{reach, -reach});
+  const int row0 = std::max(band.first, static_cast<int>(std::floor(low.y))),
+            row1 = std::min(band.first + band.rows, static_cast<int>(std::ceil(high.y)));
+  const int col0 = std::max(0, static_cast<int>(std::floor(low.x))),
+            col1 = std::min(frame.width, static_cast<int>(std::ceil(high.x)));
   const Vec2 along{std::cos(heading), std::sin(heading)};
   for (int row = row0; row < row1; ++row)
     for (int col = col0; col < col1; ++col) {
@@ -192,7 +207,8 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
       const RoadSample& a = source.road_samples[static_cast<std::size_t>(segment)];
       const RoadSample& b = source.road_samples[static_cast<std::size_t>(segment) + 1];
       if (!(a.bridge || b.bridge)) continue;
-      height = std::max(0.0f, 0.5f * (a.z_m + b.z_m) - ground_height(source, frame.center_of(col, row))) + (scene.road_edge_m.at(col, row) > 0.0f ? 0.9f : 0.0f);
+      height = std::max(0.0f, 0.5f * (a.z_m + b.z_m) - ground_height(source, frame.center_of(col, row))) +
+               (scene.road_edge_m.at(col, row) > 0.0f ? 0.9f : 0.0f);
     }
   const auto put = [&](int col, int row, double height, std::int32_t number) {
     float& top = scene.height_m.at(col, row);
@@ -203,30 +219,37 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
   std::int32_t number = 0;
   for (const House& h : source.objects.houses) {
     constexpr double eaves_m = 0.4;
-    for_rectangle(band, frame, h.center, h.heading_rad, h.half_length_m + eaves_m, h.half_width_m + eaves_m, [&](int col, int row, double, double v) {
-      put(col, row, h.roof == RoofShape::flat ? h.eave_m : h.eave_m + (h.half_width_m - std::abs(v)) * h.pitch, number);
-    });
+    for_rectangle(band, frame, h.center, h.heading_rad, h.half_length_m + eaves_m, h.half_width_m + eaves_m,
+                  [&](int col, int row, double, double v) {
+                    put(col, row,
+                        h.roof == RoofShape::flat ? h.eave_m : h.eave_m + (h.half_width_m - std::abs(v)) * h.pitch,
+                        number);
+                  });
     ++number;
   }
   for (const Tree& t : source.objects.trees) {
     const auto seed = source.seed + static_cast<std::uint32_t>(number);
-    for_rectangle(band, frame, t.center, 0.0, 1.2 * t.radius_m, 1.2 * t.radius_m, [&](int col, int row, double u, double v) {
-      const double lumps = fractal_noise(u / 1.3, v / 1.3, seed, 2);
-      const double d = std::hypot(u, v) / t.radius_m + 0.28 * lumps;
-      if (d >= 1.0) return;
-      const double dome = t.conifer ? 1.0 - 0.75 * d : 0.55 + 0.45 * std::sqrt(1.0 - d * d);
-      put(col, row, t.height_m * dome - 0.35 * lumps, number);
-    });
+    for_rectangle(band, frame, t.center, 0.0, 1.2 * t.radius_m, 1.2 * t.radius_m,
+                  [&](int col, int row, double u, double v) {
+                    const double lumps = fractal_noise(u / 1.3, v / 1.3, seed, 2);
+                    const double d = std::hypot(u, v) / t.radius_m + 0.28 * lumps;
+                    if (d >= 1.0) return;
+                    const double dome = t.conifer ? 1.0 - 0.75 * d : 0.55 + 0.45 * std::sqrt(1.0 - d * d);
+                    put(col, row, t.height_m * dome - 0.35 * lumps, number);
+                  });
     ++number;
   }
   for (const Car& c : source.objects.cars) {
-    for_rectangle(band, frame, c.center, c.heading_rad, c.half_length_m, c.half_width_m, [&](int col, int row, double u, double v) {
-      if (std::hypot(std::max(0.0, std::abs(u) - c.half_length_m + 0.5), std::max(0.0, std::abs(v) - c.half_width_m + 0.5)) > 0.5) return;
-      float& top = scene.height_m.at(col, row);
-      if (scene.object.at(col, row) >= 0) return;  // under a crown or a roof
-      top += static_cast<float>(std::abs(u) < 0.55 * c.half_length_m ? c.height_m : 0.65 * c.height_m);
-      scene.object.at(col, row) = number;
-    });
+    for_rectangle(band, frame, c.center, c.heading_rad, c.half_length_m, c.half_width_m,
+                  [&](int col, int row, double u, double v) {
+                    if (std::hypot(std::max(0.0, std::abs(u) - c.half_length_m + 0.5),
+                                   std::max(0.0, std::abs(v) - c.half_width_m + 0.5)) > 0.5)
+                      return;
+                    float& top = scene.height_m.at(col, row);
+                    if (scene.object.at(col, row) >= 0) return;  // under a crown or a roof
+                    top += static_cast<float>(std::abs(u) < 0.55 * c.half_length_m ? c.height_m : 0.65 * c.height_m);
+                    scene.object.at(col, row) = number;
+                  });
     ++number;
   }
 }
@@ -237,13 +260,18 @@ float ground_height(const SceneSource& source, Vec2 p_local) {
   const int col = static_cast<int>(q.x), row = static_cast<int>(q.y);
   const auto u = static_cast<float>(q.x - col), v = static_cast<float>(q.y - row);
   const Raster<float>& z = source.earth.height_m;
-  return (z.at(col, row) * (1.0f - u) + z.at(col + 1, row) * u) * (1.0f - v) + (z.at(col, row + 1) * (1.0f - u) + z.at(col + 1, row + 1) * u) * v;
+  return (z.at(col, row) * (1.0f - u) + z.at(col + 1, row) * u) * (1.0f - v) +
+         (z.at(col, row + 1) * (1.0f - u) + z.at(col + 1, row + 1) * u) * v;
 }
 
 SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, int threads) {
-  SceneRaster scene{frame, Raster<Cover>(frame.width, frame.height), Raster<std::uint16_t>(frame.width, frame.height),
-                    Raster<std::int32_t>(frame.width, frame.height), Raster<float>(frame.width, frame.height),
-                    Raster<std::uint8_t>(frame.width, frame.height), Raster<std::int32_t>(frame.width, frame.height),
+  SceneRaster scene{frame,
+                    Raster<Cover>(frame.width, frame.height),
+                    Raster<std::uint16_t>(frame.width, frame.height),
+                    Raster<std::int32_t>(frame.width, frame.height),
+                    Raster<float>(frame.width, frame.height),
+                    Raster<std::uint8_t>(frame.width, frame.height),
+                    Raster<std::int32_t>(frame.width, frame.height),
                     Raster<float>(frame.width, frame.height)};
   parallel_for(static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows), threads, [&](std::size_t i) {
     Band band;
@@ -263,22 +291,28 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
   const ObjectCounts counts = counts_of(source.objects);
   const auto class_of = [&](Cover cover, std::uint16_t detail) -> std::uint8_t {
     switch (cover) {
-      case Cover::road: return road;
+      case Cover::road:
+        return road;
       case Cover::parking:
-      case Cover::paved: return parking;
+      case Cover::paved:
+        return parking;
       case Cover::water:
-      case Cover::pool: return water;
+      case Cover::pool:
+        return water;
       case Cover::field: {
         const auto crop = static_cast<Crop>(detail % crop_count);
         return crop == Crop::ploughed || crop == Crop::stubble ? ground : grass;
       }
       case Cover::meadow:
       case Cover::lawn:
-      case Cover::verge: return grass;
-      case Cover::forest_floor: return vegetation;
+      case Cover::verge:
+        return grass;
+      case Cover::forest_floor:
+        return vegetation;
       case Cover::garden_bed:
       case Cover::gravel:
-      case Cover::sidewalk: return ground;
+      case Cover::sidewalk:
+        return ground;
     }
     return ground;
   };
@@ -288,8 +322,10 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
     for (int col = 0; col < scene.frame.width; ++col) {
       const std::int32_t object = scene.object.at(col, row);
       std::uint8_t label = class_of(scene.cover.at(col, row), scene.detail.at(col, row));
-      if (object >= 0 && object < counts.houses) label = building;
-      else if (object >= counts.houses && object < counts.houses + counts.trees) label = vegetation;
+      if (object >= 0 && object < counts.houses)
+        label = building;
+      else if (object >= counts.houses && object < counts.houses + counts.trees)
+        label = vegetation;
       labels.at(col, row) = label;
     }
   });

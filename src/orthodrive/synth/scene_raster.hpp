@@ -40,7 +40,8 @@ struct ObjectCounts {
   std::int32_t houses = 0, trees = 0, cars = 0;
 };
 [[nodiscard]] inline ObjectCounts counts_of(const VillageObjects& o) {
-  return {static_cast<std::int32_t>(o.houses.size()), static_cast<std::int32_t>(o.trees.size()), static_cast<std::int32_t>(o.cars.size())};
+  return {static_cast<std::int32_t>(o.houses.size()), static_cast<std::int32_t>(o.trees.size()),
+          static_cast<std::int32_t>(o.cars.size())};
 }
 
 /// Bare earth, bilinear. Precondition: p lies in the site (the earth's grid reaches beyond it).

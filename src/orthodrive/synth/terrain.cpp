@@ -18,7 +18,8 @@ Hills make_hills(double size_m, Random& random) {
   Hills hills;
   hills.base_m = random.uniform(280.0, 620.0);
   for (int i = 0; i < 18; ++i) {
-    const double wavelength_m = 230.0 * std::pow(1000.0 / 230.0, random.uniform()), angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+    const double wavelength_m = 230.0 * std::pow(1000.0 / 230.0, random.uniform()),
+                 angle = random.uniform(0.0, 2.0 * std::numbers::pi);
     const double k = 2.0 * std::numbers::pi / wavelength_m;
     hills.waves.push_back({k * std::cos(angle), k * std::sin(angle), random.uniform(0.0, 2.0 * std::numbers::pi),
                            std::pow(wavelength_m, 1.3) * random.uniform(0.5, 1.0)});
@@ -106,13 +107,15 @@ Profile make_profile(std::vector<double> s, std::vector<double> z, bool closed) 
   z_long.insert(z_long.end(), z.begin(), z.end());
   for (std::size_t i = 1; i <= wrap; ++i) s_long.push_back(s[i] + length), z_long.push_back(z[i]);
   const std::vector<double> second = natural_spline(s_long, z_long);
-  return {std::move(s), std::move(z), {second.begin() + static_cast<long>(wrap), second.begin() + static_cast<long>(wrap + n)}};
+  return {std::move(s),
+          std::move(z),
+          {second.begin() + static_cast<long>(wrap), second.begin() + static_cast<long>(wrap + n)}};
 }
 
 /// Knots of all roads; those of one junction share an unknown.
 struct KnotSystem {
-  std::vector<std::vector<double>> s_m;             // by road
-  std::vector<std::vector<std::size_t>> unknown;    // by road
+  std::vector<std::vector<double>> s_m;           // by road
+  std::vector<std::vector<std::size_t>> unknown;  // by road
   std::size_t unknowns = 0;
 };
 
@@ -143,7 +146,8 @@ KnotSystem make_knots(const VillagePlan& plan) {
   }
   const auto knot_at = [&](std::size_t road, double s) -> std::size_t& {
     const auto& all = knots.s_m[road];
-    const auto it = std::min_element(all.begin(), all.end(), [&](double a, double b) { return std::abs(a - s) < std::abs(b - s); });
+    const auto it =
+        std::min_element(all.begin(), all.end(), [&](double a, double b) { return std::abs(a - s) < std::abs(b - s); });
     return knots.unknown[road][static_cast<std::size_t>(it - all.begin())];
   };
   for (const PlannedJunction& junction : plan.junctions) {
@@ -163,7 +167,8 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
     const auto& u = knots.unknown[r];
     const Alignment& alignment = plan.roads[r].alignment;
     // How far the road irons out the terrain: a wavelength of 2 pi l is halved.
-    const double stiffness_m = (surface_priority(plan, r) >= 10 ? 50.0 : 32.0) * std::clamp(plan.size_m / 600.0, 0.8, 1.0);
+    const double stiffness_m =
+        (surface_priority(plan, r) >= 10 ? 50.0 : 32.0) * std::clamp(plan.size_m / 600.0, 0.8, 1.0);
     const std::size_t n = s.size();
     for (std::size_t i = 0; i + (alignment.closed ? 1 : 0) < n; ++i) {
       const double h0 = i > 0 ? s[i] - s[i - 1] : s[n - 1] - s[n - 2], h1 = i + 1 < n ? s[i + 1] - s[i] : 0.0;
@@ -181,10 +186,12 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
   for (const PlannedBridge& bridge : plan.bridges) {
     const auto unknown_at = [&](std::size_t road, double s) {
       const auto& all = knots.s_m[road];
-      return knots.unknown[road][static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s - 1e-6) - all.begin())];
+      return knots
+          .unknown[road][static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s - 1e-6) - all.begin())];
     };
     constexpr double stiff = 300.0;  // against weights near 2 of the terrain: holds the rise to millimetres
-    const std::size_t over = unknown_at(bridge.over, bridge.s_over_m), under = unknown_at(bridge.under, bridge.s_under_m);
+    const std::size_t over = unknown_at(bridge.over, bridge.s_over_m),
+                      under = unknown_at(bridge.under, bridge.s_under_m);
     rows.push_back({{over, under, under}, {stiff, -stiff, 0.0}, stiff * bridge_rise_m});
   }
   const std::vector<double> z = solve_least_squares(rows, std::move(start));
@@ -200,7 +207,8 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
 double steepest(const std::vector<Profile>& profiles) {
   double steepest = 0.0;
   for (const Profile& profile : profiles)
-    for (double s = 0.0; s <= profile.s_m.back(); s += 2.0) steepest = std::max(steepest, std::abs(profile.gradient(s)));
+    for (double s = 0.0; s <= profile.s_m.back(); s += 2.0)
+      steepest = std::max(steepest, std::abs(profile.gradient(s)));
   return steepest;
 }
 
@@ -219,13 +227,15 @@ double Hills::height_m(Vec2 p) const {
 double Profile::z(double s) const {
   const std::size_t i = interval(s_m, s);
   const double h = s_m[i + 1] - s_m[i], a = (s_m[i + 1] - s) / h, b = 1.0 - a;
-  return a * z_m[i] + b * z_m[i + 1] + ((a * a * a - a) * z_ss_1pm[i] + (b * b * b - b) * z_ss_1pm[i + 1]) * h * h / 6.0;
+  return a * z_m[i] + b * z_m[i + 1] +
+         ((a * a * a - a) * z_ss_1pm[i] + (b * b * b - b) * z_ss_1pm[i + 1]) * h * h / 6.0;
 }
 
 double Profile::gradient(double s) const {
   const std::size_t i = interval(s_m, s);
   const double h = s_m[i + 1] - s_m[i], a = (s_m[i + 1] - s) / h, b = 1.0 - a;
-  return (z_m[i + 1] - z_m[i]) / h + ((3.0 * b * b - 1.0) * z_ss_1pm[i + 1] - (3.0 * a * a - 1.0) * z_ss_1pm[i]) * h / 6.0;
+  return (z_m[i + 1] - z_m[i]) / h +
+         ((3.0 * b * b - 1.0) * z_ss_1pm[i + 1] - (3.0 * a * a - 1.0) * z_ss_1pm[i]) * h / 6.0;
 }
 
 Terrain make_terrain(const VillagePlan& plan, std::uint64_t seed) {
@@ -262,7 +272,8 @@ std::vector<RoadSample> sample_roads(const VillagePlan& plan, const Terrain& ter
 }
 
 BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads) {
-  BareEarth earth{Raster<float>(frame.width, frame.height), Raster<float>(frame.width, frame.height, 1, static_cast<float>(max_clearance_m))};
+  BareEarth earth{Raster<float>(frame.width, frame.height),
+                  Raster<float>(frame.width, frame.height, 1, static_cast<float>(max_clearance_m))};
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 2.0);
   std::vector<std::size_t> order(plan.roads.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -282,7 +293,7 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
     const Near none{max_clearance_m, 0.0, 0.0, 0.0, 0.0};
     std::vector<Near> near(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(end - first));
     std::vector<float> bed_of_others(near.size(), 0.0f);  // 1 on the bed of a road painted before, 0 from 3 m beside it
-    for (const std::size_t road : order) {  // the most important road last: its bed is exact
+    for (const std::size_t road : order) {                // the most important road last: its bed is exact
       std::fill(near.begin(), near.end(), none);
       for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
         const RoadSample &a = samples[i], &b = samples[i + 1];
@@ -300,14 +311,17 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
             const Vec2 p = frame.center_of(col, row);
             const double t = std::clamp(dot(p - a.p, d) / n2, 0.0, 1.0);
             const double distance_m = distance(p, a.p + d * t);
-            Near& best = near[static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)];
+            Near& best = near[static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) +
+                              static_cast<std::size_t>(col)];
             if (distance_m < best.distance_m)
-              best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m), a.banking + t * (b.banking - a.banking), a.half_width_m};
+              best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m),
+                      a.banking + t * (b.banking - a.banking), a.half_width_m};
           }
       }
       for (int row = first; row < end; ++row)
         for (int col = 0; col < frame.width; ++col) {
-          const std::size_t cell = static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col);
+          const std::size_t cell = static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) +
+                                   static_cast<std::size_t>(col);
           const Near& q = near[cell];
           if (q.distance_m >= max_clearance_m) continue;
           float& z = earth.height_m.at(col, row);
@@ -322,7 +336,8 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
           if (q.distance_m > shoulder_m)
             weight *= 1.0f - bed_of_others[cell] * smoothstep(0.5f, 2.0f, static_cast<float>(std::abs(q.z_m - z)));
           z += weight * static_cast<float>(bed - z);
-          bed_of_others[cell] = std::max(bed_of_others[cell], 1.0f - smoothstep(0.0f, 3.0f, static_cast<float>(q.distance_m - shoulder_m)));
+          bed_of_others[cell] = std::max(bed_of_others[cell],
+                                         1.0f - smoothstep(0.0f, 3.0f, static_cast<float>(q.distance_m - shoulder_m)));
         }
     }
   });

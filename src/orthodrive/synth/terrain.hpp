@@ -56,6 +56,7 @@ struct BareEarth {
   Raster<float> clearance_m;  ///< distance to the edge of the nearest carriageway, negative inside, at most 40
 };
 /// `frame` in local metres.
-[[nodiscard]] BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads);
+[[nodiscard]] BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame,
+                                        int threads);
 
 }  // namespace orthodrive::synth

@@ -20,8 +20,14 @@ Ring rectangle(Vec2 center, double heading, double half_length, double half_widt
 
 /// Tiles in the reds and browns of Central Europe, slate and sheet metal in greys; each with its own tint.
 Rgb roof_color(Random& random) {
-  static constexpr std::array<Rgb, 8> tones{{{0.62f, 0.34f, 0.26f}, {0.55f, 0.30f, 0.24f}, {0.68f, 0.42f, 0.32f}, {0.46f, 0.29f, 0.24f},
-                                             {0.40f, 0.33f, 0.30f}, {0.36f, 0.37f, 0.39f}, {0.27f, 0.27f, 0.29f}, {0.60f, 0.57f, 0.54f}}};
+  static constexpr std::array<Rgb, 8> tones{{{0.62f, 0.34f, 0.26f},
+                                             {0.55f, 0.30f, 0.24f},
+                                             {0.68f, 0.42f, 0.32f},
+                                             {0.46f, 0.29f, 0.24f},
+                                             {0.40f, 0.33f, 0.30f},
+                                             {0.36f, 0.37f, 0.39f},
+                                             {0.27f, 0.27f, 0.29f},
+                                             {0.60f, 0.57f, 0.54f}}};
   Rgb color = tones[random.below(tones.size())];
   const auto gain = static_cast<float>(random.uniform(0.85, 1.15));
   for (float& c : color) c = std::min(1.0f, c * gain + static_cast<float>(random.uniform(-0.02, 0.02)));
@@ -29,8 +35,14 @@ Rgb roof_color(Random& random) {
 }
 
 Rgb car_color(Random& random) {
-  static constexpr std::array<Rgb, 9> colors{{{0.93f, 0.93f, 0.93f}, {0.90f, 0.90f, 0.89f}, {0.70f, 0.71f, 0.72f}, {0.50f, 0.51f, 0.53f},
-                                              {0.30f, 0.31f, 0.32f}, {0.12f, 0.12f, 0.13f}, {0.60f, 0.12f, 0.12f}, {0.16f, 0.25f, 0.48f},
+  static constexpr std::array<Rgb, 9> colors{{{0.93f, 0.93f, 0.93f},
+                                              {0.90f, 0.90f, 0.89f},
+                                              {0.70f, 0.71f, 0.72f},
+                                              {0.50f, 0.51f, 0.53f},
+                                              {0.30f, 0.31f, 0.32f},
+                                              {0.12f, 0.12f, 0.13f},
+                                              {0.60f, 0.12f, 0.12f},
+                                              {0.16f, 0.25f, 0.48f},
                                               {0.10f, 0.13f, 0.22f}}};
   return colors[random.below(colors.size())];
 }
@@ -38,7 +50,10 @@ Rgb car_color(Random& random) {
 class Placer {
  public:
   Placer(const VillagePlan& plan, const Raster<float>& clearance, const GridFrame& frame, std::uint64_t seed)
-      : plan_(plan), clearance_(clearance), frame_(frame), random_(derive_seed(seed, 3)),
+      : plan_(plan),
+        clearance_(clearance),
+        frame_(frame),
+        random_(derive_seed(seed, 3)),
         circuit_{sample(plan.roads[circuit_road].alignment, 4.0), {}} {}
 
   VillageObjects run() {
@@ -60,7 +75,8 @@ class Placer {
     const int col = static_cast<int>(std::floor(q.x)), row = static_cast<int>(std::floor(q.y));
     double clearance_m = clearance_.inside(col, row) ? clearance_.at(col, row) : 40.0;
     for (const PlannedBridge& b : plan_.bridges)
-      clearance_m = std::min(clearance_m, distance(p, evaluate(plan_.roads[b.over].alignment, b.s_over_m).p) - b.half_length_m);
+      clearance_m =
+          std::min(clearance_m, distance(p, evaluate(plan_.roads[b.over].alignment, b.s_over_m).p) - b.half_length_m);
     return clearance_m;
   }
   [[nodiscard]] bool in_site(Vec2 p, double margin) const {
@@ -80,11 +96,13 @@ class Placer {
 
   /// A wobbly disc.
   Ring blob(Vec2 center, double radius) {
-    const double p1 = random_.uniform(0.0, 2 * pi), p2 = random_.uniform(0.0, 2 * pi), p3 = random_.uniform(0.0, 2 * pi);
+    const double p1 = random_.uniform(0.0, 2 * pi), p2 = random_.uniform(0.0, 2 * pi),
+                 p3 = random_.uniform(0.0, 2 * pi);
     Ring ring;
     for (int i = 0; i < 40; ++i) {
       const double a = 2 * pi * i / 40;
-      ring.push_back(center + unit(a) * (radius * (1.0 + 0.22 * std::cos(2 * a + p1) + 0.12 * std::cos(3 * a + p2) + 0.06 * std::cos(7 * a + p3))));
+      ring.push_back(center + unit(a) * (radius * (1.0 + 0.22 * std::cos(2 * a + p1) + 0.12 * std::cos(3 * a + p2) +
+                                                   0.06 * std::cos(7 * a + p3))));
     }
     return ring;
   }
@@ -120,8 +138,10 @@ class Placer {
     for (int i = 0; i < count; ++i) {
       const PlannedRoad& road = plan_.roads[random_.below(plan_.roads.size())];
       const AlignmentPoint q = evaluate(road.alignment, random_.uniform(0.1, 0.9) * road.alignment.length_m);
-      const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5), bend = random_.uniform(-0.01, 0.01);
-      const double length_m = random_.uniform(0.08, 0.25) * plan_.size_m, start = q.heading_rad + side * random_.uniform(1.0, 2.1);
+      const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5),
+                   bend = random_.uniform(-0.01, 0.01);
+      const double length_m = random_.uniform(0.08, 0.25) * plan_.size_m,
+                   start = q.heading_rad + side * random_.uniform(1.0, 2.1);
       Polyline line{q.p};
       for (double s = 0.0; s < length_m; s += 6.0) {
         line.push_back(line.back() + unit(start + bend * s + 0.25 * std::sin(s / 31.0)) * 6.0);
@@ -142,7 +162,8 @@ class Placer {
       for (int u = 0; u < 8; ++u)
         for (int v = 0; v < 5; ++v) {
           const double jitter_u = random_.uniform(-0.5, 0.5), jitter_v = random_.uniform(-0.5, 0.5);
-          add_tree(corner + along * (u * spacing_m + jitter_u) + across * (v * spacing_m + jitter_v), radius_m * random_.uniform(0.8, 1.2), 3.0, 0.0);
+          add_tree(corner + along * (u * spacing_m + jitter_u) + across * (v * spacing_m + jitter_v),
+                   radius_m * random_.uniform(0.8, 1.2), 3.0, 0.0);
         }
     }
   }
@@ -156,15 +177,20 @@ class Placer {
     for (const double row_m : {0.5 * bay_depth_m, depth_m - 0.5 * bay_depth_m})
       for (double s = 0.5 * bay_m; s + 0.5 * bay_m <= length_m; s += bay_m)
         if (random_.uniform() < 0.55)
-          add_car(corners[0] + along * s + inward * (row_m + random_.uniform(-0.25, 0.25)), std::atan2(inward.y, inward.x));
+          add_car(corners[0] + along * s + inward * (row_m + random_.uniform(-0.25, 0.25)),
+                  std::atan2(inward.y, inward.x));
     // A shop with a flat roof on the other side of the service road.
     const Vec2 middle = (corners[0] + corners[1]) * 0.5;
     for (double half = 16.0; half > 5.0; half -= 1.0) {
-      const House shop{middle - inward * (9.0 + half), std::atan2(along.y, along.x), 1.25 * half, half, 6.0, 0.0, RoofShape::flat,
-                       {0.62f, 0.62f, 0.61f}};
+      const House shop{
+          middle - inward * (9.0 + half), std::atan2(along.y, along.x), 1.25 * half, half, 6.0, 0.0, RoofShape::flat,
+          {0.62f, 0.62f, 0.61f}};
       const Ring ring = outline(shop);
-      if (std::any_of(ring.begin(), ring.end(), [&](Vec2 p) { return clearance(p) < 3.0; }) || clearance(shop.center) < 5.0) continue;
-      objects_.areas.push_back({{rectangle(shop.center, shop.heading_rad, 1.25 * half + 3.0, half + 3.0), {}}, Cover::paved, false});
+      if (std::any_of(ring.begin(), ring.end(), [&](Vec2 p) { return clearance(p) < 3.0; }) ||
+          clearance(shop.center) < 5.0)
+        continue;
+      objects_.areas.push_back(
+          {{rectangle(shop.center, shop.heading_rad, 1.25 * half + 3.0, half + 3.0), {}}, Cover::paved, false});
       objects_.houses.push_back(shop);
       break;
     }
@@ -173,7 +199,8 @@ class Placer {
   void add_car(Vec2 p, double heading) {
     Car car{p, heading + random_.normal() * 0.02 + (random_.below(2) ? pi : 0.0)};
     car.half_length_m = random_.uniform(1.95, 2.4), car.half_width_m = random_.uniform(0.85, 0.95);
-    if (random_.uniform() < 0.06) car.half_length_m = random_.uniform(3.0, 4.5), car.half_width_m = 1.15, car.height_m = 2.8;  // van, lorry
+    if (random_.uniform() < 0.06)
+      car.half_length_m = random_.uniform(3.0, 4.5), car.half_width_m = 1.15, car.height_m = 2.8;  // van, lorry
     car.color = car_color(random_);
     objects_.cars.push_back(car);
   }
@@ -181,7 +208,10 @@ class Placer {
   /// Lots with a house, a garden and a drive on both sides of the streets; farther apart along the larger roads.
   void place_lots(std::size_t r) {
     const PlannedRoad& road = plan_.roads[r];
-    const double share = road.highway == "residential" ? 0.92 : road.highway == "tertiary" ? 0.5 : road.highway == "service" ? 0.6 : 0.12;
+    const double share = road.highway == "residential" ? 0.92
+                         : road.highway == "tertiary"  ? 0.5
+                         : road.highway == "service"   ? 0.6
+                                                       : 0.12;
     for (const double side : {1.0, -1.0})
       for (double s = random_.uniform(10.0, 20.0); s < road.alignment.length_m - 8.0;) {
         const double lot_m = random_.uniform(18.0, 27.0);
@@ -196,37 +226,52 @@ class Placer {
 
   void place_lot(const AlignmentPoint& q, double side, double lot_m, double half_road_m) {
     const Vec2 along = unit(q.heading_rad), outward = left_normal(along) * side;
-    const double walk_m = half_road_m + 1.8, setback_m = random_.uniform(5.0, 10.0), depth_m = random_.uniform(24.0, 38.0);
-    const double half_front = random_.uniform(4.5, std::min(8.0, 0.5 * lot_m - 3.5)), half_deep = random_.uniform(3.8, 5.5);
+    const double walk_m = half_road_m + 1.8, setback_m = random_.uniform(5.0, 10.0),
+                 depth_m = random_.uniform(24.0, 38.0);
+    const double half_front = random_.uniform(4.5, std::min(8.0, 0.5 * lot_m - 3.5)),
+                 half_deep = random_.uniform(3.8, 5.5);
     const Vec2 house_center = q.p + outward * (walk_m + setback_m + half_deep) + along * random_.uniform(-1.5, 1.5);
     const double turn = q.heading_rad + random_.normal() * 0.03;
-    House house{house_center, turn, half_front, half_deep, random_.uniform(3.5, 6.5), std::tan(random_.uniform(28.0, 46.0) * pi / 180.0),
-                RoofShape::gable, roof_color(random_)};
+    House house{house_center,
+                turn,
+                half_front,
+                half_deep,
+                random_.uniform(3.5, 6.5),
+                std::tan(random_.uniform(28.0, 46.0) * pi / 180.0),
+                RoofShape::gable,
+                roof_color(random_)};
     if (house.half_width_m > house.half_length_m || random_.uniform() < 0.3) {  // ridge across the street
       std::swap(house.half_length_m, house.half_width_m);
       house.heading_rad += 0.5 * pi;
     }
     const Ring ring = outline(house);
-    const bool fits = in_site(house_center, 12.0) && std::all_of(ring.begin(), ring.end(), [&](Vec2 p) {
-      return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p);
-    }) && clearance(house_center) > 6.0 && !near_house(house_center, 6.0);
+    const bool fits =
+        in_site(house_center, 12.0) &&
+        std::all_of(ring.begin(), ring.end(),
+                    [&](Vec2 p) { return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p); }) &&
+        clearance(house_center) > 6.0 && !near_house(house_center, 6.0);
     if (!fits) return;
 
     const Vec2 lot_center = q.p + outward * (walk_m + 0.5 * depth_m);
-    objects_.areas.push_back({{rectangle(lot_center, q.heading_rad, 0.5 * lot_m - 0.3, 0.5 * depth_m), {}}, Cover::lawn, false});
+    objects_.areas.push_back(
+        {{rectangle(lot_center, q.heading_rad, 0.5 * lot_m - 0.3, 0.5 * depth_m), {}}, Cover::lawn, false});
     if (random_.uniform() < 0.45) {  // vegetable beds at the back
       const Vec2 bed = lot_center + outward * (0.32 * depth_m) + along * random_.uniform(-4.0, 4.0);
-      objects_.areas.push_back({{rectangle(bed, turn, random_.uniform(2.0, 4.0), random_.uniform(1.5, 3.0)), {}}, Cover::garden_bed, false});
+      objects_.areas.push_back(
+          {{rectangle(bed, turn, random_.uniform(2.0, 4.0), random_.uniform(1.5, 3.0)), {}}, Cover::garden_bed, false});
     }
-    const double drive_side = random_.below(2) ? 1.0 : -1.0, drive_at = drive_side * (0.5 * lot_m - random_.uniform(2.2, 3.2));
+    const double drive_side = random_.below(2) ? 1.0 : -1.0,
+                 drive_at = drive_side * (0.5 * lot_m - random_.uniform(2.2, 3.2));
     const double drive_end = walk_m + setback_m + random_.uniform(0.0, 8.0);
     const Vec2 drive = q.p + along * drive_at + outward * (0.5 * (half_road_m + drive_end));
     objects_.areas.push_back({{rectangle(drive, q.heading_rad, 1.6, 0.5 * (drive_end - half_road_m)), {}},
-                              random_.uniform() < 0.7 ? Cover::paved : Cover::gravel, false});
+                              random_.uniform() < 0.7 ? Cover::paved : Cover::gravel,
+                              false});
     objects_.houses.push_back(house);
     // Path to the door, terrace behind the house, now and then a pool.
     const Vec2 door = q.p + outward * (0.5 * (half_road_m + walk_m + setback_m));
-    objects_.areas.push_back({{rectangle(door, q.heading_rad, 0.6, 0.5 * (walk_m + setback_m - half_road_m)), {}}, Cover::paved, false});
+    objects_.areas.push_back(
+        {{rectangle(door, q.heading_rad, 0.6, 0.5 * (walk_m + setback_m - half_road_m)), {}}, Cover::paved, false});
     const double back_m = walk_m + setback_m + 2.0 * half_deep;
     const Vec2 terrace = q.p + outward * (back_m + 1.5) + along * random_.uniform(-2.0, 2.0);
     if (random_.uniform() < 0.7)
@@ -235,30 +280,42 @@ class Placer {
       objects_.areas.push_back({{rectangle(terrace + outward * 6.5, turn, 3.2, 1.6), {}}, Cover::pool, false});
     if (random_.uniform() < 0.6)  // hedge along the street, with a gap for the drive
       for (double a = -0.5 * lot_m + 0.5; a < 0.5 * lot_m; a += 1.0)
-        if (std::abs(a - drive_at) > 2.4 && std::abs(a) > 1.2) add_tree(q.p + outward * (walk_m + 0.6) + along * a, 0.65, 1.2, 1.3);
+        if (std::abs(a - drive_at) > 2.4 && std::abs(a) > 1.2)
+          add_tree(q.p + outward * (walk_m + 0.6) + along * a, 0.65, 1.2, 1.3);
     if (random_.uniform() < 0.5) {  // garage or shed at the end of the drive
-      const House shed{q.p + along * drive_at + outward * (drive_end + 3.2), turn, 1.9, 3.1, 2.6, 0.25,
-                       random_.below(2) ? RoofShape::flat : RoofShape::gable, roof_color(random_)};
+      const House shed{q.p + along * drive_at + outward * (drive_end + 3.2),
+                       turn,
+                       1.9,
+                       3.1,
+                       2.6,
+                       0.25,
+                       random_.below(2) ? RoofShape::flat : RoofShape::gable,
+                       roof_color(random_)};
       const Ring corners = outline(shed);
-      if (std::none_of(corners.begin(), corners.end(), [&](Vec2 p) { return clearance(p) < 3.0 || near_house(p, 0.3); }))
+      if (std::none_of(corners.begin(), corners.end(),
+                       [&](Vec2 p) { return clearance(p) < 3.0 || near_house(p, 0.3); }))
         objects_.houses.push_back(shed);
     } else if (random_.uniform() < 0.6) {
-      add_car(q.p + along * drive_at + outward * (0.6 * drive_end + 0.4 * half_road_m), std::atan2(outward.y, outward.x));
+      add_car(q.p + along * drive_at + outward * (0.6 * drive_end + 0.4 * half_road_m),
+              std::atan2(outward.y, outward.x));
     }
     if (random_.uniform() < 0.6)  // hedge along one side of the lot
       for (double d = walk_m + 1.0; d < walk_m + depth_m; d += 1.1)
         add_tree(q.p + outward * d - along * (drive_side * (0.5 * lot_m - 0.4)), random_.uniform(0.6, 0.95), 0.8, 1.5);
     const int trees = static_cast<int>(random_.below(6));
     for (int i = 0; i < trees; ++i)
-      add_tree(lot_center + outward * (depth_m * random_.uniform(-0.45, 0.5)) + along * (lot_m * random_.uniform(-0.45, 0.45)),
+      add_tree(lot_center + outward * (depth_m * random_.uniform(-0.45, 0.5)) +
+                   along * (lot_m * random_.uniform(-0.45, 0.45)),
                random_.uniform(1.0, 3.4), 0.8, 0.0);
   }
 
   /// A tree unless it stands in a house, on water, on a parking area or nearer to a road than `min_clearance_m`.
   void add_tree(Vec2 p, double radius, double min_clearance_m, double height) {
-    if (!in_site(p, -5.0) || clearance(p) < min_clearance_m || near_house(p, 0.6 * radius) || on_water_or_parking(p)) return;
+    if (!in_site(p, -5.0) || clearance(p) < min_clearance_m || near_house(p, 0.6 * radius) || on_water_or_parking(p))
+      return;
     const bool conifer = random_.uniform() < 0.2;
-    objects_.trees.push_back({p, conifer ? 0.8 * radius : radius, height > 0.0 ? height : radius * random_.uniform(1.9, 2.9) + 1.0, conifer});
+    objects_.trees.push_back({p, conifer ? 0.8 * radius : radius,
+                              height > 0.0 ? height : radius * random_.uniform(1.9, 2.9) + 1.0, conifer});
   }
 
   void grow_woods() {
@@ -303,7 +360,8 @@ class Placer {
   void place_traffic(std::size_t r) {
     const PlannedRoad& road = plan_.roads[r];
     const double spacing_m = road.highway == "residential" ? 160.0 : road.highway == "service" ? 200.0 : 90.0;
-    for (double s = random_.uniform(0.0, spacing_m); s < road.alignment.length_m; s += random_.uniform(0.3, 1.7) * spacing_m) {
+    for (double s = random_.uniform(0.0, spacing_m); s < road.alignment.length_m;
+         s += random_.uniform(0.3, 1.7) * spacing_m) {
       const AlignmentPoint q = evaluate(road.alignment, s);
       const double t = road.oneway ? 0.0 : (random_.below(2) ? 0.25 : -0.25) * road.width_m;
       add_car(q.p + left_normal(unit(q.heading_rad)) * t, q.heading_rad);
@@ -326,9 +384,12 @@ class Placer {
 };
 }  // namespace
 
-Ring outline(const House& house) { return rectangle(house.center, house.heading_rad, house.half_length_m, house.half_width_m); }
+Ring outline(const House& house) {
+  return rectangle(house.center, house.heading_rad, house.half_length_m, house.half_width_m);
+}
 
-VillageObjects place_objects(const VillagePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame, std::uint64_t seed) {
+VillageObjects place_objects(const VillagePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
+                             std::uint64_t seed) {
   return Placer(plan, clearance_m, frame, seed).run();
 }
 

@@ -17,7 +17,7 @@ enum class RoofShape : std::uint8_t { gable, flat };
 
 struct House {
   Vec2 center;
-  double heading_rad = 0.0;  ///< of the ridge
+  double heading_rad = 0.0;                                                   ///< of the ridge
   double half_length_m = 0.0, half_width_m = 0.0, eave_m = 0.0, pitch = 0.0;  ///< pitch = rise over run
   RoofShape roof = RoofShape::gable;
   Rgb color{};
@@ -36,7 +36,21 @@ struct Car {
 };
 
 /// What covers the ground of an area; later areas lie on earlier ones, roads on all.
-enum class Cover : std::uint8_t { field, meadow, lawn, garden_bed, forest_floor, paved, parking, gravel, water, pool, road, verge, sidewalk };
+enum class Cover : std::uint8_t {
+  field,
+  meadow,
+  lawn,
+  garden_bed,
+  forest_floor,
+  paved,
+  parking,
+  gravel,
+  water,
+  pool,
+  road,
+  verge,
+  sidewalk
+};
 
 struct Area {
   Polygon polygon;
@@ -54,7 +68,7 @@ struct VillageObjects {
 [[nodiscard]] Ring outline(const House& house);
 
 /// `clearance_m` on `frame` (local metres): distance to the nearest carriageway.
-[[nodiscard]] VillageObjects place_objects(const VillagePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
-                                           std::uint64_t seed);
+[[nodiscard]] VillageObjects place_objects(const VillagePlan& plan, const Raster<float>& clearance_m,
+                                           const GridFrame& frame, std::uint64_t seed);
 
 }  // namespace orthodrive::synth

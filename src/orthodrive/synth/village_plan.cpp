@@ -16,7 +16,9 @@ constexpr double overhang = 0.06;              // roads that leave the site go o
 class Planner {
  public:
   Planner(double size_m, std::uint64_t seed)
-      : random_(derive_seed(seed, 1)), quarter_turns_(static_cast<int>(random_.below(4))), mirrored_(random_.below(2) == 1) {
+      : random_(derive_seed(seed, 1)),
+        quarter_turns_(static_cast<int>(random_.below(4))),
+        mirrored_(random_.below(2) == 1) {
     plan_.size_m = size_m;
   }
 
@@ -48,7 +50,10 @@ class Planner {
     return default_width_m(highway, lanes, oneway ? Oneway::forward : Oneway::no) * (1.0 + share);
   }
   PlannedRoad street(const std::string& highway, const std::string& name, const std::vector<Corner>& corners) {
-    return {.highway = highway, .name = name, .width_m = true_width_m(highway, 0, false), .alignment = round_corners(corners, false)};
+    return {.highway = highway,
+            .name = name,
+            .width_m = true_width_m(highway, 0, false),
+            .alignment = round_corners(corners, false)};
   }
 
   VillagePlan plan_;
@@ -64,11 +69,14 @@ std::size_t add_circuit(Planner& planner) {
   std::vector<Corner> ring;
   for (int i = 0; i < corners; ++i) {
     const double angle = std::numbers::pi * (0.5 + (2.0 * i + 1.0) / corners) + planner.random_.uniform(-0.06, 0.06);
-    const double radius = 0.315 + planner.random_.uniform(-0.055, 0.045);
+    // In and out in turn: left bends and right bends.
+    const double radius = 0.31 + (i % 2 == 0 ? 0.022 : -0.022) + planner.random_.uniform(-0.045, 0.045);
     ring.push_back({planner.place(0.5 + 1.08 * radius * std::cos(angle), 0.54 + 0.96 * radius * std::sin(angle)),
                     planner.random_.uniform(50.0, 220.0)});
   }
-  return planner.add({.highway = "tertiary", .name = "Circuit", .width_m = planner.random_.uniform(8.0, 9.5),
+  return planner.add({.highway = "tertiary",
+                      .name = "Circuit",
+                      .width_m = planner.random_.uniform(8.0, 9.5),
                       .alignment = round_corners(ring, true)});
 }
 
@@ -107,8 +115,12 @@ void find_junctions(VillagePlan& plan, std::size_t spine) {
           continue;
         }
         const double sine = std::abs(std::sin(pa.heading_rad - pb.heading_rad)), cosine = std::sqrt(1.0 - sine * sine);
-        plan.bridges.push_back({.over = b, .under = a, .s_over_m = c.s_b_m, .s_under_m = c.s_a_m,
-                                .half_length_m = (0.5 * roads[a].width_m + 0.5 * roads[b].width_m * cosine) / sine + 5.0});
+        plan.bridges.push_back(
+            {.over = b,
+             .under = a,
+             .s_over_m = c.s_b_m,
+             .s_under_m = c.s_a_m,
+             .half_length_m = (0.5 * roads[a].width_m + 0.5 * roads[b].width_m * cosine) / sine + 5.0});
       }
 }
 }  // namespace
@@ -118,48 +130,67 @@ VillagePlan plan_village(double size_m, std::uint64_t seed) {
   const auto corner = [&](double u, double v, double r0, double r1) { return planner.corner(u, v, r0, r1); };
   const std::size_t circuit = add_circuit(planner);
 
-  const std::size_t main = planner.add(planner.street(
-      "secondary", "Hauptstrasse",
-      {corner(-overhang, 0.09, 0, 1), corner(0.15, 0.055, 120, 260), corner(0.36, 0.105, 120, 260), corner(0.62, 0.06, 120, 260),
-       corner(0.82, 0.10, 120, 260), corner(1.0 + overhang, 0.07, 0, 1)}));
+  const std::size_t main = planner.add(
+      planner.street("secondary", "Hauptstrasse",
+                     {corner(-overhang, 0.09, 0, 1), corner(0.15, 0.055, 120, 260), corner(0.36, 0.105, 120, 260),
+                      corner(0.62, 0.06, 120, 260), corner(0.82, 0.10, 120, 260), corner(1.0 + overhang, 0.07, 0, 1)}));
   // From the north over the circuit, through the village, across the circuit at grade, to the main road.
-  const std::size_t spine = planner.add(planner.street(
-      "tertiary", "Dorfstrasse",
-      {corner(0.47, 1.0 + overhang, 0, 1), corner(0.505, 0.95, 60, 140), corner(0.495, 0.73, 60, 140), corner(0.515, 0.56, 50, 120),
-       corner(0.485, 0.36, 50, 120), corner(0.505, 0.15, 60, 140), {planner.branch_point(main, 0.50, 0.08), 0.0}}));
-  const std::size_t street = planner.add(planner.street(
-      "residential", "Gartengasse",
-      {{planner.branch_point(circuit, 0.19, 0.64), 0.0}, corner(0.29, 0.60, 30, 70), corner(0.40, 0.51, 30, 70),
-       corner(0.61, 0.51, 30, 70), corner(0.70, 0.60, 30, 70), {planner.branch_point(circuit, 0.81, 0.64), 0.0}}));
-  const std::size_t lane = planner.add(
-      {.highway = "service", .width_m = planner.true_width_m("service", 0, true), .lanes = 1, .oneway = true,
-       .alignment = round_corners({{planner.branch_point(spine, 0.49, 0.41), 0.0}, {planner.place(0.42, 0.41), 8.0},
-                                   {planner.place(0.42, 0.30), 8.0}, {planner.branch_point(spine, 0.49, 0.30), 0.0}}, false)});
+  const std::size_t spine = planner.add(planner.street("tertiary", "Dorfstrasse",
+                                                       {corner(0.47, 1.0 + overhang, 0, 1),
+                                                        corner(0.505, 0.95, 60, 140),
+                                                        corner(0.495, 0.73, 60, 140),
+                                                        corner(0.515, 0.56, 50, 120),
+                                                        corner(0.485, 0.36, 50, 120),
+                                                        corner(0.505, 0.15, 60, 140),
+                                                        {planner.branch_point(main, 0.50, 0.08), 0.0}}));
+  const std::size_t street = planner.add(planner.street("residential", "Gartengasse",
+                                                        {{planner.branch_point(circuit, 0.19, 0.64), 0.0},
+                                                         corner(0.29, 0.60, 30, 70),
+                                                         corner(0.40, 0.51, 30, 70),
+                                                         corner(0.61, 0.51, 30, 70),
+                                                         corner(0.70, 0.60, 30, 70),
+                                                         {planner.branch_point(circuit, 0.81, 0.64), 0.0}}));
+  const std::size_t lane = planner.add({.highway = "service",
+                                        .width_m = planner.true_width_m("service", 0, true),
+                                        .lanes = 1,
+                                        .oneway = true,
+                                        .alignment = round_corners({{planner.branch_point(spine, 0.49, 0.41), 0.0},
+                                                                    {planner.place(0.42, 0.41), 8.0},
+                                                                    {planner.place(0.42, 0.30), 8.0},
+                                                                    {planner.branch_point(spine, 0.49, 0.30), 0.0}},
+                                                                   false)});
   {
     const double gap = 0.5 * planner.plan_.roads[lane].width_m / size_m, depth = 17.0 / size_m;
     planner.plan_.parking.outer = {planner.place(0.42 - gap, 0.322), planner.place(0.42 - gap, 0.388),
                                    planner.place(0.42 - gap - depth, 0.388), planner.place(0.42 - gap - depth, 0.322)};
   }
-  planner.add(planner.street("unclassified", "Feldweg",
-                             {{planner.branch_point(circuit, 0.20, 0.44), 0.0}, corner(0.10, 0.40, 40, 90),
-                              corner(-overhang, 0.46, 0, 1)}));
+  planner.add(planner.street(
+      "unclassified", "Feldweg",
+      {{planner.branch_point(circuit, 0.20, 0.44), 0.0}, corner(0.10, 0.40, 40, 90), corner(-overhang, 0.46, 0, 1)}));
   if (size_m >= streets_from_size_m) {
-    const std::size_t west = planner.add(planner.street(
-        "residential", "Bachweg",
-        {{planner.branch_point(circuit, 0.31, 0.29), 0.0}, corner(0.33, 0.36, 25, 50), corner(0.305, 0.46, 25, 50),
-         {planner.branch_point(street, 0.34, 0.56), 0.0}}));
+    const std::size_t west = planner.add(planner.street("residential", "Bachweg",
+                                                        {{planner.branch_point(circuit, 0.31, 0.29), 0.0},
+                                                         corner(0.33, 0.36, 25, 50),
+                                                         corner(0.305, 0.46, 25, 50),
+                                                         {planner.branch_point(street, 0.34, 0.56), 0.0}}));
     planner.add(planner.street("residential", "Kirchgasse",
-                               {{planner.branch_point(spine, 0.49, 0.35), 0.0}, corner(0.61, 0.36, 25, 50),
-                                corner(0.665, 0.44, 25, 50), {planner.branch_point(street, 0.66, 0.56), 0.0}}));
+                               {{planner.branch_point(spine, 0.49, 0.35), 0.0},
+                                corner(0.61, 0.36, 25, 50),
+                                corner(0.665, 0.44, 25, 50),
+                                {planner.branch_point(street, 0.66, 0.56), 0.0}}));
     planner.add(planner.street("residential", "Am Hang",
-                               {{planner.branch_point(street, 0.42, 0.51), 0.0}, corner(0.405, 0.60, 20, 40),
-                                corner(0.37, 0.68, 20, 40), corner(0.41, 0.76, 0, 1)}));
-    planner.add(planner.street("residential", "Lindenweg",
-                               {{planner.branch_point(spine, 0.50, 0.68), 0.0}, corner(0.58, 0.665, 20, 40),
-                                corner(0.655, 0.725, 0, 1)}));
-    planner.add(planner.street("service", "", {{planner.branch_point(west, 0.315, 0.42), 0.0}, corner(0.25, 0.43, 0, 1)}));
-    planner.add(planner.street("service", "", {{planner.branch_point(circuit, 0.80, 0.42), 0.0}, corner(0.86, 0.40, 15, 30),
-                                               corner(0.91, 0.33, 0, 1)}));
+                               {{planner.branch_point(street, 0.42, 0.51), 0.0},
+                                corner(0.405, 0.60, 20, 40),
+                                corner(0.37, 0.68, 20, 40),
+                                corner(0.41, 0.76, 0, 1)}));
+    planner.add(planner.street(
+        "residential", "Lindenweg",
+        {{planner.branch_point(spine, 0.50, 0.68), 0.0}, corner(0.58, 0.665, 20, 40), corner(0.655, 0.725, 0, 1)}));
+    planner.add(
+        planner.street("service", "", {{planner.branch_point(west, 0.315, 0.42), 0.0}, corner(0.25, 0.43, 0, 1)}));
+    planner.add(planner.street(
+        "service", "",
+        {{planner.branch_point(circuit, 0.80, 0.42), 0.0}, corner(0.86, 0.40, 15, 30), corner(0.91, 0.33, 0, 1)}));
   }
   find_junctions(planner.plan_, spine);
   return std::move(planner.plan_);

@@ -32,7 +32,7 @@ struct PlannedJunction {
 struct PlannedBridge {
   std::size_t over = 0, under = 0;  ///< roads
   double s_over_m = 0.0, s_under_m = 0.0;
-  double half_length_m = 0.0;       ///< of the deck, along the upper road
+  double half_length_m = 0.0;  ///< of the deck, along the upper road
 };
 
 struct VillagePlan {
@@ -40,7 +40,7 @@ struct VillagePlan {
   std::vector<PlannedRoad> roads;  ///< road 0 is the closed circuit
   std::vector<PlannedJunction> junctions;
   std::vector<PlannedBridge> bridges;
-  Polygon parking;                 ///< four corners: along the service road, then away from it
+  Polygon parking;  ///< four corners: along the service road, then away from it
 };
 
 constexpr std::size_t circuit_road = 0;
