@@ -18,7 +18,8 @@ bool is_osm_file(const fs::path& path) {
 
 MultiPolygon read_polygons(const fs::path& path, const Crs& crs) {
   MultiPolygon all;
-  for (const io::Feature& feature : io::read_features(path, crs)) all.insert(all.end(), feature.polygons.begin(), feature.polygons.end());
+  for (const io::Feature& feature : io::read_features(path, crs))
+    all.insert(all.end(), feature.polygons.begin(), feature.polygons.end());
   if (all.empty()) throw InputError(path.string(), "has no polygons");
   return all;
 }
@@ -48,7 +49,8 @@ std::variant<LabelMap, MultiPolygon> read_label_truth(const fs::path& path, cons
   const std::vector<io::Feature> features = io::read_features(path, prediction.crs);
   if (std::none_of(features.begin(), features.end(), [](const io::Feature& f) { return f.tags.contains("class"); }))
     return read_polygons(path, prediction.crs);
-  LabelMap truth{prediction.crs, prediction.frame, Raster<std::uint8_t>(prediction.frame.width, prediction.frame.height, 1, label_nodata),
+  LabelMap truth{prediction.crs, prediction.frame,
+                 Raster<std::uint8_t>(prediction.frame.width, prediction.frame.height, 1, label_nodata),
                  prediction.classes};
   std::vector<ClassInfo>& classes = truth.classes.classes;
   for (const io::Feature& feature : features) {
@@ -85,10 +87,13 @@ RoadTruth read_road_truth(const fs::path& path, const Crs& crs) {
     const bool has_roads = fs::exists(path / "roads.gpkg"), has_surface = fs::exists(path / "surface.geojson");
     if (has_roads) truth = road_truth(io::read_roads(path / "roads.gpkg"), crs);
     if (has_surface) truth.surfaces.clear(), add_features(truth, io::read_features(path / "surface.geojson", crs));
-    if (!has_roads && fs::exists(path / "centrelines.geojson")) add_features(truth, io::read_features(path / "centrelines.geojson", crs));
+    if (!has_roads && fs::exists(path / "centrelines.geojson"))
+      add_features(truth, io::read_features(path / "centrelines.geojson", crs));
   }
   if (truth.surfaces.empty() && truth.lines.empty())
-    throw InputError(path.string(), "has neither carriageway polygons nor centre lines; need GeoJSON, GeoPackage or a folder with surface.geojson");
+    throw InputError(
+        path.string(),
+        "has neither carriageway polygons nor centre lines; need GeoJSON, GeoPackage or a folder with surface.geojson");
   return truth;
 }
 
@@ -96,7 +101,8 @@ namespace {
 Box2 bounds_of_truth(const RoadTruth& truth) {
   Ring points;
   for (const TruthSurface& surface : truth.surfaces)
-    for (const Polygon& polygon : surface.polygons) points.insert(points.end(), polygon.outer.begin(), polygon.outer.end());
+    for (const Polygon& polygon : surface.polygons)
+      points.insert(points.end(), polygon.outer.begin(), polygon.outer.end());
   for (const TruthLine& line : truth.lines) points.insert(points.end(), line.line.begin(), line.line.end());
   return bounds_of(points);
 }
@@ -108,7 +114,8 @@ RoadNetwork read_scored_roads(const fs::path& path, const fs::path& truth) {
   const Box2 somewhere = bounds_of_truth(read_road_truth(truth, lonlat));
   const Crs crs = utm_crs(0.5 * (somewhere.min_x + somewhere.max_x), 0.5 * (somewhere.min_y + somewhere.max_y));
   const Box2 box = bounds_of_truth(read_road_truth(truth, crs));
-  const Polygon area{{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}, {}};
+  const Polygon area{{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}},
+                     {}};
   return io::read_osm_roads(path, {crs, area});
 }
 

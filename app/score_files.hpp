@@ -23,7 +23,8 @@ struct RegionFiles {
 
 /// A label raster (class table of `prediction` when it has none), or polygons painted on the prediction's grid, or road
 /// polygons that know no classes.
-[[nodiscard]] std::variant<LabelMap, MultiPolygon> read_label_truth(const std::filesystem::path& path, const LabelMap& prediction);
+[[nodiscard]] std::variant<LabelMap, MultiPolygon> read_label_truth(const std::filesystem::path& path,
+                                                                    const LabelMap& prediction);
 
 /// A folder as `synth` writes it, a roads.gpkg, or polygons (id) and centre lines (of) in any CRS.
 [[nodiscard]] RoadTruth read_road_truth(const std::filesystem::path& path, const Crs& crs);

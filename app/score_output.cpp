@@ -6,27 +6,37 @@
 
 namespace orthodrive::app {
 namespace {
-ScoreJson to_json(const ErrorSummary& e) { return {{"bias", e.bias}, {"mean_abs", e.mean_abs}, {"p95", e.p95}, {"n", e.n}}; }
+ScoreJson to_json(const ErrorSummary& e) {
+  return {{"bias", e.bias}, {"mean_abs", e.mean_abs}, {"p95", e.p95}, {"n", e.n}};
+}
 ScoreJson to_json(const SigmaCoverage& c) { return {{"1", c.one}, {"2", c.two}}; }
 }  // namespace
 
 ScoreJson to_json(const LabelScores& scores) {
   ScoreJson iou = ScoreJson::object();
   for (const ClassScore& c : scores.classes) iou[c.name] = c.iou;
-  return {{"pixel_accuracy", scores.pixel_accuracy}, {"mean_iou", scores.mean_iou},         {"iou", iou},
-          {"road_iou", scores.road_iou},             {"pixels", scores.pixels},             {"truth_nodata", scores.truth_nodata},
+  return {{"pixel_accuracy", scores.pixel_accuracy},
+          {"mean_iou", scores.mean_iou},
+          {"iou", iou},
+          {"road_iou", scores.road_iou},
+          {"pixels", scores.pixels},
+          {"truth_nodata", scores.truth_nodata},
           {"not_predicted", scores.not_predicted}};
 }
 
 ScoreJson to_json(const RoadRoleScores& scores) {
-  return {{"road_iou", scores.road_iou}, {"road_precision", scores.precision}, {"road_recall", scores.recall}, {"pixels", scores.pixels}};
+  return {{"road_iou", scores.road_iou},
+          {"road_precision", scores.precision},
+          {"road_recall", scores.recall},
+          {"pixels", scores.pixels}};
 }
 
 ScoreJson to_json(const RoadScores& scores) {
   ScoreJson coverage = to_json(scores.offset_sigma);  // of the offset; of the width one level deeper
   coverage["width"] = to_json(scores.width_sigma);
-  return {{"surface_iou", scores.surface_iou}, {"offset_m", to_json(scores.offset_m)},   {"width_m", to_json(scores.width_m)},
-          {"sigma_coverage", coverage},        {"matched_share", scores.matched_share},  {"samples", scores.samples}};
+  return {{"surface_iou", scores.surface_iou},     {"offset_m", to_json(scores.offset_m)},
+          {"width_m", to_json(scores.width_m)},    {"sigma_coverage", coverage},
+          {"matched_share", scores.matched_share}, {"samples", scores.samples}};
 }
 
 ScoreJson to_json(const HeightScores& scores) {
@@ -55,7 +65,8 @@ ScoreJson to_json(const NetworkScores& scores) {
 
 namespace {
 std::string number(const ScoreJson& value) {
-  if (value.is_number_float()) return std::isnan(value.get<double>()) ? "-" : fmt::format("{:.4f}", value.get<double>());
+  if (value.is_number_float())
+    return std::isnan(value.get<double>()) ? "-" : fmt::format("{:.4f}", value.get<double>());
   return value.is_null() ? "-" : value.dump();
 }
 
@@ -66,8 +77,8 @@ void append(std::string& table, const ScoreJson& scores, int depth) {
     if (!value.is_object()) {
       table += fmt::format("{:<24}{:>12}\n", name, number(value));
     } else if (value.contains("bias")) {
-      table += fmt::format("{:<24}{:>12} bias {:>10} mean {:>10} p95 {:>8} n\n", name, number(value["bias"]), number(value["mean_abs"]),
-                           number(value["p95"]), number(value["n"]));
+      table += fmt::format("{:<24}{:>12} bias {:>10} mean {:>10} p95 {:>8} n\n", name, number(value["bias"]),
+                           number(value["mean_abs"]), number(value["p95"]), number(value["n"]));
     } else {
       table += name + "\n";
       append(table, value, depth + 1);

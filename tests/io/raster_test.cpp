@@ -1,31 +1,23 @@
 // Rasters: what is written comes back; what is broken is refused with a remedy.
 
-#include "orthodrive/io/raster_io.hpp"
-
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
-#include <sys/resource.h>
 
 #include <cmath>
-#include <csignal>
 #include <limits>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "places.hpp"
 #include "scratch.hpp"
 
 namespace orthodrive {
 namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
-
-const Crs utm33{"EPSG:32633"};
-
-Polygon rectangle(double west, double south, double east, double north) {
-  return {{{west, south}, {east, south}, {east, north}, {west, north}}, {}};
-}
 
 /// Smooth in space, so that resampling has a right answer: r grows eastwards, g northwards.
 Photo painted_photo(int width, int height, double gsd_m) {
@@ -50,7 +42,9 @@ Photo noisy_photo(int size) {
 }
 
 LabelMap small_labels() {
-  LabelMap map{.crs = utm33, .frame = {500000.0, 5540000.0, 0.5, 40, 30}, .labels = Raster<std::uint8_t>(40, 30),
+  LabelMap map{.crs = utm33,
+               .frame = {500000.0, 5540000.0, 0.5, 40, 30},
+               .labels = Raster<std::uint8_t>(40, 30),
                .classes = default_class_table()};
   for (int i = 0; i < 40 * 30; ++i) map.labels.data[i] = static_cast<std::uint8_t>(i % 8);
   map.labels.at(3, 4) = label_nodata;
@@ -91,22 +85,26 @@ TEST(Labels, class_table_that_is_too_short_is_refused) {
   const LabelMap map = small_labels();
   io::write_confidence(scratch / "labels.tif", {map.crs, map.frame, map.labels});  // labels as another tool writes them
   ClassTable two{"two", {{"other"}, {"road"}}};
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_labels(scratch / "labels.tif", two); }), HasSubstr("'two' has only 2 classes"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_labels(scratch / "labels.tif", two); }),
+              HasSubstr("'two' has only 2 classes"));
 }
 
 TEST(Labels, raster_without_class_table_is_refused) {
   const Scratch scratch;
   const LabelMap map = small_labels();
   io::write_confidence(scratch / "grey.tif", {map.crs, map.frame, map.labels});
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_labels(scratch / "grey.tif"); }), HasSubstr("ORTHODRIVE_CLASSES"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_labels(scratch / "grey.tif"); }),
+              HasSubstr("ORTHODRIVE_CLASSES"));
   EXPECT_EQ(io::read_labels(scratch / "grey.tif", default_class_table()).labels.data, map.labels.data);
 }
 
 TEST(ClassTable, json_round_trip_and_rubbish) {
   const ClassTable back = io::class_table_from_json(io::class_table_to_json(default_class_table()));
   EXPECT_EQ(io::class_table_to_json(back), io::class_table_to_json(default_class_table()));
-  for (const char* rubbish : {"", "[]", R"({"name":"x"})", R"({"name":"x","classes":[]})",
-                              R"({"name":"x","classes":[{"name":"a","color":[1,2,3],"role":"rod","cost_false_positive":0,"cost_false_negative":0}]})"})
+  for (
+      const char* rubbish :
+      {"", "[]", R"({"name":"x"})", R"({"name":"x","classes":[]})",
+       R"({"name":"x","classes":[{"name":"a","color":[1,2,3],"role":"rod","cost_false_positive":0,"cost_false_negative":0}]})"})
     EXPECT_THROW((void)io::class_table_from_json(rubbish), Error) << rubbish;
 }
 
@@ -148,7 +146,8 @@ TEST(Photo, warp_puts_colours_where_they_belong) {
   const Photo photo = painted_photo(400, 400, 0.5);  // 200 m x 200 m
   io::write_photo(scratch / "photo.tif", photo);
   for (const double gsd_m : {0.3, 1.7}) {  // finer: cubic; much coarser: average
-    const Photo back = io::read_photo(scratch / "photo.tif", {utm33, rectangle(500050.0, 5539850.0, 500150.0, 5539950.0)}, {.gsd_m = gsd_m});
+    const Photo back = io::read_photo(scratch / "photo.tif",
+                                      {utm33, rectangle(500050.0, 5539850.0, 500150.0, 5539950.0)}, {.gsd_m = gsd_m});
     EXPECT_DOUBLE_EQ(back.frame.gsd_m, gsd_m);
     for (int row = 3; row < back.frame.height - 3; row += 7)
       for (int col = 3; col < back.frame.width - 3; col += 7) {
@@ -176,7 +175,8 @@ TEST(Photo, grey_and_palette_sources_become_rgb) {
   const LabelMap labels = small_labels();
   io::write_labels(scratch / "palette.tif", labels);
   io::write_confidence(scratch / "grey.tif", {labels.crs, labels.frame, labels.labels});
-  const Photo palette = io::read_photo_native(scratch / "palette.tif"), grey = io::read_photo_native(scratch / "grey.tif");
+  const Photo palette = io::read_photo_native(scratch / "palette.tif"),
+              grey = io::read_photo_native(scratch / "grey.tif");
   EXPECT_EQ(palette.rgb.at(1, 0, 2), default_class_table().classes[1].color[2]);
   EXPECT_EQ(grey.rgb.at(5, 0, 2), 5);
 }
@@ -193,7 +193,8 @@ TEST(Photo, nodata_of_all_bands_is_invalid) {
   const Photo native = io::read_photo_native(scratch / "photo.tif");
   EXPECT_EQ(native.valid.at(30, 30), 0);
   EXPECT_EQ(native.valid.at(40, 40), 1);
-  const Photo warped = io::read_photo(scratch / "photo.tif", {utm33, rectangle(500000.0, 5539940.0, 500060.0, 5540000.0)});
+  const Photo warped =
+      io::read_photo(scratch / "photo.tif", {utm33, rectangle(500000.0, 5539940.0, 500060.0, 5540000.0)});
   EXPECT_EQ(warped.valid.at(30, 30), 0);
   EXPECT_EQ(warped.valid.at(40, 40), 1);
 }
@@ -204,7 +205,8 @@ TEST(Photo, one_thread_equals_many) {
   const SiteFrame site{Crs{"EPSG:3857"}, rectangle(1669800.0, 6448800.0, 1671000.0, 6450000.0)};
   const Box2 lonlat = bounds_of(io::raster_info(scratch / "photo.tif").outline_lonlat.outer);
   const CoordinateTransform mercator(Crs{"EPSG:4326"}, site.crs);
-  const Vec2 a = mercator.target_from_source({lonlat.min_x, lonlat.min_y}), b = mercator.target_from_source({lonlat.max_x, lonlat.max_y});
+  const Vec2 a = mercator.target_from_source({lonlat.min_x, lonlat.min_y}),
+             b = mercator.target_from_source({lonlat.max_x, lonlat.max_y});
   const SiteFrame around{site.crs, rectangle(a.x, a.y, b.x, b.y)};
   const Photo one = io::read_photo(scratch / "photo.tif", around, {.threads = 1});
   const Photo four = io::read_photo(scratch / "photo.tif", around, {.threads = 4});
@@ -219,7 +221,8 @@ TEST(Photo, same_photo_same_bytes) {
 }
 
 TEST(BadRaster, missing_file) {
-  EXPECT_THAT(message_of<InputError>([] { (void)io::raster_info("/nowhere/photo.tif"); }), HasSubstr("/nowhere/photo.tif: no such file"));
+  EXPECT_THAT(message_of<InputError>([] { (void)io::raster_info("/nowhere/photo.tif"); }),
+              HasSubstr("/nowhere/photo.tif: no such file"));
 }
 
 TEST(BadRaster, not_a_raster) {
@@ -235,9 +238,14 @@ TEST(BadRaster, truncated_geotiff_at_any_length) {
   for (const double share : {0.999, 0.7, 0.2, 0.01}) {
     io::write_photo(scratch / "photo.tif", photo);
     truncate_to(scratch / "photo.tif", share);
-    EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo(scratch / "photo.tif", site); }), HasSubstr("truncated")) << share;
-    EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo_native(scratch / "photo.tif"); }), HasSubstr("truncated")) << share;
-    EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.tif"); }), HasSubstr("truncated")) << share;
+    EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo(scratch / "photo.tif", site); }),
+                HasSubstr("truncated"))
+        << share;
+    EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo_native(scratch / "photo.tif"); }),
+                HasSubstr("truncated"))
+        << share;
+    EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.tif"); }), HasSubstr("truncated"))
+        << share;
   }
 }
 
@@ -252,36 +260,24 @@ TEST(BadRaster, truncated_jpeg) {
 TEST(BadRaster, photo_without_georeferencing_says_the_remedy) {
   const Scratch scratch;
   io::write_png(scratch / "photo.png", noisy_photo(20).rgb);
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.png"); }), HasSubstr("gdal_translate -a_srs"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.png"); }),
+              HasSubstr("gdal_translate -a_srs"));
 }
 
 TEST(BadRaster, photo_of_somewhere_else_says_where) {
   const Scratch scratch;
   io::write_photo(scratch / "photo.tif", painted_photo(50, 50, 1.0));
   const SiteFrame site{utm33, rectangle(510000.0, 5539000.0, 510100.0, 5539100.0)};
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo(scratch / "photo.tif", site); }), HasSubstr("longitude 15.00000"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo(scratch / "photo.tif", site); }),
+              HasSubstr("longitude 15.00000"));
 }
 
 TEST(BadRaster, sixteen_bit_photo_says_how_to_convert) {
   const Scratch scratch;
   io::write_dtm(scratch / "float.tif", {utm33, {500000.0, 5540000.0, 1.0, 20, 20}, Raster<float>(20, 20), ""});
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo_native(scratch / "float.tif"); }), HasSubstr("-ot Byte"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_photo_native(scratch / "float.tif"); }),
+              HasSubstr("-ot Byte"));
 }
-
-/// Limits the size of files instead of filling a disk: the same error path (write() fails), and no mount is needed.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-
- private:
-  rlimit before_{};
-};
 
 TEST(BadRaster, full_disk_leaves_the_earlier_file_and_nothing_else) {
   const Scratch scratch;
@@ -290,79 +286,19 @@ TEST(BadRaster, full_disk_leaves_the_earlier_file_and_nothing_else) {
     write_bytes(scratch / "photo.tif", "earlier");
     {
       const FileSizeLimit full(limit);
-      EXPECT_THAT(message_of<Error>([&] { io::write_photo(scratch / "photo.tif", photo); }), HasSubstr("disk full")) << limit;
+      EXPECT_THAT(message_of<Error>([&] { io::write_photo(scratch / "photo.tif", photo); }), HasSubstr("disk full"))
+          << limit;
     }
     EXPECT_EQ(bytes_of(scratch / "photo.tif"), "earlier");
     EXPECT_EQ(scratch.file_count(), 1) << limit;
   }
 }
 
-HeightGrid tilted_plane(const GridFrame& frame) {
-  HeightGrid grid{.crs = utm33, .frame = frame, .height_m = Raster<float>(frame.width, frame.height)};
-  for (int row = 0; row < frame.height; ++row)
-    for (int col = 0; col < frame.width; ++col) {
-      const Vec2 p = frame.center_of(col, row);
-      grid.height_m.at(col, row) = static_cast<float>(100.0 + 0.1 * (p.x - 500000.0) - 0.05 * (p.y - 5540000.0));
-    }
-  return grid;
-}
-
-TEST(Dtm, same_crs_is_cropped_but_not_resampled) {
-  const Scratch scratch;
-  // The origin is no multiple of the cell: resampling would show.
-  const HeightGrid plane = tilted_plane({500003.7, 5540001.3, 10.0, 60, 60});
-  io::write_dtm(scratch / "dtm.tif", plane);
-  const HeightGrid back = io::read_dtm(scratch / "dtm.tif", {utm33, rectangle(500200.0, 5539600.0, 500300.0, 5539700.0)}, 20.0);
-  EXPECT_DOUBLE_EQ(std::fmod(back.frame.west_m - plane.frame.west_m, 10.0), 0.0);
-  EXPECT_LT(back.frame.width, 18);
-  EXPECT_EQ(back.height_m.at(0, 0), plane.height_m.at(static_cast<int>((back.frame.west_m - plane.frame.west_m) / 10.0),
-                                                      static_cast<int>((plane.frame.north_m - back.frame.north_m) / 10.0)));
-}
-
-TEST(Dtm, other_crs_is_warped_to_the_same_heights) {
-  const Scratch scratch;
-  io::write_dtm(scratch / "dtm.tif", tilted_plane({500000.0, 5540000.0, 10.0, 60, 60}));
-  const Crs utm32{"EPSG:32632"};
-  const CoordinateTransform utm32_from_utm33(utm33, utm32);
-  Polygon area;
-  for (const Vec2 p : {Vec2{500150, 5539550}, Vec2{500400, 5539550}, Vec2{500400, 5539800}, Vec2{500150, 5539800}})
-    area.outer.push_back(utm32_from_utm33.target_from_source(p));
-  const HeightGrid back = io::read_dtm(scratch / "dtm.tif", {utm32, area});
-  for (int row = 8; row < back.frame.height - 8; ++row)
-    for (int col = 8; col < back.frame.width - 8; ++col) {
-      const Vec2 p = utm32_from_utm33.source_from_target(back.frame.center_of(col, row));
-      EXPECT_NEAR(back.height_m.at(col, row), 100.0 + 0.1 * (p.x - 500000.0) - 0.05 * (p.y - 5540000.0), 0.001);
-    }
-}
-
-TEST(Dtm, nodata_becomes_nan_and_lack_of_cover_is_refused_with_its_share) {
-  const Scratch scratch;
-  HeightGrid plane = tilted_plane({500000.0, 5540000.0, 5.0, 100, 100});
-  for (int row = 0; row < 100; ++row)
-    for (int col = 50; col < 100; ++col) plane.height_m.at(col, row) = std::numeric_limits<float>::quiet_NaN();
-  io::write_dtm(scratch / "dtm.tif", plane);
-  const SiteFrame west{utm33, rectangle(500010.0, 5539600.0, 500200.0, 5539900.0)}, both{utm33, rectangle(500050.0, 5539600.0, 500450.0, 5539900.0)};
-  EXPECT_DOUBLE_EQ(io::coverage(io::read_dtms({scratch / "dtm.tif"}, west), west), 1.0);
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(scratch / "dtm.tif", both); }), HasSubstr("heights for 50.0 %"));
-}
-
-TEST(Dtm, far_away_is_refused) {
-  const Scratch scratch;
-  io::write_dtm(scratch / "dtm.tif", tilted_plane({500000.0, 5540000.0, 5.0, 20, 20}));
-  const SiteFrame site{utm33, rectangle(600000.0, 5539600.0, 600400.0, 5539900.0)};
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(scratch / "dtm.tif", site); }), HasSubstr("0.0 %"));
-}
-
-// ---- the real site -------------------------------------------------------------------------------------------------
-
 class Kvarnbyn : public testing::Test {
  protected:
   void SetUp() override {
     if (!fs::exists(folder)) GTEST_SKIP() << "REAL DATA MISSING: " << folder;
-    const CoordinateTransform site_from_lonlat(Crs{"EPSG:4326"}, utm33);
-    site.crs = utm33;
-    for (const Vec2 p : {Vec2{12.008, 57.6495}, Vec2{12.044, 57.6495}, Vec2{12.044, 57.6625}, Vec2{12.008, 57.6625}})
-      site.area.outer.push_back(site_from_lonlat.target_from_source(p));
+    site = lonlat_site(12.008, 57.6495, 12.044, 57.6625);
   }
   const fs::path folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/kvarnbyn";
   SiteFrame site;
@@ -385,16 +321,6 @@ TEST_F(Kvarnbyn, photo_fills_the_area) {
   std::size_t valid = 0;
   for (const std::uint8_t v : photo.valid.data) valid += v;
   EXPECT_NEAR(static_cast<double>(valid) * 0.52 * 0.52, area_m2(site.area), 0.002 * area_m2(site.area));
-}
-
-TEST_F(Kvarnbyn, ten_metre_terrain_covers_it_and_two_metre_terrain_does_not) {
-  const HeightGrid grid = io::read_dtm(folder / "dtm_10m_utm33.tif", site);
-  EXPECT_DOUBLE_EQ(grid.frame.gsd_m, 10.0);
-  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_dtm(folder / "dtm_2m_west.tif", site); }), HasSubstr("% of the area only"));
-  const std::vector<HeightGrid> both = io::read_dtms({folder / "dtm_2m_west.tif", folder / "dtm_10m_utm33.tif"}, site);
-  ASSERT_EQ(both.size(), 2u);
-  EXPECT_NEAR(both[0].frame.gsd_m, 2.0, 0.01);
-  EXPECT_GT(io::coverage(both, site), 0.99);
 }
 
 }  // namespace

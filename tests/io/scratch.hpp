@@ -2,8 +2,10 @@
 // A folder for one test, and corruption by hand.
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,8 +17,8 @@ class Scratch {
  public:
   Scratch() {
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("orthodrive-") + info->test_suite_name() + "-" + info->name() + "-" + std::to_string(getpid()));
+    folder_ = std::filesystem::temp_directory_path() / (std::string("orthodrive-") + info->test_suite_name() + "-" +
+                                                        info->name() + "-" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
   }
   ~Scratch() { std::filesystem::remove_all(folder_); }
@@ -41,8 +43,24 @@ inline void write_bytes(const std::filesystem::path& path, const std::string& by
 }
 /// Cuts a file to a share of its length, as an interrupted download does.
 inline void truncate_to(const std::filesystem::path& path, double share) {
-  std::filesystem::resize_file(path, static_cast<std::uintmax_t>(static_cast<double>(std::filesystem::file_size(path)) * share));
+  std::filesystem::resize_file(
+      path, static_cast<std::uintmax_t>(static_cast<double>(std::filesystem::file_size(path)) * share));
 }
+
+/// Limits the size of files instead of filling a disk: the same error path (write() fails), and no mount is needed.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
 
 /// Runs `call`, which must throw E, and returns its message.
 template <typename E, typename F>

@@ -55,34 +55,39 @@ HeightScores compare(const RoadNetwork& roads, const ScoreRegion& region, Truth&
 
 HeightScores evaluate_heights(const RoadNetwork& roads, const HeightGrid& terrain, const ScoreRegion& region) {
   if (terrain.crs != roads.crs)
-    throw OptionError("the terrain model is in " + terrain.crs.definition + ", the roads are in " + roads.crs.definition);
-  return compare(roads, region, [&](const RoadPath& path, const RoadNode& node, Vec2 direction) -> std::optional<TrueProfile> {
-    if (path.bridge || path.tunnel) return {};
-    const double step_m = terrain.frame.gsd_m, half_m = 0.5 * node.width_m;
-    const Vec2 ahead = step_m * direction, left = half_m * left_normal(direction);
-    TrueProfile profile{.z_m = sample_bilinear(terrain, node.p)};
-    profile.gradient = (sample_bilinear(terrain, node.p + ahead) - sample_bilinear(terrain, node.p - ahead)) / (2.0 * step_m);
-    if (half_m > 0.0)
-      profile.banking = std::atan((sample_bilinear(terrain, node.p + left) - sample_bilinear(terrain, node.p - left)) / (2.0 * half_m));
-    return profile;
-  });
+    throw OptionError("the terrain model is in " + terrain.crs.definition + ", the roads are in " +
+                      roads.crs.definition);
+  return compare(
+      roads, region, [&](const RoadPath& path, const RoadNode& node, Vec2 direction) -> std::optional<TrueProfile> {
+        if (path.bridge || path.tunnel) return {};
+        const double step_m = terrain.frame.gsd_m, half_m = 0.5 * node.width_m;
+        const Vec2 ahead = step_m * direction, left = half_m * left_normal(direction);
+        TrueProfile profile{.z_m = sample_bilinear(terrain, node.p)};
+        profile.gradient =
+            (sample_bilinear(terrain, node.p + ahead) - sample_bilinear(terrain, node.p - ahead)) / (2.0 * step_m);
+        if (half_m > 0.0)
+          profile.banking = std::atan(
+              (sample_bilinear(terrain, node.p + left) - sample_bilinear(terrain, node.p - left)) / (2.0 * half_m));
+        return profile;
+      });
 }
 
 HeightScores evaluate_heights(const RoadNetwork& roads, const RoadNetwork& truth, const ScoreRegion& region) {
   if (truth.crs != roads.crs)
     throw OptionError("the true roads are in " + truth.crs.definition + ", the roads are in " + roads.crs.definition);
   const evaluate::LineIndex index(truth);
-  return compare(roads, region, [&](const RoadPath& path, const RoadNode& node, Vec2 direction) -> std::optional<TrueProfile> {
-    const auto at = index.find({.p = node.p, .direction = direction, .reach_m = 10.0, .layer = path.layer});
-    if (!at) return TrueProfile{};
-    const double sign = at->same_direction ? 1.0 : -1.0;
-    TrueProfile profile;
-    profile.gradient = sign * evaluate::interpolate(truth, *at, &RoadNode::gradient);
-    profile.banking = sign * evaluate::interpolate(truth, *at, &RoadNode::banking);
-    // The node lies beside the true line (its left is positive offset): the true surface there, not on the line.
-    profile.z_m = evaluate::interpolate(truth, *at, &RoadNode::z_m) - at->offset_m * std::tan(profile.banking);
-    return profile;
-  });
+  return compare(
+      roads, region, [&](const RoadPath& path, const RoadNode& node, Vec2 direction) -> std::optional<TrueProfile> {
+        const auto at = index.find({.p = node.p, .direction = direction, .reach_m = 10.0, .layer = path.layer});
+        if (!at) return TrueProfile{};
+        const double sign = at->same_direction ? 1.0 : -1.0;
+        TrueProfile profile;
+        profile.gradient = sign * evaluate::interpolate(truth, *at, &RoadNode::gradient);
+        profile.banking = sign * evaluate::interpolate(truth, *at, &RoadNode::banking);
+        // The node lies beside the true line (its left is positive offset): the true surface there, not on the line.
+        profile.z_m = evaluate::interpolate(truth, *at, &RoadNode::z_m) - at->offset_m * std::tan(profile.banking);
+        return profile;
+      });
 }
 
 }  // namespace orthodrive

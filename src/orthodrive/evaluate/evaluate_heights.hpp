@@ -17,11 +17,13 @@ struct HeightScores {
   double compared_share = 0.0;          ///< of them that the truth has a height for
 };
 
-/// Compares at the nodes. Truth of the gradient: the terrain's slope along the road over two pixels; of the banking: the slope
-/// between both edges of the carriageway. Bridges and tunnels are left out: a terrain model has no decks.
-[[nodiscard]] HeightScores evaluate_heights(const RoadNetwork& roads, const HeightGrid& terrain, const ScoreRegion& region = {});
+/// Compares at the nodes. Truth of the gradient: the terrain's slope along the road over two pixels; of the banking:
+/// the slope between both edges of the carriageway. Bridges and tunnels are left out: a terrain model has no decks.
+[[nodiscard]] HeightScores evaluate_heights(const RoadNetwork& roads, const HeightGrid& terrain,
+                                            const ScoreRegion& region = {});
 
 /// Compares each node with the surface of the true road across from it (within 10 m, 30 degrees, of the same layer).
-[[nodiscard]] HeightScores evaluate_heights(const RoadNetwork& roads, const RoadNetwork& truth, const ScoreRegion& region = {});
+[[nodiscard]] HeightScores evaluate_heights(const RoadNetwork& roads, const RoadNetwork& truth,
+                                            const ScoreRegion& region = {});
 
 }  // namespace orthodrive

@@ -91,7 +91,8 @@ LabelScores evaluate_labels(const LabelMap& prediction, const LabelMap& truth, c
         continue;
       }
       const Vec2 p = truth.frame.center_of(col, row);
-      const Vec2 q = prediction.frame.pixel_from_world(prediction_from_truth ? prediction_from_truth->target_from_source(p) : p);
+      const Vec2 q =
+          prediction.frame.pixel_from_world(prediction_from_truth ? prediction_from_truth->target_from_source(p) : p);
       const int pcol = static_cast<int>(std::floor(q.x)), prow = static_cast<int>(std::floor(q.y));
       if (!prediction.labels.inside(pcol, prow) || prediction.labels.at(pcol, prow) == label_nodata) {
         ++scores.not_predicted;

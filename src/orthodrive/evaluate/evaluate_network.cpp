@@ -40,7 +40,8 @@ double gradient_kink(const Road& road) {
   return largest;
 }
 
-// ---- joints ----------------------------------------------------------------------------------------------------------
+// ---- joints
+// ----------------------------------------------------------------------------------------------------------
 
 double element_gap_m(const Road& road) {
   double largest = 0.0;
@@ -72,7 +73,8 @@ roadquery::SurfacePoint inner_border(const RoadEnd& end, int lane_id) {
   const roadquery::LaneSection& section = end.section();
   double t = roadquery::evaluate(end.road->lane_offset, end.s());
   for (const roadquery::Lane& lane : lane_id > 0 ? section.left : section.right)
-    if (std::abs(lane.id) < std::abs(lane_id)) t += (lane_id > 0 ? 1.0 : -1.0) * roadquery::lane_width(lane, end.s() - section.s);
+    if (std::abs(lane.id) < std::abs(lane_id))
+      t += (lane_id > 0 ? 1.0 : -1.0) * roadquery::lane_width(lane, end.s() - section.s);
   return roadquery::surface_point(*end.road, end.s(), t);
 }
 
@@ -80,17 +82,19 @@ double distance_m(const roadquery::SurfacePoint& a, const roadquery::SurfacePoin
   return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
-/// Where lanes are linked the best of them counts: a connecting road's reference line need not meet that of the road, and
-/// lanes of different width have one common border at most. A gap of the roads shows in all lanes.
+/// Where lanes are linked the best of them counts: a connecting road's reference line need not meet that of the road,
+/// and lanes of different width have one common border at most. A gap of the roads shows in all lanes.
 double link_gap_m(const RoadEnd& from, const RoadEnd& to) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const auto* side : {&from.section().left, &from.section().right})
     for (const roadquery::Lane& lane : *side) {
       const std::optional<int>& linked = from.contact == ContactPoint::start ? lane.predecessor : lane.successor;
-      if (linked && find_lane(to.section(), *linked)) smallest = std::min(smallest, distance_m(inner_border(from, lane.id), inner_border(to, *linked)));
+      if (linked && find_lane(to.section(), *linked))
+        smallest = std::min(smallest, distance_m(inner_border(from, lane.id), inner_border(to, *linked)));
     }
   if (std::isfinite(smallest)) return smallest;
-  return distance_m(roadquery::surface_point(*from.road, from.s(), 0.0), roadquery::surface_point(*to.road, to.s(), 0.0));
+  return distance_m(roadquery::surface_point(*from.road, from.s(), 0.0),
+                    roadquery::surface_point(*to.road, to.s(), 0.0));
 }
 
 class RoadsById {
@@ -115,14 +119,16 @@ void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& s
       const roadquery::RoadLink& link = contact == ContactPoint::start ? road.predecessor : road.successor;
       if (link.kind != LinkKind::road) continue;
       if (const auto other = by_id.find(link.id))
-        scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, link_gap_m({&road, contact}, {&map.roads[*other], link.contact}));
+        scores.max_joint_gap_m =
+            std::max(scores.max_joint_gap_m, link_gap_m({&road, contact}, {&map.roads[*other], link.contact}));
       else
         ++scores.broken_links;
     }
   }
 }
 
-// ---- what hangs together ---------------------------------------------------------------------------------------------
+// ---- what hangs together
+// ---------------------------------------------------------------------------------------------
 
 double connected_share(const RoadMap& map, const RoadsById& by_id) {
   std::vector<std::size_t> parent(map.roads.size());
@@ -139,7 +145,8 @@ double connected_share(const RoadMap& map, const RoadsById& by_id) {
       if (link->kind == LinkKind::road) join(i, by_id.find(link->id));
   for (const roadquery::Junction& junction : map.junctions)
     for (const roadquery::Connection& connection : junction.connections)
-      if (const auto incoming = by_id.find(connection.incoming_road)) join(*incoming, by_id.find(connection.connecting_road));
+      if (const auto incoming = by_id.find(connection.incoming_road))
+        join(*incoming, by_id.find(connection.connecting_road));
   std::vector<double> length_m(map.roads.size());
   double total_m = 0.0;
   for (std::size_t i = 0; i < map.roads.size(); ++i) {
@@ -149,7 +156,8 @@ double connected_share(const RoadMap& map, const RoadsById& by_id) {
   return total_m > 0.0 ? *std::max_element(length_m.begin(), length_m.end()) / total_m : nan;
 }
 
-// ---- bridges ---------------------------------------------------------------------------------------------------------
+// ---- bridges
+// ---------------------------------------------------------------------------------------------------------
 
 /// A piece of a reference line.
 struct Piece {
@@ -193,13 +201,15 @@ void measure_clearance(const RoadMap& map, NetworkScores& scores) {
   std::vector<Piece> pieces = pieces_of(map);
   const auto min_x = [](const Piece& p) { return std::min(p.a.x, p.b.x); };
   const auto max_x = [](const Piece& p) { return std::max(p.a.x, p.b.x); };
-  std::sort(pieces.begin(), pieces.end(), [&](const Piece& p, const Piece& q) { return std::pair(min_x(p), p.road) < std::pair(min_x(q), q.road); });
+  std::sort(pieces.begin(), pieces.end(),
+            [&](const Piece& p, const Piece& q) { return std::pair(min_x(p), p.road) < std::pair(min_x(q), q.road); });
   for (std::size_t i = 0; i < pieces.size(); ++i)
     for (std::size_t k = i + 1; k < pieces.size() && min_x(pieces[k]) <= max_x(pieces[i]); ++k) {
       const Piece &p = pieces[i], &q = pieces[k];
       const Road &first = map.roads[p.road], &second = map.roads[q.road];
       if (first.layer == second.layer) continue;
-      const Vec2 d{p.b.x - p.a.x, p.b.y - p.a.y}, e{q.b.x - q.a.x, q.b.y - q.a.y}, between{q.a.x - p.a.x, q.a.y - p.a.y};
+      const Vec2 d{p.b.x - p.a.x, p.b.y - p.a.y}, e{q.b.x - q.a.x, q.b.y - q.a.y},
+          between{q.a.x - p.a.x, q.a.y - p.a.y};
       const double denominator = cross(d, e);
       if (denominator == 0.0) continue;
       const double u = cross(between, e) / denominator, v = cross(between, d) / denominator;

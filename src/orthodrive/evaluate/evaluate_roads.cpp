@@ -22,7 +22,8 @@ std::vector<Polygon> surface_polygons(const RoadNetwork& roads) {
 
 std::vector<Polygon> surface_polygons(const RoadTruth& truth) {
   std::vector<Polygon> all;
-  for (const TruthSurface& surface : truth.surfaces) all.insert(all.end(), surface.polygons.begin(), surface.polygons.end());
+  for (const TruthSurface& surface : truth.surfaces)
+    all.insert(all.end(), surface.polygons.begin(), surface.polygons.end());
   return all;
 }
 
@@ -55,13 +56,17 @@ class TruthWidths {
     for (const TruthSurface& surface : truth.surfaces) {
       by_id_.emplace(surface.id, &surface);
       Ring corners;
-      for (const Polygon& polygon : surface.polygons) corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
+      for (const Polygon& polygon : surface.polygons)
+        corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
       bounds_.push_back(bounds_of(corners));
     }
   }
-  [[nodiscard]] std::optional<double> at(const TruthLine& line, std::size_t segment, double fraction, Vec2 p, Vec2 direction) const {
-    if (!line.width_m.empty()) return line.width_m[segment] + fraction * (line.width_m[segment + 1] - line.width_m[segment]);
-    if (const auto found = by_id_.find(line.of); found != by_id_.end()) return width_across(found->second->polygons, p, direction);
+  [[nodiscard]] std::optional<double> at(const TruthLine& line, std::size_t segment, double fraction, Vec2 p,
+                                         Vec2 direction) const {
+    if (!line.width_m.empty())
+      return line.width_m[segment] + fraction * (line.width_m[segment + 1] - line.width_m[segment]);
+    if (const auto found = by_id_.find(line.of); found != by_id_.end())
+      return width_across(found->second->polygons, p, direction);
     for (std::size_t i = 0; i < bounds_.size(); ++i) {
       if (!bounds_[i].contains(p)) continue;
       if (const auto width = width_across(truth_.surfaces[i].polygons, p, direction)) return width;
@@ -135,12 +140,16 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
       }
     }
   }
-  scores.surface_iou = truth.surfaces.empty() ? nan : evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), options.region).iou();
+  scores.surface_iou =
+      truth.surfaces.empty()
+          ? nan
+          : evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), options.region).iou();
   scores.offset_m = summarize(offsets);
   scores.width_m = summarize(width_errors);
   scores.offset_sigma = offset_sigma.coverage();
   scores.width_sigma = width_sigma.coverage();
-  scores.matched_share = scores.samples == 0 ? nan : static_cast<double>(offsets.size()) / static_cast<double>(scores.samples);
+  scores.matched_share =
+      scores.samples == 0 ? nan : static_cast<double>(offsets.size()) / static_cast<double>(scores.samples);
   return scores;
 }
 

@@ -46,10 +46,11 @@ std::optional<Across> LineIndex::find(const Query& query) const {
       const double t = dot(a + u * d - query.p, left);
       if (std::abs(t) > query.reach_m) continue;
       // Ties (a segment in two cells, paths that share a node) go to the first path: no dependence on hash order.
-      const bool closer = !nearest || std::abs(t) < std::abs(nearest->offset_m) ||
-                          (std::abs(t) == std::abs(nearest->offset_m) &&
-                           std::pair(candidate.path, candidate.segment) <
-                               std::pair(static_cast<std::uint32_t>(nearest->path), static_cast<std::uint32_t>(nearest->segment)));
+      const bool closer =
+          !nearest || std::abs(t) < std::abs(nearest->offset_m) ||
+          (std::abs(t) == std::abs(nearest->offset_m) &&
+           std::pair(candidate.path, candidate.segment) <
+               std::pair(static_cast<std::uint32_t>(nearest->path), static_cast<std::uint32_t>(nearest->segment)));
       if (closer) nearest = Across{candidate.path, candidate.segment, u, t, along > 0.0};
     }
   });

@@ -30,10 +30,10 @@ class LineIndex {
   explicit LineIndex(const RoadNetwork& roads);
 
   struct Query {
-    Vec2 p, direction;                ///< direction is a unit vector
-    double reach_m = 15.0;            ///< look so far to both sides
-    double max_angle_rad = 0.5236;    ///< 30 degrees: lines that cross are not the same road
-    std::optional<int> layer;         ///< only paths of that layer
+    Vec2 p, direction;              ///< direction is a unit vector
+    double reach_m = 15.0;          ///< look so far to both sides
+    double max_angle_rad = 0.5236;  ///< 30 degrees: lines that cross are not the same road
+    std::optional<int> layer;       ///< only paths of that layer
   };
   /// The nearest path that the perpendicular through p meets.
   [[nodiscard]] std::optional<Across> find(const Query& query) const;

@@ -32,11 +32,16 @@ class Geos {
     std::vector<GEOSGeometry*> parts;
     for (const Polygon& polygon : polygons)
       if (polygon.outer.size() >= 3) parts.push_back(valid_polygon(polygon, origin).release());
-    const Ptr all = own(GEOSGeom_createCollection_r(context_, GEOS_GEOMETRYCOLLECTION, parts.data(), static_cast<unsigned>(parts.size())));
+    const Ptr all = own(GEOSGeom_createCollection_r(context_, GEOS_GEOMETRYCOLLECTION, parts.data(),
+                                                    static_cast<unsigned>(parts.size())));
     return own(GEOSUnaryUnionPrec_r(context_, all.get(), grid_m));
   }
-  [[nodiscard]] Ptr intersection(const Ptr& a, const Ptr& b) const { return own(GEOSIntersectionPrec_r(context_, a.get(), b.get(), grid_m)); }
-  [[nodiscard]] Ptr difference(const Ptr& a, const Ptr& b) const { return own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m)); }
+  [[nodiscard]] Ptr intersection(const Ptr& a, const Ptr& b) const {
+    return own(GEOSIntersectionPrec_r(context_, a.get(), b.get(), grid_m));
+  }
+  [[nodiscard]] Ptr difference(const Ptr& a, const Ptr& b) const {
+    return own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m));
+  }
   [[nodiscard]] bool is_simple(const Ring& outer) const {
     const Ptr polygon = own(GEOSGeom_createPolygon_r(context_, ring(outer, outer.front()), nullptr, 0));
     return GEOSisValid_r(context_, polygon.get()) == 1;
@@ -65,7 +70,8 @@ class Geos {
     std::vector<GEOSGeometry*> holes;
     for (const Ring& hole : polygon.holes)
       if (hole.size() >= 3) holes.push_back(ring(hole, origin));
-    Ptr made = own(GEOSGeom_createPolygon_r(context_, ring(polygon.outer, origin), holes.data(), static_cast<unsigned>(holes.size())));
+    Ptr made = own(GEOSGeom_createPolygon_r(context_, ring(polygon.outer, origin), holes.data(),
+                                            static_cast<unsigned>(holes.size())));
     if (GEOSisValid_r(context_, made.get()) == 1) return made;
     return own(GEOSMakeValid_r(context_, made.get()));
   }
@@ -75,7 +81,8 @@ class Geos {
 };
 }  // namespace
 
-OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second, const ScoreRegion& region) {
+OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second,
+                           const ScoreRegion& region) {
   Vec2 origin;
   for (const auto* set : {&first, &second})
     for (const Polygon& polygon : *set)

@@ -13,7 +13,8 @@ struct OverlapAreas {
   [[nodiscard]] double iou() const { return both_m2 / (first_m2 + second_m2 - both_m2); }  ///< NaN when both are empty
 };
 /// Areas of the unions of both sets, each counted once where its polygons overlap, inside the region.
-[[nodiscard]] OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second, const ScoreRegion& region);
+[[nodiscard]] OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second,
+                                         const ScoreRegion& region);
 
 /// Polygons whose union is the carriageway of the path: the strip itself, or its cells where a tight bend folds it.
 [[nodiscard]] std::vector<Polygon> carriageway_polygons(const RoadPath& path);

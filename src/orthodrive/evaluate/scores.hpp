@@ -20,9 +20,9 @@ struct ScoreRegion {
 
 /// Errors are "ours minus truth". Without samples all but n are NaN.
 struct ErrorSummary {
-  double bias = 0.0;      ///< mean
+  double bias = 0.0;  ///< mean
   double mean_abs = 0.0;
-  double p95 = 0.0;       ///< 95 % of the absolute errors are at most this (nearest rank)
+  double p95 = 0.0;  ///< 95 % of the absolute errors are at most this (nearest rank)
   std::size_t n = 0;
 };
 [[nodiscard]] ErrorSummary summarize(const std::vector<double>& errors);

@@ -6,7 +6,6 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-
 #include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/ogr_support.hpp"
@@ -24,7 +23,8 @@ bool is_osm(const fs::path& path) {
 std::map<std::string, std::string> tags_of(const OGRFeature& feature) {
   std::map<std::string, std::string> tags;
   for (int i = 0; i < feature.GetFieldCount(); ++i)
-    if (feature.IsFieldSetAndNotNull(i)) tags.emplace(feature.GetFieldDefnRef(i)->GetNameRef(), feature.GetFieldAsString(i));
+    if (feature.IsFieldSetAndNotNull(i))
+      tags.emplace(feature.GetFieldDefnRef(i)->GetNameRef(), feature.GetFieldAsString(i));
   return tags;
 }
 }  // namespace
@@ -37,22 +37,28 @@ std::vector<Feature> read_features(const fs::path& path, const Crs& target_crs) 
   GdalErrors errors;
   for (OGRLayer* layer : dataset->GetLayers()) {
     if (!layer->GetSpatialRef())
-      throw InputError(path.string(), fmt::format("layer '{}' has no coordinate reference system; say which: ogr2ogr -a_srs EPSG:n OUT IN",
-                                                  layer->GetName()));
+      throw InputError(
+          path.string(),
+          fmt::format("layer '{}' has no coordinate reference system; say which: ogr2ogr -a_srs EPSG:n OUT IN",
+                      layer->GetName()));
     OGRSpatialReference source = *layer->GetSpatialRef();
     source.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     const std::unique_ptr<OGRCoordinateTransformation> transform(OGRCreateCoordinateTransformation(&source, &target));
-    if (!transform) throw InputError(path.string(), fmt::format("no transformation to {} ({})", target_crs.definition, errors.text()));
+    if (!transform)
+      throw InputError(path.string(),
+                       fmt::format("no transformation to {} ({})", target_crs.definition, errors.text()));
     for (const auto& row : *layer) {
       OGRGeometry* geometry = row->GetGeometryRef();
       if (!geometry) continue;
       if (geometry->transform(transform.get()) != OGRERR_NONE)
-        throw InputError(path.string(), fmt::format("feature {} lies where {} has no coordinates", row->GetFID(), target_crs.definition));
+        throw InputError(path.string(), fmt::format("feature {} lies where {} has no coordinates", row->GetFID(),
+                                                    target_crs.definition));
       Feature& feature = features.emplace_back(Feature{.tags = tags_of(*row)});
       append_geometry(feature, *geometry);
     }
   }
-  if (errors.any()) throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  if (errors.any())
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   return features;
 }
 
@@ -107,7 +113,8 @@ std::string geometry_of(const Feature& feature, const LonLatWriter& writer) {
 }
 
 void write_collection(const fs::path& path, const std::vector<std::string>& features) {
-  write_text_file(path, fmt::format("{{\"type\":\"FeatureCollection\",\"features\":[\n{}\n]}}\n", fmt::join(features, ",\n")));
+  write_text_file(
+      path, fmt::format("{{\"type\":\"FeatureCollection\",\"features\":[\n{}\n]}}\n", fmt::join(features, ",\n")));
 }
 
 std::string feature_text(const std::string& geometry, const nlohmann::json& properties) {

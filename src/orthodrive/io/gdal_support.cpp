@@ -49,9 +49,7 @@ ScopedGdalOption::ScopedGdalOption(const char* key, const char* value) : key_(ke
   if (before) before_ = before;
   CPLSetThreadLocalConfigOption(key, value);
 }
-ScopedGdalOption::~ScopedGdalOption() {
-  CPLSetThreadLocalConfigOption(key_, had_before_ ? before_.c_str() : nullptr);
-}
+ScopedGdalOption::~ScopedGdalOption() { CPLSetThreadLocalConfigOption(key_, had_before_ ? before_.c_str() : nullptr); }
 
 GdalOptions::GdalOptions(const std::vector<std::string>& options) : texts_(options) {
   for (std::string& text : texts_) pointers_.push_back(text.data());
@@ -63,10 +61,10 @@ DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
   GdalErrors errors;
   DatasetPtr dataset(GDALDataset::Open(path.c_str(), kind | GDAL_OF_READONLY));
   if (!dataset)
-    throw InputError(path.string(),
-                     fmt::format("not a {} that GDAL can read, or truncated{}; get the file again or convert it",
-                                 kind & GDAL_OF_RASTER ? "raster" : "vector file",
-                                 errors.any() ? " (" + errors.text() + ")" : ""));
+    throw InputError(
+        path.string(),
+        fmt::format("not a {} that GDAL can read, or truncated{}; get the file again or convert it",
+                    kind & GDAL_OF_RASTER ? "raster" : "vector file", errors.any() ? " (" + errors.text() + ")" : ""));
   return dataset;
 }
 
@@ -92,7 +90,8 @@ Crs crs_of(const OGRSpatialReference& reference) {
 }
 
 void remove_leftovers(const fs::path& unfinished) {
-  for (const char* suffix : {".ovr.tmp", ".msk.tmp", ".msk.ovr.tmp", ".ovr", ".msk", "-journal", "-wal", "-shm", ".aux.xml"}) {
+  for (const char* suffix :
+       {".ovr.tmp", ".msk.tmp", ".msk.ovr.tmp", ".ovr", ".msk", "-journal", "-wal", "-shm", ".aux.xml"}) {
     fs::path leftover = unfinished;
     leftover += suffix;
     std::error_code ignored;

@@ -64,7 +64,8 @@ void append_geometry(Feature& feature, const OGRGeometry& geometry) {
       const OGRPolygon* polygon = geometry.toPolygon();
       if (polygon->IsEmpty()) break;
       Polygon result{ring_from_ogr(*polygon->getExteriorRing()), {}};
-      for (int i = 0; i < polygon->getNumInteriorRings(); ++i) result.holes.push_back(ring_from_ogr(*polygon->getInteriorRing(i)));
+      for (int i = 0; i < polygon->getNumInteriorRings(); ++i)
+        result.holes.push_back(ring_from_ogr(*polygon->getInteriorRing(i)));
       feature.polygons.push_back(std::move(result));
       break;
     }
@@ -81,7 +82,8 @@ void create_field(OGRLayer& layer, const char* name, OGRFieldType type) {
 
 void add_feature(OGRLayer& layer, OGRFeature& feature, const std::string& file, const GdalErrors& errors) {
   if (layer.CreateFeature(&feature) != OGRERR_NONE || errors.any())
-    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", file, errors.text()));
+    throw Error(
+        fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", file, errors.text()));
 }
 
 }  // namespace orthodrive::io

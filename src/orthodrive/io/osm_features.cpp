@@ -1,13 +1,12 @@
 // Everything of an OSM file that has a tag: buildings, water, parking ... as polygons and lines.
 
+#include <algorithm>
 #include <osmium/area/assembler.hpp>
 #include <osmium/area/multipolygon_manager.hpp>
 #include <osmium/handler/node_locations_for_ways.hpp>
 #include <osmium/index/map/flex_mem.hpp>
 #include <osmium/osm/area.hpp>
 #include <osmium/visitor.hpp>
-
-#include <algorithm>
 
 #include "orthodrive/io/osm_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -38,7 +37,8 @@ Ring ring_of(const NodeRefs& nodes, const CoordinateTransform& target_from_lonla
 
 class LineHandler : public osmium::handler::Handler {
  public:
-  LineHandler(std::vector<Feature>& features, const CoordinateTransform& transform) : features_(features), transform_(transform) {}
+  LineHandler(std::vector<Feature>& features, const CoordinateTransform& transform)
+      : features_(features), transform_(transform) {}
   void way(const osmium::Way& way) {
     if (way.tags().empty() || (way.is_closed() && !is_linear(way.tags()))) return;
     Polyline line = line_of(way.nodes(), transform_);
@@ -77,7 +77,8 @@ std::vector<Feature> read_osm_features(const std::filesystem::path& path, const 
     osmium::io::Reader reader(file);
     osmium::apply(reader, locations, lines, polygons.handler([&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Area& area : buffer.select<osmium::Area>())
-        if (!area.tags().empty() && !(area.from_way() && is_linear(area.tags()))) features.push_back(feature_of(area, transform));
+        if (!area.tags().empty() && !(area.from_way() && is_linear(area.tags())))
+          features.push_back(feature_of(area, transform));
     }));
     reader.close();
     return features;

@@ -82,7 +82,8 @@ std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, 
   Ring lonlat;
   for (const std::int64_t id : way.nodes)
     if (const Vec2 p = places.lonlat(id); !std::isnan(p.x)) lonlat.push_back(p);
-  if (lonlat.empty() || !bounds_of(lonlat).overlaps(area_lonlat)) return {};  // far ones may not even have a place in the CRS
+  if (lonlat.empty() || !bounds_of(lonlat).overlaps(area_lonlat))
+    return {};  // far ones may not even have a place in the CRS
   std::vector<Run> runs(1);
   for (const std::int64_t id : way.nodes) {
     const Vec2 p = places.lonlat(id);
@@ -105,7 +106,9 @@ RoadPath make_path(const DrivableWay& way, int part, const Run& run, const std::
   path.part = part;
   for (const ClippedPoint& point : piece) {
     const double s_m = path.nodes.empty() ? 0.0 : path.nodes.back().s_m + distance(path.nodes.back().p, point.p);
-    path.nodes.push_back({.p = point.p, .osm_node = point.vertex ? run.nodes[*point.vertex] : 0, .s_m = s_m,
+    path.nodes.push_back({.p = point.p,
+                          .osm_node = point.vertex ? run.nodes[*point.vertex] : 0,
+                          .s_m = s_m,
                           .width_m = way.attributes.width_m});
   }
   return path;
@@ -132,10 +135,13 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
         }
     }
     if (ways.empty())
-      throw InputError(path.string(), "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");
+      throw InputError(path.string(),
+                       "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");
     if (roads.paths.empty())
-      throw InputError(path.string(), fmt::format("has no roads in the area: its roads lie in {}, the area is {}; take another extract or area",
-                                                  describe_lonlat(places.bounds()), describe_lonlat(area_lonlat)));
+      throw InputError(
+          path.string(),
+          fmt::format("has no roads in the area: its roads lie in {}, the area is {}; take another extract or area",
+                      describe_lonlat(places.bounds()), describe_lonlat(area_lonlat)));
     return roads;
   });
 }

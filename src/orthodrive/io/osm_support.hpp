@@ -23,8 +23,10 @@ auto with_osm_errors(const std::filesystem::path& path, F&& read) {
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {  // io_error, xml_error, pbf_error, protozero's, system_error
-    throw InputError(path.string(), fmt::format("not an OSM file (.osm, .osm.pbf, also .gz or .bz2), or truncated ({}); get the file again",
-                                                error.what()));
+    throw InputError(
+        path.string(),
+        fmt::format("not an OSM file (.osm, .osm.pbf, also .gz or .bz2), or truncated ({}); get the file again",
+                    error.what()));
   }
 }
 

@@ -14,8 +14,8 @@ namespace orthodrive::io {
 struct RasterInfo {
   Crs crs;
   int width = 0, height = 0, bands = 0;
-  double gsd_m = 0.0;          ///< ground sampling distance at the centre, in metres whatever the CRS's unit
-  Polygon outline_lonlat;      ///< WGS84, densified
+  double gsd_m = 0.0;      ///< ground sampling distance at the centre, in metres whatever the CRS's unit
+  Polygon outline_lonlat;  ///< WGS84, densified
 };
 /// Throws InputError when the file is missing, not a raster, truncated, or without georeferencing.
 [[nodiscard]] RasterInfo raster_info(const std::filesystem::path& path);
@@ -26,15 +26,16 @@ struct ReadPhotoOptions {
 };
 /// Warps the photo (cubic; average when it is much finer than gsd_m) onto the covering grid of the area's bounds.
 /// valid is 0 outside the source, at its nodata / alpha / mask, and outside the area polygon.
-[[nodiscard]] Photo read_photo(const std::filesystem::path& path, const SiteFrame& site, const ReadPhotoOptions& options = {});
+[[nodiscard]] Photo read_photo(const std::filesystem::path& path, const SiteFrame& site,
+                               const ReadPhotoOptions& options = {});
 /// The photo as it is, on its own grid. It must be north-up in a metric CRS (as synth and read_photo make them).
 [[nodiscard]] Photo read_photo_native(const std::filesystem::path& path);
 
-/// Heights over the box and a little more, NaN where the file has none. A terrain model whose CRS is the one asked for is read
-/// on its own grid without resampling; others are warped (cubic, exact coordinates) at their own GSD.
+/// Heights over the box and a little more, NaN where the file has none. A terrain model whose CRS is the one asked for
+/// is read on its own grid without resampling; others are warped (cubic, exact coordinates) at their own GSD.
 [[nodiscard]] HeightGrid read_heights(const std::filesystem::path& path, const Crs& crs, const Box2& box);
-/// Heights over the area and the margin around it. Throws InputError when less than 98 % of the area is covered: by how much,
-/// and which box the file covers.
+/// Heights over the area and the margin around it. Throws InputError when less than 98 % of the area is covered: by how
+/// much, and which box the file covers.
 [[nodiscard]] HeightGrid read_dtm(const std::filesystem::path& path, const SiteFrame& site, double margin_m = 50.0);
 /// Several terrain models, best first, that cover the area together (model/sample_height.hpp: merge_heights).
 [[nodiscard]] std::vector<HeightGrid> read_dtms(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
@@ -63,7 +64,8 @@ void write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& rg
 /// 3 channels from any PNG/JPEG without georeferencing (training data).
 [[nodiscard]] Raster<std::uint8_t> read_image(const std::filesystem::path& path);
 
-/// Serialisation of class tables: {"name":..., "classes":[{"name","color","role","cost_false_positive","cost_false_negative"}]}.
+/// Serialisation of class tables: {"name":...,
+/// "classes":[{"name","color","role","cost_false_positive","cost_false_negative"}]}.
 [[nodiscard]] std::string class_table_to_json(const ClassTable& table);
 [[nodiscard]] ClassTable class_table_from_json(const std::string& text);
 

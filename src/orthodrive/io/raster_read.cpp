@@ -32,7 +32,8 @@ Polygon outline(const Georeference& g, int width, int height) {
       const double col = width * (corners[side][0] + f * (corners[side + 1][0] - corners[side][0]));
       const double row = height * (corners[side][1] + f * (corners[side + 1][1] - corners[side][1]));
       Vec2 p{g.c[0] + col * g.c[1] + row * g.c[2], g.c[3] + col * g.c[4] + row * g.c[5]};
-      if (!t || !t->Transform(1, &p.x, &p.y)) throw Error("its place on the globe cannot be computed: " + errors.text());
+      if (!t || !t->Transform(1, &p.x, &p.y))
+        throw Error("its place on the globe cannot be computed: " + errors.text());
       result.outer.push_back(p);
     }
   return result;
@@ -43,12 +44,14 @@ double rounded_gsd_m(double gsd_m) { return std::max(0.01, std::round(gsd_m * 10
 /// How a raster of that pixel size goes to `gsd_m`. GDAL would guess the scale from the windows, which a turned grid
 /// makes larger: it would blur a photo that only changes its CRS.
 std::vector<std::string> cubic_resampling(const PixelSize& source, double gsd_m) {
-  return {"-r", "cubic", "-wo", fmt::format("XSCALE={}", std::min(1.0, source.along_row_m / gsd_m)), "-wo",
-          fmt::format("YSCALE={}", std::min(1.0, source.along_column_m / gsd_m))};
+  return {"-r",  "cubic",
+          "-wo", fmt::format("XSCALE={}", std::min(1.0, source.along_row_m / gsd_m)),
+          "-wo", fmt::format("YSCALE={}", std::min(1.0, source.along_column_m / gsd_m))};
 }
 
 /// Runs `arguments` of gdalwarp from `source` into the memory behind `target`.
-void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::vector<std::string> arguments, int threads) {
+void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::vector<std::string> arguments,
+          int threads) {
   // The memory limit decides how GDAL cuts the work, the thread count does not: same bytes for any thread count.
   // No overviews: they are a second, blurred photo.
   for (const char* argument : {"-wm", "64", "-ovr", "NONE", "-wo"}) arguments.emplace_back(argument);
@@ -61,7 +64,8 @@ void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::v
   const bool done = GDALWarp(nullptr, GDALDataset::ToHandle(&target), 1, sources, options, &usage_error) != nullptr;
   GDALWarpAppOptionsFree(options);
   if (!done || errors.any())
-    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); is it truncated? Get the file again", errors.text()));
+    throw InputError(path.string(),
+                     fmt::format("cannot be read to its end ({}); is it truncated? Get the file again", errors.text()));
 }
 
 DatasetPtr translate_to_vrt(GDALDataset& source, std::vector<std::string> arguments) {
@@ -78,8 +82,9 @@ DatasetPtr translate_to_vrt(GDALDataset& source, std::vector<std::string> argume
 DatasetPtr as_rgb(const fs::path& path, GDALDataset& photo) {
   GDALRasterBand& first = *photo.GetRasterBand(1);
   if (first.GetRasterDataType() != GDT_Byte)
-    throw InputError(path.string(), fmt::format("has {} samples, need 8 bit; convert it: gdal_translate -ot Byte -scale IN OUT.tif",
-                                                GDALGetDataTypeName(first.GetRasterDataType())));
+    throw InputError(path.string(),
+                     fmt::format("has {} samples, need 8 bit; convert it: gdal_translate -ot Byte -scale IN OUT.tif",
+                                 GDALGetDataTypeName(first.GetRasterDataType())));
   if (first.GetColorTable()) return translate_to_vrt(photo, {"-expand", "rgb"});
   const int bands = photo.GetRasterCount();
   int alpha = 0;
@@ -110,7 +115,9 @@ RasterInfo raster_info(const fs::path& path) {
   const DatasetPtr dataset = open_dataset(path, GDAL_OF_RASTER);
   const Georeference g = georeference_of(path, *dataset);
   require_complete(path, *dataset);
-  RasterInfo info{.crs = crs_of(g.reference), .width = dataset->GetRasterXSize(), .height = dataset->GetRasterYSize(),
+  RasterInfo info{.crs = crs_of(g.reference),
+                  .width = dataset->GetRasterXSize(),
+                  .height = dataset->GetRasterYSize(),
                   .bands = dataset->GetRasterCount()};
   info.gsd_m = pixel_size(g, info.width, info.height).gsd_m();
   info.outline_lonlat = outline(g, info.width, info.height);
@@ -136,7 +143,7 @@ Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOpt
   const DatasetPtr rgb = as_rgb(path, *source);
   // Where the photo is much finer, cubic convolution would see only the pixels around each centre.
   std::vector<std::string> arguments = gsd_m > 2.0 * source_pixel.gsd_m() ? std::vector<std::string>{"-r", "average"}
-                                                                         : cubic_resampling(source_pixel, gsd_m);
+                                                                          : cubic_resampling(source_pixel, gsd_m);
   // An error of 0.02 px is below what anyone sees; exact coordinates take ten times as long.
   arguments.insert(arguments.end(), {"-et", "0.02", "-wo", "UNIFIED_SRC_NODATA=YES"});
   warp(path, rgb ? *rgb : *source, *target, arguments, options.threads);
@@ -144,8 +151,10 @@ Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOpt
 
   finish_validity(photo, site.area);
   if (std::find(photo.valid.data.begin(), photo.valid.data.end(), 1) == photo.valid.data.end())
-    throw InputError(path.string(), fmt::format("shows nothing of the area: it covers {}, the area is {}; take another photo or area",
-                                                describe_extent(g, *source), describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
+    throw InputError(
+        path.string(),
+        fmt::format("shows nothing of the area: it covers {}, the area is {}; take another photo or area",
+                    describe_extent(g, *source), describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
   return photo;
 }
 
@@ -161,20 +170,21 @@ Photo read_photo_native(const fs::path& path) {
   GdalErrors errors;
   const GSpacing line = GSpacing{3} * frame.width;
   int bands[3] = {1, 2, 3};
-  bool read = rgb.RasterIO(GF_Read, 0, 0, frame.width, frame.height, photo.rgb.data.data(), frame.width, frame.height, GDT_Byte, 3,
-                           bands, 3, line, 1, nullptr) == CE_None;
+  bool read = rgb.RasterIO(GF_Read, 0, 0, frame.width, frame.height, photo.rgb.data.data(), frame.width, frame.height,
+                           GDT_Byte, 3, bands, 3, line, 1, nullptr) == CE_None;
   // A pixel is invalid only where every band says so: black in one band alone is a colour.
   Raster<std::uint8_t> mask(frame.width, frame.height);
   for (int b = 1; b <= 3 && read; ++b) {
     GDALRasterBand& band = *rgb.GetRasterBand(b);
     if (band.GetMaskFlags() & GMF_ALL_VALID) break;
     if (b == 1) std::fill(photo.valid.data.begin(), photo.valid.data.end(), std::uint8_t{0});
-    read = band.GetMaskBand()->RasterIO(GF_Read, 0, 0, frame.width, frame.height, mask.data.data(), frame.width, frame.height,
-                                        GDT_Byte, 0, 0, nullptr) == CE_None;
+    read = band.GetMaskBand()->RasterIO(GF_Read, 0, 0, frame.width, frame.height, mask.data.data(), frame.width,
+                                        frame.height, GDT_Byte, 0, 0, nullptr) == CE_None;
     for (std::size_t i = 0; i < mask.data.size(); ++i) photo.valid.data[i] |= mask.data[i] >= 128 ? 1 : 0;
     if (band.GetMaskFlags() & GMF_PER_DATASET) break;
   }
-  if (!read) throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  if (!read)
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   return photo;
 }
 
@@ -200,7 +210,9 @@ HeightGrid read_window(const fs::path& path, GDALDataset& dtm, const Georeferenc
   const int width = dtm.GetRasterXSize(), height = dtm.GetRasterYSize();
   const GridFrame whole{g.c[0], g.c[3], g.c[1], width, height};
   const Vec2 nw = whole.pixel_from_world({box.min_x, box.max_y}), se = whole.pixel_from_world({box.max_x, box.min_y});
-  const auto clamped = [](double value, int limit) { return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit))); };
+  const auto clamped = [](double value, int limit) {
+    return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(limit)));
+  };
   const int col0 = clamped(std::floor(nw.x), width), row0 = clamped(std::floor(nw.y), height);
   const int col1 = clamped(std::ceil(se.x), width), row1 = clamped(std::ceil(se.y), height);
   HeightGrid grid;
@@ -210,8 +222,8 @@ HeightGrid read_window(const fs::path& path, GDALDataset& dtm, const Georeferenc
   if (grid.height_m.empty()) return grid;
   GdalErrors errors;
   GDALRasterBand& band = *dtm.GetRasterBand(1);
-  if (band.RasterIO(GF_Read, col0, row0, grid.frame.width, grid.frame.height, grid.height_m.data.data(), grid.frame.width,
-                    grid.frame.height, GDT_Float32, 0, 0, nullptr) != CE_None)
+  if (band.RasterIO(GF_Read, col0, row0, grid.frame.width, grid.frame.height, grid.height_m.data.data(),
+                    grid.frame.width, grid.frame.height, GDT_Float32, 0, 0, nullptr) != CE_None)
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   int has_nodata = 0;
   const auto nodata = static_cast<float>(band.GetNoDataValue(&has_nodata));
@@ -219,7 +231,8 @@ HeightGrid read_window(const fs::path& path, GDALDataset& dtm, const Georeferenc
   return grid;
 }
 
-HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const Crs& crs, const Box2& box, const PixelSize& pixel) {
+HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const Crs& crs, const Box2& box,
+                       const PixelSize& pixel) {
   HeightGrid grid{.frame = covering_grid(box, rounded_gsd_m(pixel.gsd_m()))};
   grid.height_m = Raster<float>(grid.frame.width, grid.frame.height, 1, no_height);
   const DatasetPtr target = memory_dataset(grid.frame.width, grid.frame.height);
@@ -245,8 +258,9 @@ HeightGrid read_heights(const fs::path& path, const Crs& crs, const Box2& box) {
   require_complete(path, *source);
   const DatasetPtr metres = unscaled(*source);
   GDALDataset& dtm = metres ? *metres : *source;
-  HeightGrid grid = lies_on_own_grid(g, crs) ? read_window(path, dtm, g, box)
-                                             : warp_window(path, dtm, crs, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
+  HeightGrid grid = lies_on_own_grid(g, crs)
+                        ? read_window(path, dtm, g, box)
+                        : warp_window(path, dtm, crs, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
   grid.crs = crs;
   grid.vertical_datum = vertical_datum_of(g.reference);
   return grid;
@@ -258,7 +272,8 @@ HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m
 
 std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site, double margin_m) {
   std::vector<HeightGrid> grids;
-  for (const fs::path& path : paths) grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(margin_m)));
+  for (const fs::path& path : paths)
+    grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(margin_m)));
   // Roads need heights all over the area; a rim thinner than a pixel or a pond without returns is no obstacle.
   constexpr double least_coverage = 0.98;
   const double covered = coverage(grids, site);
@@ -268,9 +283,11 @@ std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const Site
     names += (names.empty() ? "" : ", ") + path.string();
     extents += (extents.empty() ? "" : " and ") + describe_lonlat(bounds_of(raster_info(path).outline_lonlat.outer));
   }
-  throw InputError(names, fmt::format("heights for {:.1f} % of the area only: the terrain covers {}, the area is {}; add a terrain model "
-                                      "or choose a smaller area", 100.0 * covered, extents,
-                                      describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
+  throw InputError(
+      names,
+      fmt::format("heights for {:.1f} % of the area only: the terrain covers {}, the area is {}; add a terrain model "
+                  "or choose a smaller area",
+                  100.0 * covered, extents, describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
 }
 
 double coverage(std::span<const HeightGrid> grids, const SiteFrame& site) {
@@ -282,7 +299,9 @@ double coverage(std::span<const HeightGrid> grids, const SiteFrame& site) {
   rasterize(site.area, places, [&](int row, int begin, int end) {
     for (int col = begin; col < end; ++col) {
       const Vec2 p = places.center_of(col, row);
-      const auto has_height = [p](const HeightGrid& grid) { return !grid.height_m.empty() && !std::isnan(sample_bilinear(grid, p)); };
+      const auto has_height = [p](const HeightGrid& grid) {
+        return !grid.height_m.empty() && !std::isnan(sample_bilinear(grid, p));
+      };
       ++inside;
       known += std::any_of(grids.begin(), grids.end(), has_height) ? 1 : 0;
     }
@@ -300,17 +319,20 @@ LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& fall
     throw InputError(path.string(), "is not a label map: need one band of 8 bit");
   const char* stored = source->GetMetadataItem("ORTHODRIVE_CLASSES");
   if (!stored && !fallback)
-    throw InputError(path.string(), "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
+    throw InputError(path.string(),
+                     "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
   map.classes = stored ? class_table_from_json(stored) : *fallback;
   map.labels = Raster<std::uint8_t>(map.frame.width, map.frame.height);
   GdalErrors errors;
-  if (band.RasterIO(GF_Read, 0, 0, map.frame.width, map.frame.height, map.labels.data.data(), map.frame.width, map.frame.height,
-                    GDT_Byte, 0, 0, nullptr) != CE_None)
+  if (band.RasterIO(GF_Read, 0, 0, map.frame.width, map.frame.height, map.labels.data.data(), map.frame.width,
+                    map.frame.height, GDT_Byte, 0, 0, nullptr) != CE_None)
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   for (const std::uint8_t label : map.labels.data)
     if (label != label_nodata && label >= map.classes.classes.size())
-      throw InputError(path.string(), fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
-                                                  "model that made it", label, map.classes.name, map.classes.classes.size()));
+      throw InputError(path.string(),
+                       fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
+                                   "model that made it",
+                                   label, map.classes.name, map.classes.classes.size()));
   return map;
 }
 
@@ -321,8 +343,8 @@ Raster<std::uint8_t> read_image(const fs::path& path) {
   Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
   GdalErrors errors;
   int bands[3] = {1, 2, 3};
-  if (rgb.RasterIO(GF_Read, 0, 0, image.width, image.height, image.data.data(), image.width, image.height, GDT_Byte, 3, bands, 3,
-                   GSpacing{3} * image.width, 1, nullptr) != CE_None)
+  if (rgb.RasterIO(GF_Read, 0, 0, image.width, image.height, image.data.data(), image.width, image.height, GDT_Byte, 3,
+                   bands, 3, GSpacing{3} * image.width, 1, nullptr) != CE_None)
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   return image;
 }

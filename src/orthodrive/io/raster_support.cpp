@@ -15,9 +15,10 @@ namespace fs = std::filesystem;
 Georeference georeference_of(const fs::path& path, GDALDataset& dataset) {
   Georeference result;
   if (dataset.GetGeoTransform(result.c) != CE_None)
-    throw InputError(path.string(),
-                     "has no georeferencing; put a world file beside it (.jgw, .tfw) or give its corners: gdal_translate "
-                     "-a_srs EPSG:n -a_ullr WEST NORTH EAST SOUTH IN OUT.tif");
+    throw InputError(
+        path.string(),
+        "has no georeferencing; put a world file beside it (.jgw, .tfw) or give its corners: gdal_translate "
+        "-a_srs EPSG:n -a_ullr WEST NORTH EAST SOUTH IN OUT.tif");
   const OGRSpatialReference* reference = dataset.GetSpatialRef();
   if (!reference || reference->IsEmpty() || reference->IsLocal())
     throw InputError(path.string(),
@@ -33,7 +34,8 @@ GridFrame north_up_frame(const fs::path& path, GDALDataset& dataset) {
     throw InputError(path.string(), "its CRS is not in metres; warp it first: gdalwarp -t_srs EPSG:326xx IN OUT.tif");
   constexpr double tolerance = 1e-6;  // of a pixel: world files carry some ten digits
   if (g.c[2] != 0.0 || g.c[4] != 0.0 || g.c[1] <= 0.0 || std::abs(g.c[1] + g.c[5]) > tolerance * g.c[1])
-    throw InputError(path.string(), "its pixels are not square or not north-up; warp it first: gdalwarp -tr M M IN OUT.tif");
+    throw InputError(path.string(),
+                     "its pixels are not square or not north-up; warp it first: gdalwarp -tr M M IN OUT.tif");
   return {g.c[0], g.c[3], g.c[1], dataset.GetRasterXSize(), dataset.GetRasterYSize()};
 }
 
@@ -52,17 +54,20 @@ PixelSize pixel_size(const Georeference& g, int width, int height) {
   const Vec2 center = transform_to(lonlat, world(col, row));
   const OGRSpatialReference metric = spatial_reference(utm_crs(center.x, center.y));
   const Vec2 origin = transform_to(metric, world(col, row));
-  return {distance(origin, transform_to(metric, world(col + 1.0, row))), distance(origin, transform_to(metric, world(col, row + 1.0)))};
+  return {distance(origin, transform_to(metric, world(col + 1.0, row))),
+          distance(origin, transform_to(metric, world(col, row + 1.0)))};
 }
 
 void require_complete(const fs::path& path, GDALDataset& dataset) {
-  if (std::string_view(dataset.GetDriverName()) != "GTiff" && std::string_view(dataset.GetDriverName()) != "COG") return;
+  if (std::string_view(dataset.GetDriverName()) != "GTiff" && std::string_view(dataset.GetDriverName()) != "COG")
+    return;
   const std::uintmax_t file_size = fs::file_size(path);
   for (int b = 1; b <= dataset.GetRasterCount(); ++b) {
     GDALRasterBand& band = *dataset.GetRasterBand(b);
     int block_width = 0, block_height = 0;
     band.GetBlockSize(&block_width, &block_height);
-    const int columns = (band.GetXSize() + block_width - 1) / block_width, rows = (band.GetYSize() + block_height - 1) / block_height;
+    const int columns = (band.GetXSize() + block_width - 1) / block_width,
+              rows = (band.GetYSize() + block_height - 1) / block_height;
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
         const auto item = [&](const char* what) {  // null for blocks that were left out because they are empty
@@ -70,8 +75,10 @@ void require_complete(const fs::path& path, GDALDataset& dataset) {
           return text ? std::strtoull(text, nullptr, 10) : 0ULL;
         };
         if (item("OFFSET") + item("SIZE") > file_size)
-          throw InputError(path.string(), fmt::format("is truncated: it has {} bytes and pixels are said to lie beyond; get the "
-                                                      "file again", file_size));
+          throw InputError(path.string(),
+                           fmt::format("is truncated: it has {} bytes and pixels are said to lie beyond; get the "
+                                       "file again",
+                                       file_size));
       }
   }
 }

@@ -27,7 +27,8 @@ struct RemoveLeftovers {
   ~RemoveLeftovers() { remove_leftovers(unfinished); }
 };
 
-void create_copy(const fs::path& target, const char* driver_name, GDALDataset& source, const std::vector<std::string>& options) {
+void create_copy(const fs::path& target, const char* driver_name, GDALDataset& source,
+                 const std::vector<std::string>& options) {
   AsideFile out(target);
   const RemoveLeftovers leftovers{out.path()};
   const ScopedGdalOption no_side_car("GDAL_PAM_ENABLED", "NO");
@@ -38,7 +39,8 @@ void create_copy(const fs::path& target, const char* driver_name, GDALDataset& s
   const bool created = made != nullptr;
   made.reset();  // what GDAL still held is written now, and may fail now
   if (!created || errors.any())
-    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", target.string(), errors.text()));
+    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", target.string(),
+                            errors.text()));
   try {
     require_complete(out.path(), *open_dataset(out.path(), GDAL_OF_RASTER));
   } catch (const InputError&) {
@@ -87,9 +89,11 @@ void write_photo(const fs::path& path, const Photo& photo, const WritePhotoOptio
     for (std::uint8_t& a : alpha.data) a = a ? 255 : 0;
     wrap_channels(*dataset, alpha);
   }
-  for (int b = 1; b <= dataset->GetRasterCount(); ++b) dataset->GetRasterBand(b)->SetColorInterpretation(meaning[b - 1]);
+  for (int b = 1; b <= dataset->GetRasterCount(); ++b)
+    dataset->GetRasterBand(b)->SetColorInterpretation(meaning[b - 1]);
   if (options.jpeg_quality > 0)  // the driver turns alpha into a mask, which JPEG's losses do not touch
-    create_copy(path, "COG", *dataset, {"COMPRESS=JPEG", fmt::format("QUALITY={}", options.jpeg_quality), "OVERVIEW_RESAMPLING=AVERAGE"});
+    create_copy(path, "COG", *dataset,
+                {"COMPRESS=JPEG", fmt::format("QUALITY={}", options.jpeg_quality), "OVERVIEW_RESAMPLING=AVERAGE"});
   else
     create_copy(path, "COG", *dataset, {"COMPRESS=DEFLATE", "PREDICTOR=YES", "OVERVIEW_RESAMPLING=AVERAGE"});
 }
@@ -108,7 +112,8 @@ void write_png(const fs::path& path, const Raster<std::uint8_t>& rgb) {
 }
 
 namespace {
-std::vector<std::uint8_t> encode(const Raster<std::uint8_t>& image, const char* driver, const std::vector<std::string>& options) {
+std::vector<std::uint8_t> encode(const Raster<std::uint8_t>& image, const char* driver,
+                                 const std::vector<std::string>& options) {
   const DatasetPtr dataset = memory_dataset(image.width, image.height);
   wrap_for_reading(*dataset, image);
   static std::atomic<int> counter{0};
@@ -116,13 +121,14 @@ std::vector<std::uint8_t> encode(const Raster<std::uint8_t>& image, const char* 
   const ScopedGdalOption no_side_car("GDAL_PAM_ENABLED", "NO");
   GdalOptions list(options);
   GdalErrors errors;
-  DatasetPtr made(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(name.c_str(), dataset.get(), FALSE, list.get(),
-                                                                              nullptr, nullptr));
+  DatasetPtr made(GetGDALDriverManager()->GetDriverByName(driver)->CreateCopy(name.c_str(), dataset.get(), FALSE,
+                                                                              list.get(), nullptr, nullptr));
   const bool created = made != nullptr;
   made.reset();
   vsi_l_offset size = 0;
   const std::unique_ptr<GByte, decltype(&VSIFree)> bytes(VSIGetMemFileBuffer(name.c_str(), &size, TRUE), VSIFree);
-  if (!created || errors.any() || !bytes) throw Error(fmt::format("an image cannot be encoded as {}: {}", driver, errors.text()));
+  if (!created || errors.any() || !bytes)
+    throw Error(fmt::format("an image cannot be encoded as {}: {}", driver, errors.text()));
   return {bytes.get(), bytes.get() + size};
 }
 }  // namespace

@@ -22,16 +22,25 @@ struct Field {
   const char* name;
   OGRFieldType type;
 };
-constexpr Field centreline_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},   {"highway", OFTString},
-                                       {"name", OFTString},      {"layer", OFTInteger},  {"bridge", OFTInteger},
-                                       {"tunnel", OFTInteger},   {"oneway", OFTInteger}, {"lanes", OFTInteger},
+constexpr Field centreline_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},      {"highway", OFTString},
+                                       {"name", OFTString},      {"layer", OFTInteger},     {"bridge", OFTInteger},
+                                       {"tunnel", OFTInteger},   {"oneway", OFTInteger},    {"lanes", OFTInteger},
                                        {"width_m", OFTReal},     {"roundabout", OFTInteger}};
-constexpr Field node_fields[] = {{"osm_id", OFTInteger64},   {"part", OFTInteger},      {"osm_node", OFTInteger64},
-                                 {"s_m", OFTReal},           {"offset_m", OFTReal},     {"width_m", OFTReal},
-                                 {"sigma_offset_m", OFTReal}, {"sigma_width_m", OFTReal}, {"z_m", OFTReal},
-                                 {"gradient", OFTReal},      {"banking", OFTReal},      {"sigma_z_m", OFTReal},
+constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
+                                 {"part", OFTInteger},
+                                 {"osm_node", OFTInteger64},
+                                 {"s_m", OFTReal},
+                                 {"offset_m", OFTReal},
+                                 {"width_m", OFTReal},
+                                 {"sigma_offset_m", OFTReal},
+                                 {"sigma_width_m", OFTReal},
+                                 {"z_m", OFTReal},
+                                 {"gradient", OFTReal},
+                                 {"banking", OFTReal},
+                                 {"sigma_z_m", OFTReal},
                                  {"banking_source", OFTString}};
-constexpr Field surface_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
+constexpr Field surface_fields[] = {
+    {"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
 
 template <std::size_t n>
 OGRLayer& create_layer(GDALDataset& dataset, const char* name, OGRwkbGeometryType type, OGRSpatialReference& reference,
@@ -65,7 +74,9 @@ class RoadsWriter {
   RoadsWriter(GDALDataset& dataset, OGRSpatialReference& reference, std::string file, const GdalErrors& errors)
       : centrelines_(create_layer(dataset, "centrelines", wkbLineString, reference, centreline_fields)),
         nodes_(create_layer(dataset, "nodes", wkbPoint, reference, node_fields)),
-        surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)), file_(std::move(file)), errors_(errors) {}
+        surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)),
+        file_(std::move(file)),
+        errors_(errors) {}
 
   void add(const RoadPath& path) {
     add_centreline(path);
@@ -135,7 +146,8 @@ void write_roads(const fs::path& path, const RoadNetwork& roads) {
   const ScopedGdalOption no_fsync("OGR_SQLITE_SYNCHRONOUS", "OFF");  // the file is renamed into place when it is whole
   GdalErrors errors;
   const auto fail = [&] {
-    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(), errors.text()));
+    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(),
+                            errors.text()));
   };
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
   DatasetPtr dataset(driver->Create(out.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
@@ -152,7 +164,9 @@ void write_roads(const fs::path& path, const RoadNetwork& roads) {
 namespace {
 OGRLayer& need_layer(const fs::path& path, GDALDataset& dataset, const char* name) {
   OGRLayer* layer = dataset.GetLayerByName(name);
-  if (!layer) throw InputError(path.string(), fmt::format("has no layer '{}'; need a roads.gpkg as `orthodrive refine` writes it", name));
+  if (!layer)
+    throw InputError(path.string(),
+                     fmt::format("has no layer '{}'; need a roads.gpkg as `orthodrive refine` writes it", name));
   return *layer;
 }
 
@@ -160,8 +174,9 @@ template <std::size_t n>
 void need_fields(const fs::path& path, OGRLayer& layer, const Field (&fields)[n]) {
   for (const Field& field : fields)
     if (layer.GetLayerDefn()->GetFieldIndex(field.name) < 0)
-      throw InputError(path.string(), fmt::format("layer '{}' has no field '{}'; need a roads.gpkg as `orthodrive refine` writes it",
-                                                  layer.GetName(), field.name));
+      throw InputError(path.string(),
+                       fmt::format("layer '{}' has no field '{}'; need a roads.gpkg as `orthodrive refine` writes it",
+                                   layer.GetName(), field.name));
 }
 
 using PathKey = std::pair<std::int64_t, int>;  // osm_id, part
@@ -227,15 +242,18 @@ RoadNetwork read_roads(const fs::path& path) {
   for (const auto& row : nodes) {
     const auto at = index.find(key_of(*row));
     if (at == index.end())
-      throw InputError(path.string(), fmt::format("has nodes of way {} part {}, which is not in 'centrelines'", key_of(*row).first,
-                                                  key_of(*row).second));
+      throw InputError(path.string(), fmt::format("has nodes of way {} part {}, which is not in 'centrelines'",
+                                                  key_of(*row).first, key_of(*row).second));
     roads.paths[at->second].nodes.push_back(node_of(path, *row));
   }
-  if (errors.any()) throw InputError(path.string(), fmt::format("cannot be read to its end ({}); make it again", errors.text()));
+  if (errors.any())
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); make it again", errors.text()));
   for (RoadPath& road : roads.paths) {
-    std::stable_sort(road.nodes.begin(), road.nodes.end(), [](const RoadNode& a, const RoadNode& b) { return a.s_m < b.s_m; });
+    std::stable_sort(road.nodes.begin(), road.nodes.end(),
+                     [](const RoadNode& a, const RoadNode& b) { return a.s_m < b.s_m; });
     if (road.nodes.size() < 2)
-      throw InputError(path.string(), fmt::format("way {} part {} has {} nodes, need two", road.osm_id, road.part, road.nodes.size()));
+      throw InputError(path.string(),
+                       fmt::format("way {} part {} has {} nodes, need two", road.osm_id, road.part, road.nodes.size()));
   }
   return roads;
 }

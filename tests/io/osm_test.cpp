@@ -1,0 +1,232 @@
+// OSM in: tags, roads cut at the area, features, broken files.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <osmium/io/any_input.hpp>
+#include <osmium/io/pbf_output.hpp>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/osm_tags.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "places.hpp"
+#include "scratch.hpp"
+
+namespace orthodrive {
+namespace {
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// An .osm text of nodes given in metres from the origin.
+class OsmText {
+ public:
+  OsmText& node(int id, double x, double y) {
+    const Vec2 p = lonlat_from_site_.target_from_source(origin + Vec2{x, y});
+    nodes_ += fmt::format("<node id=\"{}\" lon=\"{:.9f}\" lat=\"{:.9f}\"/>\n", id, p.x, p.y);
+    return *this;
+  }
+  OsmText& way(int id, const std::vector<int>& nodes, const io::OsmTags& tags) {
+    ways_ += fmt::format("<way id=\"{}\">", id);
+    for (const int node : nodes) ways_ += fmt::format("<nd ref=\"{}\"/>", node);
+    for (const auto& [key, value] : tags) ways_ += fmt::format("<tag k=\"{}\" v=\"{}\"/>", key, value);
+    ways_ += "</way>\n";
+    return *this;
+  }
+  OsmText& raw(const std::string& text) {
+    ways_ += text;
+    return *this;
+  }
+  [[nodiscard]] std::string text() const {
+    return "<?xml version='1.0' encoding='UTF-8'?>\n<osm version=\"0.6\" generator=\"test\">\n" + nodes_ + ways_ +
+           "</osm>\n";
+  }
+
+ private:
+  CoordinateTransform lonlat_from_site_{utm33, Crs{"EPSG:4326"}};
+  std::string nodes_, ways_;
+};
+
+TEST(OsmTags, widths) {
+  EXPECT_DOUBLE_EQ(io::parse_width_m("3.5"), 3.5);
+  EXPECT_DOUBLE_EQ(io::parse_width_m("3,5 m"), 3.5);
+  EXPECT_DOUBLE_EQ(io::parse_width_m("10 ft"), 3.048);
+  EXPECT_DOUBLE_EQ(io::parse_width_m("12'6\""), 12.5 * 0.3048);
+  for (const char* bad : {"", "narrow", "-3", "0", "3.5 parsecs", "12'x\"", "nan", "3;4"})
+    EXPECT_EQ(io::parse_width_m(bad), 0.0) << bad;
+}
+
+TEST(OsmTags, what_oneway_means) {
+  const auto oneway = [](const io::OsmTags& tags) { return io::way_attributes(tags).path.oneway == Oneway::forward; };
+  EXPECT_FALSE(oneway({{"highway", "residential"}}));
+  EXPECT_TRUE(oneway({{"highway", "residential"}, {"oneway", "yes"}}));
+  EXPECT_TRUE(oneway({{"highway", "motorway"}})) << "implied";
+  EXPECT_FALSE(oneway({{"highway", "motorway"}, {"oneway", "no"}})) << "implied, but denied";
+  EXPECT_TRUE(oneway({{"highway", "primary"}, {"junction", "roundabout"}})) << "implied";
+  EXPECT_TRUE(io::way_attributes({{"highway", "service"}, {"oneway", "-1"}}).reversed);
+}
+
+TEST(OsmTags, layers_of_bridges_and_tunnels) {
+  EXPECT_EQ(io::way_attributes({{"highway", "primary"}}).path.layer, 0);
+  EXPECT_EQ(io::way_attributes({{"highway", "primary"}, {"bridge", "yes"}}).path.layer, 1);
+  EXPECT_EQ(io::way_attributes({{"highway", "primary"}, {"bridge", "viaduct"}, {"layer", "2"}}).path.layer, 2);
+  EXPECT_EQ(io::way_attributes({{"highway", "primary"}, {"tunnel", "yes"}}).path.layer, -1);
+  EXPECT_FALSE(io::way_attributes({{"highway", "primary"}, {"bridge", "no"}}).path.bridge);
+}
+
+TEST(OsmRoads, ways_become_paths_in_the_site_crs) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 10, 10).node(2, 60, 10).node(3, 60, 50).node(4, 20, 80);
+  osm.way(9, {3, 4}, {{"highway", "service"}, {"oneway", "-1"}});
+  osm.way(7, {1, 2, 3}, {{"highway", "residential"}, {"name", "High &amp; Low"}, {"width", "6.5"}, {"lanes", "2"}});
+  osm.way(8, {1, 4}, {{"highway", "footway"}});
+  osm.way(6, {1, 4}, {{"highway", "service"}, {"area", "yes"}});
+  write_bytes(scratch / "a.osm", osm.text());
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100));
+  ASSERT_EQ(roads.paths.size(), 2u) << "no footway, no area";
+  const RoadPath& first = roads.paths[0];
+  EXPECT_EQ(first.osm_id, 7);
+  EXPECT_EQ(first.name, "High & Low");
+  ASSERT_EQ(first.nodes.size(), 3u);
+  EXPECT_NEAR(distance(first.nodes[1].p, origin + Vec2{60, 10}), 0.0, 0.01);
+  EXPECT_NEAR(first.nodes[2].s_m, 90.0, 0.02);
+  EXPECT_EQ(first.nodes[1].osm_node, 2);
+  EXPECT_DOUBLE_EQ(first.nodes[0].width_m, 6.5);
+  EXPECT_EQ(roads.paths[1].nodes.front().osm_node, 4) << "oneway=-1 is turned round";
+  EXPECT_DOUBLE_EQ(roads.paths[1].nodes[0].width_m, default_width_m("service", 0, Oneway::forward));
+}
+
+TEST(OsmRoads, ways_are_cut_at_the_area_and_their_pieces_counted) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 50, 20).node(2, 150, 20).node(3, 150, 60).node(4, 50, 60);
+  osm.way(5, {1, 2, 3, 4}, {{"highway", "primary"}});
+  write_bytes(scratch / "a.osm", osm.text());
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100));
+  ASSERT_EQ(roads.paths.size(), 2u);
+  EXPECT_EQ(roads.paths[1].part, 1);
+  EXPECT_EQ(roads.paths[0].nodes.back().osm_node, 0);
+  EXPECT_NEAR(roads.paths[0].nodes.back().p.x, origin.x + 100.0, 1e-9);
+  EXPECT_NEAR(roads.paths[1].nodes.back().s_m, 50.0, 0.02);
+}
+
+TEST(OsmRoads, missing_and_doubled_nodes) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 10, 10).node(2, 20, 10).node(3, 40, 10).node(4, 50, 10);
+  osm.way(5, {1, 2, 2, 99, 3, 4}, {{"highway", "primary"}});  // 99 is not in the file
+  write_bytes(scratch / "a.osm", osm.text());
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100));
+  ASSERT_EQ(roads.paths.size(), 2u);
+  EXPECT_EQ(roads.paths[0].nodes.size(), 2u);
+  EXPECT_EQ(roads.paths[1].nodes[0].osm_node, 3);
+}
+
+TEST(OsmRoads, no_roads_in_the_area_says_where_they_lie) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 5000, 10).node(2, 6000, 10).way(5, {1, 2}, {{"highway", "primary"}});
+  write_bytes(scratch / "a.osm", osm.text());
+  const std::string message =
+      message_of<InputError>([&] { (void)io::read_osm_roads(scratch / "a.osm", site_of(100)); });
+  EXPECT_THAT(message, HasSubstr("no roads in the area: its roads lie in longitude 15.06"));
+  EXPECT_THAT(message, HasSubstr("the area is longitude 15.00000..15.00140"));
+}
+
+TEST(OsmRoads, file_without_roads) {
+  const Scratch scratch;
+  write_bytes(scratch / "a.osm", OsmText().node(1, 0, 0).text());
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_osm_roads(scratch / "a.osm", site_of(100)); }),
+              HasSubstr("no drivable ways"));
+}
+
+TEST(OsmRoads, missing_empty_truncated_or_foreign_file) {
+  const Scratch scratch;
+  const auto read = [&](const char* name) { (void)io::read_osm_roads(scratch / name, site_of(100)); };
+  EXPECT_THAT(message_of<InputError>([&] { read("none.osm"); }), HasSubstr("no such file"));
+  write_bytes(scratch / "empty.osm", "");
+  EXPECT_THAT(message_of<InputError>([&] { read("empty.osm"); }), HasSubstr("is empty"));
+  OsmText osm;
+  for (int i = 0; i < 200; ++i) osm.node(i + 1, i, i);
+  osm.way(5, {1, 200}, {{"highway", "primary"}});
+  for (const double share : {0.5, 0.98}) {
+    write_bytes(scratch / "cut.osm", osm.text());
+    truncate_to(scratch / "cut.osm", share);
+    EXPECT_THAT(message_of<InputError>([&] { read("cut.osm"); }), HasSubstr("truncated")) << share;
+  }
+  write_bytes(scratch / "text.osm.pbf", "this is no protocol buffer, but long enough to look at");
+  EXPECT_THAT(message_of<InputError>([&] { read("text.osm.pbf"); }), HasSubstr("not an OSM file"));
+  write_bytes(scratch / "text.xyz", "this is no protocol buffer, but long enough to look at");
+  EXPECT_THAT(message_of<InputError>([&] { read("text.xyz"); }), HasSubstr("not an OSM file"));
+}
+
+TEST(OsmRoads, pbf_reads_as_the_xml_does_and_a_truncated_one_is_refused) {
+  const Scratch scratch;
+  OsmText osm;
+  for (int i = 0; i < 3000; ++i) osm.node(i + 1, i % 90, i / 40.0);
+  osm.way(5, {1, 50, 2999}, {{"highway", "primary"}});
+  write_bytes(scratch / "a.osm", osm.text());
+  {
+    osmium::io::Reader reader((scratch / "a.osm").string());
+    osmium::io::Writer writer((scratch / "a.osm.pbf").string(), reader.header());
+    while (osmium::memory::Buffer buffer = reader.read()) writer(std::move(buffer));
+    writer.close();
+  }
+  const RoadNetwork xml = io::read_osm_roads(scratch / "a.osm", site_of(100)),
+                    pbf = io::read_osm_roads(scratch / "a.osm.pbf", site_of(100));
+  ASSERT_EQ(pbf.paths.size(), 1u);
+  EXPECT_EQ(pbf.paths[0].nodes[1].p, xml.paths.at(0).nodes[1].p);
+  const std::string whole = bytes_of(scratch / "a.osm.pbf");
+  for (const double share : {0.999, 0.6, 0.1, 0.01}) {
+    write_bytes(scratch / "cut.osm.pbf", whole);
+    truncate_to(scratch / "cut.osm.pbf", share);
+    EXPECT_THAT(message_of<InputError>([&] { (void)io::read_osm_roads(scratch / "cut.osm.pbf", site_of(100)); }),
+                HasSubstr("truncated"))
+        << share;
+  }
+}
+
+TEST(OsmFeatures, polygons_lines_and_multipolygons_with_their_tags) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 0, 0).node(2, 40, 0).node(3, 40, 40).node(4, 0, 40);
+  osm.node(5, 10, 10).node(6, 20, 10).node(7, 20, 20).node(8, 10, 20);
+  osm.way(1, {1, 2, 3, 4, 1}, {{"building", "yes"}});
+  osm.way(2, {1, 2, 3}, {{"waterway", "stream"}});
+  osm.way(3, {5, 6, 7, 8, 5}, {{"highway", "service"}});
+  osm.way(4, {1, 2, 3, 4, 1}, {}).way(5, {5, 6, 7, 8, 5}, {});
+  osm.raw(R"(<relation id="9"><member type="way" ref="4" role="outer"/><member type="way" ref="5" role="inner"/>)"
+          R"(<tag k="type" v="multipolygon"/><tag k="natural" v="water"/></relation>)");
+  write_bytes(scratch / "a.osm", osm.text());
+  double building_m2 = 0.0, water_m2 = 0.0;
+  int lines = 0;
+  for (const io::Feature& feature : io::read_features(scratch / "a.osm", utm33)) {
+    for (const Polygon& polygon : feature.polygons) {
+      if (feature.tags.contains("building")) building_m2 += area_m2(polygon);
+      if (feature.tags.contains("natural")) water_m2 += area_m2(polygon);
+    }
+    lines += static_cast<int>(feature.lines.size());
+  }
+  EXPECT_NEAR(building_m2, 1600.0, 1.0);
+  EXPECT_NEAR(water_m2, 1500.0, 1.0) << "the hole is out";
+  EXPECT_EQ(lines, 2) << "stream and ring road";
+}
+
+TEST(RealOsm, kvarnbyn) {
+  const fs::path file = ORTHODRIVE_SOURCE_DIR "/../shared/data/kvarnbyn/roads.osm";
+  if (!fs::exists(file)) GTEST_SKIP() << "REAL DATA MISSING: " << file;
+  const SiteFrame site = lonlat_site(12.008, 57.6495, 12.044, 57.6625);
+  const RoadNetwork roads = io::read_osm_roads(file, site);
+  double total_m = 0.0;
+  for (const RoadPath& path : roads.paths) {
+    EXPECT_GE(path.nodes.size(), 2u);
+    EXPECT_DOUBLE_EQ(path.nodes.back().s_m, length_m(centerline(path)));
+    total_m += path.nodes.back().s_m;
+    for (const RoadNode& node : path.nodes) EXPECT_GT(node.width_m, 2.0);
+  }
+  EXPECT_GT(total_m, 20e3);
+  fmt::print("Kvarnbyn: {} paths, {:.1f} km\n", roads.paths.size(), total_m / 1000.0);
+}
+
+}  // namespace
+}  // namespace orthodrive

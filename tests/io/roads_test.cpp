@@ -1,0 +1,170 @@
+// roads.gpkg out and in.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <thread>
+#include <tuple>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "places.hpp"
+#include "scratch.hpp"
+
+namespace orthodrive {
+namespace {
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+RoadNetwork two_roads() {
+  RoadNetwork roads{.crs = utm33};
+  RoadPath& main = roads.paths.emplace_back(RoadPath{.osm_id = 123456789012345,
+                                                     .part = 1,
+                                                     .highway = "primary",
+                                                     .name = "Štross \"A\"",
+                                                     .layer = 1,
+                                                     .bridge = true,
+                                                     .oneway = Oneway::forward,
+                                                     .lanes = 2});
+  for (int i = 0; i < 12; ++i)
+    main.nodes.push_back({.p = origin + Vec2{2.0 * i, std::sin(0.3 * i)},
+                          .osm_node = i == 0 ? 77 : 0,
+                          .s_m = 2.0 * i,
+                          .offset_m = 0.1 * i,
+                          .width_m = 6.0 + 0.01 * i,
+                          .sigma_offset_m = 0.3,
+                          .sigma_width_m = 0.4,
+                          .z_m = 200.0 + i / 3.0,
+                          .gradient = 0.01,
+                          .banking = -0.02,
+                          .sigma_z_m = 0.1,
+                          .banking_source = "dtm"});
+  RoadPath& raw = roads.paths.emplace_back(RoadPath{.osm_id = 5, .highway = "service", .roundabout = true});
+  raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
+               {.p = origin + Vec2{0, 30}, .s_m = 30.0, .width_m = 4.0}};  // no heights yet
+  return roads;
+}
+
+void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
+  EXPECT_EQ(a.crs, b.crs);
+  ASSERT_EQ(a.paths.size(), b.paths.size());
+  for (std::size_t i = 0; i < a.paths.size(); ++i) {
+    const RoadPath &p = a.paths[i], &q = b.paths[i];
+    EXPECT_EQ(
+        std::tie(p.osm_id, p.part, p.highway, p.name, p.layer, p.bridge, p.tunnel, p.oneway, p.lanes, p.roundabout),
+        std::tie(q.osm_id, q.part, q.highway, q.name, q.layer, q.bridge, q.tunnel, q.oneway, q.lanes, q.roundabout));
+    ASSERT_EQ(p.nodes.size(), q.nodes.size());
+    for (std::size_t k = 0; k < p.nodes.size(); ++k) {
+      const RoadNode &m = p.nodes[k], &n = q.nodes[k];
+      EXPECT_EQ(m.p, n.p);
+      EXPECT_EQ(std::tie(m.osm_node, m.s_m, m.offset_m, m.width_m, m.sigma_offset_m, m.sigma_width_m, m.gradient,
+                         m.banking, m.sigma_z_m, m.banking_source),
+                std::tie(n.osm_node, n.s_m, n.offset_m, n.width_m, n.sigma_offset_m, n.sigma_width_m, n.gradient,
+                         n.banking, n.sigma_z_m, n.banking_source));
+      EXPECT_TRUE(m.z_m == n.z_m || (std::isnan(m.z_m) && std::isnan(n.z_m)));
+    }
+  }
+}
+
+TEST(Roads, come_back_as_written) {
+  const Scratch scratch;
+  io::write_roads(scratch / "roads.gpkg", two_roads());
+  expect_same(two_roads(), io::read_roads(scratch / "roads.gpkg"));
+  EXPECT_EQ(scratch.file_count(), 1) << "no journal left";
+}
+
+TEST(Roads, empty_network_is_a_file_too) {
+  const Scratch scratch;
+  io::write_roads(scratch / "roads.gpkg", {.crs = utm33});
+  EXPECT_TRUE(io::read_roads(scratch / "roads.gpkg").paths.empty());
+}
+
+TEST(Roads, same_roads_same_bytes_a_second_later) {
+  const Scratch scratch;
+  io::write_roads(scratch / "a.gpkg", two_roads());
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // GeoPackage's dates have seconds
+  io::write_roads(scratch / "b.gpkg", two_roads());
+  EXPECT_EQ(bytes_of(scratch / "a.gpkg"), bytes_of(scratch / "b.gpkg"));
+}
+
+TEST(Roads, surface_has_the_area_of_the_carriageway) {
+  const Scratch scratch;
+  RoadNetwork roads{.crs = utm33};
+  RoadPath& straight = roads.paths.emplace_back(RoadPath{.osm_id = 1, .highway = "service"});
+  straight.nodes = {{.p = origin, .width_m = 4.0}, {.p = origin + Vec2{50, 0}, .s_m = 50.0, .width_m = 4.0}};
+  // A hairpin of 3 m radius and 8 m width: the inner edge folds back over itself.
+  RoadPath& hairpin = roads.paths.emplace_back(RoadPath{.osm_id = 2, .highway = "service"});
+  for (int i = 0; i <= 12; ++i) {
+    const double angle = std::numbers::pi * i / 12.0;
+    hairpin.nodes.push_back(
+        {.p = origin + Vec2{100.0 + 3.0 * std::cos(angle), 3.0 * std::sin(angle)}, .s_m = 3.0 * angle, .width_m = 8.0});
+  }
+  io::write_roads(scratch / "roads.gpkg", roads);
+  std::map<std::string, double> area;
+  for (const io::Feature& feature : io::read_features(scratch / "roads.gpkg", utm33))
+    for (const Polygon& polygon : feature.polygons) area[feature.tags.at("osm_id")] += area_m2(polygon);
+  EXPECT_NEAR(area["1"], 200.0, 1e-6);
+  // Half disc of 7 m radius, and what the folded inner edge sweeps on the other side (at most half a disc of 1 m).
+  EXPECT_NEAR(area["2"], 0.5 * std::numbers::pi * 49.0, 0.5 * std::numbers::pi + 1.5);
+}
+
+TEST(Roads, foreign_or_broken_geopackage_is_refused) {
+  const Scratch scratch;
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_roads(scratch / "none.gpkg"); }), HasSubstr("no such file"));
+  io::write_geojson(scratch / "a.geojson", {{.lines = {{origin, origin + Vec2{1, 1}}}}}, utm33);
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::read_roads(scratch / "a.geojson"); }),
+              HasSubstr("no layer 'centrelines'"));
+  io::write_roads(scratch / "cut.gpkg", two_roads());
+  truncate_to(scratch / "cut.gpkg", 0.4);
+  EXPECT_THROW((void)io::read_roads(scratch / "cut.gpkg"), InputError);
+}
+
+TEST(Roads, unwritable_target_leaves_nothing) {
+  const Scratch scratch;
+  write_bytes(scratch / "file", "x");
+  EXPECT_THROW(io::write_roads(scratch / "file" / "roads.gpkg", two_roads()), Error);
+  EXPECT_EQ(scratch.file_count(), 1);
+}
+
+TEST(Roads, full_disk_leaves_the_earlier_file_and_nothing_else) {
+  const Scratch scratch;
+  RoadNetwork many{.crs = utm33};
+  for (int i = 0; i < 300; ++i) many.paths.push_back(two_roads().paths[0]), many.paths.back().osm_id = i;
+  for (const rlim_t limit : {1000, 100000, 400000}) {
+    write_bytes(scratch / "roads.gpkg", "earlier");
+    {
+      const FileSizeLimit full(limit);
+      EXPECT_THAT(message_of<Error>([&] { io::write_roads(scratch / "roads.gpkg", many); }), HasSubstr("disk full"))
+          << limit;
+    }
+    EXPECT_EQ(bytes_of(scratch / "roads.gpkg"), "earlier");
+    EXPECT_EQ(scratch.file_count(), 1) << limit;
+  }
+}
+
+TEST(RealOsm, pardubice_reads_in_two_seconds_and_writes_in_a_few) {
+  const fs::path file = ORTHODRIVE_SOURCE_DIR "/../shared/data/pardubice/roads.osm";
+  if (!fs::exists(file)) GTEST_SKIP() << "REAL DATA MISSING: " << file;
+  const auto start = std::chrono::steady_clock::now();
+  const RoadNetwork roads = io::read_osm_roads(file, lonlat_site(15.72259, 50.01013, 15.78959, 50.05329));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_LT(seconds, 2.0);
+  double total_m = 0.0;
+  for (const RoadPath& path : roads.paths) total_m += path.nodes.back().s_m;
+  EXPECT_NEAR(total_m, 245e3, 15e3);  // README: 123 km of streets, 122 km of service roads
+  const Scratch scratch;
+  const auto middle = std::chrono::steady_clock::now();
+  io::write_roads(scratch / "roads.gpkg", roads);
+  const auto written = std::chrono::steady_clock::now();
+  expect_same(roads, io::read_roads(scratch / "roads.gpkg"));
+  fmt::print("Pardubice: {} paths, {:.1f} km, read in {:.2f} s, written in {:.2f} s, read again in {:.2f} s\n",
+             roads.paths.size(), total_m / 1000.0, seconds, std::chrono::duration<double>(written - middle).count(),
+             std::chrono::duration<double>(std::chrono::steady_clock::now() - written).count());
+}
+
+}  // namespace
+}  // namespace orthodrive
