@@ -224,6 +224,20 @@ TEST(BuildNetwork, ends_that_do_not_quite_meet_are_joined_smoothly) {
   EXPECT_NEAR(roadquery::road_edges(a, a.length).left_t, 3.0, 1e-6);
 }
 
+TEST(BuildNetwork, lanes_move_sideways_smoothly_where_a_two_way_road_becomes_one_way) {
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {80, 0}}, {1, 2}),
+                  make_path({{80, 0}, {160, 0}}, {2, 3}, {.osm_id = 2, .oneway = Oneway::forward, .lanes = 1})}));
+  expect_sound(result.map);
+  ASSERT_EQ(connecting_roads(result.map).size(), 1u);
+  const Road& road = *connecting_roads(result.map)[0];
+  EXPECT_NEAR(road.length, 20.0, 1e-6);
+  EXPECT_NEAR(roadquery::evaluate(road.lane_offset, 0.0), 0.0, 1e-9);  // to the right of the centre of the two-way road
+  EXPECT_NEAR(roadquery::road_edges(road, 0.0).right_t, -3.0, 1e-6);
+  EXPECT_NEAR(roadquery::evaluate(road.lane_offset, road.length), 3.0, 1e-6);  // all of the one-way road
+  EXPECT_NEAR(roadquery::road_edges(road, road.length).right_t, -3.0, 1e-6);
+}
+
 TEST(BuildNetwork, closed_way_is_its_own_successor) {
   std::vector<Vec2> points = circle_points({0, 0}, 60.0, 0.0, 2.0 * M_PI);
   points.back() = points.front();

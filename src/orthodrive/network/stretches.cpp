@@ -9,6 +9,7 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double corner_m = 2.0;       // room for the curve of the corner beyond the carriageways
+constexpr double taper_m = 10.0;       // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
 constexpr double reach_m = 40.0;       // narrow forks overlap for long: roads are cut back no further than this
 constexpr double step_m = 0.5;
 constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
@@ -133,7 +134,8 @@ class JunctionPlanner {
       for (const Arm& arm : junction) lines.push_back(sample_arm(geometry_, plan_.stretches[at(arm.stretch)], arm.at_s1));
       for (std::size_t i = 0; i < junction.size(); ++i) {
         Stretch& stretch = plan_.stretches[at(junction[i].stretch)];
-        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = clear_distance_m(lines, i) + corner_m;
+        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) =
+            junction.size() == 2 ? taper_m : clear_distance_m(lines, i) + corner_m;
       }
     }
   }

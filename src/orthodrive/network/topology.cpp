@@ -118,6 +118,27 @@ void place_vertices(const RoadNetwork& roads, Topology& topology) {
   }
 }
 
+/// Share of the lanes that drive in the path's direction.
+double forward_share(const RoadPath& path) {
+  if (path.oneway == Oneway::forward) return 1.0;
+  return path.lanes > 1 ? static_cast<double>((path.lanes + 1) / 2) / path.lanes : 0.5;
+}
+
+/// Where a two-way road goes on as a one-way road, its lanes move sideways. That takes a connecting road.
+void find_lane_shifts(const RoadNetwork& roads, Topology& topology) {
+  for (Vertex& vertex : topology.vertices) {
+    if (vertex.ends.size() != 2) continue;
+    const auto share_inwards = [&](const PieceEnd& end) {
+      const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
+      const double share = forward_share(roads.paths[static_cast<std::size_t>(piece.path)]);
+      return end.at_last ? share : 1.0 - share;
+    };
+    // What drives in on one side drives out on the other. One-way roads that face each other have nothing to connect.
+    const double a = share_inwards(vertex.ends[0]), b = share_inwards(vertex.ends[1]);
+    vertex.lanes_shift = std::abs(a + b - 1.0) > 1e-9 && a + b > 0.0 && a + b < 2.0;
+  }
+}
+
 /// Unit vector from the vertex outwards along the piece.
 Vec2 outward(const RoadNetwork& roads, const Topology& topology, PieceEnd end) {
   const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
@@ -213,6 +234,7 @@ Topology build_topology(const RoadNetwork& roads, Findings& findings) {
   collect_ends(topology);
   drop_stubs(roads, topology, findings);
   place_vertices(roads, topology);
+  find_lane_shifts(roads, topology);
   ChainBuilder(roads, topology).build();
   return topology;
 }

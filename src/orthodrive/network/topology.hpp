@@ -24,7 +24,8 @@ struct PieceEnd {
 struct Vertex {
   Vec2 p;                      ///< mean over the ends: paths are refined one by one and may disagree
   std::vector<PieceEnd> ends;  ///< in the order of the pieces
-  [[nodiscard]] bool is_junction() const { return ends.size() >= 3; }
+  bool lanes_shift = false;    ///< two ends whose lanes lie differently about the centre: two-way and one-way, say
+  [[nodiscard]] bool is_junction() const { return ends.size() >= 3 || lanes_shift; }
 };
 
 struct ChainPiece {
