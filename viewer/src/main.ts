@@ -63,11 +63,12 @@ function start(site: Site): Api {
   let rate = 1;
   let playing = lap !== undefined && parameters.get('play') !== '0';
   let bounds: Sphere | undefined;
-  let frame = 0, readyFrame = -1; // ready once a picture was drawn after the last tile had come
-  let stale = true;
+  let frame = 0;
+  let stale = true; // the picture shows an earlier state
+  let ready = false; // no tile is missing in the picture
   const invalidate = () => {
     stale = true;
-    readyFrame = -1;
+    ready = false;
   };
   tiles.onChange = fly.onChange = invalidate;
 
@@ -163,7 +164,6 @@ function start(site: Site): Api {
     }
     renderer.render(scene, activeCamera());
     ++frame;
-    if (tiles.complete && tiles.visible > 0) readyFrame = frame;
   }
 
   let last_ms = performance.now();
@@ -177,12 +177,13 @@ function start(site: Site): Api {
       stale = true;
     }
     if (findings.dropOnto(tiles)) stale = true;
-    if (stale || !tiles.complete) {
-      stale = false;
+    if (stale || !ready) {
       placeCar();
       activeCamera().updateMatrixWorld();
-      tiles.update(activeCamera(), renderer);
-      draw();
+      tiles.update(activeCamera(), renderer); // tells of new tiles through onChange
+      if (stale) draw();
+      stale = false;
+      ready = tiles.complete && tiles.visible > 0;
     }
     if (tiles.failures.length > 0) panel.showMessage(tiles.failures[0], true);
     requestAnimationFrame(tick);
@@ -191,7 +192,7 @@ function start(site: Site): Api {
   requestAnimationFrame(tick);
 
   return {
-    get ready() { return readyFrame >= 0; },
+    get ready() { return ready; },
     get frame() { return frame; },
     get tilesLoaded() { return tiles.loaded; },
     get tilesVisible() { return tiles.visible; },

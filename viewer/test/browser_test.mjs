@@ -34,7 +34,7 @@ async function sceneShot(page) {
 
 /** All tiles are there and at least one more picture was drawn after the last change. */
 async function waitUntilDrawn(page) {
-  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {timeout: 120_000});
+  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {timeout: 240_000});
   assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
 }
 
@@ -98,7 +98,7 @@ async function checkLayers(page) {
 async function checkPlaying(page) {
   const before = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
   await page.click('#play');
-  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m, {timeout: 60_000});
+  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m, {timeout: 240_000});
   const camera = await page.evaluate(() => window.orthodrive.cameraPosition);
   assert.ok(Math.hypot(camera[0] - before.camera[0], camera[1] - before.camera[1]) > 1, 'the camera stays behind while playing');
   await page.click('#play');
