@@ -81,7 +81,7 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --seed 3 --size 300 --gsd 0.5 -o "
       "/tmp/small\n"
-      "Needs 1.5 GB of memory for 1 km2 at 0.2 m.");
+      "Needs 0.65 GB of memory for 1 km2 at 0.2 m.");
   cmd->callback([arguments, &context] {
     arguments->village.threads = context.threads;
     const SynthSite site = make_village(arguments->village, context.monitor);

@@ -46,7 +46,7 @@ struct SynthSite {
   std::string circuit_name;            ///< of the closed way
 };
 
-/// Takes 15 s and 0.7 GB for 1 km2 at 0.2 m on one core. Throws OptionError for sizes it cannot fill.
+/// Takes 10 s and 0.65 GB for 1 km2 at 0.2 m on one core. Throws OptionError for sizes it cannot fill.
 [[nodiscard]] SynthSite make_village(const VillageOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive
