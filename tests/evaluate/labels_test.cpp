@@ -1,10 +1,10 @@
 // Label scores from maps small enough to count by hand.
 
-#include "orthodrive/evaluate/evaluate_labels.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "orthodrive/evaluate/evaluate_labels.hpp"
 
 namespace orthodrive {
 namespace {
@@ -13,7 +13,10 @@ const Crs utm33{"EPSG:32633"};
 const Vec2 origin{500000.0, 5540000.0};
 
 LabelMap map_of(int width, int height, double gsd_m, std::uint8_t label) {
-  return {utm33, {origin.x, origin.y, gsd_m, width, height}, Raster<std::uint8_t>(width, height, 1, label), default_class_table()};
+  return {utm33,
+          {origin.x, origin.y, gsd_m, width, height},
+          Raster<std::uint8_t>(width, height, 1, label),
+          default_class_table()};
 }
 void paint(LabelMap& map, int col0, int row0, int col1, int row1, std::uint8_t label) {
   for (int row = row0; row < row1; ++row)
@@ -98,7 +101,8 @@ TEST(EvaluateLabels, other_crs_is_looked_up_point_by_point) {
   prediction.crs = utm32, prediction.frame.west_m = corner.x, prediction.frame.north_m = corner.y;
   for (int row = 0; row < 500; ++row)
     for (int col = 0; col < 500; ++col) {
-      const Vec2 q = truth.frame.pixel_from_world(utm32_from_utm33.source_from_target(prediction.frame.center_of(col, row)));
+      const Vec2 q =
+          truth.frame.pixel_from_world(utm32_from_utm33.source_from_target(prediction.frame.center_of(col, row)));
       if (q.x >= 10 && q.x < 20 && q.y >= 10 && q.y < 30) prediction.labels.at(col, row) = 1;
     }
   EXPECT_DOUBLE_EQ(evaluate_labels(prediction, truth).road_iou, 1.0);

@@ -1,10 +1,10 @@
 // Network scores of maps made by hand, each with one known fault.
 
-#include "orthodrive/evaluate/evaluate_network.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "orthodrive/evaluate/evaluate_network.hpp"
 
 namespace orthodrive {
 namespace {
@@ -60,7 +60,8 @@ TEST(EvaluateNetwork, gap_between_the_elements_of_one_road) {
 }
 
 TEST(EvaluateNetwork, connecting_road_that_starts_at_the_lane_edge_has_no_gap) {
-  // Its reference line is the inner border of the incoming road's left lane pair shifted: only the linked lane has to meet.
+  // Its reference line is the inner border of the incoming road's left lane pair shifted: only the linked lane has to
+  // meet.
   RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, -3, 0, 20)}};
   Road& connecting = map.roads[1];
   connecting.junction = 7;
@@ -79,8 +80,10 @@ TEST(EvaluateNetwork, connecting_road_that_starts_at_the_lane_edge_has_no_gap) {
 
 TEST(EvaluateNetwork, gradient_kink_inside_a_road) {
   Road road = straight_road(1, 0, 0, 0, 100);
-  road.elevation = {{.s = 0, .a = 0, .b = 0.01, .c = 0.0005}, {.s = 20, .a = 0.4, .b = 0.03}, {.s = 60, .a = 1.6, .b = -0.04}};
-  EXPECT_NEAR(evaluate_network({.roads = {road}}).max_gradient_kink, 0.07, 1e-12) << "smooth at 20 m, 0.03 to -0.04 at 60 m";
+  road.elevation = {
+      {.s = 0, .a = 0, .b = 0.01, .c = 0.0005}, {.s = 20, .a = 0.4, .b = 0.03}, {.s = 60, .a = 1.6, .b = -0.04}};
+  EXPECT_NEAR(evaluate_network({.roads = {road}}).max_gradient_kink, 0.07, 1e-12)
+      << "smooth at 20 m, 0.03 to -0.04 at 60 m";
 }
 
 TEST(EvaluateNetwork, clearance_under_a_bridge) {

@@ -19,7 +19,8 @@ const Vec2 origin{500000.0, 5540000.0};
 RoadPath path_along(const Polyline& line, double width_m, std::int64_t id = 1) {
   RoadPath path{.osm_id = id, .highway = "residential"};
   const std::vector<double> s = arc_lengths_m(line);
-  for (std::size_t i = 0; i < line.size(); ++i) path.nodes.push_back({.p = origin + line[i], .s_m = s[i], .width_m = width_m});
+  for (std::size_t i = 0; i < line.size(); ++i)
+    path.nodes.push_back({.p = origin + line[i], .s_m = s[i], .width_m = width_m});
   return path;
 }
 Polyline straight(double x0, double y0, double x1, double y1, int pieces = 20) {
@@ -29,7 +30,8 @@ Polyline straight(double x0, double y0, double x1, double y1, int pieces = 20) {
 }
 Polyline circle(double radius_m) {
   Polyline line;
-  for (int i = 0; i <= 360; ++i) line.push_back({radius_m * std::cos(i * std::numbers::pi / 180), radius_m * std::sin(i * std::numbers::pi / 180)});
+  for (int i = 0; i <= 360; ++i)
+    line.push_back({radius_m * std::cos(i * std::numbers::pi / 180), radius_m * std::sin(i * std::numbers::pi / 180)});
   return line;
 }
 RoadNetwork network(std::vector<RoadPath> paths) { return {utm33, std::move(paths)}; }
@@ -63,21 +65,24 @@ TEST(EvaluateRoads, line_shifted_to_the_left_has_that_bias_and_iou) {
 
 TEST(EvaluateRoads, overlapping_roads_count_once) {
   // Two roads crossing: the 6 x 6 m in the middle belongs to both.
-  const RoadNetwork truth = network({path_along(straight(-50, 0, 50, 0), 6.0), path_along(straight(0, -50, 0, 50), 6.0, 2)});
+  const RoadNetwork truth =
+      network({path_along(straight(-50, 0, 50, 0), 6.0), path_along(straight(0, -50, 0, 50), 6.0, 2)});
   const RoadNetwork one = network({path_along(straight(-50, 0, 50, 0), 6.0)});
   EXPECT_NEAR(score(one, truth).surface_iou, 600.0 / (1200.0 - 36.0), 1e-6);
 }
 
 TEST(EvaluateRoads, crossing_roads_are_not_confused) {
   const RoadNetwork truth = network({path_along(straight(-50, 0, 50, 0), 6.0)});
-  const RoadNetwork roads = network({path_along(straight(-50, 2, 50, 2), 6.0), path_along(straight(0, -50, 0, 50), 6.0, 2)});
+  const RoadNetwork roads =
+      network({path_along(straight(-50, 2, 50, 2), 6.0), path_along(straight(0, -50, 0, 50), 6.0, 2)});
   const RoadScores scores = score(roads, truth);
   EXPECT_NEAR(scores.offset_m.bias, 2.0, 1e-9);
   EXPECT_NEAR(scores.offset_m.p95, 2.0, 1e-9);
 }
 
 TEST(EvaluateRoads, missing_road_is_not_matched) {
-  const RoadNetwork truth = network({path_along(straight(0, 0, 100, 0), 6.0), path_along(straight(0, 40, 100, 40), 6.0, 2)});
+  const RoadNetwork truth =
+      network({path_along(straight(0, 0, 100, 0), 6.0), path_along(straight(0, 40, 100, 40), 6.0, 2)});
   const RoadScores scores = score(network({path_along(straight(0, 0, 100, 0), 6.0)}), truth);
   EXPECT_DOUBLE_EQ(scores.matched_share, 0.5);
   EXPECT_EQ(scores.offset_m.n, 50u);
@@ -87,7 +92,8 @@ TEST(EvaluateRoads, missing_road_is_not_matched) {
 TEST(EvaluateRoads, width_is_measured_across_the_polygon_that_the_line_names) {
   RoadTruth truth;
   const auto box = [](double x0, double y0, double x1, double y1) {
-    return MultiPolygon{{{origin + Vec2{x0, y0}, origin + Vec2{x1, y0}, origin + Vec2{x1, y1}, origin + Vec2{x0, y1}}, {}}};
+    return MultiPolygon{
+        {{origin + Vec2{x0, y0}, origin + Vec2{x1, y0}, origin + Vec2{x1, y1}, origin + Vec2{x0, y1}}, {}}};
   };
   truth.surfaces = {{"wide", box(0, -10, 100, 10)}, {"mine", box(0, -2, 100, 4)}};
   truth.lines = {{.of = "mine", .line = {origin + Vec2{0, 1}, origin + Vec2{100, 1}}}};
@@ -110,8 +116,9 @@ TEST(EvaluateRoads, truth_of_polygons_alone_scores_the_surface_alone) {
 
 TEST(EvaluateRoads, area_and_ignore_limit_all_numbers) {
   const RoadNetwork truth = network({path_along(straight(0, 0, 100, 0), 6.0)});
-  const RoadNetwork roads = network({path_along(straight(0, 0, 50, 0), 6.0), path_along(straight(50, 3, 100, 3), 6.0, 2),
-                                     path_along(straight(0, 500, 100, 500), 6.0, 3)});
+  const RoadNetwork roads =
+      network({path_along(straight(0, 0, 50, 0), 6.0), path_along(straight(50, 3, 100, 3), 6.0, 2),
+               path_along(straight(0, 500, 100, 500), 6.0, 3)});
   const auto box = [](double x0, double x1) {
     return Polygon{{origin + Vec2{x0, -20}, origin + Vec2{x1, -20}, origin + Vec2{x1, 20}, origin + Vec2{x0, 20}}, {}};
   };
@@ -154,11 +161,13 @@ TEST(EvaluateRoads, truth_in_another_utm_zone) {
   EXPECT_NEAR(evaluate_roads(truth, road_truth(zone32, utm33)).offset_m.p95, 0.0, 1e-4);
 }
 
-// ---- heights ---------------------------------------------------------------------------------------------------------
+// ---- heights
+// ---------------------------------------------------------------------------------------------------------
 
 /// z = 100 + 0.05 x - 0.02 y over the square around the origin.
 HeightGrid plane() {
-  HeightGrid grid{.crs = utm33, .frame = {origin.x - 100.0, origin.y + 100.0, 2.0, 100, 100}, .height_m = Raster<float>(100, 100)};
+  HeightGrid grid{
+      .crs = utm33, .frame = {origin.x - 100.0, origin.y + 100.0, 2.0, 100, 100}, .height_m = Raster<float>(100, 100)};
   for (int row = 0; row < 100; ++row)
     for (int col = 0; col < 100; ++col) {
       const Vec2 p = grid.frame.center_of(col, row) - origin;
@@ -191,7 +200,8 @@ TEST(EvaluateHeights, roads_on_the_terrain_have_no_error) {
 TEST(EvaluateHeights, raised_steeper_and_tilted_road) {
   RoadPath road = on_plane(straight(-50, 0, 50, 0));
   for (RoadNode& node : road.nodes) node.z_m += 0.5, node.gradient -= 0.01, node.banking += 0.02;
-  for (const HeightScores& scores : {evaluate_heights(network({road}), plane()), evaluate_heights(network({road}), network({on_plane(straight(-60, 0, 60, 0))}))}) {
+  for (const HeightScores& scores : {evaluate_heights(network({road}), plane()),
+                                     evaluate_heights(network({road}), network({on_plane(straight(-60, 0, 60, 0))}))}) {
     EXPECT_NEAR(scores.z_m.bias, 0.5, 1e-4);
     EXPECT_NEAR(scores.gradient.bias, -0.01, 1e-5);
     EXPECT_NEAR(scores.banking.bias, 0.02, 1e-4);
@@ -214,7 +224,8 @@ TEST(EvaluateHeights, bridges_are_compared_with_true_bridges_only) {
   RoadPath below = on_plane(straight(-60, 1, 60, 1)), deck = on_plane(straight(-60, 4, 60, 4));
   deck.layer = 1;
   for (RoadNode& node : below.nodes) node.z_m -= 6.0;
-  EXPECT_NEAR(evaluate_heights(network({bridge}), network({below, deck})).z_m.p95, 0.0, 1e-9) << "the nearer road lies below";
+  EXPECT_NEAR(evaluate_heights(network({bridge}), network({below, deck})).z_m.p95, 0.0, 1e-9)
+      << "the nearer road lies below";
 }
 
 TEST(EvaluateHeights, nodes_without_height_or_truth_are_counted_not_scored) {
