@@ -16,7 +16,7 @@ void add_build(CLI::App& app, Context& context) {
   auto args = std::make_shared<Arguments>();
   CLI::App* cmd = app.add_subcommand("build", "All stages in order: from a site file to a scene, a road network and a driven lap.");
   cmd->add_option("site", args->site, "site file (TOML): area, sources, options")->required();
-  cmd->add_option("-o,--out", args->out, "folder for the results; created when missing")->required();
+  cmd->add_option("-o,--output", args->out, "folder for the results; created when missing")->required();
   cmd->add_option("--set", args->overrides, "override of the site file, section.key=value; may be repeated");
   cmd->footer(
       "Reads the site file and its sources. Writes labels.tif confidence.tif roads.gpkg roads.xodr scene/ drive/ report.html\n"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -23,22 +22,6 @@ struct ElevateCommand {
   std::vector<std::filesystem::path> dtm;
   ElevateOptions options;
 };
-
-/// Convex hull (Andrew's monotone chain), counter-clockwise.
-Ring convex_hull(Ring points) {
-  std::sort(points.begin(), points.end(), [](Vec2 a, Vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-  Ring hull;
-  for (int side = 0; side < 2; ++side) {  // the lower, then the upper one
-    const std::size_t first = hull.size();
-    for (const Vec2 p : points) {
-      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();  // the first of the other side
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
 
 /// The hull of the roads: a box would ask for terrain in corners that a slanting area does not have.
 SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {

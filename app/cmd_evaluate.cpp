@@ -2,84 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "commands.hpp"
-#include "orthodrive/core/error.hpp"
-#include "orthodrive/io/raster_io.hpp"
-#include "orthodrive/io/vector_io.hpp"
-#include "score_files.hpp"
-#include "score_output.hpp"
+#include "orthodrive/pipeline/score.hpp"
 
 namespace orthodrive::app {
 namespace fs = std::filesystem;
 
 namespace {
 struct EvaluateCommand {
-  fs::path scored, truth;
-  RegionFiles region;
+  ScoreRequest request;
   bool json = false;
 };
-
-ScoreJson score_labels(const EvaluateCommand& command) {
-  const LabelMap prediction = io::read_labels(command.scored);
-  const auto truth = read_label_truth(inside_folder(command.truth, "labels.tif"), prediction);
-  if (const auto* roads = std::get_if<MultiPolygon>(&truth))
-    return to_json(evaluate_road_role(prediction, *roads, read_region(command.region, prediction.crs)));
-  const LabelMap& map = std::get<LabelMap>(truth);
-  return to_json(evaluate_labels(prediction, map, read_region(command.region, map.crs)));
-}
-
-ScoreJson score_roads(const EvaluateCommand& command) {
-  const RoadNetwork roads = read_scored_roads(command.scored, command.truth);
-  return to_json(evaluate_roads(roads, read_road_truth(command.truth, roads.crs),
-                                {.region = read_region(command.region, roads.crs)}));
-}
-
-Box2 bounds_of_roads(const RoadNetwork& roads) {
-  Ring points;
-  for (const RoadPath& path : roads.paths)
-    for (const RoadNode& node : path.nodes) points.push_back(node.p);
-  return bounds_of(points);
-}
-
-ScoreJson score_heights(const EvaluateCommand& command) {
-  const RoadNetwork roads = io::read_roads(command.scored);
-  const auto has_height = [](const RoadNode& node) { return !std::isnan(node.z_m); };
-  if (std::none_of(roads.paths.begin(), roads.paths.end(),
-                   [&](const RoadPath& path) { return std::any_of(path.nodes.begin(), path.nodes.end(), has_height); }))
-    throw InputError(command.scored.string(), "its roads have no heights; run `orthodrive elevate` first");
-  const ScoreRegion region = read_region(command.region, roads.crs);
-  const fs::path truth = inside_folder(command.truth, "roads.gpkg");
-  if (is_vector_file(truth)) return to_json(evaluate_heights(roads, io::read_roads(truth), region));
-  constexpr double margin_m = 50.0;  // gradient and banking look beyond the nodes
-  const HeightGrid terrain = io::read_heights(truth, roads.crs, bounds_of_roads(roads).grown(margin_m));
-  return to_json(evaluate_heights(roads, terrain, region));
-}
-
-ScoreJson score_network(const EvaluateCommand& command) {
-  if (!fs::exists(command.scored)) throw InputError(command.scored.string(), "no such file");
-  return to_json(evaluate_network(roadquery::read_opendrive(command.scored.string())));
-}
-
-/// What of a built site the truth folder knows about.
-ScoreJson score_site(const EvaluateCommand& command) {
-  if (!fs::is_directory(command.scored))
-    throw InputError(command.scored.string(), "no such folder; give the output folder of `orthodrive build`");
-  if (!fs::is_directory(command.truth))
-    throw InputError(command.truth.string(), "no such folder; give a truth folder as `orthodrive synth` makes it");
-  const auto part = [&](const char* ours, ScoreJson (*score)(const EvaluateCommand&)) {
-    return score({command.scored / ours, command.truth, command.region});
-  };
-  ScoreJson scores;
-  if (fs::exists(command.truth / "labels.tif")) scores["labels"] = part("labels.tif", score_labels);
-  scores["roads"] = part("roads.gpkg", score_roads);
-  if (fs::exists(command.truth / "roads.gpkg")) scores["heights"] = part("roads.gpkg", score_heights);
-  scores["network"] = part("roads.xodr", score_network);
-  return scores;
-}
 }  // namespace
 
 void add_evaluate(CLI::App& app, Context&) {
@@ -89,19 +24,19 @@ void add_evaluate(CLI::App& app, Context&) {
   cmd->require_subcommand(1);
   cmd->fallthrough();
   cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
-  cmd->add_option("--area", command->region.area,
+  cmd->add_option("--area", command->request.region.area,
                   "polygons (GeoJSON, GeoPackage, any CRS) that limit the score; default: everywhere");
-  cmd->add_option("--ignore", command->region.ignore, "polygons taken out of the score");
+  cmd->add_option("--ignore", command->request.region.ignore, "polygons taken out of the score");
   cmd->footer(
       "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
       "  orthodrive evaluate site out --truth site/truth --json");
 
   const auto add = [&](const char* name, const char* purpose, const char* footer,
-                       ScoreJson (*score)(const EvaluateCommand&)) {
+                       ScoreJson (*score)(const ScoreRequest&)) {
     CLI::App* kind = cmd->add_subcommand(name, purpose);
     kind->footer(footer);
     kind->callback([command, score] {
-      const ScoreJson scores = score(*command);
+      const ScoreJson scores = score(command->request);
       fmt::print("{}", command->json ? scores.dump(2) + "\n" : to_table(scores));
     });
     return kind;
@@ -116,8 +51,8 @@ void add_evaluate(CLI::App& app, Context&) {
                          "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
                          "  orthodrive evaluate labels out/labels.tif carriageways.geojson --area box.geojson --json",
                          score_labels);
-  positional(labels, "PRED", command->scored, "label map (GeoTIFF with class table)");
-  positional(labels, "TRUTH", command->truth,
+  positional(labels, "PRED", command->request.scored, "label map (GeoTIFF with class table)");
+  positional(labels, "TRUTH", command->request.truth,
              "label raster, polygons with `class`, polygons with a road `kind`, or a truth folder");
 
   CLI::App* roads = add(
@@ -127,9 +62,9 @@ void add_evaluate(CLI::App& app, Context&) {
       "Examples:\n  orthodrive evaluate roads out/roads.gpkg site/truth\n"
       "  orthodrive evaluate roads site/roads.osm site/truth --json",
       score_roads);
-  positional(roads, "ROADS", command->scored,
+  positional(roads, "ROADS", command->request.scored,
              "roads.gpkg; or .osm, .osm.pbf: as it is, with default widths, in the box of the truth");
-  positional(roads, "TRUTH", command->truth,
+  positional(roads, "TRUTH", command->request.truth,
              "polygons (id) and centre lines (of) in GeoJSON or GeoPackage, a true roads.gpkg, or a truth folder");
 
   CLI::App* heights = add("heights", "Errors of z (m), gradient (dz/ds) and banking (rad) at the nodes of roads.",
@@ -137,21 +72,21 @@ void add_evaluate(CLI::App& app, Context&) {
                           "Examples:\n  orthodrive evaluate heights out/roads.gpkg site/truth/roads.gpkg\n"
                           "  orthodrive evaluate heights out/roads.gpkg dtm_1m.tif --json",
                           score_heights);
-  positional(heights, "ROADS", command->scored, "roads.gpkg with heights");
-  positional(heights, "TRUTH", command->truth, "terrain model in metres, a true roads.gpkg, or a truth folder");
+  positional(heights, "ROADS", command->request.scored, "roads.gpkg with heights");
+  positional(heights, "TRUTH", command->request.truth, "terrain model in metres, a true roads.gpkg, or a truth folder");
 
   CLI::App* network = add(
       "network", "Size and faults of an OpenDRIVE file: kinks, gaps, clearance, what hangs together.",
       "Examples:\n  orthodrive evaluate network out/roads.xodr\n  orthodrive evaluate network out/roads.xodr --json",
       score_network);
-  positional(network, "FILE", command->scored, "OpenDRIVE 1.4 - 1.8");
+  positional(network, "FILE", command->request.scored, "OpenDRIVE 1.4 - 1.8");
 
   CLI::App* site = add("site", "All of the above for the output folder of `orthodrive build`.",
                        "Examples:\n  orthodrive evaluate site out --truth site/truth\n  orthodrive evaluate site out "
                        "--truth site/truth --json",
                        score_site);
-  positional(site, "DIR", command->scored, "output folder of `orthodrive build`");
-  site->add_option("--truth", command->truth,
+  positional(site, "DIR", command->request.scored, "output folder of `orthodrive build`");
+  site->add_option("--truth", command->request.truth,
                    "folder with labels.tif, roads.gpkg or surface.geojson, as `orthodrive synth` makes it")
       ->required();
 }

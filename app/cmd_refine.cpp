@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
@@ -20,17 +21,18 @@ struct RefineCommand {
   RefineRoadsOptions options;
 };
 
-/// The box of the labels that are not nodata: where there is a photo.
+/// The hull of the labels that are not nodata: where there is a photo.
 SiteFrame labelled_site(const std::filesystem::path& file, const LabelMap& map) {
-  int west = map.frame.width, north = map.frame.height, east = 0, south = 0;
-  for (int row = 0; row < map.frame.height; ++row)
-    for (int col = 0; col < map.frame.width; ++col) {
-      if (map.labels.at(col, row) == label_nodata) continue;
-      west = std::min(west, col), east = std::max(east, col + 1), north = std::min(north, row), south = std::max(south, row + 1);
-    }
-  if (west >= east) throw InputError(file.string(), "has no label but nodata; segment a photo of the area");
-  const auto corner = [&](int col, int row) { return map.frame.world_from_pixel(col, row); };
-  return {map.crs, {{corner(west, south), corner(east, south), corner(east, north), corner(west, north)}, {}}};
+  std::vector<Vec2> outline;
+  for (int row = 0; row < map.frame.height; ++row) {
+    int first = map.frame.width, last = -1;
+    for (int col = 0; col < map.frame.width; ++col)
+      if (map.labels.at(col, row) != label_nodata) first = std::min(first, col), last = col;
+    for (const int y : {row, row + 1})
+      if (last >= 0) outline.push_back(map.frame.world_from_pixel(first, y)), outline.push_back(map.frame.world_from_pixel(last + 1, y));
+  }
+  if (outline.empty()) throw InputError(file.string(), "has no label but nodata; segment a photo of the area");
+  return {map.crs, {convex_hull(std::move(outline)), {}}};
 }
 
 void run(const RefineCommand& command, const Context& context) {

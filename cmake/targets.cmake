@@ -21,9 +21,10 @@ function(orthodrive_library NAME)
   add_library(orthodrive::${NAME} ALIAS ${TARGET})
 endfunction()
 
-# A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest.
+# A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest. FIXTURE is a ctest
+# fixture that must have run before (sites built by tests/pipeline).
 function(orthodrive_test NAME)
-  cmake_parse_arguments(A "" "TIMEOUT" "DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(A "" "TIMEOUT;FIXTURE" "DEPS;LIBS" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   if(NOT SOURCES)
     return()
@@ -38,5 +39,6 @@ function(orthodrive_test NAME)
   target_compile_definitions(test_${NAME} PRIVATE
     ORTHODRIVE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ORTHODRIVE_TOOL="$<TARGET_FILE:orthodrive>")
   target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} GTest::gtest GTest::gmock GTest::gtest_main)
-  gtest_discover_tests(test_${NAME} DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${A_TIMEOUT})
+  gtest_discover_tests(test_${NAME} DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${A_TIMEOUT}
+    FIXTURES_REQUIRED "${A_FIXTURE}")
 endfunction()

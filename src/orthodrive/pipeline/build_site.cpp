@@ -21,6 +21,7 @@
 #include "orthodrive/network/build_network.hpp"
 #include "orthodrive/pipeline/pictures.hpp"
 #include "orthodrive/pipeline/report.hpp"
+#include "orthodrive/pipeline/score.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
@@ -57,7 +58,7 @@ Sources open_sources(const Site& site) {
   Sources sources;
   (void)io::raster_info(site.photo);
   sources.osm = read_all_osm(site);
-  for (const fs::path& file : site.dtm) sources.dtms.push_back(io::read_dtm(file, site.frame));
+  sources.dtms = io::read_dtms(site.dtm, site.frame);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
 
@@ -191,12 +192,13 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
     const HeightGrid terrain = merge_heights(sources.dtms, bounds_of(site.frame.area.outer).grown(50.0));
     AsideFile folder(out_dir / "scene");
     fs::create_directories(folder.path());
+    const LabelMap tile_labels = labels();
     std::mutex mutex;
     std::vector<io::TileEntry> entries;
     std::optional<Vec3> origin;
     TilePicture picture;
     const SceneResult scene = build_scene(
-        {map, terrain, photo(), site.frame.area},
+        {map, terrain, photo(), site.frame.area, &tile_labels},
         [&](const SceneTile& tile, Vec3 site_origin) {
           picture.offer(tile);
           io::TileEntry entry = io::write_tile_glb(folder.path(), tile, site_origin);
@@ -206,7 +208,6 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
         },
         {.threads = options.threads}, monitor);
     if (!origin) throw Error("scene: no tile has ground, check the area and the terrain model");
-    std::sort(entries.begin(), entries.end(), [](const io::TileEntry& a, const io::TileEntry& b) { return a.uri < b.uri; });
     io::write_tileset(folder.path(), entries, site.frame.crs, *origin);
     folder.commit();
     io::write_png(cache.private_file("scene_tile.png"), picture_of_tile(picture.best(), scene_tile_m, 900).rgb);
@@ -234,6 +235,8 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   });
 
   json scores;
+  if (!site.truth_dir.empty())
+    scores = {{"result", score_site({out_dir, site.truth_dir})}, {"input", {{"roads", score_roads({site.osm.front(), site.truth_dir})}}}};
 
   // The report is not a cached stage: it shows the timings, which change. It costs a few seconds.
   const StageRecord report = cache.run("report", key, {}, [&] {

@@ -46,7 +46,10 @@ std::string table(const std::vector<std::string>& head, const std::vector<std::v
   html += "</tr></thead><tbody>";
   for (const auto& row : rows) {
     html += "<tr>";
-    for (const auto& cell : row) html += "<td>" + escape_xml(cell) + "</td>";
+    for (const auto& cell : row) {  // numbers stand to the right
+      const bool number = !cell.empty() && cell.find_first_not_of("0123456789.-+e ") == std::string::npos;
+      html += (number ? "<td class=n>" : "<td>") + escape_xml(cell) + "</td>";
+    }
     html += "</tr>";
   }
   return html + "</tbody></table>\n";
@@ -186,8 +189,9 @@ std::string scene_section(const ReportInput& in) {
   const fs::path tile = in.out_dir / ".orthodrive" / "scene_tile.png";
   if (fs::exists(tile)) html += figure({{}, io::read_image(tile)}, "The triangles of one 480 m tile from above: roads orange, cut out of the terrain");
   html += "</div>\n";
+  // The screenshots are taken later, by the test of the viewer: they show up once they are there.
   for (const auto& [name, caption] : {std::pair{"viewer_fly.png", "The viewer over the site"}, {"viewer_follow.png", "The viewer behind the car"}})
-    if (fs::exists(in.out_dir / name)) html += fmt::format("<figure><img alt=\"{1}\" src=\"{0}\"><figcaption>{1}</figcaption></figure>\n", name, caption);
+    html += fmt::format("<figure><img alt=\"{1}\" src=\"{0}\" onerror=\"this.parentNode.remove()\"><figcaption>{1}</figcaption></figure>\n", name, caption);
   return html + "<p>Look at it with <code>orthodrive view</code> and this folder.</p>\n" + numbers_of(in, "scene");
 }
 
@@ -269,7 +273,7 @@ main,header>div{max-width:1000px;margin:auto;padding:0 1rem}h2{margin:2.6rem 0 .
 figure{margin:1rem 0}img,svg{max-width:100%;height:auto;display:block;border-radius:4px;background:#fff}figcaption{font-size:.85rem;color:#5a6673;margin-top:.25rem}
 .row{display:grid;grid-template-columns:repeat(auto-fill,minmax(300px,1fr));gap:1rem}
 table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;background:#fff}th,td{padding:.3rem .8rem;border-bottom:1px solid #dde2e7;text-align:left}
-td:not(:first-child){text-align:right}th{background:#e9edf1}.legend span{margin-right:1rem;white-space:nowrap}.legend i{display:inline-block;width:1em;height:1em;border-radius:3px;margin-right:.35em;vertical-align:-.12em}
+td.n{text-align:right}th{background:#e9edf1}.legend span{margin-right:1rem;white-space:nowrap}.legend i{display:inline-block;width:1em;height:1em;border-radius:3px;margin-right:.35em;vertical-align:-.12em}
 .bar span{display:inline-block;width:12rem;height:.8rem;border-radius:3px;vertical-align:middle}footer{max-width:1000px;margin:3rem auto 2rem;padding:0 1rem;color:#5a6673;font-size:.85rem}
 )";
 

@@ -1,4 +1,4 @@
-#include "score_files.hpp"
+#include "orthodrive/pipeline/score_files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
-namespace orthodrive::app {
+namespace orthodrive {
 namespace fs = std::filesystem;
 
 namespace {
@@ -119,4 +119,4 @@ RoadNetwork read_scored_roads(const fs::path& path, const fs::path& truth) {
   return io::read_osm_roads(path, {crs, area});
 }
 
-}  // namespace orthodrive::app
+}  // namespace orthodrive

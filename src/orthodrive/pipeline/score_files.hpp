@@ -8,7 +8,7 @@
 #include "orthodrive/evaluate/scores.hpp"
 #include "orthodrive/model/rasters.hpp"
 
-namespace orthodrive::app {
+namespace orthodrive {
 
 /// Polygons in any CRS; empty paths: everywhere, nothing ignored.
 struct RegionFiles {
@@ -31,4 +31,4 @@ struct RegionFiles {
 /// roads.gpkg, or an OSM file as it is, with default widths, in the box around the truth.
 [[nodiscard]] RoadNetwork read_scored_roads(const std::filesystem::path& path, const std::filesystem::path& truth);
 
-}  // namespace orthodrive::app
+}  // namespace orthodrive

@@ -9,7 +9,7 @@
 #include "orthodrive/evaluate/evaluate_network.hpp"
 #include "orthodrive/evaluate/evaluate_roads.hpp"
 
-namespace orthodrive::app {
+namespace orthodrive {
 
 using ScoreJson = nlohmann::ordered_json;
 
@@ -22,4 +22,4 @@ using ScoreJson = nlohmann::ordered_json;
 
 [[nodiscard]] std::string to_table(const ScoreJson& scores);
 
-}  // namespace orthodrive::app
+}  // namespace orthodrive

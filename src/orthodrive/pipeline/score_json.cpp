@@ -1,10 +1,10 @@
-#include "score_output.hpp"
+#include "orthodrive/pipeline/score_json.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace orthodrive::app {
+namespace orthodrive {
 namespace {
 ScoreJson to_json(const ErrorSummary& e) {
   return {{"bias", e.bias}, {"mean_abs", e.mean_abs}, {"p95", e.p95}, {"n", e.n}};
@@ -93,4 +93,4 @@ std::string to_table(const ScoreJson& scores) {
   return table;
 }
 
-}  // namespace orthodrive::app
+}  // namespace orthodrive

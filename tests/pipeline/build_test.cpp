@@ -1,0 +1,91 @@
+// `orthodrive build` as a whole, on a small village: same bytes, resuming, bad input.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "app/run_tool.hpp"
+
+namespace orthodrive {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Build : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string pattern = (fs::temp_directory_path() / "orthodrive-build-XXXXXX").string();
+    folder = mkdtemp(pattern.data());
+    ASSERT_EQ(run_tool({"synth", "--seed", "3", "--size", "300", "--gsd", "0.4", "-o", (folder / "site").string()}).exit_code, 0);
+    const ToolRun first = build("first", {"--threads", "1"});
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder); }
+
+  static ToolRun build(const std::string& out, Arguments more = {}) {
+    Arguments arguments{"build", (folder / "site" / "site.toml").string(), "-o", (folder / out).string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_tool(arguments);
+  }
+  /// Content of all results by their name in the folder. Times differ from run to run.
+  static std::map<std::string, std::string> results(const std::string& out) {
+    std::map<std::string, std::string> files;
+    for (const auto& [path, bytes] : snapshot(folder / out)) {
+      const std::string name = fs::relative(path, folder / out).string();
+      if (name != "run.json" && name.find("report.html") == std::string::npos && name.rfind(".orthodrive/", 0) != 0) files[name] = bytes;
+    }
+    return files;
+  }
+  static std::vector<std::string> skipped_stages(const std::string& out) {
+    std::vector<std::string> names;
+    for (const json& stage : json::parse(bytes_of(folder / out / "run.json")).at("stages"))
+      if (stage.at("skipped").get<bool>()) names.push_back(stage.at("stage"));
+    return names;
+  }
+  static fs::path folder;
+};
+fs::path Build::folder;
+
+TEST_F(Build, two_threads_give_the_bytes_of_one) {
+  ASSERT_EQ(build("second", {"--threads", "2"}).exit_code, 0);
+  const auto one = results("first"), two = results("second");
+  ASSERT_GT(one.size(), 7u);
+  ASSERT_EQ(one.size(), two.size());
+  for (const auto& [name, bytes] : one) EXPECT_TRUE(two.at(name) == bytes) << name;
+}
+
+TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
+  fs::copy(folder / "first", folder / "again", fs::copy_options::recursive);
+  const auto before = results("again");
+  ASSERT_EQ(build("again").exit_code, 0);
+  EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine", "elevate", "network", "scene", "drive"}));
+
+  fs::remove(folder / "again" / ".orthodrive" / "elevate.json");  // as after a kill in that stage
+  fs::remove(folder / "again" / "roads.gpkg");
+  ASSERT_EQ(build("again").exit_code, 0);
+  EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine", "network", "scene", "drive"}));
+  EXPECT_TRUE(results("again") == before);
+
+  ASSERT_EQ(build("again", {"--set", "elevate.sampling=bilinear"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine"}));
+}
+
+TEST_F(Build, bad_sources_are_one_line_and_leave_the_result_untouched) {
+  const auto before = snapshot(folder / "first");
+  for (const auto& [change, named] : std::vector<std::pair<std::string, std::string>>{{"sources.photo=nowhere.tif", "nowhere.tif"},
+                                                                                     {"sources.osm=nowhere.osm", "nowhere.osm"},
+                                                                                     {"sources.dtm=nowhere.tif", "nowhere.tif"},
+                                                                                     {"segment.model=nowhere", "nowhere"},
+                                                                                     {"area.bounds=[0, 0, 100, 100]", "ortho.tif"}}) {
+    const ToolRun run = build("first", {"--set", change, "--quiet"});
+    EXPECT_EQ(run.exit_code, 1) << change;
+    EXPECT_THAT(run.err, testing::HasSubstr(named)) << change;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_TRUE(snapshot(folder / "first") == before) << change;
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive
