@@ -12,6 +12,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/segment/fcn.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
+#include "orthodrive/segment/reusing_allocator.hpp"
 
 namespace orthodrive {
 namespace {
@@ -93,6 +94,7 @@ SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, con
 
   const std::vector<Core> cores = plan_cores(frame.width, frame.height, options.window_px);
   const SingleThreadedTorch single_threaded;
+  const ReuseTensorMemory reuse_memory;
   const auto classify = [&](std::size_t index) {
     if (monitor && monitor->cancelled()) return;
     const Core& core = cores[index];
