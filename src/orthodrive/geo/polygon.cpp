@@ -91,4 +91,20 @@ void rasterize(const Polygon& polygon, const GridFrame& frame, const std::functi
   }
 }
 
+Ring convex_hull(std::vector<Vec2> points) {  // Andrew's monotone chain
+  if (points.size() < 3) return points;
+  std::sort(points.begin(), points.end(), [](Vec2 a, Vec2 b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  Ring hull;
+  for (int side = 0; side < 2; ++side) {  // the lower, then the upper one
+    const std::size_t first = hull.size();
+    for (const Vec2 p : points) {
+      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();  // the first of the other side
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
 }  // namespace orthodrive

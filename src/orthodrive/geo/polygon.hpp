@@ -24,6 +24,8 @@ using MultiPolygon = std::vector<Polygon>;
 [[nodiscard]] bool contains(const Polygon& polygon, Vec2 p);
 [[nodiscard]] bool contains(const MultiPolygon& polygons, Vec2 p);
 [[nodiscard]] Box2 bounds_of(const Ring& ring);
+/// Counter-clockwise, without points on its edges. Fewer than three points when all lie on one line.
+[[nodiscard]] Ring convex_hull(std::vector<Vec2> points);
 
 /// Calls span(row, first_col, end_col) for the pixels whose centre lies inside (even-odd), clipped to the grid,
 /// rows ascending, spans left to right.

@@ -60,26 +60,6 @@ Ring surface_ring(const RoadPath& path) {
   return strip_ring(centerline(path), half, half);
 }
 
-namespace {
-/// Andrew's monotone chain, counter-clockwise.
-Ring convex_hull(Ring points) {
-  std::sort(points.begin(), points.end(), [](Vec2 a, Vec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
-  Ring hull;
-  const auto half = [&hull](const Ring& ordered) {
-    const std::size_t start = hull.size();
-    for (const Vec2 p : ordered) {
-      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();  // first of the other half
-  };
-  half(points);
-  std::reverse(points.begin(), points.end());
-  half(points);
-  return hull;
-}
-}  // namespace
-
 std::vector<Ring> surface_cells(const RoadPath& path) {
   const Ring ring = surface_ring(path);  // right side forwards, then left side backwards
   std::vector<Ring> cells;
