@@ -40,7 +40,8 @@ class Build : public testing::Test {
   }
   static std::vector<std::string> skipped_stages(const std::string& out) {
     std::vector<std::string> names;
-    for (const json& stage : json::parse(bytes_of(folder / out / "run.json")).at("stages"))
+    const json run = json::parse(bytes_of(folder / out / "run.json"));
+    for (const json& stage : run.at("stages"))
       if (stage.at("skipped").get<bool>()) names.push_back(stage.at("stage"));
     return names;
   }
@@ -78,7 +79,7 @@ TEST_F(Build, bad_sources_are_one_line_and_leave_the_result_untouched) {
                                                                                      {"sources.osm=nowhere.osm", "nowhere.osm"},
                                                                                      {"sources.dtm=nowhere.tif", "nowhere.tif"},
                                                                                      {"segment.model=nowhere", "nowhere"},
-                                                                                     {"area.bounds=[0, 0, 100, 100]", "ortho.tif"}}) {
+                                                                                     {"area.bounds=[0, 0, 100, 100]", "roads.osm"}}) {
     const ToolRun run = build("first", {"--set", change, "--quiet"});
     EXPECT_EQ(run.exit_code, 1) << change;
     EXPECT_THAT(run.err, testing::HasSubstr(named)) << change;

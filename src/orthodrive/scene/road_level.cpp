@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/scene/convex_hull.hpp"
+#include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/scene/overlay.hpp"
 #include "roadquery/road_surface.hpp"
 
