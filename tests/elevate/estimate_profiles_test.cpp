@@ -62,7 +62,7 @@ TEST(EstimateProfiles, a_slope_stays_a_slope) {
   for (const auto sampling : {HeightSampling::bilinear, HeightSampling::cubic}) {
     const auto result = estimate_profiles(network({make_path(1, {0, 0}, {300, 40})}), {make_dtm(plane, 10.0)}, {.sampling = sampling});
     const RoadPath& path = result.roads.paths[0];
-    EXPECT_LT(worst_height_error(path, plane), 0.05);
+    EXPECT_LT(worst_height_error(path, plane), 0.02);  // 0.27 with the w_g of the reference
     const double gradient = (0.08 * 300 - 0.02 * 40) / std::hypot(300, 40);
     for (const RoadNode& node : path.nodes) {
       EXPECT_NEAR(node.gradient, gradient, 0.005);
