@@ -58,9 +58,9 @@ void measure(const std::string& name, const std::vector<ValidationScene>& scenes
   const fs::path file = io::find_model(name);
   const SegmentModel model = load_model(io::read_file(file), file.string());
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
-  nlohmann::json json;
+  nlohmann::ordered_json json;
   for (const auto& [scene, score] : measure_model(model, scenes, threads)) {
-    nlohmann::json& entry = json[scene];
+    nlohmann::ordered_json& entry = json[scene];
     entry = {{"road_iou", rounded(score.iou(road_label(model.classes)))},
              {"mean_iou", rounded(score.mean_iou())},
              {"pixel_accuracy", rounded(score.pixel_accuracy())}};

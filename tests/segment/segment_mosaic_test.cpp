@@ -32,7 +32,7 @@ Photo painted_photo(int width, int height, double gsd_m) {
                         y_m > 80.0 && y_m < 95.0;
       const int base[3] = {road ? 115 : roof ? 170 : 90, road ? 115 : roof ? 90 : 115, road ? 118 : roof ? 75 : 70};
       for (int c = 0; c < 3; ++c)
-        photo.rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(base[c] + 12.0 * random.normal(), 0.0, 255.0));
+        photo.rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(base[c] + 4.0 * random.normal(), 0.0, 255.0));
     }
   }
   return photo;

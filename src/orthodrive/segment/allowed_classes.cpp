@@ -65,15 +65,17 @@ void LabelScore::add(std::span<const std::uint8_t> labels, std::span<const Class
 double LabelScore::iou(int label) const {
   const auto c = static_cast<std::size_t>(label);
   const std::uint64_t sum = hit_[c] + missed_[c] + wrong_[c];
-  return sum == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(hit_[c]) / static_cast<double>(sum);
+  const bool in_truth = hit_[c] + missed_[c] > 0;
+  return in_truth ? static_cast<double>(hit_[c]) / static_cast<double>(sum) : std::numeric_limits<double>::quiet_NaN();
 }
 
 double LabelScore::mean_iou() const {
   double sum = 0.0;
   int count = 0;
   for (std::size_t c = 0; c < hit_.size(); ++c) {
-    if (hit_[c] + missed_[c] == 0) continue;
-    sum += iou(static_cast<int>(c));
+    const double value = iou(static_cast<int>(c));
+    if (std::isnan(value)) continue;
+    sum += value;
     ++count;
   }
   return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / count;
