@@ -48,7 +48,7 @@ void add_network(CLI::App& app, Context& context) {
   auto command = std::make_shared<NetworkCommand>();
   CLI::App* cmd = app.add_subcommand("network", "Write roads as OpenDRIVE 1.7: lines and arcs, profiles, lanes, junctions.");
   cmd->add_option("--roads", command->roads, "roads with widths and heights (GeoPackage of refine and elevate)")->required();
-  cmd->add_option("-o,--out", command->out, "OpenDRIVE file to write (.xodr)")->required();
+  cmd->add_option("-o,--output", command->out, "OpenDRIVE file to write (.xodr)")->required();
   cmd->add_option("--findings", command->findings, "also write what was odd, as GeoJSON points");
   command->options.name.clear();
   cmd->add_option("--name", command->options.name, "name in the header; default: the name of the output file");

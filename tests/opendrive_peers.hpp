@@ -17,8 +17,11 @@ namespace orthodrive {
 inline const std::filesystem::path opendrive_schema = std::filesystem::weakly_canonical(
     std::filesystem::path(ORTHODRIVE_SOURCE_DIR) / "../shared/data/opendrive/xsd/1.7.0/opendrive_17_core.xsd");
 
+inline Arguments validate_opendrive(const std::filesystem::path& xodr) {
+  return {"/usr/bin/xmllint", "--noout", "--schema", opendrive_schema.string(), xodr.string()};
+}
 inline void expect_valid_opendrive(const std::filesystem::path& xodr) {
-  const ToolRun run = run_program({"/usr/bin/xmllint", "--noout", "--schema", opendrive_schema.string(), xodr.string()});
+  const ToolRun run = run_program(validate_opendrive(xodr));
   EXPECT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
 }
 

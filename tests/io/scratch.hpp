@@ -16,7 +16,7 @@ namespace orthodrive {
 class Scratch {
  public:
   Scratch() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     folder_ = std::filesystem::temp_directory_path() / (std::string("orthodrive-") + info->test_suite_name() + "-" +
                                                         info->name() + "-" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
