@@ -8,6 +8,8 @@
 #include <iterator>
 #include <limits>
 
+#include "orthodrive/core/escape_xml.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -96,29 +98,6 @@ std::string value_color(double f) {
 }
 
 }  // namespace
-
-std::string escape_xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::vector<double> round_ticks(double low, double high, int count) {
   if (!(high > low) || count < 1) return {};

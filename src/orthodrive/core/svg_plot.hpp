@@ -41,7 +41,5 @@ struct MapPlotOptions {
 
 /// At most about `count` round numbers (1, 2 or 5 times a power of ten apart) inside [low, high].
 [[nodiscard]] std::vector<double> round_ticks(double low, double high, int count);
-/// Text for element content and attributes: & < > " escaped.
-[[nodiscard]] std::string escape_xml(const std::string& text);
 
 }  // namespace orthodrive

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "orthodrive/core/escape_xml.hpp"
 #include "orthodrive/core/svg_plot.hpp"
 #include "roadquery/road_surface.hpp"
 

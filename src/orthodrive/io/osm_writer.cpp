@@ -10,30 +10,9 @@
 
 #include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/escape_xml.hpp"
 
 namespace orthodrive::io {
-namespace {
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
-}  // namespace
 
 void write_osm(const std::filesystem::path& path, const OsmData& data) {
   const CoordinateTransform lonlat_from_site(data.crs, Crs{"EPSG:4326"});
@@ -62,7 +41,7 @@ void write_osm(const std::filesystem::path& path, const OsmData& data) {
       fmt::format_to(end(text), "    <nd ref=\"{}\"/>\n", ref);
     }
     for (const auto& [key, value] : way.tags)
-      fmt::format_to(end(text), "    <tag k=\"{}\" v=\"{}\"/>\n", escaped(key), escaped(value));
+      fmt::format_to(end(text), "    <tag k=\"{}\" v=\"{}\"/>\n", escape_xml(key), escape_xml(value));
     text += "  </way>\n";
   }
   text += "</osm>\n";

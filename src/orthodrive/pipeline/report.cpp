@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/escape_xml.hpp"
 #include "orthodrive/core/svg_plot.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
