@@ -73,6 +73,15 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
   EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine"}));
 }
 
+TEST_F(Build, a_source_of_the_same_name_in_another_folder_is_another_source) {
+  fs::copy(folder / "first", folder / "moved", fs::copy_options::recursive);
+  fs::create_directories(folder / "site" / "other");
+  const fs::path copy = folder / "site" / "other" / "dtm_1m.tif";
+  fs::copy_file(folder / "site" / "dtm_1m.tif", copy);
+  ASSERT_EQ(build("moved", {"--set", "sources.dtm=['other/dtm_1m.tif', 'dtm_1m.tif']"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("moved"), (std::vector<std::string>{"segment", "refine"}));
+}
+
 TEST_F(Build, bad_sources_are_one_line_and_leave_the_result_untouched) {
   const auto before = snapshot(folder / "first");
   for (const auto& [change, named] : std::vector<std::pair<std::string, std::string>>{{"sources.photo=nowhere.tif", "nowhere.tif"},

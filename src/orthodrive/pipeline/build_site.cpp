@@ -62,10 +62,18 @@ Sources open_sources(const Site& site) {
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
 
-  const auto add = [&](const std::string& role, const fs::path& file) { sources.hashes[role][file.filename().string()] = hash_file(file); };
-  add("photo", site.photo);
+  const auto add = [&](const std::string& role, const fs::path& file) {
+    sources.hashes[role].push_back({{"file", file.filename().string()}, {"hash", hash_file(file)}});
+  };
+  const auto add_raster = [&](const std::string& role, const fs::path& file) {
+    add(role, file);  // a raster may have its place in a file beside it, which counts as well
+    json outline = json::array();
+    for (const Vec2 p : io::raster_info(file).outline_lonlat.outer) outline.push_back({p.x, p.y});
+    sources.hashes[role].back()["outline_hash"] = hash_bytes(outline.dump());
+  };
+  add_raster("photo", site.photo);
   for (const fs::path& file : site.osm) add("osm", file);
-  for (const fs::path& file : site.dtm) add("dtm", file);
+  for (const fs::path& file : site.dtm) add_raster("dtm", file);
   add("model", model_file);
   return sources;
 }
@@ -78,7 +86,7 @@ json options_of(const Site& site) {
           {"dtm_sampling", site.dtm_sampling}, {"route", site.route}, {"attribution", site.attribution}};
 }
 
-/// Length-weighted mean of what a node holds.
+/// Mean over all nodes; they lie about 2 m apart everywhere.
 template <typename Value>
 double mean_over_nodes(const RoadNetwork& roads, const Value& value) {
   double sum = 0.0, count = 0.0;
