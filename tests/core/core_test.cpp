@@ -69,6 +69,20 @@ TEST(AsideFile, replaces_a_folder_as_a_whole) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator{}), 1);
 }
 
+TEST(AsideFile, what_a_killed_process_left_is_removed_and_a_living_ones_is_not) {
+  const fs::path folder = fresh_folder("stale");
+  AsideFile mine(folder / "scene");
+  fs::create_directories(mine.path());
+  const fs::path dead = folder / ".labels.partial-2147483646.tif";  // beyond every pid_max
+  std::ofstream(dead) << "half";
+  std::ofstream(folder / "labels.tif") << "whole";
+  remove_stale_asides(folder);
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(mine.path()));
+  EXPECT_TRUE(fs::exists(folder / "labels.tif"));
+  remove_stale_asides(folder / "nowhere");
+}
+
 TEST(AsideFile, a_full_disk_is_an_error_that_names_the_file) {
   const fs::path folder = fresh_folder("full");
   try {

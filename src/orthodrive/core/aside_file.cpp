@@ -1,14 +1,20 @@
 #include "orthodrive/core/aside_file.hpp"
 
+#include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstdlib>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "orthodrive/core/error.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
+
+constexpr std::string_view partial_mark = ".partial-";
 
 AsideFile::AsideFile(fs::path target) : target_(std::move(target)) {
   const fs::path parent = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
@@ -16,7 +22,7 @@ AsideFile::AsideFile(fs::path target) : target_(std::move(target)) {
   fs::create_directories(parent, failed);
   if (failed) throw Error(parent.string() + ": cannot be created (" + failed.message() + ")");
   // The process id keeps two runs into one folder apart; the extension stays last for drivers that look at it.
-  aside_ = parent / ("." + target_.stem().string() + ".partial-" + std::to_string(getpid()) + target_.extension().string());
+  aside_ = parent / ("." + target_.stem().string() + std::string(partial_mark) + std::to_string(getpid()) + target_.extension().string());
   fs::remove_all(aside_, failed);
 }
 
@@ -41,6 +47,19 @@ void AsideFile::commit() {
   }
   if (failed) throw Error(target_.string() + ": cannot be written (" + failed.message() + ")");
   committed_ = true;
+}
+
+void remove_stale_asides(const fs::path& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> stale;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    const auto mark = name.find(partial_mark);
+    if (name.front() != '.' || mark == std::string::npos) continue;
+    const pid_t owner = static_cast<pid_t>(std::atol(name.c_str() + mark + partial_mark.size()));
+    if (owner > 0 && kill(owner, 0) != 0 && errno == ESRCH) stale.push_back(entry.path());
+  }
+  for (const fs::path& path : stale) fs::remove_all(path, ignored);
 }
 
 void write_text_file(const fs::path& target, std::string_view text) {

@@ -25,6 +25,9 @@ class AsideFile {
   bool committed_ = false;
 };
 
+/// Removes what killed processes left aside in a folder (not below it).
+void remove_stale_asides(const std::filesystem::path& folder);
+
 /// Writes text to a file through AsideFile. Throws Error naming the file when the disk is full or not writable.
 void write_text_file(const std::filesystem::path& target, std::string_view text);
 

@@ -127,6 +127,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   const json site_options = options_of(site);
   StageCache cache(out_dir);
   BuildResult result;
+  remove_stale_asides(out_dir);
 
   std::optional<Photo> photo_in_memory;
   const auto photo = [&]() -> const Photo& {
