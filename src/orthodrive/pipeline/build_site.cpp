@@ -236,7 +236,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
     write_text_file(cache.private_file("lap_plots.html"), fmt::format("{}", fmt::join(lap_plots(map, drive), "\n")));
     return StageOutcome{{{"route", drive.route.name}, {"closed", drive.route.closed}, {"finished", drive.finished},
                          {"length_m", drive.length_m}, {"lap_time_s", drive.lap_time_s}, {"max_speed_mps", drive.max_speed_mps},
-                         {"max_lateral_mps2", drive.max_lateral_mps2}, {"max_gradient", drive.max_gradient}, {"climb_m", drive.climb_m},
+                         {"max_lateral_mps2", drive.max_lateral_mps2}, {"max_gradient", drive.max_gradient}, {"min_gradient", drive.min_gradient}, {"climb_m", drive.climb_m},
                          {"max_line_error_m", drive.max_line_error_m}, {"tyre_queries", drive.tyre_queries},
                          {"tyre_queries_per_s", drive.tyre_queries_per_s()}, {"off_road_share", drive.off_road_share},
                          {"max_height_step_m", drive.max_height_step_m}},

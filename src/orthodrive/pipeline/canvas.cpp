@@ -91,11 +91,6 @@ void stroke(Canvas& canvas, std::span<const Vec2> line, double width_px, Color c
   }
 }
 
-void mark(Canvas& canvas, Vec2 at, double radius_px, Color color) {
-  const Vec2 points[2] = {at, at};
-  stroke(canvas, points, 2.0 * radius_px, color);
-}
-
 Color viridis(double t) {
   // Nine anchors of matplotlib's viridis (CC0).
   static constexpr std::array<Color, 9> anchors{{{68, 1, 84}, {71, 44, 122}, {59, 81, 139}, {44, 113, 142}, {33, 144, 141},

@@ -29,9 +29,8 @@ struct Canvas {
 void fill(Canvas& canvas, const Polygon& polygon, Color color, double alpha);
 /// A line of that width in pixels, anti-aliased.
 void stroke(Canvas& canvas, std::span<const Vec2> line, double width_px, Color color, double alpha = 1.0);
-void mark(Canvas& canvas, Vec2 at, double radius_px, Color color);
 
-/// Blue - white - red style ramps are hard to read for some: this is viridis, t in 0..1.
+/// The viridis ramp, which colour-blind readers can follow; t in 0..1.
 [[nodiscard]] Color viridis(double t);
 
 }  // namespace orthodrive
