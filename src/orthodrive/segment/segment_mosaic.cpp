@@ -17,15 +17,12 @@
 namespace orthodrive {
 namespace {
 
-int round_up_to_stride(int px) { return (px + fcn_stride_px - 1) / fcn_stride_px * fcn_stride_px; }
-
-/// The pixels a window decides; their grid starts at multiples of the stride, whatever the window size.
+/// The pixels a window decides.
 struct Core {
   int col = 0, row = 0, width = 0, height = 0;
 };
 
-std::vector<Core> plan_cores(int width, int height, int window_px) {
-  const int core_px = window_px - 2 * fcn_margin_px;
+std::vector<Core> plan_cores(int width, int height, int core_px) {
   std::vector<Core> cores;
   for (int row = 0; row < height; row += core_px) {
     for (int col = 0; col < width; col += core_px) {
@@ -44,10 +41,9 @@ bool any_photo(const Photo& photo, const Core& core) {
 }
 
 /// The core with its margin. Beyond the mosaic there is no photo, whatever window looks there.
-Raster<std::uint8_t> cut_window(const Photo& photo, const Core& core) {
-  Raster<std::uint8_t> window(round_up_to_stride(core.width) + 2 * fcn_margin_px,
-                              round_up_to_stride(core.height) + 2 * fcn_margin_px, 3, no_photo_value);
-  const int west = core.col - fcn_margin_px, north = core.row - fcn_margin_px;
+Raster<std::uint8_t> cut_window(const Photo& photo, const Core& core, int margin_px) {
+  Raster<std::uint8_t> window(core.width + 2 * margin_px, core.height + 2 * margin_px, 3, no_photo_value);
+  const int west = core.col - margin_px, north = core.row - margin_px;
   const int begin = std::max(0, -west), end = std::min(window.width, photo.frame.width - west);
   for (int row = 0; row < window.height; ++row) {
     if (north + row < 0 || north + row >= photo.frame.height) continue;
@@ -74,9 +70,10 @@ class SingleThreadedTorch {
 
 SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, const SegmentOptions& options,
                              Monitor* monitor) {
-  if (options.window_px % fcn_stride_px != 0 || options.window_px <= 2 * fcn_margin_px) {
-    throw OptionError(fmt::format("window of {} px: must be a multiple of {} above {}", options.window_px,
-                                  fcn_stride_px, 2 * fcn_margin_px));
+  const int margin_px = model.network->margin_px();
+  if (options.window_px <= 2 * margin_px) {
+    throw OptionError(fmt::format("window of {} px: must be above {}, twice the margin of {}", options.window_px,
+                                  2 * margin_px, model.name));
   }
   const Photo photo = resample_photo(source, model.gsd_m, options.threads);
   const GridFrame& frame = photo.frame;
@@ -92,7 +89,7 @@ SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, con
          center.x, center.y});
   }
 
-  const std::vector<Core> cores = plan_cores(frame.width, frame.height, options.window_px);
+  const std::vector<Core> cores = plan_cores(frame.width, frame.height, options.window_px - 2 * margin_px);
   const SingleThreadedTorch single_threaded;
   const ReuseTensorMemory reuse_memory;
   const auto classify = [&](std::size_t index) {
@@ -100,14 +97,14 @@ SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, con
     const Core& core = cores[index];
     if (!any_photo(photo, core)) return;
     const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-    const Raster<std::uint8_t> window = cut_window(photo, core);
+    const Raster<std::uint8_t> window = cut_window(photo, core, margin_px);
     const int classes = model.network->class_count();
-    Raster<float> probabilities(window.width, window.height, classes);
-    model.network->predict(window.data.data(), window.width, window.height, probabilities.data.data());
+    Raster<float> probabilities(core.width, core.height, classes);
+    model.network->predict(window.data.data(), {core.col, core.row, core.width, core.height}, probabilities.data.data());
     for (int row = 0; row < core.height; ++row) {
       for (int col = 0; col < core.width; ++col) {
         if (!photo.valid.at(core.col + col, core.row + row)) continue;
-        const float* p = &probabilities.at(fcn_margin_px + col, fcn_margin_px + row);
+        const float* p = &probabilities.at(col, row);
         const float* best = std::max_element(p, p + classes);
         result.labels.labels.at(core.col + col, core.row + row) = static_cast<std::uint8_t>(best - p);
         result.confidence.confidence.at(core.col + col, core.row + row) =

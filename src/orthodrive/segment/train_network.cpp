@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -12,7 +13,9 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/segment/allowed_class_loss.hpp"
 #include "orthodrive/segment/fcn.hpp"
+#include "orthodrive/segment/make_network.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 
 namespace orthodrive {
@@ -39,7 +42,7 @@ struct Learned {
 };
 
 NamedTensor copy_of(const at::Tensor& tensor) {
-  const at::Tensor flat = tensor.detach().contiguous();
+  const at::Tensor flat = tensor.detach().to(at::kCPU).contiguous();
   const float* data = flat.data_ptr<float>();
   return {flat.sizes().vec(), std::vector<float>(data, data + flat.numel()), TensorType::f32};
 }
@@ -68,9 +71,9 @@ Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& o
   parallel_for(count, options.threads, [&](std::size_t i) {
     const std::uint64_t seed = derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(step)), i);
     const TrainingScene& scene = scenes[draw_scene(scenes, step, seed)];
-    const Crop crop = draw_crop(scene, {.size_px = options.crop_px, .gsd_m = gsd_m}, derive_seed(seed, 1));
+    const Crop crop = draw_crop(scene, {options.crop_px, gsd_m, options.augmentation}, derive_seed(seed, 1));
     std::memcpy(&batch.rgb[3 * pixels * i], crop.rgb.data.data(), 3 * pixels);
-    std::memcpy(&batch.allowed[pixels * i], crop.allowed.data.data(), pixels);
+    std::memcpy(&batch.allowed[pixels * i], crop.allowed.data.data(), pixels * sizeof(ClassSet));
   });
   return batch;
 }
@@ -80,24 +83,31 @@ Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& o
 struct Trainer::State {
   TrainOptions options;
   ModelMetadata metadata;
-  FcnSpec spec;
-  FcnParams params;
+  NetworkGraph graph;
+  NetworkParams params;
   std::vector<Learned> learned;
+  at::Device device = at::kCPU;
   std::int64_t step = 0;
 
   void collect_learned() {
-    const std::vector<ConvSpec> convs = spec.all();
-    for (std::size_t i = 0; i < convs.size(); ++i) {
-      const double factor = convs[i].trunk ? options.trunk_rate_factor : 1.0;
+    learned.clear();
+    for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+      const Layer& layer = graph.layers[i];
+      LayerParams& p = params[i];
+      const double factor = layer.pretrained ? options.trunk_rate_factor : 1.0;
       const auto add = [&](const std::string& name, at::Tensor& value, bool decays) {
-        value.set_requires_grad(true);
-        learned.push_back({name, value, at::zeros_like(value), at::zeros_like(value), factor, decays});
+        value = value.to(device).set_requires_grad(true);
+        at::Tensor second = options.solver == Solver::adamw ? at::zeros_like(value) : at::Tensor();
+        learned.push_back({name, value, at::zeros_like(value), std::move(second), factor, decays});
       };
-      add(convs[i].conv, params[i].kernel, !convs[i].depthwise);
-      if (params[i].bias.defined()) add(convs[i].conv + "/bias", params[i].bias, false);
-      if (!params[i].gamma.defined()) continue;
-      add(convs[i].norm + "/gamma", params[i].gamma, false);
-      add(convs[i].norm + "/beta", params[i].beta, false);
+      if (!p.kernel.defined()) continue;
+      add(layer.kernel_tensor, p.kernel, !layer.depthwise);
+      if (p.bias.defined()) add(bias_tensor(layer), p.bias, false);
+      if (!p.gamma.defined()) continue;
+      add(layer.norm_tensors + "/gamma", p.gamma, false);
+      add(layer.norm_tensors + "/beta", p.beta, false);
+      p.mean = p.mean.to(device);
+      p.variance = p.variance.to(device);
     }
   }
 
@@ -108,31 +118,80 @@ struct Trainer::State {
     for (Learned& l : learned) {
       at::Tensor& gradient = l.value.mutable_grad();
       if (!gradient.defined()) continue;
-      l.first_moment.mul_(adam_beta1).add_(gradient, 1.0 - adam_beta1);
-      l.second_moment.mul_(adam_beta2).addcmul_(gradient, gradient, 1.0 - adam_beta2);
-      if (l.decays) l.value.mul_(1.0 - rate * l.rate_factor * options.weight_decay);
-      const at::Tensor scale = (l.second_moment / correction2).sqrt_().add_(adam_eps);
-      l.value.addcdiv_(l.first_moment, scale, -rate * l.rate_factor / correction1);
+      const double own_rate = rate * l.rate_factor;
+      if (options.solver == Solver::sgd) {  // Caffe: v = m v + rate (g + decay w); w -= v
+        if (l.decays) gradient.add_(l.value, options.weight_decay);
+        l.first_moment.mul_(options.momentum).add_(gradient, own_rate);
+        l.value.sub_(l.first_moment);
+      } else {
+        l.first_moment.mul_(adam_beta1).add_(gradient, 1.0 - adam_beta1);
+        l.second_moment.mul_(adam_beta2).addcmul_(gradient, gradient, 1.0 - adam_beta2);
+        if (l.decays) l.value.mul_(1.0 - own_rate * options.weight_decay);
+        const at::Tensor scale = (l.second_moment / correction2).sqrt_().add_(adam_eps);
+        l.value.addcdiv_(l.first_moment, scale, -own_rate / correction1);
+      }
       gradient = at::Tensor();
     }
   }
+
+  /// First pixel of the centre that is learned from, and its edge.
+  [[nodiscard]] CellRange label_range() const {
+    const CellRange cells = padded_ranges(graph, options.crop_px).back();
+    const CellRange scored{std::max(0, cells.first + graph.output_shift),
+                           std::min(options.crop_px - 1, cells.last + graph.output_shift)};
+    if (options.label_px == 0) return scored;
+    const int first = (options.crop_px - options.label_px) / 2;
+    const CellRange wanted{first, first + options.label_px - 1};
+    if (wanted.first < scored.first || wanted.last > scored.last) {
+      throw OptionError(fmt::format("label_px of {}: {} gives scores for the inner {} px of a crop of {} px only",
+                                    options.label_px, graph.architecture, scored.size(), options.crop_px));
+    }
+    return wanted;
+  }
 };
 
-Trainer::Trainer(const TensorFile& trunk, const std::string& source, const ModelMetadata& metadata,
+TrainOptions reference_train_options() {
+  return {.steps = 50000,
+          .warmup_steps = 0,
+          .decay_from_step = 50000,
+          .solver = Solver::sgd,
+          .learning_rate = 1e-10,
+          .momentum = 0.99,
+          .trunk_rate_factor = 1.0,
+          .weight_decay = 5e-4,
+          .sum_loss = true,
+          .batch = 1,
+          .crop_px = 450,
+          .label_px = 256,
+          .augmentation =
+              {.turn = Augmentation::Turn::quarters, .zoom = false, .colors = false, .blur = false, .noise = false},
+          .validate_every = 1000};
+}
+
+Trainer::Trainer(const TensorFile& start, const std::string& source, const ModelMetadata& metadata,
                  TrainOptions options)
     : state_(std::make_unique<State>()) {
-  if (options.class_weights.size() != metadata.classes.classes.size() || options.class_weights.size() > 8) {
-    throw OptionError(fmt::format("{} class weights for {} classes (at most 8): give one a class",
-                                  options.class_weights.size(), metadata.classes.classes.size()));
+  State& s = *state_;
+  s.metadata = metadata;
+  const std::size_t classes = metadata.classes.classes.size();
+  if (options.class_weights.empty()) options.class_weights.assign(classes, 1.0F);
+  if (options.class_weights.size() != classes) {
+    throw OptionError(
+        fmt::format("{} class weights for {} classes: give one a class", options.class_weights.size(), classes));
   }
-  if (options.crop_px % fcn_stride_px != 0)
-    throw OptionError(fmt::format("crop of {} px: must be a multiple of {}", options.crop_px, fcn_stride_px));
-  state_->options = std::move(options);
-  state_->metadata = metadata;
-  state_->metadata.architecture = FcnSpec::architecture;
-  state_->spec = make_fcn_spec(static_cast<int>(metadata.classes.classes.size()));
-  state_->params = params_from_file(state_->spec, trunk, source, {.trunk_only = true, .seed = state_->options.seed});
-  state_->collect_learned();
+  s.options = std::move(options);
+  s.graph = make_network(metadata.architecture, static_cast<int>(classes));
+  if (s.options.crop_px % s.graph.stride_px != s.graph.size_remainder) {
+    throw OptionError(fmt::format("crop of {} px: {} needs a multiple of {} plus {}", s.options.crop_px,
+                                  metadata.architecture, s.graph.stride_px, s.graph.size_remainder));
+  }
+  static_cast<void>(s.label_range());
+  if (s.options.cuda) {
+    if (!at::hasCUDA()) throw OptionError("this libtorch has no CUDA: train on the CPU");
+    s.device = at::Device(at::kCUDA, 0);
+  }
+  s.params = params_from_file(s.graph, start, source);
+  s.collect_learned();
 }
 
 Trainer::~Trainer() = default;
@@ -141,58 +200,134 @@ Trainer& Trainer::operator=(Trainer&&) noexcept = default;
 
 std::int64_t Trainer::step() const { return state_->step; }
 double Trainer::learning_rate() const { return learning_rate_at(state_->options, state_->step); }
+const ModelMetadata& Trainer::metadata() const { return state_->metadata; }
 
 double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   State& s = *state_;
-  at::set_num_threads(worker_count(s.options.threads));
-  const Batch batch = draw_batch(scenes, s.options, s.metadata.gsd_m, s.step);
-  const at::Tensor image = image_tensor(batch.rgb.data(), s.options.batch, s.options.crop_px, s.options.crop_px);
-  const bool live = s.step < s.options.freeze_norm_from_step;
-  const at::Tensor half = forward(s.spec, s.params, image, {.update_batch_statistics = live});
-  const at::Tensor scores = at::upsample_bilinear2d(half, {s.options.crop_px, s.options.crop_px}, false)
-                                .contiguous(at::MemoryFormat::ChannelsLast);
-  at::Tensor gradient = at::empty_like(scores.detach(), at::MemoryFormat::Preserve);
-  const auto count = static_cast<std::size_t>(scores.numel());
-  const double loss =
-      allowed_class_loss({scores.data_ptr<float>(), count}, batch.allowed,
-                         {s.options.class_weights, s.options.set_weight}, {gradient.data_ptr<float>(), count});
-  if (!std::isfinite(loss)) throw Error(fmt::format("training diverged at step {}: lower the learning rate", s.step));
-  scores.backward(gradient);
+  const TrainOptions& options = s.options;
+  at::set_num_threads(worker_count(options.threads));
+  at::manual_seed(derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(s.step)), 2));  // dropout
+  const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step);
+  const at::Tensor image =
+      image_tensor(s.graph.input, batch.rgb.data(), options.batch, options.crop_px, options.crop_px).to(s.device);
+  const Scores scores = forward_padded(
+      s.graph, s.params, image, {.update_batch_statistics = s.step < options.freeze_norm_from_step, .dropout = true});
+  const CellRange labelled = s.label_range();
+  const auto inner = [&](const at::Tensor& values, std::int64_t row_dimension, CellRange rows, CellRange cols) {
+    return values.narrow(row_dimension, labelled.first - rows.first, labelled.size())
+        .narrow(row_dimension + 1, labelled.first - cols.first, labelled.size());
+  };
+  const CellRange all{0, options.crop_px - 1};
+  const at::Tensor values = inner(scores.values, 2, scores.row_px, scores.col_px);
+  const at::Tensor allowed = inner(at::from_blob(const_cast<ClassSet*>(batch.allowed.data()),
+                                                 {options.batch, options.crop_px, options.crop_px}, at::kLong),
+                                   1, all, all)
+                                 .to(s.device);
+  const LossGradient loss =
+      allowed_class_loss(values, allowed, {options.class_weights, options.set_weight, options.sum_loss});
+  if (!std::isfinite(loss.loss)) {
+    throw Error(
+        fmt::format("training diverged at step {} (the loss is no number): lower the learning rate and go on from "
+                    "the last checkpoint",
+                    s.step));
+  }
+  values.backward(loss.gradient);
   s.update_weights(learning_rate());
   ++s.step;
-  return loss;
+  return loss.loss;
 }
 
 TensorFile Trainer::checkpoint() const {
-  TensorFile file = file_from_params(state_->spec, state_->params, TensorType::f32);
-  file.metadata = format_model_metadata(state_->metadata);
-  file.metadata["step"] = std::to_string(state_->step);
-  for (const Learned& l : state_->learned) {
+  const State& s = *state_;
+  for (const Learned& l : s.learned) {
+    if (!at::isfinite(l.value).all().item<bool>()) {
+      throw Error(
+          fmt::format("training diverged before step {}: '{}' holds values that are no numbers; the last "
+                      "checkpoint is kept, go on from it with a lower learning rate",
+                      s.step, l.name));
+    }
+  }
+  TensorFile file = file_from_params(s.graph, s.params, TensorType::f32);
+  file.metadata = format_model_metadata(s.metadata);
+  file.metadata["step"] = std::to_string(s.step);
+  file.metadata["best_step"] = std::to_string(best.step);
+  file.metadata["best_mean_iou"] = fmt::format("{}", best.mean_iou);
+  file.metadata["validations_since_best"] = std::to_string(best.validations_since);
+  for (const Learned& l : s.learned) {
     file.tensors.emplace(l.name + "/first_moment", copy_of(l.first_moment));
-    file.tensors.emplace(l.name + "/second_moment", copy_of(l.second_moment));
+    if (l.second_moment.defined()) file.tensors.emplace(l.name + "/second_moment", copy_of(l.second_moment));
   }
   return file;
 }
 
 void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
-  State& s = *state_;
-  const auto step = checkpoint.metadata.find("step");
-  if (step == checkpoint.metadata.end()) throw InputError(source, "is not a training checkpoint");
-  s.params = params_from_file(s.spec, checkpoint, source);
-  s.learned.clear();
-  s.collect_learned();
-  for (Learned& l : s.learned) {
-    copy_into(l.first_moment, checkpoint, l.name + "/first_moment", source);
-    copy_into(l.second_moment, checkpoint, l.name + "/second_moment", source);
+  const State& old = *state_;
+  const auto number = [&](const char* key) {
+    const auto it = checkpoint.metadata.find(key);
+    if (it == checkpoint.metadata.end()) throw InputError(source, "is not a training checkpoint");
+    return it->second;
+  };
+  const ModelMetadata metadata = parse_model_metadata(checkpoint.metadata, source);
+  if (metadata.architecture != old.metadata.architecture) {
+    throw InputError(source, fmt::format("is a checkpoint of {}, this training is of {}", metadata.architecture,
+                                         old.metadata.architecture));
   }
-  s.step = std::stoll(step->second);
+  auto state = std::make_unique<State>();
+  state->options = old.options;
+  state->metadata = old.metadata;
+  state->graph = old.graph;
+  state->device = old.device;
+  state->params = params_from_file(state->graph, checkpoint, source);
+  state->collect_learned();
+  for (Learned& l : state->learned) {
+    copy_into(l.first_moment, checkpoint, l.name + "/first_moment", source);
+    if (l.second_moment.defined()) copy_into(l.second_moment, checkpoint, l.name + "/second_moment", source);
+  }
+  BestScore kept;
+  try {
+    state->step = std::stoll(number("step"));
+    kept = {std::stoll(number("best_step")), std::stod(number("best_mean_iou")),
+            std::stoi(number("validations_since_best"))};
+  } catch (const std::logic_error&) {
+    throw InputError(source, "its step is no number: the checkpoint is damaged");
+  }
+  state_ = std::move(state);
+  best = kept;
 }
 
 TensorFile Trainer::model_file() const {
-  TensorFile file = file_from_params(state_->spec, state_->params, TensorType::f16);
+  TensorFile file = file_from_params(state_->graph, state_->params, TensorType::f16);
   file.metadata = format_model_metadata(state_->metadata);
   file.metadata["step"] = std::to_string(state_->step);
   return file;
+}
+
+TensorFile Trainer::weights() const { return file_from_params(state_->graph, state_->params, TensorType::f32); }
+
+std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes) {
+  constexpr float most = 8.0F;  // a class of a few pixels must not rule the training
+  std::vector<double> share(classes, 0.0);
+  for (const TrainingScene& scene : scenes) {
+    std::vector<std::size_t> count(classes, 0);
+    std::size_t known = 0;
+    for (const ClassSet set : scene.allowed.data) {
+      if (!std::has_single_bit(set)) continue;
+      ++count[static_cast<std::size_t>(std::countr_zero(set))];
+      ++known;
+    }
+    for (std::size_t c = 0; c < classes && known > 0; ++c)
+      share[c] += scene.weight * static_cast<double>(count[c]) / static_cast<double>(known);
+  }
+  std::vector<double> present;
+  for (const double s : share)
+    if (s > 0.0) present.push_back(s);
+  if (present.empty()) throw OptionError("balance_classes: no pixel has one known class");
+  std::nth_element(present.begin(), present.begin() + static_cast<std::ptrdiff_t>(present.size() / 2), present.end());
+  const double median = present[present.size() / 2];
+  std::vector<float> weights;
+  for (const double s : share)
+    weights.push_back(s > 0.0 ? std::clamp(static_cast<float>(median / s), 1.0F / most, most) : 1.0F);
+  return weights;
 }
 
 int road_label(const ClassTable& classes) {
@@ -218,23 +353,44 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
                    const std::vector<ValidationScene>& validation, const TrainHooks& hooks, Monitor* monitor) {
   const auto start = std::chrono::steady_clock::now();  // for the log only
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const std::string& stage = trainer.metadata().architecture;
   const auto validate = [&] {
+    if (validation.empty()) return;
     const SegmentModel model = load_model(format_safetensors(trainer.model_file()), "network in training");
     const int road = road_label(model.classes);
-    for (const auto& [name, score] : measure_model(model, validation, options.threads)) {
+    TrainReport mean{
+        .step = trainer.step(), .learning_rate = trainer.learning_rate(), .validation = "mean", .stage = stage};
+    double road_sum = 0.0, iou_sum = 0.0, accuracy_sum = 0.0;
+    const auto scores = measure_model(model, validation, options.threads);
+    for (const auto& [name, score] : scores) {
       hooks.report({.step = trainer.step(),
                     .learning_rate = trainer.learning_rate(),
                     .seconds = seconds(),
                     .road_iou = score.iou(road),
                     .mean_iou = score.mean_iou(),
                     .pixel_accuracy = score.pixel_accuracy(),
-                    .validation = name});
+                    .validation = name,
+                    .stage = stage});
+      road_sum += score.iou(road), iou_sum += score.mean_iou(), accuracy_sum += score.pixel_accuracy();
     }
+    const auto sets = static_cast<double>(scores.size());
+    mean.seconds = seconds();
+    mean.road_iou = road_sum / sets, mean.mean_iou = iou_sum / sets, mean.pixel_accuracy = accuracy_sum / sets;
+    hooks.report(mean);
+    if (*mean.mean_iou > trainer.best.mean_iou) {
+      trainer.best = {trainer.step(), *mean.mean_iou, 0};
+      if (hooks.best) hooks.best(trainer);
+    } else {
+      ++trainer.best.validations_since;
+    }
+  };
+  const auto stop_early = [&] {
+    return options.early_stop_after > 0 && trainer.best.validations_since >= options.early_stop_after;
   };
 
   double loss_sum = 0.0;
   std::int64_t loss_count = 0;
-  while (trainer.step() < options.steps && !(monitor && monitor->cancelled())) {
+  while (trainer.step() < options.steps && !stop_early() && !(monitor && monitor->cancelled())) {
     const double rate = trainer.learning_rate();
     loss_sum += trainer.advance(scenes);
     ++loss_count;
@@ -242,17 +398,18 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
       hooks.report({.step = trainer.step(),
                     .learning_rate = rate,
                     .loss = loss_sum / static_cast<double>(loss_count),
-                    .seconds = seconds()});
+                    .seconds = seconds(),
+                    .stage = stage});
       loss_sum = 0.0, loss_count = 0;
       if (monitor) monitor->progress(static_cast<double>(trainer.step()) / static_cast<double>(options.steps), "train");
     }
     if (options.validate_every > 0 && trainer.step() % options.validate_every == 0 && trainer.step() < options.steps) {
-      hooks.checkpoint(trainer);
       validate();
+      hooks.checkpoint(trainer);
     }
   }
-  hooks.checkpoint(trainer);
   validate();
+  hooks.checkpoint(trainer);
 }
 
 }  // namespace orthodrive
