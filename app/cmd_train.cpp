@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 struct TrainCommand {
   fs::path experiment, out;
   std::string measure;  ///< a model to measure instead of training one
-  bool resume = false, preview = false, cuda = false;
+  bool resume = false, preview = false, crf = false, cuda = false;
 };
 
 void write_previews(const TrainingData& data, const ClassTable& classes, const fs::path& folder) {
@@ -115,11 +116,23 @@ std::vector<Stage> stages_of(const Experiment& experiment, const NetworkSpec& ne
   return stages;
 }
 
+TrainHooks hooks_for(const fs::path& out, LogFile& log) {
+  return {.report = [&log](const TrainReport& report) { log.write(report); },
+          .checkpoint =
+              [out](const Trainer& state) {
+                write_text_file(out / "checkpoint.safetensors", format_safetensors(state.checkpoint()));
+                write_text_file(out / "model.safetensors", format_safetensors(state.model_file()));
+              },
+          .best =
+              [out](const Trainer& state) {
+                write_text_file(out / "best.safetensors", format_safetensors(state.model_file()));
+              }};
+}
+
 void train(const TrainCommand& command, const Experiment& experiment, const Network& network, const TrainingData& data,
            const Context& context) {
   const fs::path checkpoint_file = command.out / "checkpoint.safetensors",
-                 model_file = command.out / "model.safetensors", best_file = command.out / "best.safetensors",
-                 log_file = command.out / "log.csv";
+                 model_file = command.out / "model.safetensors", best_file = command.out / "best.safetensors";
   const std::vector<Stage> stages = stages_of(experiment, network.spec);
   std::size_t index = 0;
   std::optional<TensorFile> checkpoint;
@@ -136,7 +149,7 @@ void train(const TrainCommand& command, const Experiment& experiment, const Netw
   std::vector<WeightsSource> sources;
   if (!checkpoint)
     for (const fs::path& file : experiment.weights) sources.push_back(read_weights(file));
-  LogFile log(log_file, checkpoint.has_value());
+  LogFile log(command.out / "log.csv", checkpoint.has_value());
   for (; index < stages.size(); ++index) {
     const Stage& stage = stages[index];
     const ModelMetadata metadata{stage.architecture, network.classes, network.spec.gsd_m};
@@ -149,20 +162,80 @@ void train(const TrainCommand& command, const Experiment& experiment, const Netw
     sources.clear();
     if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
     checkpoint.reset();
-    train_network(
-        trainer, stage.options, data.scenes, data.validation,
-        {.report = [&](const TrainReport& report) { log.write(report); },
-         .checkpoint =
-             [&](const Trainer& state) {
-               write_text_file(checkpoint_file, format_safetensors(state.checkpoint()));
-               write_text_file(model_file, format_safetensors(state.model_file()));
-             },
-         .best = [&](const Trainer& state) { write_text_file(best_file, format_safetensors(state.model_file())); }},
-        context.monitor);
+    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, log), context.monitor);
     if (stage.options.early_stop_after > 0 && fs::exists(best_file))
       write_text_file(model_file, io::read_file(best_file));
     if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
   }
+}
+
+std::string search_table(const CrfSearch& search) {
+  std::string text = "theta_alpha_px,theta_beta,w1,theta_gamma_px,w2,pixel_accuracy,mean_iou\n";
+  for (const CrfTrial& t : search.trials) {
+    text +=
+        fmt::format("{},{},{},{},{},{:.4f},{:.4f}\n", t.widths.theta_alpha_px, t.widths.theta_beta, t.appearance_weight,
+                    t.widths.theta_gamma_px, t.smoothness_weight, t.pixel_accuracy, t.mean_iou);
+  }
+  return text;
+}
+
+TrainOptions crf_train_options(const Experiment& experiment) {
+  const CrfExperiment& crf = experiment.crf;
+  TrainOptions options = experiment.train;
+  options.solver = Solver::adamw;
+  options.sum_loss = false;
+  options.learning_rate = crf.network_learning_rate;
+  options.steps = crf.steps;
+  options.warmup_steps = std::min<std::int64_t>(10, crf.steps);
+  options.decay_from_step = crf.steps / 2;
+  options.freeze_norm_from_step = 0;
+  options.batch = crf.batch;
+  options.validate_every = crf.validate_every;
+  if (crf.label_px > 0) options.label_px = crf.label_px;
+  return options;
+}
+
+/// On top of the network trained in the folder: searches the CRF's widths and weights, then learns all of it. Writes
+/// into the sub-folder crf.
+void train_crf(const TrainCommand& command, const Experiment& experiment, const Network& network,
+               const TrainingData& data, const Context& context) {
+  const fs::path start_file = command.out / "model.safetensors", out = command.out / "crf",
+                 checkpoint_file = out / "checkpoint.safetensors";
+  if (!fs::exists(start_file)) {
+    throw OptionError(
+        fmt::format("{} is missing: train the network first, the same command without --crf", start_file.string()));
+  }
+  const TensorFile start = parse_safetensors(io::read_file(start_file), start_file.string());
+  const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
+  const int classes = static_cast<int>(network.classes.classes.size());
+  const CrfExperiment& crf = experiment.crf;
+  TrainOptions options = crf_train_options(experiment);
+  fs::create_directories(out);
+  std::optional<TensorFile> checkpoint;
+  if (fs::exists(checkpoint_file)) {
+    if (!command.resume) throw OptionError(fmt::format("{} holds a training run: go on with --resume", out.string()));
+    checkpoint = parse_safetensors(io::read_file(checkpoint_file), checkpoint_file.string());
+    const std::optional<CrfModel> begun = read_crf(*checkpoint, classes, checkpoint_file.string());
+    if (!begun) throw InputError(checkpoint_file.string(), "holds no CRF: choose another folder");
+    options.crf = CrfTraining{*begun, crf.learning_rate, crf.shrinkage};
+  } else {
+    const Trainer predictor(start, start_file.string(), metadata, options);
+    if (context.monitor) context.monitor->info("searching the widths and weights of the CRF");
+    const CrfSearch search = search_crf(predictor.crf_samples(data.scenes, crf.search_crops), classes,
+                                        {.iterations = crf.iterations, .threads = context.threads});
+    write_text_file(out / "search.csv", search_table(search));
+    CrfModel best = search.best;
+    for (std::vector<float>* weights : {&best.parameters.appearance_weight, &best.parameters.smoothness_weight})
+      for (float& w : *weights) w = std::max(w, 0.05F);  // a weight of zero has no logarithm to learn
+    TensorFile untrained = start;
+    add_crf(untrained, search.best);
+    write_text_file(out / "searched.safetensors", format_safetensors(untrained));
+    options.crf = CrfTraining{best, crf.learning_rate, crf.shrinkage};
+  }
+  Trainer trainer(start, start_file.string(), metadata, options);
+  if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
+  LogFile log(out / "log.csv", checkpoint.has_value());
+  train_network(trainer, options, data.scenes, data.validation, hooks_for(out, log), context.monitor);
 }
 
 void run(const TrainCommand& command, const Context& context) {
@@ -178,7 +251,7 @@ void run(const TrainCommand& command, const Context& context) {
         network.classes, context.threads);
   }
   if (command.out.empty()) throw OptionError("-o is missing: the folder to train into");
-  if (fs::exists(command.out / "checkpoint.safetensors") && !command.resume && !command.preview) {
+  if (fs::exists(command.out / "checkpoint.safetensors") && !command.resume && !command.preview && !command.crf) {
     throw OptionError(
         fmt::format("{} holds a training run: go on with --resume or choose another folder", command.out.string()));
   }
@@ -189,6 +262,7 @@ void run(const TrainCommand& command, const Context& context) {
   if (experiment.train.balance_classes)
     experiment.train.class_weights = balanced_class_weights(data.scenes, network.classes.classes.size());
   write_text_file(command.out / "experiment.toml", text);
+  if (command.crf) return train_crf(command, experiment, network, data, context);
   train(command, experiment, network, data, context);
 }
 
@@ -201,6 +275,9 @@ void add_train(CLI::App& app, Context& context) {
       ->required();
   cmd->add_option("-o,--output", command->out, "folder for model.safetensors, checkpoint.safetensors, log.csv");
   cmd->add_flag("--resume", command->resume, "go on from the checkpoint in the folder");
+  cmd->add_flag(
+      "--crf", command->crf,
+      "on top of the network trained in the folder: search a CRF's widths and weights, then learn both end to end");
   cmd->add_flag("--cuda", command->cuda, "train on the GPU, where libtorch has one");
   cmd->add_option("--measure", command->measure,
                   "instead of training, print the scores of this model on the held-out data as JSON");

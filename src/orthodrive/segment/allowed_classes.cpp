@@ -21,6 +21,16 @@ void LabelScore::add(std::span<const std::uint8_t> labels, std::span<const Class
   }
 }
 
+void LabelScore::add(const LabelScore& other) {
+  for (std::size_t c = 0; c < hit_.size(); ++c) {
+    hit_[c] += other.hit_[c];
+    missed_[c] += other.missed_[c];
+    wrong_[c] += other.wrong_[c];
+  }
+  known_ += other.known_;
+  right_ += other.right_;
+}
+
 double LabelScore::iou(int label) const {
   const auto c = static_cast<std::size_t>(label);
   const std::uint64_t sum = hit_[c] + missed_[c] + wrong_[c];

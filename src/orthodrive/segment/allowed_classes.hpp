@@ -20,6 +20,7 @@ class LabelScore {
  public:
   explicit LabelScore(int class_count);
   void add(std::span<const std::uint8_t> labels, std::span<const ClassSet> allowed);
+  void add(const LabelScore& other);  ///< counts of another part, of as many classes
   [[nodiscard]] double iou(int label) const;  ///< NaN for a class that no pixel is known to have
   [[nodiscard]] double mean_iou() const;      ///< over the classes in the truth
   [[nodiscard]] double pixel_accuracy() const;

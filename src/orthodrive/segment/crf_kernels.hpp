@@ -1,6 +1,6 @@
 #pragma once
-// The inner loops of the dense CRF, compiled once a processor family (crf_kernels_*.cpp) and chosen at run time. Values of
-// all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.
+// The inner loops of the dense CRF, compiled once a processor family (crf_kernels_*.cpp) and chosen at run time. Values
+// of all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.
 
 #include <cstddef>
 #include <cstdint>

@@ -155,6 +155,18 @@ void read_train(TomlSection& section, TrainOptions& train) {
     section.fail_here("'steps', 'batch' and 'crop_px' must be above 0");
 }
 
+void read_crf_options(TomlSection& section, CrfExperiment& crf) {
+  section.read("steps", crf.steps);
+  section.read("network_learning_rate", crf.network_learning_rate);
+  section.read("learning_rate", crf.learning_rate);
+  section.read("shrinkage", crf.shrinkage);
+  section.read("batch", crf.batch);
+  section.read("label_px", crf.label_px);
+  section.read("search_crops", crf.search_crops);
+  section.read("iterations", crf.iterations);
+  section.read("validate_every", crf.validate_every);
+}
+
 }  // namespace
 
 Experiment parse_experiment(std::string_view text, const std::filesystem::path& file) {
@@ -169,6 +181,11 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
   if (const toml::table* train = root.find_table("train")) {
     TomlSection section(*train, file);
     read_train(section, experiment.train);
+    section.finish();
+  }
+  if (const toml::table* crf = root.find_table("crf")) {
+    TomlSection section(*crf, file);
+    read_crf_options(section, experiment.crf);
     section.finish();
   }
   root.for_each_table("stage", [&](TomlSection& section) { experiment.stages.push_back(read_stage(section)); });

@@ -75,10 +75,22 @@ struct StageOptions {
   std::int64_t steps = 0;
 };
 
+/// `train --crf`: a search on a grid, then learning end to end. Replaces what it names of [train].
+struct CrfExperiment {
+  std::int64_t steps = 150;
+  double network_learning_rate = 1e-4;
+  double learning_rate = 0.02, shrinkage = 0.05;  ///< of the CRF (CrfTraining)
+  int batch = 2, label_px = 0;
+  int search_crops = 16;
+  int iterations = 10;
+  std::int64_t validate_every = 50;
+};
+
 struct Experiment {
   std::filesystem::path network;               ///< its description (make_network.hpp)
   std::vector<std::filesystem::path> weights;  ///< to start from: safetensors or .caffemodel, asked in this order
   TrainOptions train;
+  CrfExperiment crf;
   std::vector<StageOptions> stages;  ///< none: the network as it is, train.steps long
   std::vector<MapData> maps;
   std::vector<ImageData> images;

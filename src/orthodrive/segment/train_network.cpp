@@ -38,7 +38,7 @@ struct Learned {
   std::string name;
   at::Tensor value, first_moment, second_moment;
   double rate_factor = 1.0;
-  bool decays = false;
+  double decay = 0.0;  ///< towards zero
 };
 
 NamedTensor copy_of(const at::Tensor& tensor) {
@@ -78,6 +78,21 @@ Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& o
   return batch;
 }
 
+/// The photos of a batch as far as they have scores.
+std::vector<Raster<std::uint8_t>> photos_of(const Batch& batch, const TrainOptions& options, CellRange scored) {
+  std::vector<Raster<std::uint8_t>> photos;
+  const auto crop = static_cast<std::size_t>(options.crop_px), size = static_cast<std::size_t>(scored.size());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(options.batch); ++i) {
+    Raster<std::uint8_t>& photo = photos.emplace_back(scored.size(), scored.size(), 3);
+    for (std::size_t row = 0; row < size; ++row) {
+      const std::size_t from =
+          (i * crop + row + static_cast<std::size_t>(scored.first)) * crop + static_cast<std::size_t>(scored.first);
+      std::memcpy(&photo.data[3 * row * size], &batch.rgb[3 * from], 3 * size);
+    }
+  }
+  return photos;
+}
+
 }  // namespace
 
 struct Trainer::State {
@@ -86,6 +101,7 @@ struct Trainer::State {
   NetworkGraph graph;
   NetworkParams params;
   std::vector<Learned> learned;
+  at::Tensor crf_log_appearance, crf_log_smoothness, crf_compatibility;  ///< relative to options.crf->start
   at::Device device = at::kCPU;
   std::int64_t step = 0;
 
@@ -96,9 +112,7 @@ struct Trainer::State {
       LayerParams& p = params[i];
       const double factor = layer.pretrained ? options.trunk_rate_factor : 1.0;
       const auto add = [&](const std::string& name, at::Tensor& value, bool decays) {
-        value = value.to(device).set_requires_grad(true);
-        at::Tensor second = options.solver == Solver::adamw ? at::zeros_like(value) : at::Tensor();
-        learned.push_back({name, value, at::zeros_like(value), std::move(second), factor, decays});
+        learn(name, value, factor, decays ? options.weight_decay : 0.0);
       };
       if (!p.kernel.defined()) continue;
       add(layer.kernel_tensor, p.kernel, !layer.depthwise);
@@ -109,6 +123,89 @@ struct Trainer::State {
       p.mean = p.mean.to(device);
       p.variance = p.variance.to(device);
     }
+    if (!options.crf) return;
+    const std::int64_t n = graph.class_count;
+    const double factor = options.crf->learning_rate / options.learning_rate;
+    crf_log_appearance = at::zeros({n});
+    crf_log_smoothness = at::zeros({n});
+    crf_compatibility = at::zeros({n, n});
+    learn("crf/log_appearance", crf_log_appearance, factor, options.crf->shrinkage / factor);
+    learn("crf/log_smoothness", crf_log_smoothness, factor, options.crf->shrinkage / factor);
+    learn("crf/compatibility_change", crf_compatibility, factor, options.crf->shrinkage / factor);
+  }
+
+  void learn(const std::string& name, at::Tensor& value, double factor, double decay) {
+    value = value.to(device).set_requires_grad(true);
+    at::Tensor second = options.solver == Solver::adamw ? at::zeros_like(value) : at::Tensor();
+    learned.push_back({name, value, at::zeros_like(value), std::move(second), factor, decay});
+  }
+
+  /// The CRF as learned so far.
+  [[nodiscard]] CrfModel current_crf() const {
+    CrfModel crf = options.crf->start;
+    const auto scale = [](std::vector<float>& weights, const at::Tensor& log_ratio) {
+      const at::Tensor ratio = log_ratio.detach().to(at::kCPU).exp().contiguous();
+      for (std::size_t c = 0; c < weights.size(); ++c) weights[c] *= ratio.data_ptr<float>()[c];
+    };
+    scale(crf.parameters.appearance_weight, crf_log_appearance);
+    scale(crf.parameters.smoothness_weight, crf_log_smoothness);
+    const at::Tensor change = crf_compatibility.detach().to(at::kCPU).contiguous();
+    for (std::size_t i = 0; i < crf.parameters.compatibility.size(); ++i)
+      crf.parameters.compatibility[i] += change.data_ptr<float>()[i];
+    return crf;
+  }
+
+  /// Runs the CRF on the scores (N x C x H x W) of image parts, and the derivatives of the loss back through it: sets
+  /// the gradients of its own parameters, returns those of the scores. Only `labelled` rows and columns have `allowed`.
+  LossGradient learn_crf(const at::Tensor& scores, const std::vector<Raster<std::uint8_t>>& photos,
+                         const at::Tensor& allowed, CellRange labelled, const AllowedLossOptions& loss_options) {
+    const at::NoGradGuard no_grad;
+    const CrfModel crf = current_crf();
+    const auto count = static_cast<std::size_t>(scores.size(0));
+    const at::Tensor log_p = at::log_softmax(scores.detach().to(at::kCPU), 1).permute({0, 2, 3, 1}).contiguous();
+    const at::Tensor unary = -log_p;
+    const std::size_t values = static_cast<std::size_t>(unary.numel()) / count;
+    std::vector<std::unique_ptr<DenseCrf>> crfs(count);
+    std::vector<CrfTape> tapes(count);
+    at::Tensor marginals = at::empty_like(unary);
+    const auto part = [values](const at::Tensor& tensor, std::size_t i) {
+      return tensor.data_ptr<float>() + i * values;
+    };
+    parallel_for(count, options.threads, [&](std::size_t i) {
+      crfs[i] = std::make_unique<DenseCrf>(
+          CrfImage{.width = photos[i].width, .height = photos[i].height, .rgb = photos[i].data.data()}, crf.widths);
+      tapes[i] = crfs[i]->record(crf.parameters, {part(unary, i), values});
+      const auto result = tapes[i].result();
+      std::copy(result.begin(), result.end(), part(marginals, i));
+    });
+    const at::Tensor inner = marginals.narrow(1, labelled.first, labelled.size())
+                                 .narrow(2, labelled.first, labelled.size())
+                                 .permute({0, 3, 1, 2});
+    const LossGradient loss = allowed_class_loss_of_probabilities(inner, allowed.to(at::kCPU), loss_options);
+    at::Tensor gradient = at::zeros_like(marginals);
+    gradient.narrow(1, labelled.first, labelled.size())
+        .narrow(2, labelled.first, labelled.size())
+        .copy_(loss.gradient.permute({0, 2, 3, 1}));
+    std::vector<CrfGradients> back(count);
+    parallel_for(count, options.threads, [&](std::size_t i) {
+      back[i] = crfs[i]->backward(crf.parameters, tapes[i], {part(gradient, i), values});
+    });
+    const std::int64_t n = graph.class_count;
+    at::Tensor d_appearance = at::zeros({n}), d_smoothness = at::zeros({n}), d_compatibility = at::zeros({n, n});
+    at::Tensor d_unary = at::empty_like(unary);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::copy(back[i].unary.begin(), back[i].unary.end(), part(d_unary, i));
+      d_appearance += at::tensor(back[i].appearance_weight);
+      d_smoothness += at::tensor(back[i].smoothness_weight);
+      d_compatibility += at::tensor(back[i].compatibility).view({n, n});
+    }
+    // d weight / d log ratio = weight
+    crf_log_appearance.mutable_grad() = (d_appearance * at::tensor(crf.parameters.appearance_weight)).to(device);
+    crf_log_smoothness.mutable_grad() = (d_smoothness * at::tensor(crf.parameters.smoothness_weight)).to(device);
+    crf_compatibility.mutable_grad() = d_compatibility.to(device);
+    // unary c = -score c + log sum exp scores
+    const at::Tensor d_scores = log_p.exp() * d_unary.sum(3, true) - d_unary;
+    return {loss.loss, d_scores.permute({0, 3, 1, 2}).to(scores.device())};
   }
 
   void update_weights(double rate) {
@@ -120,13 +217,13 @@ struct Trainer::State {
       if (!gradient.defined()) continue;
       const double own_rate = rate * l.rate_factor;
       if (options.solver == Solver::sgd) {  // Caffe: v = m v + rate (g + decay w); w -= v
-        if (l.decays) gradient.add_(l.value, options.weight_decay);
+        if (l.decay > 0.0) gradient.add_(l.value, l.decay);
         l.first_moment.mul_(options.momentum).add_(gradient, own_rate);
         l.value.sub_(l.first_moment);
       } else {
         l.first_moment.mul_(adam_beta1).add_(gradient, 1.0 - adam_beta1);
         l.second_moment.mul_(adam_beta2).addcmul_(gradient, gradient, 1.0 - adam_beta2);
-        if (l.decays) l.value.mul_(1.0 - own_rate * options.weight_decay);
+        if (l.decay > 0.0) l.value.mul_(1.0 - own_rate * l.decay);
         const at::Tensor scale = (l.second_moment / correction2).sqrt_().add_(adam_eps);
         l.value.addcdiv_(l.first_moment, scale, -own_rate / correction1);
       }
@@ -134,11 +231,14 @@ struct Trainer::State {
     }
   }
 
-  /// First pixel of the centre that is learned from, and its edge.
-  [[nodiscard]] CellRange label_range() const {
+  /// Pixels of a crop that get scores, and those in its centre that are learned from.
+  [[nodiscard]] CellRange scored_range() const {
     const CellRange cells = padded_ranges(graph, options.crop_px).back();
-    const CellRange scored{std::max(0, cells.first + graph.output_shift),
-                           std::min(options.crop_px - 1, cells.last + graph.output_shift)};
+    return {std::max(0, cells.first + graph.output_shift),
+            std::min(options.crop_px - 1, cells.last + graph.output_shift)};
+  }
+  [[nodiscard]] CellRange label_range() const {
+    const CellRange scored = scored_range();
     if (options.label_px == 0) return scored;
     const int first = (options.crop_px - options.label_px) / 2;
     const CellRange wanted{first, first + options.label_px - 1};
@@ -212,19 +312,22 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
       image_tensor(s.graph.input, batch.rgb.data(), options.batch, options.crop_px, options.crop_px).to(s.device);
   const Scores scores = forward_padded(
       s.graph, s.params, image, {.update_batch_statistics = s.step < options.freeze_norm_from_step, .dropout = true});
-  const CellRange labelled = s.label_range();
-  const auto inner = [&](const at::Tensor& values, std::int64_t row_dimension, CellRange rows, CellRange cols) {
-    return values.narrow(row_dimension, labelled.first - rows.first, labelled.size())
-        .narrow(row_dimension + 1, labelled.first - cols.first, labelled.size());
+  const CellRange labelled = s.label_range(), scored = s.scored_range();
+  const auto part = [](const at::Tensor& values, std::int64_t dimension, CellRange has, CellRange wanted) {
+    return values.narrow(dimension, wanted.first - has.first, wanted.size())
+        .narrow(dimension + 1, wanted.first - has.first, wanted.size());
   };
-  const CellRange all{0, options.crop_px - 1};
-  const at::Tensor values = inner(scores.values, 2, scores.row_px, scores.col_px);
-  const at::Tensor allowed = inner(at::from_blob(const_cast<ClassSet*>(batch.allowed.data()),
-                                                 {options.batch, options.crop_px, options.crop_px}, at::kLong),
-                                   1, all, all)
+  const at::Tensor allowed = part(at::from_blob(const_cast<ClassSet*>(batch.allowed.data()),
+                                                {options.batch, options.crop_px, options.crop_px}, at::kLong),
+                                  1, {0, options.crop_px - 1}, labelled)
                                  .to(s.device);
+  const AllowedLossOptions loss_options{options.class_weights, options.set_weight, options.sum_loss};
+  // A CRF infers on all pixels that have scores; what is not learned from is cropped only after it.
+  const at::Tensor values = part(scores.values, 2, scores.row_px, options.crf ? scored : labelled);
   const LossGradient loss =
-      allowed_class_loss(values, allowed, {options.class_weights, options.set_weight, options.sum_loss});
+      options.crf ? s.learn_crf(values, photos_of(batch, options, scored), allowed,
+                                {labelled.first - scored.first, labelled.last - scored.first}, loss_options)
+                  : allowed_class_loss(values, allowed, loss_options);
   if (!std::isfinite(loss.loss)) {
     throw Error(
         fmt::format("training diverged at step {} (the loss is no number): lower the learning rate and go on from "
@@ -250,6 +353,12 @@ TensorFile Trainer::checkpoint() const {
   TensorFile file = file_from_params(s.graph, s.params, TensorType::f32);
   file.metadata = format_model_metadata(s.metadata);
   file.metadata["step"] = std::to_string(s.step);
+  if (s.options.crf) {
+    file.tensors.emplace("crf/log_appearance", copy_of(s.crf_log_appearance));
+    file.tensors.emplace("crf/log_smoothness", copy_of(s.crf_log_smoothness));
+    file.tensors.emplace("crf/compatibility_change", copy_of(s.crf_compatibility));
+    add_crf(file, s.options.crf->start);
+  }
   file.metadata["best_step"] = std::to_string(best.step);
   file.metadata["best_mean_iou"] = fmt::format("{}", best.mean_iou);
   file.metadata["validations_since_best"] = std::to_string(best.validations_since);
@@ -279,6 +388,11 @@ void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
   state->device = old.device;
   state->params = params_from_file(state->graph, checkpoint, source);
   state->collect_learned();
+  if (state->options.crf) {
+    copy_into(state->crf_log_appearance, checkpoint, "crf/log_appearance", source);
+    copy_into(state->crf_log_smoothness, checkpoint, "crf/log_smoothness", source);
+    copy_into(state->crf_compatibility, checkpoint, "crf/compatibility_change", source);
+  }
   for (Learned& l : state->learned) {
     copy_into(l.first_moment, checkpoint, l.name + "/first_moment", source);
     if (l.second_moment.defined()) copy_into(l.second_moment, checkpoint, l.name + "/second_moment", source);
@@ -299,7 +413,47 @@ TensorFile Trainer::model_file() const {
   TensorFile file = file_from_params(state_->graph, state_->params, TensorType::f16);
   file.metadata = format_model_metadata(state_->metadata);
   file.metadata["step"] = std::to_string(state_->step);
+  if (state_->options.crf) add_crf(file, state_->current_crf());
   return file;
+}
+
+std::optional<CrfModel> Trainer::crf() const {
+  if (!state_->options.crf) return {};
+  return state_->current_crf();
+}
+
+std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& scenes, int count) const {
+  const State& s = *state_;
+  const at::NoGradGuard no_grad;
+  NetworkParams params = s.params;  // handles only
+  TrainOptions options = s.options;
+  options.batch = 1;
+  const CellRange scored = s.scored_range();
+  std::vector<CrfSample> samples;
+  for (int i = 0; i < count; ++i) {
+    const Batch batch =
+        draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i);  // other crops than those learned from
+    const at::Tensor image =
+        image_tensor(s.graph.input, batch.rgb.data(), 1, options.crop_px, options.crop_px).to(s.device);
+    const Scores scores = forward_padded(s.graph, params, image, {});
+    const at::Tensor unary =
+        (-at::log_softmax(scores.values.narrow(2, scored.first - scores.row_px.first, scored.size())
+                              .narrow(3, scored.first - scores.col_px.first, scored.size()),
+                          1))
+            .permute({0, 2, 3, 1})
+            .to(at::kCPU)
+            .contiguous();
+    const float* values = unary.data_ptr<float>();
+    CrfSample sample{photos_of(batch, options, scored).front(),
+                     Raster<ClassSet>(scored.size(), scored.size()),
+                     {values, values + unary.numel()}};
+    for (int row = 0; row < scored.size(); ++row)
+      for (int col = 0; col < scored.size(); ++col)
+        sample.allowed.at(col, row) =
+            batch.allowed[static_cast<std::size_t>((row + scored.first) * options.crop_px + col + scored.first)];
+    samples.push_back(std::move(sample));
+  }
+  return samples;
 }
 
 TensorFile Trainer::weights() const { return file_from_params(state_->graph, state_->params, TensorType::f32); }

@@ -13,6 +13,7 @@
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/segment/model_metadata.hpp"
 #include "orthodrive/segment/safetensors.hpp"
+#include "orthodrive/segment/search_crf.hpp"
 #include "orthodrive/segment/segment_model.hpp"
 #include "orthodrive/segment/training_scene.hpp"
 
@@ -21,6 +22,15 @@ namespace orthodrive {
 enum class Solver {
   adamw,  ///< Loshchilov and Hutter, 2019, on the weighted mean of the loss
   sgd     ///< with momentum, Caffe's update rule
+};
+
+/// Learning the CRF's weights together with the network's. Weights are learned as logarithms of their ratio to the
+/// start and the compatibility as difference to it, so that one rate fits values of any size; both are drawn back to
+/// the start.
+struct CrfTraining {
+  CrfModel start;
+  double learning_rate = 0.02;  ///< relative change a step, at the peak of the schedule
+  double shrinkage = 0.05;      ///< decoupled decay towards the start
 };
 
 /// The learning rate rises linearly over `warmup_steps`, stays, and falls as a half cosine to 0 from `decay_from_step`
@@ -45,6 +55,7 @@ struct TrainOptions {
   std::int64_t validate_every = 200;  ///< steps; 0 = only at the end
   int early_stop_after = 0;           ///< validations without a better mean IoU; 0 = never
   int threads = 0;                    ///< results repeat for the same number only: sums run in parallel
+  std::optional<CrfTraining> crf;     ///< learn a CRF on top, end to end
   bool cuda = false;                  ///< train on the GPU; throws OptionError where libtorch has none
 };
 /// Solver and learning rates of the reference: SGD, batch 1, rate 1e-10 on a summed loss, momentum 0.99, weight decay
@@ -96,6 +107,9 @@ class Trainer {
   [[nodiscard]] TensorFile weights() const;    ///< F32, to start another network from
   [[nodiscard]] double learning_rate() const;  ///< at the present step
   [[nodiscard]] const ModelMetadata& metadata() const;
+  [[nodiscard]] std::optional<CrfModel> crf() const;  ///< as learned so far
+  /// Crops as training draws them, with -log p of the network as it predicts.
+  [[nodiscard]] std::vector<CrfSample> crf_samples(const std::vector<TrainingScene>& scenes, int count) const;
   BestScore best;  ///< kept in checkpoints
 
  private:
