@@ -70,6 +70,14 @@ Network read_network(const fs::path& file) {
   return network;
 }
 
+void add_data(Experiment& experiment, const Experiment& other) {
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(experiment.maps, other.maps);
+  append(experiment.images, other.images);
+  append(experiment.rasters, other.rasters);
+  append(experiment.polygons, other.polygons);
+}
+
 /// Scores of a model on the held-out data, as one JSON object on standard output.
 void measure(const std::string& name, const std::vector<ValidationScene>& scenes, const ClassTable& classes,
              int threads) {
@@ -241,6 +249,7 @@ void train_crf(const TrainCommand& command, const Experiment& experiment, const 
 void run(const TrainCommand& command, const Context& context) {
   const std::string text = io::read_file(command.experiment);
   Experiment experiment = parse_experiment(text, command.experiment);
+  if (!experiment.data_from.empty()) add_data(experiment, parse_experiment(io::read_file(experiment.data_from), experiment.data_from));
   const Network network = read_network(experiment.network);
   experiment.train.threads = context.threads;
   experiment.train.cuda = command.cuda;

@@ -120,48 +120,6 @@ LabelledPhoto read_raster_data(const RasterData& data, double gsd_m, const Class
   return result;
 }
 
-/// Each piece of the truth with what the network sees around it.
-void add_truth(TrainingData& result, const TruthData& data, double gsd_m, const ClassTable& classes, int threads) {
-  constexpr double surroundings_m = 150.0;
-  const Box2 photo_box = bounds_of(io::raster_info(data.photo).outline_lonlat.outer);
-  const Crs crs = utm_crs(0.5 * (photo_box.min_x + photo_box.max_x), 0.5 * (photo_box.min_y + photo_box.max_y));
-  std::map<std::string, std::vector<io::Feature>> pieces;
-  for (io::Feature& feature : io::read_features(data.polygons, crs)) {
-    const std::string piece = feature.tags["piece"];
-    if (data.pieces.empty() || std::find(data.pieces.begin(), data.pieces.end(), piece) != data.pieces.end())
-      pieces[piece].push_back(std::move(feature));
-  }
-  for (const std::string& name : data.pieces)
-    if (!pieces.contains(name)) throw InputError(data.polygons.string(), fmt::format("has no piece '{}'", name));
-  for (const auto& [piece, features] : pieces) {
-    Box2 box = bounds_of(features.front().polygons.front().outer);
-    for (const io::Feature& feature : features)
-      for (const Polygon& polygon : feature.polygons) {
-        const Box2 own = bounds_of(polygon.outer);
-        box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
-               std::max(box.max_y, own.max_y)};
-      }
-    box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m,
-           box.max_y + surroundings_m};
-    const SiteFrame site{
-        crs, {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}};
-    ValidationScene scene{
-        data.name, resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads), {}};
-    const GridFrame& frame = scene.photo.frame;
-    scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
-    for (const io::Feature& feature : features) {
-      const auto tag = feature.tags.find("class");
-      if (tag == feature.tags.end())
-        throw InputError(data.polygons.string(), fmt::format("piece '{}': a feature has no 'class'", piece));
-      const ClassSet set =
-          tag->second == "unknown" ? unknown_class : class_set({tag->second}, classes, data.polygons.string());
-      for (const Polygon& polygon : feature.polygons) fill_polygon(scene.allowed, frame, polygon, set);
-    }
-    forget_missing_photo(scene.photo, scene.allowed);
-    result.validation.push_back(std::move(scene));
-  }
-}
-
 Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const fs::path& file, const ImageData& data,
                                   const ClassTable& classes) {
   std::map<std::array<std::uint8_t, 3>, ClassSet> palette;
@@ -252,6 +210,50 @@ void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto l
   }
 }
 
+/// Each piece with what the network sees around it.
+void add_polygons(TrainingData& result, const PolygonData& data, double gsd_m, const ClassTable& classes, int threads) {
+  const double surroundings_m = data.held_out ? 150.0 : 50.0;  // crops should hit the piece
+  const Box2 photo_box = bounds_of(io::raster_info(data.photo).outline_lonlat.outer);
+  const Crs crs = utm_crs(0.5 * (photo_box.min_x + photo_box.max_x), 0.5 * (photo_box.min_y + photo_box.max_y));
+  std::map<std::string, std::vector<io::Feature>> pieces;
+  for (io::Feature& feature : io::read_features(data.polygons, crs)) {
+    const std::string piece = feature.tags["piece"];
+    if (data.pieces.empty() || std::find(data.pieces.begin(), data.pieces.end(), piece) != data.pieces.end())
+      pieces[piece].push_back(std::move(feature));
+  }
+  for (const std::string& name : data.pieces)
+    if (!pieces.contains(name)) throw InputError(data.polygons.string(), fmt::format("has no piece '{}'", name));
+  for (const auto& [piece, features] : pieces) {
+    Box2 box = bounds_of(features.front().polygons.front().outer);
+    for (const io::Feature& feature : features)
+      for (const Polygon& polygon : feature.polygons) {
+        const Box2 own = bounds_of(polygon.outer);
+        box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
+               std::max(box.max_y, own.max_y)};
+      }
+    box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m,
+           box.max_y + surroundings_m};
+    const SiteFrame site{
+        crs, {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}};
+    LabelledPhoto scene{resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads), {}};
+    const GridFrame& frame = scene.photo.frame;
+    scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
+    for (const io::Feature& feature : features) {
+      const auto tag = feature.tags.find("class");
+      if (tag == feature.tags.end())
+        throw InputError(data.polygons.string(), fmt::format("piece '{}': a feature has no 'class'", piece));
+      const ClassSet set =
+          tag->second == "unknown" ? unknown_class : class_set({tag->second}, classes, data.polygons.string());
+      for (const Polygon& polygon : feature.polygons) fill_polygon(scene.allowed, frame, polygon, set);
+    }
+    forget_missing_photo(scene.photo, scene.allowed);
+    SceneUse use = data.use;
+    use.weight /= static_cast<double>(pieces.size());
+    add_labelled(result, data.held_out ? data.name : data.name + "-" + piece, std::move(scene),
+                 data.held_out ? Part::held_out : Part::training, use);
+  }
+}
+
 void add_part(TrainingData& result, const Experiment& experiment, Part part, double gsd_m, const ClassTable& classes,
               int threads, Monitor* monitor) {
   const auto tell = [&](const std::string& name) {
@@ -272,10 +274,10 @@ void add_part(TrainingData& result, const Experiment& experiment, Part part, dou
     tell(data.name);
     add_images(result, data, part, gsd_m, classes, threads);
   }
-  for (const TruthData& data : experiment.truths) {
-    if (part != Part::held_out) continue;
+  for (const PolygonData& data : experiment.polygons) {
+    if (data.held_out != (part == Part::held_out)) continue;
     tell(data.name);
-    add_truth(result, data, gsd_m, classes, threads);
+    add_polygons(result, data, gsd_m, classes, threads);
   }
 }
 

@@ -84,7 +84,7 @@ mapping = { track = ["road"], curb = ["road", "ground"], snow = [] }
 name = "village"
 folder = "village-1"
 held_out = true
-[[truth]]
+[[polygons]]
 name = "hand-made"
 photo = "a.tif"
 polygons = "truth.geojson"
@@ -106,8 +106,9 @@ pieces = ["k1"]
   EXPECT_TRUE(e.rasters[0].mapping.at("snow").empty());
   EXPECT_EQ(e.rasters[1].labels, "m/village-1/truth/labels.tif");
   EXPECT_TRUE(e.rasters[1].held_out);
-  ASSERT_EQ(e.truths.size(), 1u);
-  EXPECT_EQ(e.truths[0].pieces, std::vector<std::string>{"k1"});
+  ASSERT_EQ(e.polygons.size(), 1u);
+  EXPECT_FALSE(e.polygons[0].held_out);
+  EXPECT_EQ(e.polygons[0].pieces, std::vector<std::string>{"k1"});
   EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\npreset = \"other\"\n", "x")), InputError);
   EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\nsteps = 0\n", "x")), InputError);
 }

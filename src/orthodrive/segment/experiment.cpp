@@ -95,13 +95,15 @@ RasterData read_raster(TomlSection& section) {
   return data;
 }
 
-TruthData read_truth(TomlSection& section) {
-  TruthData data;
+PolygonData read_polygons(TomlSection& section) {
+  PolygonData data;
   for (const char* key : {"name", "photo", "polygons"}) section.require(key);
   section.read("name", data.name);
   section.read("photo", data.photo);
   section.read("polygons", data.polygons);
   section.read("pieces", data.pieces);
+  section.read("held_out", data.held_out);
+  read_use(section, data.use);
   return data;
 }
 
@@ -175,6 +177,7 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
   TomlSection root(table, file);
   for (const char* key : {"network", "train"}) root.require(key);
   root.read("network", experiment.network);
+  root.read("data_from", experiment.data_from);
   std::vector<std::string> weights;
   root.read("weights", weights);
   for (const std::string& path : weights) experiment.weights.push_back(file.parent_path() / path);
@@ -192,7 +195,8 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
   root.for_each_table("map", [&](TomlSection& section) { experiment.maps.push_back(read_map(section)); });
   root.for_each_table("images", [&](TomlSection& section) { experiment.images.push_back(read_images(section)); });
   root.for_each_table("raster", [&](TomlSection& section) { experiment.rasters.push_back(read_raster(section)); });
-  root.for_each_table("truth", [&](TomlSection& section) { experiment.truths.push_back(read_truth(section)); });
+  root.for_each_table("polygons",
+                      [&](TomlSection& section) { experiment.polygons.push_back(read_polygons(section)); });
   root.finish();
   return experiment;
 }

@@ -62,11 +62,14 @@ struct RasterData {
   SceneUse use;
 };
 
-/// Photo with exact polygons, GeoJSON features with a `class`, later ones on top; scored inside them only.
-struct TruthData {
+/// Photo with polygons painted by hand: GeoJSON features with `piece` and `class`, later ones on top, "unknown" where
+/// nothing is known. Outside them nothing is learned and nothing scored.
+struct PolygonData {
   std::string name;
   std::filesystem::path photo, polygons;
-  std::vector<std::string> pieces;  ///< only features whose `piece` is one of these
+  std::vector<std::string> pieces;  ///< only features whose `piece` is one of these; none given: all
+  bool held_out = false;            ///< measured, not trained on
+  SceneUse use;
 };
 
 /// One of several trainings that follow each other, each starting from the network before: 32s, 16s, 8s.
@@ -91,11 +94,12 @@ struct Experiment {
   std::vector<std::filesystem::path> weights;  ///< to start from: safetensors or .caffemodel, asked in this order
   TrainOptions train;
   CrfExperiment crf;
+  std::filesystem::path data_from;   ///< an experiment whose data sets are used as well
   std::vector<StageOptions> stages;  ///< none: the network as it is, train.steps long
   std::vector<MapData> maps;
   std::vector<ImageData> images;
   std::vector<RasterData> rasters;
-  std::vector<TruthData> truths;
+  std::vector<PolygonData> polygons;
 };
 
 /// Paths in the file are relative to it. Throws InputError with the line for what is wrong or unknown.

@@ -16,6 +16,7 @@
 #include "orthodrive/segment/allowed_class_loss.hpp"
 #include "orthodrive/segment/fcn.hpp"
 #include "orthodrive/segment/make_network.hpp"
+#include "orthodrive/segment/reusing_allocator.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 
 namespace orthodrive {
@@ -505,6 +506,7 @@ std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const
 
 void train_network(Trainer& trainer, const TrainOptions& options, const std::vector<TrainingScene>& scenes,
                    const std::vector<ValidationScene>& validation, const TrainHooks& hooks, Monitor* monitor) {
+  const ReuseTensorMemory reuse_memory;
   const auto start = std::chrono::steady_clock::now();  // for the log only
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const std::string& stage = trainer.metadata().architecture;
