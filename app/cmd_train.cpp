@@ -13,8 +13,12 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/segment/caffe_model.hpp"
 #include "orthodrive/segment/make_network.hpp"
 #include "orthodrive/segment/net_surgery.hpp"
+#include "orthodrive/segment/packed_scenes.hpp"
+#include "orthodrive/segment/safetensors_stream.hpp"
+#include "orthodrive/segment/training_report.hpp"
 #include "training_data.hpp"
 
 namespace orthodrive::app {
@@ -23,6 +27,7 @@ namespace fs = std::filesystem;
 
 struct TrainCommand {
   fs::path experiment, out;
+  fs::path pack;        ///< write the data set instead of training
   std::string measure;  ///< a model to measure instead of training one
   bool resume = false, preview = false, crf = false, cuda = false;
 };
@@ -36,25 +41,35 @@ void write_previews(const TrainingData& data, const ClassTable& classes, const f
   }
 }
 
-/// log.csv, a row as it happens: the file of a killed run is complete up to there.
-class LogFile {
+/// log.csv, a row as it happens: the file of a killed run is complete up to there. And its curves as a page.
+class TrainingLog {
  public:
-  LogFile(const fs::path& path, bool append) : stream_(path, append ? std::ios::app : std::ios::trunc) {
-    if (!append) stream_ << "step,learning_rate,loss,seconds,validation,road_iou,mean_iou,pixel_accuracy,stage\n";
+  /// Goes on with the log that is there, up to the step that is resumed from; -1: begins a new one.
+  TrainingLog(const fs::path& folder, std::int64_t resumed_step) : page_(folder / "training.html"), folder_(folder) {
+    const fs::path file = folder / "log.csv";
+    if (resumed_step >= 0 && fs::exists(file)) rows_ = parse_training_log(io::read_file(file), file.string());
+    std::erase_if(rows_, [&](const TrainReport& row) { return row.step > resumed_step; });
+    std::string text = format_log_header();
+    for (const TrainReport& row : rows_) text += format_log_row(row);
+    seconds_before_ = rows_.empty() ? 0.0 : rows_.back().seconds;
+    write_text_file(file, text);
+    stream_.open(file, std::ios::app);
   }
-  void write(const TrainReport& report) {
-    const auto number = [](const std::optional<double>& value) {
-      return value ? fmt::format("{:.4f}", *value) : std::string();
-    };
-    stream_ << fmt::format("{},{:.4g},{},{:.1f},{},{},{},{},{}\n", report.step, report.learning_rate,
-                           report.validation.empty() ? fmt::format("{:.4f}", report.loss) : "", report.seconds,
-                           report.validation, number(report.road_iou), number(report.mean_iou),
-                           number(report.pixel_accuracy), report.stage)
-            << std::flush;
+  void write(TrainReport row) {
+    row.seconds += seconds_before_;
+    rows_.push_back(row);
+    stream_ << format_log_row(row) << std::flush;
+    if (row.validation == "mean") write_page();
+  }
+  void write_page() const {
+    write_text_file(page_, format_training_report(rows_, {.title = "Training " + folder_.filename().string()}));
   }
 
  private:
+  fs::path page_, folder_;
+  std::vector<TrainReport> rows_;
   std::ofstream stream_;
+  double seconds_before_ = 0.0;
 };
 
 /// What an experiment trains: its network with its class table.
@@ -101,7 +116,16 @@ void measure(const std::string& name, const std::vector<ValidationScene>& scenes
 }
 
 WeightsSource read_weights(const fs::path& file) {
-  return {file.filename().string(), parse_safetensors(io::read_file(file), file.string())};
+  if (file.extension() != ".caffemodel") return {file.filename().string(), read_safetensors(file)};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string(), "cannot be opened: does it exist?");
+  return {file.filename().string(), read_caffe_model(stream, file.string())};
+}
+
+std::int64_t step_of(const std::optional<TensorFile>& checkpoint) {
+  const auto step =
+      checkpoint ? checkpoint->metadata.find("step") : std::map<std::string, std::string>::const_iterator{};
+  return checkpoint && step != checkpoint->metadata.end() ? std::atoll(step->second.c_str()) : -1;
 }
 
 /// The trainings of an experiment, in order: a network and its options each.
@@ -124,8 +148,13 @@ std::vector<Stage> stages_of(const Experiment& experiment, const NetworkSpec& ne
   return stages;
 }
 
-TrainHooks hooks_for(const fs::path& out, LogFile& log) {
-  return {.report = [&log](const TrainReport& report) { log.write(report); },
+/// `steps_before`: of the stages before, so that steps of the log go on.
+TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_before) {
+  return {.report =
+              [&log, steps_before](TrainReport report) {
+                report.step += steps_before;
+                log.write(report);
+              },
           .checkpoint =
               [out](const Trainer& state) {
                 write_text_file(out / "checkpoint.safetensors", format_safetensors(state.checkpoint()));
@@ -145,7 +174,7 @@ void train(const TrainCommand& command, const Experiment& experiment, const Netw
   std::size_t index = 0;
   std::optional<TensorFile> checkpoint;
   if (fs::exists(checkpoint_file)) {
-    checkpoint = parse_safetensors(io::read_file(checkpoint_file), checkpoint_file.string());
+    checkpoint = read_safetensors(checkpoint_file);
     const std::string architecture = parse_model_metadata(checkpoint->metadata, checkpoint_file.string()).architecture;
     while (index < stages.size() && stages[index].architecture != architecture) ++index;
     if (index == stages.size()) {
@@ -157,7 +186,9 @@ void train(const TrainCommand& command, const Experiment& experiment, const Netw
   std::vector<WeightsSource> sources;
   if (!checkpoint)
     for (const fs::path& file : experiment.weights) sources.push_back(read_weights(file));
-  LogFile log(command.out / "log.csv", checkpoint.has_value());
+  std::int64_t steps_before = 0;
+  for (std::size_t i = 0; i < index; ++i) steps_before += stages[i].options.steps;
+  TrainingLog log(command.out, checkpoint ? steps_before + step_of(checkpoint) : -1);
   for (; index < stages.size(); ++index) {
     const Stage& stage = stages[index];
     const ModelMetadata metadata{stage.architecture, network.classes, network.spec.gsd_m};
@@ -170,7 +201,9 @@ void train(const TrainCommand& command, const Experiment& experiment, const Netw
     sources.clear();
     if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
     checkpoint.reset();
-    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, log), context.monitor);
+    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, log, steps_before),
+                  context.monitor);
+    steps_before += trainer.step();
     if (stage.options.early_stop_after > 0 && fs::exists(best_file))
       write_text_file(model_file, io::read_file(best_file));
     if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
@@ -213,7 +246,7 @@ void train_crf(const TrainCommand& command, const Experiment& experiment, const 
     throw OptionError(
         fmt::format("{} is missing: train the network first, the same command without --crf", start_file.string()));
   }
-  const TensorFile start = parse_safetensors(io::read_file(start_file), start_file.string());
+  const TensorFile start = read_safetensors(start_file);
   const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
   const int classes = static_cast<int>(network.classes.classes.size());
   const CrfExperiment& crf = experiment.crf;
@@ -222,7 +255,7 @@ void train_crf(const TrainCommand& command, const Experiment& experiment, const 
   std::optional<TensorFile> checkpoint;
   if (fs::exists(checkpoint_file)) {
     if (!command.resume) throw OptionError(fmt::format("{} holds a training run: go on with --resume", out.string()));
-    checkpoint = parse_safetensors(io::read_file(checkpoint_file), checkpoint_file.string());
+    checkpoint = read_safetensors(checkpoint_file);
     const std::optional<CrfModel> begun = read_crf(*checkpoint, classes, checkpoint_file.string());
     if (!begun) throw InputError(checkpoint_file.string(), "holds no CRF: choose another folder");
     options.crf = CrfTraining{*begun, crf.learning_rate, crf.shrinkage};
@@ -242,14 +275,27 @@ void train_crf(const TrainCommand& command, const Experiment& experiment, const 
   }
   Trainer trainer(start, start_file.string(), metadata, options);
   if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
-  LogFile log(out / "log.csv", checkpoint.has_value());
-  train_network(trainer, options, data.scenes, data.validation, hooks_for(out, log), context.monitor);
+  TrainingLog log(out, step_of(checkpoint));
+  train_network(trainer, options, data.scenes, data.validation, hooks_for(out, log, 0), context.monitor);
+}
+
+/// The data set and all that training needs to know, for the program that needs nothing but libtorch.
+void pack(const TrainCommand& command, TrainingData data, const ClassTable& classes, const std::string& experiment) {
+  PackedScenes packed{std::move(data.scenes),
+                      std::move(data.validation),
+                      {{"experiment", experiment}, {"classes", io::class_table_to_json(classes)}}};
+  AsideFile aside(command.pack);
+  std::ofstream stream(aside.path(), std::ios::binary);
+  write_packed_scenes(stream, packed);
+  stream.close();
+  aside.commit();
 }
 
 void run(const TrainCommand& command, const Context& context) {
   const std::string text = io::read_file(command.experiment);
   Experiment experiment = parse_experiment(text, command.experiment);
-  if (!experiment.data_from.empty()) add_data(experiment, parse_experiment(io::read_file(experiment.data_from), experiment.data_from));
+  if (!experiment.data_from.empty())
+    add_data(experiment, parse_experiment(io::read_file(experiment.data_from), experiment.data_from));
   const Network network = read_network(experiment.network);
   experiment.train.threads = context.threads;
   experiment.train.cuda = command.cuda;
@@ -259,15 +305,16 @@ void run(const TrainCommand& command, const Context& context) {
         read_held_out_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor),
         network.classes, context.threads);
   }
-  if (command.out.empty()) throw OptionError("-o is missing: the folder to train into");
+  if (command.out.empty() && command.pack.empty()) throw OptionError("-o is missing: the folder to train into");
   if (fs::exists(command.out / "checkpoint.safetensors") && !command.resume && !command.preview && !command.crf) {
     throw OptionError(
         fmt::format("{} holds a training run: go on with --resume or choose another folder", command.out.string()));
   }
-  fs::create_directories(command.out);
-  const TrainingData data =
+  if (!command.out.empty()) fs::create_directories(command.out);
+  TrainingData data =
       read_training_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor);
   if (command.preview) return write_previews(data, network.classes, command.out);
+  if (!command.pack.empty()) return pack(command, data, network.classes, text);
   if (experiment.train.balance_classes)
     experiment.train.class_weights = balanced_class_weights(data.scenes, network.classes.classes.size());
   write_text_file(command.out / "experiment.toml", text);
@@ -290,6 +337,10 @@ void add_train(CLI::App& app, Context& context) {
   cmd->add_flag("--cuda", command->cuda, "train on the GPU, where libtorch has one");
   cmd->add_option("--measure", command->measure,
                   "instead of training, print the scores of this model on the held-out data as JSON");
+  cmd->add_option(
+      "--pack", command->pack,
+      "instead of training, write the data set into this safetensors file, to train on a machine with nothing "
+      "but libtorch (tools/trainer)");
   cmd->add_flag("--preview", command->preview,
                 "only write pictures of the labels into the folder, to look at them before training");
   cmd->footer(

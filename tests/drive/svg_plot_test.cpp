@@ -52,6 +52,27 @@ TEST(SvgPlot, gaps_interrupt_the_line_and_names_are_escaped) {
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
 }
 
+TEST(SvgPlot, log_axis_puts_decades_at_equal_distance) {
+  PlotSeries series{.name = "loss", .x = {0, 1, 2, 3}, .y = {1.0, 0.1, 0.01, 0.0}};
+  const std::string svg = svg_line_plot(std::vector{series}, {.height_px = 260, .y_log = true});
+  // 6 % of padding to both sides of 34 .. 218 px; zero has no place and ends the line.
+  EXPECT_THAT(svg, HasSubstr(",43.9 "));
+  EXPECT_THAT(svg, HasSubstr(",126.0 "));
+  EXPECT_THAT(svg, HasSubstr(",208.1\""));
+  for (const char* tick : {">1<", ">0.1<", ">0.01<", ">0.05<"}) EXPECT_THAT(svg, HasSubstr(tick));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
+  series.y = {-1.0, 0.0, -1.0, 0.0};
+  EXPECT_THAT(svg_line_plot(std::vector{series}, {.y_log = true}), Not(HasSubstr("<polyline")));
+}
+
+TEST(SvgPlot, dots_ring_their_points) {
+  const std::string svg =
+      svg_line_plot(std::vector{PlotSeries{.x = {1, 2}, .y = {1, 2}, .color = "#123456", .dots = true}});
+  EXPECT_EQ(count(svg, "<circle"), 2u);
+  EXPECT_EQ(count(svg, "<polyline"), 0u);
+}
+
 TEST(SvgPlot, empty_and_constant_data_are_drawn) {
   EXPECT_THAT(svg_line_plot({}, {}), HasSubstr("</svg>"));
   const std::string flat = svg_line_plot(std::vector{PlotSeries{"", {0.0, 1.0}, {5.0, 5.0}, "", false}}, {});

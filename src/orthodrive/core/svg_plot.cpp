@@ -77,6 +77,21 @@ void append_thinned(std::string& points, std::span<const double> x_px, std::span
   }
 }
 
+/// Round values between 10^low and 10^high: 1, 2, 5 times powers of ten, over many decades the powers alone.
+std::vector<double> log_ticks(double low, double high) {
+  if (high - low < 1.0) return round_ticks(std::pow(10.0, low), std::pow(10.0, high), 5);
+  const double every = std::ceil((high - low) / 8.0);  // decades
+  std::vector<double> ticks;
+  for (double k = std::floor(low / every) * every; k <= high; k += every) {
+    for (const double m : {1.0, 2.0, 5.0}) {
+      if (m != 1.0 && high - low > 2.5) continue;
+      const double at = k + std::log10(m);
+      if (at >= low - 1e-9 && at <= high + 1e-9) ticks.push_back(m * std::pow(10.0, k));
+    }
+  }
+  return ticks;
+}
+
 /// Viridis (Smith, van der Walt 2015) at 9 places, linear between them.
 std::string value_color(double f) {
   static constexpr std::array<std::array<double, 3>, 9> stops = {{{68, 1, 84},
@@ -116,17 +131,18 @@ std::vector<double> round_ticks(double low, double high, int count) {
 }
 
 std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions& options) {
+  const auto scaled = [&](double y) { return options.y_log ? (y > 0.0 ? std::log10(y) : std::nan("")) : y; };
   Range x_range, y_range;
   for (const PlotSeries& s : series) {
     for (const double v : s.x) x_range.add(v);
-    for (const double v : s.y) y_range.add(v);
+    for (const double v : s.y) y_range.add(scaled(v));
   }
   if (options.y_from_zero) y_range.add(0.0);
   const Range xr = x_range.usable(0.0), yr = y_range.usable(0.06);
 
   const double left = 64, right = options.width_px - 16.0, top = 34, bottom = options.height_px - 42.0;
   const auto to_x = [&](double v) { return left + (v - xr.low) / xr.size() * (right - left); };
-  const auto to_y = [&](double v) { return bottom - (v - yr.low) / yr.size() * (bottom - top); };
+  const auto to_y = [&](double v) { return bottom - (scaled(v) - yr.low) / yr.size() * (bottom - top); };
 
   std::string svg = open_svg(options.width_px, options.height_px, options.title);
   const auto x_ticks = round_ticks(xr.low, xr.high, 10);
@@ -135,12 +151,13 @@ std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions&
     text(svg, to_x(v), bottom + 16, "middle", faint_ink,
          tick_text(v, x_ticks.size() > 1 ? x_ticks[1] - x_ticks[0] : 1.0));
   }
-  const auto y_ticks = round_ticks(yr.low, yr.high, 5);
+  const auto y_ticks = options.y_log ? log_ticks(yr.low, yr.high) : round_ticks(yr.low, yr.high, 5);
   for (const double v : y_ticks) {
     fmt::format_to(Out(svg), R"(<path d="M{0:.1f} {1:.1f}H{2:.1f}" stroke="{3}"/>)", left, to_y(v), right,
                    v == 0.0 ? "#aab4be" : grid_color);
     text(svg, left - 8, to_y(v) + 4, "end", faint_ink,
-         tick_text(v, y_ticks.size() > 1 ? y_ticks[1] - y_ticks[0] : 1.0));
+         options.y_log ? fmt::format("{:g}", v)
+                       : tick_text(v, y_ticks.size() > 1 ? y_ticks[1] - y_ticks[0] : 1.0));
   }
   text(svg, 0.5 * (left + right), options.height_px - 8.0, "middle", faint_ink, options.x_label);
   text(svg, 0, 0, "middle", faint_ink, options.y_label,
@@ -155,17 +172,25 @@ std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions&
     std::string points;
     const auto flush = [&] {
       points.clear();
-      append_thinned(points, px, py);
+      if (s.dots) {
+        for (std::size_t k = 0; k < px.size(); ++k) {
+          fmt::format_to(Out(svg),
+                         R"(<circle cx="{:.1f}" cy="{:.1f}" r="5" fill="#fff" stroke="{}" stroke-width="2"/>)", px[k],
+                         py[k], color);
+        }
+      } else {
+        append_thinned(points, px, py);
+      }
       if (!points.empty()) {
         points.pop_back();
         fmt::format_to(
-            Out(svg), R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="1.5" stroke-linejoin="round"{}/>)",
-            points, color, dash);
+            Out(svg), R"(<polyline points="{}" fill="none" stroke="{}" stroke-width="{:g}" stroke-linejoin="round"{}/>)",
+            points, color, s.width, dash);
       }
       px.clear(), py.clear();
     };
     for (std::size_t k = 0; k < std::min(s.x.size(), s.y.size()); ++k) {
-      if (std::isfinite(s.x[k]) && std::isfinite(s.y[k])) {
+      if (std::isfinite(s.x[k]) && std::isfinite(scaled(s.y[k]))) {
         px.push_back(to_x(s.x[k])), py.push_back(to_y(s.y[k]));
       } else {
         flush();
@@ -174,7 +199,7 @@ std::string svg_line_plot(std::span<const PlotSeries> series, const PlotOptions&
     flush();
     if (s.name.empty()) continue;
     text(svg, legend_x, 20, "end", ink, s.name);
-    legend_x -= 6.3 * static_cast<double>(s.name.size()) + 6.0;  // 6.3 px: about the mean width of a character at 12 px
+    legend_x -= 7.2 * static_cast<double>(s.name.size()) + 6.0;  // 7.2 px: a wide character at 12 px, lest lines touch
     fmt::format_to(Out(svg), R"(<path d="M{:.1f} 16h-20" stroke="{}" stroke-width="2.5"{}/>)", legend_x, color, dash);
     legend_x -= 34.0;
   }

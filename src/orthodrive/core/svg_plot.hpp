@@ -13,12 +13,15 @@ struct PlotSeries {
   std::vector<double> x, y;
   std::string color;  ///< "#rrggbb"; empty: the next of the palette
   bool dashed = false;
+  bool dots = false;   ///< a ring at each point instead of the line
+  double width = 1.5;  ///< of the line, px
 };
 
 struct PlotOptions {
   std::string title, x_label, y_label;
   int width_px = 960, height_px = 260;
   bool y_from_zero = false;  ///< the y axis includes 0
+  bool y_log = false;        ///< decadic; values that are not above 0 interrupt the line
 };
 
 /// Lines over a common x axis, with ticks at round numbers and a legend. Long series are thinned to the extremes of

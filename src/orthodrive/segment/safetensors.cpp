@@ -2,22 +2,52 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <span>
+#include <sstream>
+#include <utility>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/segment/safetensors_stream.hpp"
 
 namespace orthodrive {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "safetensors is little endian");
+NamedTensor parse_tensor(const TensorPlace& place, std::string_view data) {
+  NamedTensor tensor{place.shape, std::vector<float>(place.size() / bytes_of(place.type)), place.type};
+  if (place.type == TensorType::f32) {
+    if (place.size() > 0) std::memcpy(tensor.values.data(), data.data() + place.begin, place.size());
+  } else {
+    for (std::size_t i = 0; i < tensor.values.size(); ++i) {
+      std::uint16_t half = 0;
+      std::memcpy(&half, data.data() + place.begin + 2 * i, 2);
+      tensor.values[i] = float_from_half(half);
+    }
+  }
+  return tensor;
+}
 
-float float_from_half(std::uint16_t h) {
-  const std::uint32_t sign = static_cast<std::uint32_t>(h & 0x8000U) << 16;
-  const std::uint32_t exponent = (h >> 10) & 0x1fU;
-  const std::uint32_t mantissa = h & 0x3ffU;
+void write_tensor(SafetensorsWriter& writer, const std::string& name, const NamedTensor& tensor) {
+  if (tensor.stored_as == TensorType::f32) return writer.write(name, std::as_bytes(std::span(tensor.values)));
+  constexpr std::size_t piece = 65536;
+  std::vector<std::uint16_t> halves;
+  for (std::size_t begin = 0; begin < tensor.values.size(); begin += piece) {
+    const auto values = std::span(tensor.values).subspan(begin, std::min(piece, tensor.values.size() - begin));
+    halves.resize(values.size());
+    std::transform(values.begin(), values.end(), halves.begin(), half_from_float);
+    writer.write(name, std::as_bytes(std::span(halves)));
+  }
+}
+
+}  // namespace
+
+float float_from_half(std::uint16_t half) {
+  const std::uint32_t sign = static_cast<std::uint32_t>(half & 0x8000U) << 16;
+  const std::uint32_t exponent = (half >> 10) & 0x1fU;
+  const std::uint32_t mantissa = half & 0x3ffU;
   if (exponent == 0) {  // zero or subnormal: mantissa * 2^-24
     const float magnitude = static_cast<float>(mantissa) * 0x1.0p-24F;
     return sign ? -magnitude : magnitude;
@@ -44,90 +74,40 @@ std::uint16_t half_from_float(float value) {
   return static_cast<std::uint16_t>(sign | (rounded >> 13));
 }
 
-std::size_t element_count(const std::vector<std::int64_t>& shape) {
-  std::size_t count = 1;
-  for (const std::int64_t n : shape) count *= static_cast<std::size_t>(n);
-  return count;
-}
-
-NamedTensor parse_tensor(const nlohmann::json& entry, std::string_view data) {
-  NamedTensor tensor;
-  entry.at("shape").get_to(tensor.shape);
-  const auto begin = entry.at("data_offsets").at(0).get<std::size_t>();
-  const auto end = entry.at("data_offsets").at(1).get<std::size_t>();
-  const auto type = entry.at("dtype").get<std::string>();
-  if (type != "F32" && type != "F16")
-    throw std::runtime_error("tensor type " + type + " is not supported, use F32 or F16");
-  const std::size_t count = element_count(tensor.shape), size = type == "F32" ? 4 : 2;
-  if (begin > end || end > data.size() || end - begin != count * size)
-    throw std::runtime_error("truncated or inconsistent");
-  tensor.values.resize(count);
-  if (type == "F32") {
-    std::memcpy(tensor.values.data(), data.data() + begin, end - begin);
-  } else {
-    tensor.stored_as = TensorType::f16;
-    for (std::size_t i = 0; i < count; ++i) {
-      std::uint16_t half = 0;
-      std::memcpy(&half, data.data() + begin + 2 * i, 2);
-      tensor.values[i] = float_from_half(half);
-    }
-  }
-  return tensor;
-}
-
-}  // namespace
-
 TensorFile parse_safetensors(std::string_view bytes, const std::string& source) {
-  std::uint64_t header_size = 0;
-  if (bytes.size() < sizeof(header_size)) throw InputError(source, "not a safetensors file (too short)");
-  std::memcpy(&header_size, bytes.data(), sizeof(header_size));
-  if (header_size > bytes.size() - sizeof(header_size)) {
+  std::uint64_t header_bytes = 0;
+  if (bytes.size() < sizeof(header_bytes)) throw InputError(source, "not a safetensors file (too short)");
+  std::memcpy(&header_bytes, bytes.data(), sizeof(header_bytes));
+  if (header_bytes > bytes.size() - sizeof(header_bytes) || header_bytes > max_safetensors_header_bytes) {
     throw InputError(source, "not a safetensors file, or truncated: fetch it again");
   }
-  const std::string_view header = bytes.substr(sizeof(header_size), header_size);
-  const std::string_view data = bytes.substr(sizeof(header_size) + header_size);
+  const std::string_view data = bytes.substr(sizeof(header_bytes) + header_bytes);
+  SafetensorsHeader header =
+      parse_safetensors_header(bytes.substr(sizeof(header_bytes), header_bytes), data.size(), source);
   TensorFile file;
-  std::string name;
-  try {
-    const auto json = nlohmann::json::parse(header);
-    for (const auto& [key, entry] : json.items()) {
-      name = key;
-      if (key == "__metadata__") {
-        entry.get_to(file.metadata);
-      } else {
-        file.tensors.emplace(key, parse_tensor(entry, data));
-      }
+  file.metadata = std::move(header.metadata);
+  for (const auto& [name, place] : header.tensors) {
+    if (place.type != TensorType::f32 && place.type != TensorType::f16) {
+      throw InputError(source, fmt::format("tensor '{}' is {}, weights are F32 or F16: is it the right file?", name,
+                                           to_string(place.type)));
     }
-  } catch (const std::exception& error) {
-    throw InputError(
-        source, fmt::format("not a complete safetensors file (tensor '{}': {}): fetch it again", name, error.what()));
+    file.tensors.emplace(name, parse_tensor(place, data));
   }
   return file;
 }
 
+void write_safetensors(std::ostream& out, const TensorFile& file) {
+  std::vector<TensorSpec> specs;
+  for (const auto& [name, tensor] : file.tensors) specs.push_back({name, tensor.stored_as, tensor.shape});
+  SafetensorsWriter writer(out, file.metadata, std::move(specs));
+  for (const auto& [name, tensor] : file.tensors) write_tensor(writer, name, tensor);
+  writer.finish();
+}
+
 std::string format_safetensors(const TensorFile& file) {
-  nlohmann::json header = nlohmann::json::object();
-  if (!file.metadata.empty()) header["__metadata__"] = file.metadata;
-  std::string data;
-  for (const auto& [name, tensor] : file.tensors) {
-    const std::size_t begin = data.size();
-    if (tensor.stored_as == TensorType::f32) {
-      data.append(reinterpret_cast<const char*>(tensor.values.data()), tensor.values.size() * sizeof(float));
-    } else {
-      for (const float value : tensor.values) {
-        const std::uint16_t half = half_from_float(value);
-        data.append(reinterpret_cast<const char*>(&half), sizeof(half));
-      }
-    }
-    header[name] = {{"dtype", tensor.stored_as == TensorType::f32 ? "F32" : "F16"},
-                    {"shape", tensor.shape},
-                    {"data_offsets", {begin, data.size()}}};
-  }
-  std::string text = header.dump();
-  text.append((8 - text.size() % 8) % 8, ' ');  // the format allows trailing spaces; keeps the data aligned
-  const std::uint64_t size = text.size();
-  std::string bytes(reinterpret_cast<const char*>(&size), sizeof(size));
-  return bytes + text + data;
+  std::ostringstream out;
+  write_safetensors(out, file);
+  return std::move(out).str();
 }
 
 }  // namespace orthodrive

@@ -1,16 +1,17 @@
 #pragma once
-// The safetensors format: u64 header length (little endian), a JSON header, the tensors' bytes.
-// https://github.com/huggingface/safetensors (format section). Reads F32 and F16; values are float in memory.
+// Weights as safetensors files (format: safetensors_header.hpp). Reads F32 and F16; values are float in memory.
+// Other types, and files too large to be held twice: safetensors_stream.hpp.
 
 #include <cstdint>
+#include <iosfwd>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace orthodrive {
+#include "orthodrive/segment/safetensors_header.hpp"
 
-enum class TensorType { f32, f16 };
+namespace orthodrive {
 
 struct NamedTensor {
   std::vector<std::int64_t> shape;
@@ -26,5 +27,11 @@ struct TensorFile {
 /// `source` names the file in messages. Throws InputError for anything that is not a complete safetensors file.
 [[nodiscard]] TensorFile parse_safetensors(std::string_view bytes, const std::string& source);
 [[nodiscard]] std::string format_safetensors(const TensorFile& file);
+/// The same bytes, without holding them. Throws Error when the stream fails.
+void write_safetensors(std::ostream& out, const TensorFile& file);
+
+/// IEEE 754 binary16.
+[[nodiscard]] float float_from_half(std::uint16_t half);
+[[nodiscard]] std::uint16_t half_from_float(float value);  ///< to nearest, ties to even
 
 }  // namespace orthodrive
