@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <memory>
 
 #include "commands.hpp"
@@ -13,6 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 struct EvaluateCommand {
   ScoreRequest request;
+  LabelScoreOptions label_options;
   bool json = false;
 };
 }  // namespace
@@ -20,7 +22,8 @@ struct EvaluateCommand {
 void add_evaluate(CLI::App& app, Context&) {
   auto command = std::make_shared<EvaluateCommand>();
   CLI::App* cmd = app.add_subcommand(
-      "evaluate", "Score labels, roads, heights, a network or a whole site against truth. Writes nothing.");
+      "evaluate",
+      "Score labels, roads, heights, a network or a whole site against truth. Writes nothing but the page of --html.");
   cmd->require_subcommand(1);
   cmd->fallthrough();
   cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
@@ -31,29 +34,48 @@ void add_evaluate(CLI::App& app, Context&) {
       "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
       "  orthodrive evaluate site out --truth site/truth --json");
 
-  const auto add = [&](const char* name, const char* purpose, const char* footer,
-                       ScoreJson (*score)(const ScoreRequest&)) {
+  using Score = std::function<ScoreJson(const EvaluateCommand&)>;
+  const auto add = [&](const char* name, const char* purpose, const char* footer, const Score& score) {
     CLI::App* kind = cmd->add_subcommand(name, purpose);
     kind->footer(footer);
     kind->callback([command, score] {
-      const ScoreJson scores = score(command->request);
+      const ScoreJson scores = score(*command);
       fmt::print("{}", command->json ? scores.dump(2) + "\n" : to_table(scores));
     });
     return kind;
+  };
+  const auto of_files = [](ScoreJson (*score)(const ScoreRequest&)) {
+    return [score](const EvaluateCommand& c) { return score(c.request); };
   };
   const auto positional = [&](CLI::App* kind, const char* name, fs::path& path, const char* text) {
     kind->add_option(name, path, text)->required();
   };
 
-  CLI::App* labels = add("labels", "Pixel accuracy and intersection over union of a label map.",
-                         "Compares at the truth's pixel centres; classes are matched by name. Polygons without `class` "
-                         "score the road role.\n"
-                         "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
-                         "  orthodrive evaluate labels out/labels.tif carriageways.geojson --area box.geojson --json",
-                         score_labels);
+  CLI::App* labels = add(
+      "labels", "Accuracy, intersection over union, confusion and calibration of a label map.",
+      "Compares at the truth's pixel centres; classes are matched by name. Of polygons with `class` later ones cover "
+      "earlier ones, the class `unknown` is not scored, and each `piece` is scored on its own as well. Polygons "
+      "without `class` score the road role.\n"
+      "mean_iou counts a class that is predicted but absent from the truth as 0; mean_iou_of_truth_classes leaves it "
+      "out. A class absent from both is in neither.\n"
+      "Needs up to 6 bytes a pixel.\n"
+      "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
+      "  orthodrive evaluate labels out/labels.tif carriageways.geojson --area box.geojson --json\n"
+      "  orthodrive evaluate labels labels.tif truth.geojson --html page --photo ortho.tif --confidence "
+      "confidence.tif\n"
+      "  orthodrive evaluate labels labels.tif truth.tif --merge models/classes/merge_38_to_32.toml",
+      [](const EvaluateCommand& c) { return score_labels(c.request, c.label_options); });
   positional(labels, "PRED", command->request.scored, "label map (GeoTIFF with class table)");
   positional(labels, "TRUTH", command->request.truth,
              "label raster, polygons with `class`, polygons with a road `kind`, or a truth folder");
+  labels->add_option("--merge", command->label_options.merge,
+                     "TOML file of lines old = \"new\": classes taken together before counting");
+  labels->add_option("--confidence", command->label_options.confidence,
+                     "probability of each label (0..255) as `segment --confidence` writes it: adds the calibration");
+  labels->add_option("--html", command->label_options.page,
+                     "write a page with tables, confusion matrix and error pictures; a folder gets labels.html");
+  labels->add_option("--photo", command->label_options.photo,
+                     "orthophoto in grey under the error pictures of the page");
 
   CLI::App* roads = add(
       "roads", "Surface overlap, offset and width of roads, in metres.",
@@ -61,7 +83,7 @@ void add_evaluate(CLI::App& app, Context&) {
       "sigma_coverage: share of the offsets (and widths) within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
       "Examples:\n  orthodrive evaluate roads out/roads.gpkg site/truth\n"
       "  orthodrive evaluate roads site/roads.osm site/truth --json",
-      score_roads);
+      of_files(score_roads));
   positional(roads, "ROADS", command->request.scored,
              "roads.gpkg; or .osm, .osm.pbf: as it is, with default widths, in the box of the truth");
   positional(roads, "TRUTH", command->request.truth,
@@ -71,20 +93,20 @@ void add_evaluate(CLI::App& app, Context&) {
                           "A terrain model has no decks: with one as truth, bridges and tunnels are left out.\n"
                           "Examples:\n  orthodrive evaluate heights out/roads.gpkg site/truth/roads.gpkg\n"
                           "  orthodrive evaluate heights out/roads.gpkg dtm_1m.tif --json",
-                          score_heights);
+                          of_files(score_heights));
   positional(heights, "ROADS", command->request.scored, "roads.gpkg with heights");
   positional(heights, "TRUTH", command->request.truth, "terrain model in metres, a true roads.gpkg, or a truth folder");
 
   CLI::App* network = add(
       "network", "Size and faults of an OpenDRIVE file: kinks, gaps, clearance, what hangs together.",
       "Examples:\n  orthodrive evaluate network out/roads.xodr\n  orthodrive evaluate network out/roads.xodr --json",
-      score_network);
+      of_files(score_network));
   positional(network, "FILE", command->request.scored, "OpenDRIVE 1.4 - 1.8");
 
   CLI::App* site = add("site", "All of the above for the output folder of `orthodrive build`.",
                        "Examples:\n  orthodrive evaluate site out --truth site/truth\n  orthodrive evaluate site out "
                        "--truth site/truth --json",
-                       score_site);
+                       of_files(score_site));
   positional(site, "DIR", command->request.scored, "output folder of `orthodrive build`");
   site->add_option("--truth", command->request.truth,
                    "folder with labels.tif, roads.gpkg or surface.geojson, as `orthodrive synth` makes it")

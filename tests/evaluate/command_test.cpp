@@ -90,6 +90,20 @@ TEST_F(EvaluateCommand, polygons_with_classes_and_what_to_ignore) {
   EXPECT_TRUE(nothing["pixel_accuracy"].is_null());
 }
 
+TEST_F(EvaluateCommand, page_and_merge_table_of_the_command_line) {
+  const std::string truth = path("site/truth/labels.tif");
+  write_bytes(path("merge.toml"), "grass = \"ground\"\nparking = \"paved\"\n");
+  const Json scores = json({"labels", truth, truth, "--merge", path("merge.toml"), "--html", path("page"), "--photo",
+                            path("site/ortho.tif")});
+  EXPECT_EQ(scores["mean_iou"], 1.0);
+  EXPECT_TRUE(scores["iou"].contains("paved"));
+  EXPECT_FALSE(scores["iou"].contains("grass"));
+  const std::string page = bytes_of(path("page/labels.html"));
+  EXPECT_NE(page.find("None: every label is right."), std::string::npos);
+  EXPECT_NE(page.find("data:image/png;base64,"), std::string::npos);
+  EXPECT_EQ(evaluate({"labels", truth, truth, "--photo", path("site/ortho.tif")}).exit_code, 2) << "--html is missing";
+}
+
 TEST_F(EvaluateCommand, terrain_is_truth_for_heights) {
   const Json scores = json({"heights", path("site/truth/roads.gpkg"), path("site/truth/dtm_1m.tif")});
   EXPECT_LT(scores["z_m"]["mean_abs"], 0.05);
@@ -111,7 +125,10 @@ TEST_F(EvaluateCommand, bad_input_is_one_line_and_exit_code_1) {
                            {"network", path("site/site.toml")},
                            {"network", none},
                            {"site", none, "--truth", truth},
-                           {"roads", path("site/roads.osm"), truth, "--area", none}};
+                           {"roads", path("site/roads.osm"), truth, "--area", none},
+                           {"labels", truth + "/labels.tif", truth, "--merge", none},
+                           {"labels", truth + "/labels.tif", truth, "--confidence", none},
+                           {"labels", truth + "/labels.tif", truth, "--html", path("page"), "--photo", none}};
   for (const Arguments& arguments : bad) {
     const ToolRun run = evaluate(arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments[0] << " " << arguments[1];

@@ -290,4 +290,96 @@ std::string svg_map_plot(const MapLine& line, std::span<const PlotSeries> backgr
   return svg + "</svg>\n";
 }
 
+std::array<std::uint8_t, 3> share_color(double share) {
+  // Inferno (Smith, van der Walt 2015) at 9 places, linear between them. Up to a share of 10 % it runs with the square
+  // root through three quarters of the ramp, then evenly through the rest.
+  static constexpr std::array<std::array<double, 3>, 9> stops = {{{0, 0, 4},
+                                                                  {31, 12, 72},
+                                                                  {87, 16, 110},
+                                                                  {138, 34, 106},
+                                                                  {188, 55, 84},
+                                                                  {227, 89, 51},
+                                                                  {249, 142, 9},
+                                                                  {249, 203, 53},
+                                                                  {252, 255, 164}}};
+  constexpr double small = 0.1, at_small = 0.75;
+  const double p = std::clamp(share, 0.0, 1.0);
+  const double f =
+      p < small ? at_small * std::sqrt(p / small) : at_small + (1.0 - at_small) * (p - small) / (1.0 - small);
+  const double at = f * (stops.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  const double w = at - static_cast<double>(i);
+  std::array<std::uint8_t, 3> color{};
+  for (std::size_t k = 0; k < 3; ++k)
+    color[k] = static_cast<std::uint8_t>(std::lround((1.0 - w) * stops[i][k] + w * stops[i + 1][k]));
+  return color;
+}
+
+namespace {
+std::string hex(const std::array<std::uint8_t, 3>& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
+
+/// 0.034 -> "3.4"; what rounds to nothing stays empty.
+std::string percent(double share) { return share < 0.0005 ? "" : fmt::format("{:.1f}", 100.0 * share); }
+
+void append_share_bar(std::string& svg, double left, double top, double width) {
+  constexpr int steps = 100;
+  for (int i = 0; i < steps; ++i)  // the bar is as uneven as the colours: its middle is a share of 10 %
+    fmt::format_to(Out(svg), R"(<rect x="{:.1f}" y="{:.1f}" width="{:.2f}" height="12" fill="{}"/>)",
+                   left + width * i / steps, top, width / steps + 0.3,
+                   hex(share_color(i < 50 ? 0.1 * i / 50 : 0.1 + 0.9 * (i - 50) / 50)));
+  for (const auto& [at, label] :
+       {std::pair{0.0, "0"}, {0.05, "1"}, {0.25, "5"}, {0.5, "10"}, {0.722, "50"}, {1.0, "100 %"}})
+    text(svg, left + width * at, top + 26, "middle", faint_ink, label);
+}
+}  // namespace
+
+std::string svg_share_matrix(std::span<const std::string> names, std::span<const double> shares,
+                             const SharePlotOptions& options) {
+  const std::size_t n = names.size();
+  std::size_t longest = 4;
+  for (const std::string& name : names) longest = std::max(longest, name.size());
+  const double label_px = 6.6 * static_cast<double>(longest) + 8.0;  // 6.6 px: a wide character at 12 px
+  const double left = 28.0 + label_px, top = 40.0 + 0.75 * label_px;
+  const double cell = std::clamp(
+      (options.width_px - left - 0.75 * label_px) / std::max<double>(1.0, static_cast<double>(n)), 12.0, 62.0);
+  const double side = cell * static_cast<double>(n), bottom = top + side;
+  const bool has_room = cell >= 34.0;
+
+  // Wide enough for the last slanted name, the title and the bar.
+  std::string svg = open_svg(std::max(480, static_cast<int>(left + side + 0.75 * label_px)),
+                             static_cast<int>(bottom + 80.0), options.title);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double middle = (static_cast<double>(i) + 0.5) * cell;
+    text(svg, left - 6, top + middle + 4, "end", ink, names[i]);
+    text(svg, 0, 0, "start", ink, names[i],
+         fmt::format(R"x(transform="translate({:.1f} {:.1f}) rotate(-45)")x", left + middle + 3, top - 6).c_str());
+  }
+  for (std::size_t row = 0; row < n; ++row)
+    for (std::size_t col = 0; col < n; ++col) {
+      const double share = shares[row * n + col], x = left + static_cast<double>(col) * cell,
+                   y = top + static_cast<double>(row) * cell;
+      const bool empty = std::isnan(share);
+      const auto color = share_color(empty ? 0.0 : share);
+      fmt::format_to(Out(svg),
+                     R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}" stroke="{}"><title>)", x,
+                     y, cell, cell, empty ? "#e4e8ec" : hex(color), "#ffffff22");
+      svg += escape_xml(empty ? fmt::format("{}: does not occur", names[row])
+                              : fmt::format("{} -> {}: {:.2f} %", names[row], names[col], 100.0 * share));
+      svg += "</title></rect>";
+      const bool dark = 2 * color[0] + 3 * color[1] + color[2] < 800;
+      if (has_room && !empty && !percent(share).empty())
+        text(svg, x + 0.5 * cell, y + 0.5 * cell + 4, "middle", dark ? "#fff" : ink, percent(share));
+    }
+  for (std::size_t i = 0; i < n; ++i)
+    fmt::format_to(
+        Out(svg),
+        R"(<rect x="{0:.1f}" y="{1:.1f}" width="{2:.1f}" height="{2:.1f}" fill="none" stroke="#56b4e9" stroke-width="1.5"/>)",
+        left + static_cast<double>(i) * cell, top + static_cast<double>(i) * cell, cell);
+  text(svg, 0, 0, "middle", faint_ink, options.row_label,
+       fmt::format(R"x(transform="translate(16 {:.1f}) rotate(-90)")x", top + 0.5 * side).c_str());
+  text(svg, left + 0.5 * side, bottom + 18, "middle", faint_ink, options.column_label);
+  append_share_bar(svg, left, bottom + 34, std::min(side, 420.0));
+  return svg + "</svg>\n";
+}
+
 }  // namespace orthodrive

@@ -1,6 +1,8 @@
 #pragma once
 // Plots for reports as inline SVG: no script, no style sheet, no file beside it.
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +43,19 @@ struct MapPlotOptions {
 /// (other roads), cut to the surroundings of the line.
 [[nodiscard]] std::string svg_map_plot(const MapLine& line, std::span<const PlotSeries> background,
                                        const MapPlotOptions& options = {});
+
+/// Shares of a whole by row and column, as of a confusion matrix whose rows add up to 1.
+struct SharePlotOptions {
+  std::string title, row_label, column_label;
+  int width_px = 960;  ///< at most, while fields keep 12 px
+};
+/// One field a pair, coloured by share_color, outlined on the diagonal; percentages stand in it where there is room and
+/// in its tooltip. `shares` has names.size() squared values, row by row; rows of NaN (nothing to share out) stay empty.
+[[nodiscard]] std::string svg_share_matrix(std::span<const std::string> names, std::span<const double> shares,
+                                           const SharePlotOptions& options = {});
+/// Black over purple and orange to pale yellow. It exaggerates small shares: 1 % can be told from 0, 10 % is bright
+/// orange (thesis, figure 2.15).
+[[nodiscard]] std::array<std::uint8_t, 3> share_color(double share);
 
 /// At most about `count` round numbers (1, 2 or 5 times a power of ten apart) inside [low, high].
 [[nodiscard]] std::vector<double> round_ticks(double low, double high, int count);

@@ -1,9 +1,10 @@
 #include "orthodrive/evaluate/evaluate_labels.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
-#include <optional>
+
+#include "orthodrive/core/error.hpp"
 
 namespace orthodrive {
 namespace {
@@ -13,43 +14,47 @@ double ratio(std::size_t part, std::size_t whole) {
   return whole == 0 ? nan : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// 1 where the region counts.
-Raster<std::uint8_t> region_mask(const GridFrame& frame, const ScoreRegion& region) {
-  Raster<std::uint8_t> mask(frame.width, frame.height, 1, region.area ? 0 : 1);
-  if (region.area)
-    for (const Polygon& polygon : *region.area) fill_polygon(mask, frame, polygon, std::uint8_t{1});
-  for (const Polygon& polygon : region.ignore) fill_polygon(mask, frame, polygon, std::uint8_t{0});
-  return mask;
+void count(LabelScores& scores, const LabelPair& pair) {
+  scores.truth_nodata += pair.state == PixelState::truth_open ? 1 : 0;
+  scores.not_predicted += pair.state == PixelState::not_predicted ? 1 : 0;
+  if (pair.state != PixelState::compared) return;
+  ++scores.confusion.at(pair.expected, pair.predicted);
+  ++scores.pixels;
 }
 
-/// The truth's classes, then those that only the prediction has; and where its labels land in that list.
-struct CommonClasses {
-  std::vector<ClassInfo> classes;
-  std::array<std::size_t, 256> from_prediction{};
+/// Pixels and right ones of each of the 256 stored confidences: all that calibration needs, in whole numbers.
+struct ConfidenceCounts {
+  std::array<std::size_t, 256> pixels{}, right{};
 };
 
-CommonClasses common_classes(const ClassTable& truth, const ClassTable& prediction) {
-  CommonClasses common{.classes = truth.classes};
-  for (std::size_t label = 0; label < prediction.classes.size(); ++label) {
-    const auto at = std::find_if(common.classes.begin(), common.classes.end(),
-                                 [&](const ClassInfo& c) { return c.name == prediction.classes[label].name; });
-    common.from_prediction.at(label) = static_cast<std::size_t>(at - common.classes.begin());
-    if (at == common.classes.end()) common.classes.push_back(prediction.classes[label]);
+Calibration calibration_of(const ConfidenceCounts& counts) {
+  Calibration calibration;
+  std::size_t all_right = 0;
+  double all_stated = 0.0, error = 0.0;
+  std::array<std::size_t, 10> right{};
+  std::array<double, 10> stated{};
+  for (std::size_t value = 0; value < 256; ++value) {
+    const std::size_t bin = std::min<std::size_t>(9, value * 10 / 255);
+    calibration.bins[bin].pixels += counts.pixels[value];
+    right[bin] += counts.right[value];
+    stated[bin] += static_cast<double>(value) / 255.0 * static_cast<double>(counts.pixels[value]);
   }
-  return common;
+  for (std::size_t b = 0; b < 10; ++b) {
+    CalibrationBin& bin = calibration.bins[b];
+    calibration.pixels += bin.pixels, all_right += right[b], all_stated += stated[b];
+    bin.accuracy = ratio(right[b], bin.pixels);
+    bin.mean_confidence = bin.pixels == 0 ? nan : stated[b] / static_cast<double>(bin.pixels);
+    if (bin.pixels > 0) error += std::abs(static_cast<double>(right[b]) - stated[b]);
+  }
+  calibration.accuracy = ratio(all_right, calibration.pixels);
+  calibration.mean_confidence = calibration.pixels == 0 ? nan : all_stated / static_cast<double>(calibration.pixels);
+  calibration.expected_error = calibration.pixels == 0 ? nan : error / static_cast<double>(calibration.pixels);
+  return calibration;
 }
-
-/// Rows are the truth, columns the prediction.
-struct Confusion {
-  std::size_t classes = 0;
-  std::vector<std::size_t> counts;
-  explicit Confusion(std::size_t n) : classes(n), counts(n * n) {}
-  std::size_t& at(std::size_t truth, std::size_t predicted) { return counts[truth * classes + predicted]; }
-};
 
 /// Intersection over union of the classes that `of` selects, taken as one.
 template <typename Selects>
-double iou(Confusion& confusion, Selects&& of) {
+double iou(const ConfusionMatrix& confusion, Selects&& of) {
   std::size_t both = 0, either = 0;
   for (std::size_t t = 0; t < confusion.classes; ++t)
     for (std::size_t p = 0; p < confusion.classes; ++p) {
@@ -59,50 +64,72 @@ double iou(Confusion& confusion, Selects&& of) {
   return ratio(both, either);
 }
 
-void fill_scores(LabelScores& scores, Confusion& confusion, const std::vector<ClassInfo>& classes) {
-  std::size_t right = 0, occurring = 0;
+/// Everything that follows from the confusion matrix.
+void fill_scores(LabelScores& scores, const std::vector<ClassInfo>& classes) {
+  const ConfusionMatrix& confusion = scores.confusion;
+  std::size_t right = 0, occurring = 0, in_truth = 0;
   double sum = 0.0;
   for (std::size_t c = 0; c < classes.size(); ++c) {
-    right += confusion.at(c, c);
-    ClassScore score{.name = classes[c].name, .iou = iou(confusion, [c](std::size_t other) { return other == c; })};
-    for (std::size_t p = 0; p < classes.size(); ++p) score.truth_pixels += confusion.at(c, p);
-    if (score.iou == score.iou) sum += score.iou, ++occurring;
+    ClassScore score{.info = classes[c]};
+    for (std::size_t other = 0; other < classes.size(); ++other) {
+      score.truth_pixels += confusion.at(c, other);
+      score.predicted_pixels += confusion.at(other, c);
+    }
+    const std::size_t both = confusion.at(c, c);
+    score.iou = ratio(both, score.truth_pixels + score.predicted_pixels - both);
+    score.precision = ratio(both, score.predicted_pixels);
+    score.recall = ratio(both, score.truth_pixels);
+    right += both;
+    if (!std::isnan(score.iou)) sum += score.iou, ++occurring;  // a class absent from the truth adds 0 to the sum
+    in_truth += score.truth_pixels > 0 ? 1 : 0;
     scores.classes.push_back(std::move(score));
   }
   scores.pixel_accuracy = ratio(right, scores.pixels);
   scores.mean_iou = occurring == 0 ? nan : sum / static_cast<double>(occurring);
+  scores.mean_iou_of_truth = in_truth == 0 ? nan : sum / static_cast<double>(in_truth);
   scores.road_iou = iou(confusion, [&](std::size_t c) { return classes[c].role == Role::road; });
 }
 }  // namespace
 
-LabelScores evaluate_labels(const LabelMap& prediction, const LabelMap& truth, const ScoreRegion& region) {
-  const CommonClasses common = common_classes(truth.classes, prediction.classes);
-  const Raster<std::uint8_t> mask = region_mask(truth.frame, region);
-  std::optional<CoordinateTransform> prediction_from_truth;
-  if (prediction.crs != truth.crs) prediction_from_truth.emplace(truth.crs, prediction.crs);
-  Confusion confusion(common.classes.size());
+LabelScores evaluate_labels(const LabelComparisonView& view, const EvaluateLabelsOptions& options) {
+  const ConfidenceMap* confidence = options.confidence;
+  if (confidence && (confidence->crs != view.prediction().crs || confidence->frame != view.prediction().frame))
+    throw OptionError(
+        "the confidence raster does not lie on the label map's grid; take both from one `orthodrive segment`");
   LabelScores scores;
-  for (int row = 0; row < truth.frame.height; ++row)
-    for (int col = 0; col < truth.frame.width; ++col) {
-      if (!mask.at(col, row)) continue;
-      const std::uint8_t expected = truth.labels.at(col, row);
-      if (expected == label_nodata) {
-        ++scores.truth_nodata;
-        continue;
-      }
-      const Vec2 p = truth.frame.center_of(col, row);
-      const Vec2 q =
-          prediction.frame.pixel_from_world(prediction_from_truth ? prediction_from_truth->target_from_source(p) : p);
-      const int pcol = static_cast<int>(std::floor(q.x)), prow = static_cast<int>(std::floor(q.y));
-      if (!prediction.labels.inside(pcol, prow) || prediction.labels.at(pcol, prow) == label_nodata) {
-        ++scores.not_predicted;
-        continue;
-      }
-      ++confusion.at(expected, common.from_prediction[prediction.labels.at(pcol, prow)]);
-      ++scores.pixels;
+  scores.confusion = ConfusionMatrix(view.classes().size());
+  ConfidenceCounts counts;
+  for (int row = 0; row < view.frame().height; ++row)
+    for (int col = 0; col < view.frame().width; ++col) {
+      const LabelPair pair = view.at(col, row);
+      count(scores, pair);
+      if (!confidence || pair.state != PixelState::compared) continue;
+      const std::uint8_t stated = confidence->confidence.at(pair.prediction_col, pair.prediction_row);
+      ++counts.pixels[stated];
+      counts.right[stated] += pair.right_before_merge ? 1 : 0;
     }
-  fill_scores(scores, confusion, common.classes);
+  fill_scores(scores, view.classes());
+  if (confidence) scores.calibration = calibration_of(counts);
   return scores;
+}
+
+LabelScores evaluate_labels(const LabelMap& prediction, const LabelMap& truth, const ScoreRegion& region) {
+  return evaluate_labels(LabelComparisonView(prediction, truth, {.region = region}));
+}
+
+std::vector<PieceScores> evaluate_pieces(const LabelComparisonView& view, const TruthPieces& pieces) {
+  std::vector<PieceScores> all;
+  for (const std::string& name : pieces.names) {
+    all.push_back({.name = name});
+    all.back().scores.confusion = ConfusionMatrix(view.classes().size());
+  }
+  if (all.empty()) return all;
+  for (int row = 0; row < view.frame().height; ++row)
+    for (int col = 0; col < view.frame().width; ++col)
+      if (const std::uint16_t piece = pieces.index.at(col, row); piece != 0)
+        count(all[piece - std::size_t{1}].scores, view.at(col, row));
+  for (PieceScores& piece : all) fill_scores(piece.scores, view.classes());
+  return all;
 }
 
 RoadRoleScores evaluate_road_role(const LabelMap& prediction, const MultiPolygon& roads, const ScoreRegion& region) {

@@ -25,4 +25,12 @@ ErrorSummary summarize(const std::vector<double>& errors) {
   return summary;
 }
 
+Raster<std::uint8_t> region_mask(const GridFrame& frame, const ScoreRegion& region) {
+  Raster<std::uint8_t> mask(frame.width, frame.height, 1, region.area ? 0 : 1);
+  if (region.area)
+    for (const Polygon& polygon : *region.area) fill_polygon(mask, frame, polygon, std::uint8_t{1});
+  for (const Polygon& polygon : region.ignore) fill_polygon(mask, frame, polygon, std::uint8_t{0});
+  return mask;
+}
+
 }  // namespace orthodrive

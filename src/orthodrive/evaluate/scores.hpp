@@ -2,6 +2,7 @@
 // What all evaluations share: where they look, and how errors are summed up.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct ScoreRegion {
     return (!area || orthodrive::contains(*area, p)) && !orthodrive::contains(ignore, p);
   }
 };
+/// 1 where the centre of a pixel counts.
+[[nodiscard]] Raster<std::uint8_t> region_mask(const GridFrame& frame, const ScoreRegion& region);
 
 /// Errors are "ours minus truth". Without samples all but n are NaN.
 struct ErrorSummary {

@@ -49,6 +49,8 @@ void write_labels(const std::filesystem::path& path, const LabelMap& labels);
 /// neither, and when a label is not in the table.
 [[nodiscard]] LabelMap read_labels(const std::filesystem::path& path, const std::optional<ClassTable>& fallback = {});
 void write_confidence(const std::filesystem::path& path, const ConfidenceMap& confidence);
+/// As write_confidence makes it: one band of 8 bit, north-up in a metric CRS.
+[[nodiscard]] ConfidenceMap read_confidence(const std::filesystem::path& path);
 
 struct WritePhotoOptions {
   int jpeg_quality = 0;  ///< 0: lossless (deflate)

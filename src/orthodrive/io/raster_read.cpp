@@ -309,24 +309,46 @@ double coverage(std::span<const HeightGrid> grids, const SiteFrame& site) {
   return inside == 0 ? 0.0 : static_cast<double>(known) / static_cast<double>(inside);
 }
 
+namespace {
+/// The one band of 8 bit that label maps and confidence rasters have.
+GDALRasterBand& byte_band(const fs::path& path, GDALDataset& dataset, const char* what) {
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
+  if (dataset.GetRasterCount() != 1 || band.GetRasterDataType() != GDT_Byte)
+    throw InputError(path.string(), fmt::format("is not a {}: need one band of 8 bit", what));
+  return band;
+}
+
+Raster<std::uint8_t> read_bytes(const fs::path& path, GDALRasterBand& band) {
+  Raster<std::uint8_t> raster(band.GetXSize(), band.GetYSize());
+  GdalErrors errors;
+  if (band.RasterIO(GF_Read, 0, 0, raster.width, raster.height, raster.data.data(), raster.width, raster.height,
+                    GDT_Byte, 0, 0, nullptr) != CE_None)
+    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  return raster;
+}
+}  // namespace
+
+ConfidenceMap read_confidence(const fs::path& path) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  ConfidenceMap map{.frame = north_up_frame(path, *source)};
+  require_complete(path, *source);
+  map.crs = crs_of(*source->GetSpatialRef());
+  map.confidence = read_bytes(path, byte_band(path, *source, "confidence raster"));
+  return map;
+}
+
 LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& fallback) {
   const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
   LabelMap map{.frame = north_up_frame(path, *source)};
   require_complete(path, *source);
   map.crs = crs_of(*source->GetSpatialRef());
-  GDALRasterBand& band = *source->GetRasterBand(1);
-  if (source->GetRasterCount() != 1 || band.GetRasterDataType() != GDT_Byte)
-    throw InputError(path.string(), "is not a label map: need one band of 8 bit");
+  GDALRasterBand& band = byte_band(path, *source, "label map");
   const char* stored = source->GetMetadataItem("ORTHODRIVE_CLASSES");
   if (!stored && !fallback)
     throw InputError(path.string(),
                      "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
   map.classes = stored ? class_table_from_json(stored) : *fallback;
-  map.labels = Raster<std::uint8_t>(map.frame.width, map.frame.height);
-  GdalErrors errors;
-  if (band.RasterIO(GF_Read, 0, 0, map.frame.width, map.frame.height, map.labels.data.data(), map.frame.width,
-                    map.frame.height, GDT_Byte, 0, 0, nullptr) != CE_None)
-    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+  map.labels = read_bytes(path, band);
   for (const std::uint8_t label : map.labels.data)
     if (label != label_nodata && label >= map.classes.classes.size())
       throw InputError(path.string(),

@@ -14,6 +14,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/pipeline/html.hpp"
 #include "orthodrive/pipeline/pictures.hpp"
 
 namespace orthodrive {
@@ -23,37 +24,8 @@ using nlohmann::json;
 
 constexpr double offset_scale_m = 4.0, gradient_scale = 0.12;
 
-std::string base64(const std::vector<std::uint8_t>& bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < n ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 std::string figure(const Canvas& canvas, const std::string& caption) {
-  return fmt::format("<figure><img alt=\"{0}\" src=\"data:image/jpeg;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-                     escape_xml(caption), base64(io::encode_jpeg(canvas.rgb, 82)));
-}
-
-std::string table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
-  std::string html = "<table><thead><tr>";
-  for (const auto& cell : head) html += "<th>" + escape_xml(cell) + "</th>";
-  html += "</tr></thead><tbody>";
-  for (const auto& row : rows) {
-    html += "<tr>";
-    for (const auto& cell : row) {  // numbers stand to the right
-      const bool number = !cell.empty() && cell.find_first_not_of("0123456789.-+e ") == std::string::npos;
-      html += (number ? "<td class=n>" : "<td>") + escape_xml(cell) + "</td>";
-    }
-    html += "</tr>";
-  }
-  return html + "</tbody></table>\n";
+  return html_figure(io::encode_jpeg(canvas.rgb, 82), "jpeg", caption);
 }
 
 std::string color_bar(const std::string& label, double high, const std::string& unit) {
@@ -97,7 +69,7 @@ std::string numbers_of(const ReportInput& in, const std::string& stage) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [key, value] : record->outcome.numbers.items())
     rows.push_back({key, value.is_number_float() ? fmt::format("{:.5g}", value.get<double>()) : value.is_string() ? value.get<std::string>() : value.dump()});
-  return table({stage, "value"}, rows);
+  return html_table({stage, "value"}, rows);
 }
 
 std::string source_section(const ReportInput& in, const Box2& box) {
@@ -148,7 +120,7 @@ std::string refine_section(const ReportInput& in, const RoadNetwork& roads, cons
                      "<div class=row>";
   for (const Box2& place : telling_places(roads, 120.0, 6))
     html += figure(picture_of_refinement(in.photo, in.osm, roads, place), "White: OpenStreetMap. Orange: refined carriageway. 120 m");
-  html += "</div>\n" + table({"highway", "km", "input width m", "refined width m", "sigma width m"}, rows);
+  html += "</div>\n" + html_table({"highway", "km", "input width m", "refined width m", "sigma width m"}, rows);
   const PlotSeries shares = histogram(offsets, -8.0, 8.0, 0.25, "");
   html += svg_line_plot(std::span(&shares, 1), {.title = "Offset of the centre line from OpenStreetMap", .x_label = "offset, left positive (m)", .y_label = "share of nodes (%)", .y_from_zero = true});
   return html + numbers_of(in, "refine");
@@ -236,7 +208,7 @@ std::string score_section(const ReportInput& in) {
            {"height error, mean (m)", "/heights/z_m/mean_abs"}, {"height error, 95 % (m)", "/heights/z_m/p95"},
            {"road IoU of the labels", "/labels/road_iou"}, {"mean IoU of the labels", "/labels/mean_iou"}})
     rows.push_back({label, number(in.scores.at("input"), json::json_pointer(pointer)), number(result, json::json_pointer(pointer))});
-  return "<h2>8. Against the truth of this site</h2>\n" + table({"", "input OpenStreetMap", "result"}, rows);
+  return "<h2>8. Against the truth of this site</h2>\n" + html_table({"", "input OpenStreetMap", "result"}, rows);
 }
 
 std::string findings_section(const ReportInput& in) {
@@ -250,7 +222,7 @@ std::string findings_section(const ReportInput& in) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [key, value] : by_code) rows.push_back({key.first, key.second, std::to_string(value.first), value.second});
   return "<h2>Findings</h2>\n<p>Each is a point in <a href=\"findings.geojson\">findings.geojson</a>.</p>\n" +
-         table({"stage", "code", "places", "for example"}, rows);
+         html_table({"stage", "code", "places", "for example"}, rows);
 }
 
 std::string stage_section(const ReportInput& in) {
@@ -262,21 +234,8 @@ std::string stage_section(const ReportInput& in) {
     total += r.seconds, peak = std::max(peak, r.peak_memory_bytes);
   }
   rows.push_back({"all", fmt::format("{:.1f}", total), fmt::format("{:.0f}", static_cast<double>(peak) / 1e6), ""});
-  return "<h2>Seconds and memory</h2>\n" + table({"stage", "seconds", "peak MB", ""}, rows);
+  return "<h2>Seconds and memory</h2>\n" + html_table({"stage", "seconds", "peak MB", ""}, rows);
 }
-
-constexpr const char* style = R"(
-:root{color-scheme:light;font:16px/1.5 system-ui,"Segoe UI",Roboto,"Helvetica Neue",sans-serif;color:#1d2530;background:#f4f5f7}
-body{margin:0}header{background:#16222e;color:#fff;padding:2.2rem 0}header h1{margin:0;font-size:2rem}header p{margin:.3rem 0 0;color:#b8c4d0}
-main,header>div{max-width:1000px;margin:auto;padding:0 1rem}h2{margin:2.6rem 0 .6rem;border-bottom:2px solid #ff7a00;padding-bottom:.2rem}
-.tiles{display:flex;flex-wrap:wrap;gap:.8rem;margin-top:1.4rem}.tiles div{background:#223344;border-radius:6px;padding:.6rem 1rem;min-width:7rem}
-.tiles b{display:block;font-size:1.35rem}.tiles span{color:#b8c4d0;font-size:.85rem}
-figure{margin:1rem 0}img,svg{max-width:100%;height:auto;display:block;border-radius:4px;background:#fff}figcaption{font-size:.85rem;color:#5a6673;margin-top:.25rem}
-.row{display:grid;grid-template-columns:repeat(auto-fill,minmax(300px,1fr));gap:1rem}
-table{border-collapse:collapse;margin:1rem 0;font-variant-numeric:tabular-nums;background:#fff}th,td{padding:.3rem .8rem;border-bottom:1px solid #dde2e7;text-align:left}
-td.n{text-align:right}th{background:#e9edf1}.legend span{margin-right:1rem;white-space:nowrap}.legend i{display:inline-block;width:1em;height:1em;border-radius:3px;margin-right:.35em;vertical-align:-.12em}
-.bar span{display:inline-block;width:12rem;height:.8rem;border-radius:3px;vertical-align:middle}footer{max-width:1000px;margin:3rem auto 2rem;padding:0 1rem;color:#5a6673;font-size:.85rem}
-)";
 
 }  // namespace
 
@@ -304,7 +263,7 @@ void write_report(const ReportInput& in) {
   std::string html = fmt::format("<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n"
                                  "<title>{0} - Orthodrive</title><style>{1}</style>\n<header><div><h1>{0}</h1><p>A drivable environment from an orthophoto, "
                                  "OpenStreetMap and a terrain model</p><div class=tiles>{2}</div></div></header>\n<main>\n",
-                                 escape_xml(in.site.name), style, tiles);
+                                 escape_xml(in.site.name), html_style, tiles);
   html += source_section(in, box) + segment_section(in, labels, box) + refine_section(in, roads, box) + elevate_section(in, roads, box);
   html += network_section(in, map, box) + scene_section(in) + drive_section(in) + score_section(in) + findings_section(in) + stage_section(in);
   html += "</main>\n<footer>";

@@ -2,22 +2,74 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/pipeline/label_report.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
 
-ScoreJson score_labels(const ScoreRequest& request) {
-  const LabelMap prediction = io::read_labels(request.scored);
-  const auto truth = read_label_truth(inside_folder(request.truth, "labels.tif"), prediction);
-  if (const auto* roads = std::get_if<MultiPolygon>(&truth))
-    return to_json(evaluate_road_role(prediction, *roads, read_region(request.region, prediction.crs)));
-  const LabelMap& map = std::get<LabelMap>(truth);
-  return to_json(evaluate_labels(prediction, map, read_region(request.region, map.crs)));
+namespace {
+void check_options(const LabelScoreOptions& options, bool truth_has_classes) {
+  if (!options.photo.empty() && options.page.empty())
+    throw OptionError("--photo is shown on the page of --html; give both");
+  if (!truth_has_classes && !(options.merge.empty() && options.confidence.empty() && options.page.empty()))
+    throw OptionError("the truth knows roads only; --merge, --confidence and --html need truth with classes");
 }
+
+ConfidenceMap read_confidence_of(const fs::path& path, const LabelMap& prediction) {
+  ConfidenceMap confidence = io::read_confidence(path);
+  if (confidence.crs != prediction.crs || confidence.frame != prediction.frame)
+    throw InputError(path.string(), "does not lie on the label map's grid; take both from one `orthodrive segment`");
+  return confidence;
+}
+
+/// A table that does not fit the classes is a fault of its file.
+LabelComparisonView compare(const LabelMap& prediction, const LabelMap& truth, const ComparisonOptions& comparison,
+                            const fs::path& merge_file) {
+  try {
+    return {prediction, truth, comparison};
+  } catch (const OptionError& error) {
+    throw InputError(merge_file.string(), error.what());
+  }
+}
+}  // namespace
+
+ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& options) {
+  const LabelMap prediction = io::read_labels(request.scored);
+  const auto read = read_label_truth(inside_folder(request.truth, "labels.tif"), prediction);
+  check_options(options, std::holds_alternative<LabelTruth>(read));
+  if (const auto* roads = std::get_if<MultiPolygon>(&read))
+    return to_json(evaluate_road_role(prediction, *roads, read_region(request.region, prediction.crs)));
+
+  const LabelTruth& truth = std::get<LabelTruth>(read);
+  ComparisonOptions comparison{.region = read_region(request.region, truth.map.crs)};
+  if (!options.merge.empty()) comparison.merge = read_merge_table(options.merge);
+  std::optional<ConfidenceMap> confidence;
+  if (!options.confidence.empty()) confidence = read_confidence_of(options.confidence, prediction);
+
+  const LabelComparisonView view = compare(prediction, truth.map, comparison, options.merge);
+  const LabelScores scores = evaluate_labels(view, {.confidence = confidence ? &*confidence : nullptr});
+  const std::vector<PieceScores> pieces = evaluate_pieces(view, truth.pieces);
+  if (!options.page.empty())
+    write_label_report(options.page, {.scored = request.scored,
+                                      .truth = request.truth,
+                                      .photo = options.photo,
+                                      .view = view,
+                                      .scores = scores,
+                                      .pieces = pieces,
+                                      .piece_map = truth.pieces,
+                                      .merge = comparison.merge});
+  ScoreJson json = to_json(scores);
+  if (!comparison.merge.empty()) json["merged"] = comparison.merge;
+  if (!pieces.empty()) add_pieces(json, pieces);
+  return json;
+}
+
+ScoreJson score_labels(const ScoreRequest& request) { return score_labels(request, LabelScoreOptions{}); }
 
 ScoreJson score_roads(const ScoreRequest& request) {
   const RoadNetwork roads = read_scored_roads(request.scored, request.truth);

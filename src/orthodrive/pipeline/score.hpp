@@ -13,6 +13,15 @@ struct ScoreRequest {
   RegionFiles region;
 };
 
+/// What else a score of labels takes in and puts out; empty paths: nothing of it.
+struct LabelScoreOptions {
+  std::filesystem::path merge;       ///< TOML table of classes taken together
+  std::filesystem::path confidence;  ///< raster beside the label map: adds the calibration
+  std::filesystem::path page;        ///< HTML page, or the folder for labels.html
+  std::filesystem::path photo;       ///< under the error pictures of the page
+};
+/// Throws OptionError when an option needs classes and the truth has none.
+[[nodiscard]] ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& options);
 [[nodiscard]] ScoreJson score_labels(const ScoreRequest& request);
 [[nodiscard]] ScoreJson score_roads(const ScoreRequest& request);
 [[nodiscard]] ScoreJson score_heights(const ScoreRequest& request);

@@ -1,5 +1,8 @@
 #include "orthodrive/pipeline/score_files.hpp"
 
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
 #include <algorithm>
 #include <array>
 
@@ -44,27 +47,84 @@ bool is_vector_file(const fs::path& path) {
   return is_osm_file(path) || std::find(extensions.begin(), extensions.end(), path.extension()) != extensions.end();
 }
 
-std::variant<LabelMap, MultiPolygon> read_label_truth(const fs::path& path, const LabelMap& prediction) {
-  if (!is_vector_file(path)) return io::read_labels(path, prediction.classes);
-  const std::vector<io::Feature> features = io::read_features(path, prediction.crs);
-  if (std::none_of(features.begin(), features.end(), [](const io::Feature& f) { return f.tags.contains("class"); }))
-    return read_polygons(path, prediction.crs);
-  LabelMap truth{prediction.crs, prediction.frame,
-                 Raster<std::uint8_t>(prediction.frame.width, prediction.frame.height, 1, label_nodata),
-                 prediction.classes};
-  std::vector<ClassInfo>& classes = truth.classes.classes;
+namespace {
+/// Index of the first that matches; `added` goes to the end when there is none.
+template <typename T, typename Matches>
+std::size_t index_of(std::vector<T>& all, const Matches& matches, T added) {
+  const auto at = std::find_if(all.begin(), all.end(), matches);
+  const auto index = static_cast<std::size_t>(at - all.begin());
+  if (at == all.end()) all.push_back(std::move(added));
+  return index;
+}
+
+/// Label of the class. One that the prediction does not know cannot be right, but must count.
+std::uint8_t label_of(const std::string& name, std::vector<ClassInfo>& classes, const fs::path& path) {
+  if (name == "unknown") return label_nodata;
+  const auto label = index_of(
+      classes, [&](const ClassInfo& c) { return c.name == name; }, ClassInfo{.name = name});
+  if (label >= label_nodata) throw InputError(path.string(), "has more than 255 classes");
+  return static_cast<std::uint8_t>(label);
+}
+
+/// What TruthPieces::index holds for the piece.
+std::uint16_t number_of(const std::string& piece, std::vector<std::string>& names, const fs::path& path) {
+  if (piece.empty()) return 0;
+  const auto index = index_of(
+      names, [&](const std::string& n) { return n == piece; }, piece);
+  if (index >= 65535) throw InputError(path.string(), "has more than 65535 pieces");
+  return static_cast<std::uint16_t>(index + 1);
+}
+
+LabelTruth paint_truth(const fs::path& path, const std::vector<io::Feature>& features, const LabelMap& prediction) {
+  const GridFrame& frame = prediction.frame;
+  LabelTruth truth{.map = {prediction.crs, frame, Raster<std::uint8_t>(frame.width, frame.height, 1, label_nodata),
+                           prediction.classes}};
+  TruthPieces& pieces = truth.pieces;
+  const bool in_pieces =
+      std::any_of(features.begin(), features.end(), [](const io::Feature& f) { return !tag(f, "piece").empty(); });
+  if (in_pieces) pieces.index = Raster<std::uint16_t>(frame.width, frame.height);
   for (const io::Feature& feature : features) {
     const std::string name = tag(feature, "class");
     if (name.empty() || feature.polygons.empty()) continue;
-    auto at = std::find_if(classes.begin(), classes.end(), [&](const ClassInfo& c) { return c.name == name; });
-    if (at == classes.end()) {  // a class that the prediction does not know cannot be right, but must count
-      if (classes.size() == label_nodata) throw InputError(path.string(), "has more than 255 classes");
-      at = classes.insert(at, {.name = name});
+    const std::uint8_t label = label_of(name, truth.map.classes.classes, path);
+    const std::uint16_t piece = number_of(tag(feature, "piece"), pieces.names, path);
+    for (const Polygon& polygon : feature.polygons) {
+      fill_polygon(truth.map.labels, frame, polygon, label);
+      if (in_pieces) fill_polygon(pieces.index, frame, polygon, piece);
     }
-    for (const Polygon& polygon : feature.polygons)
-      fill_polygon(truth.labels, truth.frame, polygon, static_cast<std::uint8_t>(at - classes.begin()));
   }
   return truth;
+}
+}  // namespace
+
+std::variant<LabelTruth, MultiPolygon> read_label_truth(const fs::path& path, const LabelMap& prediction) {
+  if (!is_vector_file(path)) return LabelTruth{.map = io::read_labels(path, prediction.classes)};
+  const std::vector<io::Feature> features = io::read_features(path, prediction.crs);
+  if (std::none_of(features.begin(), features.end(), [](const io::Feature& f) { return f.tags.contains("class"); }))
+    return read_polygons(path, prediction.crs);
+  return paint_truth(path, features, prediction);
+}
+
+MergeTable read_merge_table(const fs::path& path) {
+  if (!fs::exists(path))
+    throw InputError(path.string(), "no such file; need a TOML table of old = \"new\" class names");
+  toml::table file;
+  try {
+    file = toml::parse_file(path.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError(path.string(), fmt::format("line {}: {}; need lines of old = \"new\" class names",
+                                                error.source().begin.line, error.description()));
+  }
+  MergeTable table;
+  for (const auto& [from, to] : file) {
+    const auto name = to.value_exact<std::string>();
+    if (!name || name->empty())
+      throw InputError(path.string(), fmt::format("line {}: '{}' needs the name of a class in quotes",
+                                                  to.source().begin.line, from.str()));
+    table.emplace(from.str(), *name);
+  }
+  if (table.empty()) throw InputError(path.string(), "merges nothing; need lines of old = \"new\" class names");
+  return table;
 }
 
 namespace {

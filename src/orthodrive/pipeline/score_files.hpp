@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <variant>
 
+#include "orthodrive/evaluate/evaluate_labels.hpp"
 #include "orthodrive/evaluate/evaluate_roads.hpp"
 #include "orthodrive/evaluate/scores.hpp"
 #include "orthodrive/model/rasters.hpp"
@@ -21,10 +22,19 @@ struct RegionFiles {
 /// By its extension: GeoJSON, GeoPackage, OSM, Shapefile.
 [[nodiscard]] bool is_vector_file(const std::filesystem::path& path);
 
-/// A label raster (class table of `prediction` when it has none), or polygons painted on the prediction's grid, or road
-/// polygons that know no classes.
-[[nodiscard]] std::variant<LabelMap, MultiPolygon> read_label_truth(const std::filesystem::path& path,
-                                                                    const LabelMap& prediction);
+/// The true label of every pixel, and the pieces that are scored on their own as well (none for a raster).
+struct LabelTruth {
+  LabelMap map;
+  TruthPieces pieces;
+};
+/// A label raster (class table of `prediction` when it has none), or polygons with the property `class` painted on the
+/// prediction's grid, or road polygons that know no classes. Later features cover earlier ones; the class "unknown"
+/// takes pixels out of the score again. The property `piece` names the piece that a polygon belongs to.
+[[nodiscard]] std::variant<LabelTruth, MultiPolygon> read_label_truth(const std::filesystem::path& path,
+                                                                      const LabelMap& prediction);
+
+/// A TOML file of lines `old = "new"`: names of classes and of those that take them in.
+[[nodiscard]] MergeTable read_merge_table(const std::filesystem::path& path);
 
 /// A folder as `synth` writes it, a roads.gpkg, or polygons (id) and centre lines (of) in any CRS.
 [[nodiscard]] RoadTruth read_road_truth(const std::filesystem::path& path, const Crs& crs);

@@ -12,16 +12,87 @@ ScoreJson to_json(const ErrorSummary& e) {
 ScoreJson to_json(const SigmaCoverage& c) { return {{"1", c.one}, {"2", c.two}}; }
 }  // namespace
 
+namespace {
+ScoreJson by_class(const LabelScores& scores, double ClassScore::*value) {
+  ScoreJson json = ScoreJson::object();
+  for (const ClassScore& c : scores.classes) json[c.info.name] = c.*value;
+  return json;
+}
+
+ScoreJson absent_classes(const LabelScores& scores) {
+  ScoreJson both = ScoreJson::array(), truth = both, prediction = both;
+  for (const ClassScore& c : scores.classes) {
+    if (c.truth_pixels == 0 && c.predicted_pixels == 0) both.push_back(c.info.name);
+    if (c.truth_pixels == 0 && c.predicted_pixels > 0) truth.push_back(c.info.name);
+    if (c.truth_pixels > 0 && c.predicted_pixels == 0) prediction.push_back(c.info.name);
+  }
+  return {{"from_both", both}, {"from_truth", truth}, {"from_prediction", prediction}};
+}
+
+ScoreJson to_json(const ConfusionMatrix& confusion, const std::vector<ClassScore>& classes) {
+  ScoreJson names = ScoreJson::array(), rows = ScoreJson::array();
+  for (std::size_t t = 0; t < confusion.classes; ++t) {
+    names.push_back(classes[t].info.name);
+    ScoreJson row = ScoreJson::array();
+    for (std::size_t p = 0; p < confusion.classes; ++p) row.push_back(confusion.at(t, p));
+    rows.push_back(std::move(row));
+  }
+  return {{"classes", names}, {"pixels_by_truth", rows}};
+}
+
+ScoreJson to_json(const Calibration& calibration) {
+  ScoreJson bins = ScoreJson::array();
+  for (std::size_t b = 0; b < calibration.bins.size(); ++b) {
+    const CalibrationBin& bin = calibration.bins[b];
+    bins.push_back({{"from", static_cast<double>(b) / 10.0},
+                    {"to", static_cast<double>(b + 1) / 10.0},
+                    {"pixels", bin.pixels},
+                    {"mean_confidence", bin.mean_confidence},
+                    {"accuracy", bin.accuracy}});
+  }
+  return {{"expected_error", calibration.expected_error},
+          {"mean_confidence", calibration.mean_confidence},
+          {"accuracy", calibration.accuracy},
+          {"pixels", calibration.pixels},
+          {"bins", bins}};
+}
+}  // namespace
+
 ScoreJson to_json(const LabelScores& scores) {
-  ScoreJson iou = ScoreJson::object();
-  for (const ClassScore& c : scores.classes) iou[c.name] = c.iou;
-  return {{"pixel_accuracy", scores.pixel_accuracy},
-          {"mean_iou", scores.mean_iou},
-          {"iou", iou},
-          {"road_iou", scores.road_iou},
-          {"pixels", scores.pixels},
-          {"truth_nodata", scores.truth_nodata},
-          {"not_predicted", scores.not_predicted}};
+  ScoreJson truth_pixels = ScoreJson::object();
+  for (const ClassScore& c : scores.classes) truth_pixels[c.info.name] = c.truth_pixels;
+  ScoreJson json = {{"pixel_accuracy", scores.pixel_accuracy},
+                    {"mean_iou", scores.mean_iou},
+                    {"mean_iou_of_truth_classes", scores.mean_iou_of_truth},
+                    {"iou", by_class(scores, &ClassScore::iou)},
+                    {"precision", by_class(scores, &ClassScore::precision)},
+                    {"recall", by_class(scores, &ClassScore::recall)},
+                    {"road_iou", scores.road_iou},
+                    {"pixels", scores.pixels},
+                    {"truth_nodata", scores.truth_nodata},
+                    {"not_predicted", scores.not_predicted},
+                    {"truth_pixels", truth_pixels},
+                    {"absent", absent_classes(scores)},
+                    {"confusion", to_json(scores.confusion, scores.classes)}};
+  if (scores.calibration) json["calibration"] = to_json(*scores.calibration);
+  return json;
+}
+
+void add_pieces(ScoreJson& json, const std::vector<PieceScores>& pieces) {
+  ScoreJson scored = ScoreJson::object(), elsewhere = ScoreJson::array();
+  for (const PieceScores& piece : pieces) {
+    if (piece.scores.pixels == 0)
+      elsewhere.push_back(piece.name);
+    else
+      scored[piece.name] = {{"pixel_accuracy", piece.scores.pixel_accuracy},
+                            {"mean_iou", piece.scores.mean_iou},
+                            {"mean_iou_of_truth_classes", piece.scores.mean_iou_of_truth},
+                            {"road_iou", piece.scores.road_iou},
+                            {"pixels", piece.scores.pixels},
+                            {"not_predicted", piece.scores.not_predicted}};
+  }
+  json["pieces"] = scored;
+  json["pieces_elsewhere"] = elsewhere;
 }
 
 ScoreJson to_json(const RoadRoleScores& scores) {
@@ -74,7 +145,14 @@ void append(std::string& table, const ScoreJson& scores, int depth) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   for (const auto& [key, value] : scores.items()) {
     const std::string name = indent + key;
-    if (!value.is_object()) {
+    if (value.is_array()) {  // names are listed; what is deeper is for JSON
+      if (value.empty() || !value.front().is_string()) continue;
+      table += name + " ";
+      for (const ScoreJson& item : value) table += " " + item.get<std::string>();
+      table += "\n";
+    } else if (key == "confusion") {
+      continue;
+    } else if (!value.is_object()) {
       table += fmt::format("{:<24}{:>12}\n", name, number(value));
     } else if (value.contains("bias")) {
       table += fmt::format("{:<24}{:>12} bias {:>10} mean {:>10} p95 {:>8} n\n", name, number(value["bias"]),

@@ -14,7 +14,10 @@ namespace orthodrive {
 using ScoreJson = nlohmann::ordered_json;
 
 /// Numbers that do not exist (NaN) become null.
+/// `confusion` has the rows of the truth; `absent` says which classes truth, prediction or both have not.
 [[nodiscard]] ScoreJson to_json(const LabelScores& scores);
+/// Adds `pieces` by name, and `pieces_elsewhere`: those without a pixel that could be compared.
+void add_pieces(ScoreJson& json, const std::vector<PieceScores>& pieces);
 [[nodiscard]] ScoreJson to_json(const RoadRoleScores& scores);
 [[nodiscard]] ScoreJson to_json(const RoadScores& scores);
 [[nodiscard]] ScoreJson to_json(const HeightScores& scores);
