@@ -84,8 +84,8 @@ TEST(DenseCrf, agrees_with_brute_force) {
                         Case{{160.0, 3.0, 3.0}, 5.0F, 3.0F, 4}}) {
     std::size_t equal = 0, pixels = 0;
     double sum = 0.0;
-    for (const std::uint64_t seed : {21, 22, 23}) {
-      const TestPhoto photo = make_photo(32, 32, c.classes, seed);
+    for (const std::uint64_t seed : {21, 22}) {
+      const TestPhoto photo = make_photo(32, 28, c.classes, seed);
       const auto unary = make_unary(photo, c.classes, seed + 100);
       const auto parameters = potts_crf(c.classes, c.w1, c.w2);
       const auto fast = infer(DenseCrf(photo.view(), c.widths), parameters, unary);
@@ -122,8 +122,8 @@ TEST(DenseCrf, inner_part_of_a_window_equals_the_whole_image) {
       window_unary.insert(window_unary.end(), &unary[from * classes], &unary[from * classes] + classes);
     }
   window.labels.resize(static_cast<std::size_t>(side * side));
-  const CrfWidths widths{8.0, 11.0, 1.75};
-  const auto parameters = potts_crf(classes, 5.2F, 1.5F, 5);
+  const CrfWidths widths{6.0, 30.0, 1.75};
+  const auto parameters = potts_crf(classes, 2.0F, 1.0F, 2);
   const auto whole = infer(DenseCrf(photo.view(col, row), widths), parameters, unary);
   const auto largest = [&](std::int64_t window_col) {
     const auto part = infer(DenseCrf(window.view(window_col, row + top), widths), parameters, window_unary);
@@ -136,8 +136,10 @@ TEST(DenseCrf, inner_part_of_a_window_equals_the_whole_image) {
                                    static_cast<double>(part[static_cast<std::size_t>((y * side + x) * classes + c)])));
     return difference;
   };
-  EXPECT_LT(largest(col + left), 2e-3);
-  EXPECT_GT(largest(0), 1e-2);  // a lattice of the window's own would show
+  const double same = largest(col + left), own = largest(0);
+  std::printf("window against whole image: %.2e; with a lattice of its own %.2e\n", same, own);
+  EXPECT_LT(same, 1e-5);
+  EXPECT_GT(own, 1e-3);
 }
 
 TEST(DenseCrf, invalid_pixels_send_and_receive_nothing) {
@@ -296,8 +298,6 @@ TEST(CrfKernels, every_processor_family_gives_the_same) {
     const TestPhoto photo = make_photo(20, 15, classes, 111);
     const auto unary = make_unary(photo, classes, 112);
     const DenseCrf crf(photo.view(), thesis);
-    std::vector<std::uint32_t> pixel(photo.pixels());
-    std::iota(pixel.begin(), pixel.end(), 0U);
     struct alignas(32) Chunk {
       float v[8];
     };
@@ -308,8 +308,7 @@ TEST(CrfKernels, every_processor_family_gives_the_same) {
       const CrfKernels& kernels = table[chunks - 1];
       std::vector<Chunk> appearance(crf.appearance().vertices() * chunks), smoothness(crf.smoothness().vertices() * chunks);
       const CrfLatticeValues lattices{appearance.data()->v, smoothness.data()->v};
-      CrfUpdate update{.pass = {.points = {pixel.size(), pixel.data(), crf.appearance().points().data(),
-                                           crf.smoothness().points().data()},
+      CrfUpdate update{.pass = {.points = crf.valid_points(),
                                 .classes = classes,
                                 .values = unary.size(),
                                 .appearance_weight = weight.data(),

@@ -101,14 +101,17 @@ using Filter = std::function<std::vector<double>(const std::vector<double>&)>;
 
 template <int D>
 Filter gaussian_filter(const Features<D>& points) {
-  return [points](const std::vector<double>& values) {
+  std::vector<double> kernel;
+  for (const auto& a : points)
+    for (const auto& b : points) {
+      double square = 0.0;
+      for (int f = 0; f < D; ++f) square += (a[f] - b[f]) * (a[f] - b[f]);
+      kernel.push_back(std::exp(-0.5 * square));
+    }
+  return [kernel](const std::vector<double>& values) {
     std::vector<double> result(values.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (std::size_t j = 0; j < points.size(); ++j) {
-        double square = 0.0;
-        for (int f = 0; f < D; ++f) square += (points[i][f] - points[j][f]) * (points[i][f] - points[j][f]);
-        result[i] += std::exp(-0.5 * square) * values[j];
-      }
+    for (std::size_t i = 0; i < values.size(); ++i)
+      result[i] = std::inner_product(values.begin(), values.end(), &kernel[i * values.size()], 0.0);
     return result;
   };
 }

@@ -5,6 +5,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include "orthodrive/core/error.hpp"
 
@@ -31,26 +38,39 @@ void check(const CrfParameters& p) {
                                   p.appearance_weight.size(), p.smoothness_weight.size(), p.compatibility.size(), p.classes));
 }
 
-/// One vector of eight floats of all classes of a vertex.
-struct alignas(32) Chunk {
-  float v[8] = {};
+/// Uninitialised floats. Lattices of whole windows are read all over the place: with pages of 2 MB there are far fewer
+/// translations to look up, and the system hands them out faster.
+class HugeArray {
+ public:
+  explicit HugeArray(std::size_t floats) {
+    constexpr std::size_t page = std::size_t{1} << 21;
+    const std::size_t bytes = floats * sizeof(float), alignment = bytes >= page ? page : 64;
+    const std::size_t rounded = (std::max<std::size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
+    data_.reset(static_cast<float*>(std::aligned_alloc(alignment, rounded)));
+    if (data_ == nullptr) throw std::bad_alloc();
+#if defined(__linux__)
+    if (alignment == page) madvise(data_.get(), rounded, MADV_HUGEPAGE);  // a hint: failure costs only time
+#endif
+  }
+  [[nodiscard]] float* data() const { return data_.get(); }
+
+ private:
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::unique_ptr<float, Free> data_;
 };
 
 /// Values at the vertices of both lattices.
 class LatticeValues {
  public:
   LatticeValues(const DenseCrf& crf, int chunks)
-      : appearance_(crf.appearance().vertices() * static_cast<std::size_t>(chunks)),
-        smoothness_(crf.smoothness().vertices() * static_cast<std::size_t>(chunks)) {}
-  void clear() {
-    std::fill(appearance_.begin(), appearance_.end(), Chunk{});
-    std::fill(smoothness_.begin(), smoothness_.end(), Chunk{});
-  }
-  // data() of an empty vector is null, which to the kernels means "no lattice"; with no points nothing is read anyway.
-  [[nodiscard]] CrfLatticeValues view() { return {&appearance_.data()->v[0], &smoothness_.data()->v[0]}; }
+      : appearance_(crf.appearance().vertices() * static_cast<std::size_t>(chunks) * 8),
+        smoothness_(crf.smoothness().vertices() * static_cast<std::size_t>(chunks) * 8) {}
+  [[nodiscard]] CrfLatticeValues view() const { return {appearance_.data(), smoothness_.data()}; }
 
  private:
-  std::vector<Chunk> appearance_, smoothness_;
+  HugeArray appearance_, smoothness_;
 };
 
 /// Parameters filled up to whole vectors, in the order the kernels read them.
@@ -81,14 +101,10 @@ struct PaddedParameters {
   }
 };
 
-CrfPoints points_of(const DenseCrf& crf, const std::vector<std::uint32_t>& pixels) {
-  return {pixels.size(), pixels.data(), crf.appearance().points().data(), crf.smoothness().points().data()};
-}
-
 /// Which parameters the forward pass reads: the short form where there is one.
-CrfPass forward_pass(const DenseCrf& crf, const std::vector<std::uint32_t>& pixels, const CrfParameters& parameters,
-                     const PaddedParameters& padded, std::size_t values) {
-  CrfPass pass{.points = points_of(crf, pixels), .classes = parameters.classes, .values = values};
+CrfPass forward_pass(const CrfPoints& points, const CrfParameters& parameters, const PaddedParameters& padded,
+                     std::size_t values) {
+  CrfPass pass{.points = points, .classes = parameters.classes, .values = values};
   const bool own = padded.own_class_only;
   pass.appearance_weight = (own ? padded.own_appearance_weight : padded.appearance_weight).data();
   pass.smoothness_weight = (own ? padded.own_smoothness_weight : padded.smoothness_weight).data();
@@ -173,7 +189,19 @@ DenseCrf::DenseCrf(const CrfImage& image, const CrfWidths& widths)
                                         });
   normalise(appearance_);
   normalise(smoothness_);
+  CrfReached reached;
+  for (std::size_t i = 0; i < valid_.size(); ++i) {
+    for (const std::uint32_t v : appearance_.points()[i].vertex) reached.appearance = std::max(reached.appearance, v + 1);
+    for (const std::uint32_t v : smoothness_.points()[i].vertex) reached.smoothness = std::max(reached.smoothness, v + 1);
+    if (i % crf_batch == crf_batch - 1 || i + 1 == valid_.size()) reached_.push_back(reached);
+  }
 }
+
+CrfPoints DenseCrf::valid_points() const {
+  return {valid_.size(), valid_.data(), appearance_.points().data(), smoothness_.points().data(), reached_.data()};
+}
+
+CrfPoints DenseCrf::invalid_points() const { return {.count = invalid_.size(), .pixel = invalid_.data()}; }
 
 /// `marginals` holds the last step only, or with `tape` every step.
 void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals,
@@ -184,16 +212,13 @@ void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary
   for (int step = 0; step <= parameters.iterations; ++step) {
     const bool last = step == parameters.iterations;
     float* const result = tape ? marginals.data() + static_cast<std::size_t>(step) * unary.size() : marginals.data();
-    CrfUpdate update{.pass = forward_pass(*this, valid_, parameters, padded, unary.size()), .unary = unary.data()};
+    CrfUpdate update{.pass = forward_pass(valid_points(), parameters, padded, unary.size()), .unary = unary.data()};
     if (step > 0) update.in = now.view();
-    if (!last) {
-      next.clear();
-      update.out = next.view();
-    }
+    if (!last) update.out = next.view();
     if (tape || last) update.marginals = result;
     kernels.update(update);
     if (tape || last)
-      kernels.update({.pass = forward_pass(*this, invalid_, parameters, padded, unary.size()),
+      kernels.update({.pass = forward_pass(invalid_points(), parameters, padded, unary.size()),
                       .unary = unary.data(),
                       .marginals = result});
     if (!last) blur(kernels, *this, next, BlurOrder::forward);
@@ -229,7 +254,7 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
   CrfGradients result;
   result.unary.resize(values);
 
-  CrfBackward step{.pass = {.points = points_of(*this, valid_),
+  CrfBackward step{.pass = {.points = valid_points(),
                             .classes = parameters.classes,
                             .values = values,
                             .appearance_weight = padded.appearance_weight.data(),
@@ -247,10 +272,8 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
     step.gradient_in = last ? CrfLatticeValues{} : now.view();
     step.messages = step.out = {};
     if (i > 0) {  // the messages this step received, once more
-      messages.clear();
       kernels.splat(step.pass, step.marginals - values, messages.view());
       blur(kernels, *this, messages, BlurOrder::forward);
-      next.clear();
       step.messages = messages.view();
       step.out = next.view();
     }
@@ -259,7 +282,7 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
     std::swap(now, next);
   }
   // Pixels that take no part: softmax(-unary) only.
-  step.pass.points = points_of(*this, invalid_);
+  step.pass.points = invalid_points();
   step.marginals = tape.result().data();
   step.gradient = marginals_gradient.data();
   step.messages = {};

@@ -73,6 +73,9 @@ class DenseCrf {
   [[nodiscard]] CrfGradients backward(const CrfParameters& parameters, const CrfTape& tape,
                                       std::span<const float> marginals_gradient) const;
 
+  /// The pixels that take part and those that do not.
+  [[nodiscard]] CrfPoints valid_points() const;
+  [[nodiscard]] CrfPoints invalid_points() const;
   [[nodiscard]] const PermutohedralLattice<5>& appearance() const { return appearance_; }
   [[nodiscard]] const PermutohedralLattice<2>& smoothness() const { return smoothness_; }
 
@@ -84,6 +87,7 @@ class DenseCrf {
   std::vector<std::uint32_t> invalid_;  ///< the others
   PermutohedralLattice<5> appearance_;
   PermutohedralLattice<2> smoothness_;
+  std::vector<CrfReached> reached_;
 };
 
 }  // namespace orthodrive
