@@ -62,8 +62,8 @@ TEST_P(DenseCrfAgainstScalar, marginals_are_equal) {
   const double difference = largest_difference(fast, slow);
   EXPECT_LT(difference, 1e-4);  // the number asked for
   RecordProperty("difference_e9", static_cast<int>(1e9 * difference));
-  std::vector<double> softmax_only = ScalarCrf(photo, widths, false).infer(potts_crf(classes, 0, 0, 0),
-                                                                           {unary.begin(), unary.end()});
+  std::vector<double> softmax_only =
+      ScalarCrf(photo, widths, false).infer(potts_crf(classes, 0, 0, 0), {unary.begin(), unary.end()});
   EXPECT_TRUE(classes == 1 || largest_difference(fast, softmax_only) > 0.3);  // the CRF does something here
 }
 
@@ -80,8 +80,8 @@ TEST(DenseCrf, agrees_with_brute_force) {
     float w1, w2;
     int classes;
   };
-  for (const Case& c : {Case{thesis, 5.2F, 1.5F, 6}, Case{original, 10.0F, 3.0F, 6}, Case{{13.5, 11.0, 3.0}, 3.0F, 3.0F, 8},
-                        Case{{160.0, 3.0, 3.0}, 5.0F, 3.0F, 4}}) {
+  for (const Case& c : {Case{thesis, 5.2F, 1.5F, 6}, Case{original, 10.0F, 3.0F, 6},
+                        Case{{13.5, 11.0, 3.0}, 3.0F, 3.0F, 8}, Case{{160.0, 3.0, 3.0}, 5.0F, 3.0F, 4}}) {
     std::size_t equal = 0, pixels = 0;
     double sum = 0.0;
     for (const std::uint64_t seed : {21, 22}) {
@@ -100,8 +100,8 @@ TEST(DenseCrf, agrees_with_brute_force) {
     }
     const double agreement = static_cast<double>(equal) / static_cast<double>(pixels);
     const double mean = sum / static_cast<double>(pixels * static_cast<std::size_t>(c.classes));
-    std::printf("theta %.4g %.4g %.4g: equal %.4f, mean difference %.5f\n", c.widths.theta_alpha_px, c.widths.theta_beta,
-                c.widths.theta_gamma_px, agreement, mean);
+    std::printf("theta %.4g %.4g %.4g: equal %.4f, mean difference %.5f\n", c.widths.theta_alpha_px,
+                c.widths.theta_beta, c.widths.theta_gamma_px, agreement, mean);
     EXPECT_GE(agreement, 0.995);
     EXPECT_LE(mean, 0.01);
   }
@@ -132,7 +132,8 @@ TEST(DenseCrf, inner_part_of_a_window_equals_the_whole_image) {
       for (int x = margin; x < side - margin; ++x)
         for (int c = 0; c < classes; ++c)
           difference = std::max(
-              difference, std::abs(static_cast<double>(whole[static_cast<std::size_t>(((top + y) * size + left + x) * classes + c)]) -
+              difference, std::abs(static_cast<double>(
+                                       whole[static_cast<std::size_t>(((top + y) * size + left + x) * classes + c)]) -
                                    static_cast<double>(part[static_cast<std::size_t>((y * side + x) * classes + c)])));
     return difference;
   };
@@ -151,7 +152,8 @@ TEST(DenseCrf, invalid_pixels_send_and_receive_nothing) {
   Random random(43);
   for (std::size_t i = 0; i < photo.pixels(); ++i) {
     if (photo.valid[i] != 0) continue;
-    for (int k = 0; k < 3; ++k) photo.rgb[3 * i + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(random.below(256));
+    for (int k = 0; k < 3; ++k)
+      photo.rgb[3 * i + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(random.below(256));
     for (std::size_t c = 0; c < 4; ++c) unary[4 * i + c] = static_cast<float>(random.uniform(0.0, 5.0));
   }
   const auto after = infer(DenseCrf(photo.view(), thesis), parameters, unary);
@@ -235,7 +237,8 @@ TEST(DenseCrf, gradients_equal_central_differences) {
       worst = std::max(worst, std::abs(analytic - numeric) / (0.05 + std::abs(numeric)));
     };
     const auto expect_small = [&](const char* what) {
-      std::printf("%d classes, %s: relative error %.2e, worst %.2e\n", classes, what, std::sqrt(square_error / square), worst);
+      std::printf("%d classes, %s: relative error %.2e, worst %.2e\n", classes, what, std::sqrt(square_error / square),
+                  worst);
       EXPECT_GT(square, 1e-4) << what;  // else nothing was compared
       EXPECT_LT(std::sqrt(square_error / square), 1e-4) << what;
       EXPECT_LT(worst, 1e-3) << what;
@@ -306,7 +309,8 @@ TEST(CrfKernels, every_processor_family_gives_the_same) {
     std::vector<std::vector<float>> results;
     for (const CrfKernels* table : available_crf_kernels()) {
       const CrfKernels& kernels = table[chunks - 1];
-      std::vector<Chunk> appearance(crf.appearance().vertices() * chunks), smoothness(crf.smoothness().vertices() * chunks);
+      std::vector<Chunk> appearance(crf.appearance().vertices() * chunks),
+          smoothness(crf.smoothness().vertices() * chunks);
       const CrfLatticeValues lattices{appearance.data()->v, smoothness.data()->v};
       CrfUpdate update{.pass = {.points = crf.valid_points(),
                                 .classes = classes,
@@ -317,7 +321,8 @@ TEST(CrfKernels, every_processor_family_gives_the_same) {
                        .out = lattices};
       kernels.update(update);
       for (const BlurAxis& axis : crf.appearance().axes())
-        kernels.blur({axis.pairs.data(), axis.pairs.size(), axis.chains.data(), axis.chains.size()}, lattices.appearance);
+        kernels.blur({axis.pairs.data(), axis.pairs.size(), axis.chains.data(), axis.chains.size()},
+                     lattices.appearance);
       std::vector<float> marginals(unary.size());
       update.in = lattices, update.out = {}, update.marginals = marginals.data();
       kernels.update(update);

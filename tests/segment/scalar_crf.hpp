@@ -1,6 +1,7 @@
 #pragma once
-// The dense CRF told slowly: a permutohedral lattice in a std::map, the O(n^2) Gaussian itself, and mean field over either,
-// all in double. Truth for the tests of the fast one. Written from the papers' formulas and Kraehenbuehl's code.
+// The dense CRF told slowly: a permutohedral lattice in a std::map, the O(n^2) Gaussian itself, and mean field over
+// either, all in double. Truth for the tests of the fast one. Written from the papers' formulas and Kraehenbuehl's
+// code.
 
 #include <algorithm>
 #include <array>
@@ -144,8 +145,8 @@ inline TestPhoto make_photo(int width, int height, int classes, std::uint64_t se
   TestPhoto photo{.width = width, .height = height};
   std::vector<std::array<double, 5>> cells;  // x, y, colour
   for (int c = 0; c < 2 * classes; ++c)
-    cells.push_back({random.uniform(0, width), random.uniform(0, height), random.uniform(30, 220), random.uniform(30, 220),
-                     random.uniform(30, 220)});
+    cells.push_back({random.uniform(0, width), random.uniform(0, height), random.uniform(30, 220),
+                     random.uniform(30, 220), random.uniform(30, 220)});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const auto distance = [&](const auto& c) { return std::hypot(c[0] - x, c[1] - y); };

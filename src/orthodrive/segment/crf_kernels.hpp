@@ -1,6 +1,6 @@
 #pragma once
-// The inner loops of the dense CRF, compiled once a processor family (crf_kernels_*.cpp) and chosen at run time. Values of
-// all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.
+// The inner loops of the dense CRF, compiled once a processor family (crf_kernels_*.cpp) and chosen at run time. Values
+// of all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace orthodrive {
 constexpr int max_crf_classes = 64;
 constexpr std::size_t crf_batch = 16;  ///< so many pixels go through each phase of a pass together
 
-/// How many vertices have been met when a batch of pixels is done: they are numbered as they are met, so the new ones are
-/// set to zero just before the batch adds to them, when they are about to be in the cache anyway.
+/// How many vertices have been met when a batch of pixels is done: they are numbered as they are met, so the new ones
+/// are set to zero just before the batch adds to them, when they are about to be in the cache anyway.
 struct CrfReached {
   std::uint32_t appearance = 0, smoothness = 0;
 };

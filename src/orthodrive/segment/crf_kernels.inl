@@ -1,6 +1,6 @@
 // Included by crf_kernels_*.cpp with ORTHODRIVE_CRF_KERNELS naming the function to define. Everything but that function
-// has internal linkage and nothing of the standard library is instantiated here: code for newer processors must not leak
-// into the rest of the program.
+// has internal linkage and nothing of the standard library is instantiated here: code for newer processors must not
+// leak into the rest of the program.
 
 #include <cstddef>
 #include <cstdint>
@@ -127,9 +127,12 @@ constexpr float no_class = 1e30F;  // -log p of the classes that only fill up th
 template <int V>
 ORTHODRIVE_INLINE void clear_new_vertices(const CrfPoints& points, std::size_t b, const CrfLatticeValues& out) {
   const CrfReached from = b > 0 ? points.reached[b - 1] : CrfReached{}, to = points.reached[b];
-  auto *const appearance = reinterpret_cast<Vec8*>(out.appearance), *const smoothness = reinterpret_cast<Vec8*>(out.smoothness);
-  for (std::size_t i = std::size_t{from.appearance} * V; i < std::size_t{to.appearance} * V; ++i) appearance[i] = Vec8{};
-  for (std::size_t i = std::size_t{from.smoothness} * V; i < std::size_t{to.smoothness} * V; ++i) smoothness[i] = Vec8{};
+  auto *const appearance = reinterpret_cast<Vec8*>(out.appearance), *const smoothness =
+                                                                        reinterpret_cast<Vec8*>(out.smoothness);
+  for (std::size_t i = std::size_t{from.appearance} * V; i < std::size_t{to.appearance} * V; ++i)
+    appearance[i] = Vec8{};
+  for (std::size_t i = std::size_t{from.smoothness} * V; i < std::size_t{to.smoothness} * V; ++i)
+    smoothness[i] = Vec8{};
 }
 
 /// Asks for the cache lines of a point's vertices.
@@ -212,7 +215,8 @@ void update(const CrfUpdate& u) {
     }
     if (u.marginals != nullptr)
       for (std::size_t j = 0; j < count; ++j)
-        store_classes(values[j], u.marginals + std::size_t{points.pixel[first + j]} * static_cast<std::size_t>(u.pass.classes),
+        store_classes(values[j],
+                      u.marginals + std::size_t{points.pixel[first + j]} * static_cast<std::size_t>(u.pass.classes),
                       u.pass.classes);
   }
 }

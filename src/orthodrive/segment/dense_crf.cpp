@@ -19,7 +19,8 @@ namespace orthodrive {
 
 namespace {
 
-constexpr int strip_px = 32;  // pixels are visited in strips this wide, so that the lattice vertices in use fit the cache
+constexpr int strip_px =
+    32;  // pixels are visited in strips this wide, so that the lattice vertices in use fit the cache
 
 void check(const CrfWidths& widths) {
   for (const double theta : {widths.theta_alpha_px, widths.theta_beta, widths.theta_gamma_px})
@@ -35,7 +36,8 @@ void check(const CrfParameters& p) {
   if (p.appearance_weight.size() != classes || p.smoothness_weight.size() != classes ||
       p.compatibility.size() != classes * classes)
     throw OptionError(fmt::format("dense CRF: {} + {} weights and {} compatibilities do not fit {} classes",
-                                  p.appearance_weight.size(), p.smoothness_weight.size(), p.compatibility.size(), p.classes));
+                                  p.appearance_weight.size(), p.smoothness_weight.size(), p.compatibility.size(),
+                                  p.classes));
 }
 
 /// Uninitialised floats. Lattices of whole windows are read all over the place: with pages of 2 MB there are far fewer
@@ -77,8 +79,9 @@ class LatticeValues {
 struct PaddedParameters {
   int chunks;
   std::vector<float> appearance_weight, smoothness_weight, columns, rows;
-  /// Costs that are the same for all classes but one do not change the softmax: where all columns of the compatibility are
-  /// constant off the diagonal (Potts, any diagonal matrix), only what the diagonal differs by is left, in the weights.
+  /// Costs that are the same for all classes but one do not change the softmax: where all columns of the compatibility
+  /// are constant off the diagonal (Potts, any diagonal matrix), only what the diagonal differs by is left, in the
+  /// weights.
   bool own_class_only = true;
   std::vector<float> own_appearance_weight, own_smoothness_weight;
 
@@ -89,8 +92,7 @@ struct PaddedParameters {
     own_appearance_weight.resize(width), own_smoothness_weight.resize(width);
     columns.resize(n * width), rows.resize(n * width);
     for (std::size_t r = 0; r < n; ++r)
-      for (std::size_t c = 0; c < n; ++c)
-        columns[c * width + r] = rows[r * width + c] = p.compatibility[r * n + c];
+      for (std::size_t c = 0; c < n; ++c) columns[c * width + r] = rows[r * width + c] = p.compatibility[r * n + c];
     for (std::size_t c = 0; c < n; ++c) {
       const float* const column = &columns[c * width];
       const float other = n == 1 ? 0.0F : column[c == 0 ? 1 : 0];
@@ -154,31 +156,32 @@ DenseCrf::DenseCrf(const CrfImage& image, const CrfWidths& widths)
   for (int left = 0; left < image.width; left += strip_px)
     for (int row = 0; row < image.height; ++row)
       for (int col = left; col < std::min(left + strip_px, image.width); ++col) {
-        const auto pixel = static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(image.width) +
-                           static_cast<std::uint32_t>(col);
+        const auto pixel =
+            static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(image.width) + static_cast<std::uint32_t>(col);
         (image.valid == nullptr || image.valid[pixel] != 0 ? valid_ : invalid_).push_back(pixel);
       }
 
   const auto width = static_cast<std::uint32_t>(image.width);
   const double left = static_cast<double>(image.col), right = static_cast<double>(image.col + image.width);
   const double top = static_cast<double>(image.row), bottom = static_cast<double>(image.row + image.height);
-  const double plane = 1.0 / widths.theta_alpha_px, colour = 1.0 / widths.theta_beta, near = 1.0 / widths.theta_gamma_px;
-  appearance_ = PermutohedralLattice<5>(
-      valid_.size(),
-      {{left * plane, top * plane, 0.0, 0.0, 0.0},
-       {right * plane, bottom * plane, 255.0 * colour, 255.0 * colour, 255.0 * colour}},
-      [&](std::size_t first, std::size_t count, double* features) {
-        constexpr std::size_t block = PermutohedralLattice<5>::block;
-        for (std::size_t i = 0; i < count; ++i) {
-          const std::uint32_t pixel = valid_[first + i];
-          const std::uint8_t* const rgb = image.rgb + std::size_t{3} * pixel;
-          features[i] = (left + pixel % width) * plane;
-          features[block + i] = (top + pixel / width) * plane;
-          features[2 * block + i] = rgb[0] * colour;
-          features[3 * block + i] = rgb[1] * colour;
-          features[4 * block + i] = rgb[2] * colour;
-        }
-      });
+  const double plane = 1.0 / widths.theta_alpha_px, colour = 1.0 / widths.theta_beta,
+               near = 1.0 / widths.theta_gamma_px;
+  appearance_ =
+      PermutohedralLattice<5>(valid_.size(),
+                              {{left * plane, top * plane, 0.0, 0.0, 0.0},
+                               {right * plane, bottom * plane, 255.0 * colour, 255.0 * colour, 255.0 * colour}},
+                              [&](std::size_t first, std::size_t count, double* features) {
+                                constexpr std::size_t block = PermutohedralLattice<5>::block;
+                                for (std::size_t i = 0; i < count; ++i) {
+                                  const std::uint32_t pixel = valid_[first + i];
+                                  const std::uint8_t* const rgb = image.rgb + std::size_t{3} * pixel;
+                                  features[i] = (left + pixel % width) * plane;
+                                  features[block + i] = (top + pixel / width) * plane;
+                                  features[2 * block + i] = rgb[0] * colour;
+                                  features[3 * block + i] = rgb[1] * colour;
+                                  features[4 * block + i] = rgb[2] * colour;
+                                }
+                              });
   smoothness_ = PermutohedralLattice<2>(valid_.size(), {{left * near, top * near}, {right * near, bottom * near}},
                                         [&](std::size_t first, std::size_t count, double* features) {
                                           constexpr std::size_t block = PermutohedralLattice<2>::block;
@@ -191,8 +194,10 @@ DenseCrf::DenseCrf(const CrfImage& image, const CrfWidths& widths)
   normalise(smoothness_);
   CrfReached reached;
   for (std::size_t i = 0; i < valid_.size(); ++i) {
-    for (const std::uint32_t v : appearance_.points()[i].vertex) reached.appearance = std::max(reached.appearance, v + 1);
-    for (const std::uint32_t v : smoothness_.points()[i].vertex) reached.smoothness = std::max(reached.smoothness, v + 1);
+    for (const std::uint32_t v : appearance_.points()[i].vertex)
+      reached.appearance = std::max(reached.appearance, v + 1);
+    for (const std::uint32_t v : smoothness_.points()[i].vertex)
+      reached.smoothness = std::max(reached.smoothness, v + 1);
     if (i % crf_batch == crf_batch - 1 || i + 1 == valid_.size()) reached_.push_back(reached);
   }
 }
