@@ -104,12 +104,13 @@ void two_windows(benchmark::State& state) {
     marginals.emplace_back(unary.back().size());
   }
   const CrfParameters parameters = potts_crf(classes, 5.2F, 1.5F, 10);
+  std::vector<CrfWorkspace> workspaces(windows);
   std::size_t vertices = 0;
   for (auto _ : state) {
     parallel_for(windows, windows, [&](std::size_t w) {
       const CrfImage image{side, side, static_cast<std::int64_t>(w) * side, 0, photo()[w].data(), nullptr};
       const DenseCrf crf(image, widths);
-      crf.infer(parameters, unary[w], marginals[w]);
+      crf.infer(parameters, unary[w], marginals[w], &workspaces[w]);
       if (w == 0) vertices = crf.appearance().vertices();
     });
   }

@@ -295,6 +295,19 @@ TEST(DenseCrf, same_bytes_from_any_thread) {
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
 }
 
+TEST(DenseCrf, a_workspace_used_before_changes_nothing) {
+  CrfWorkspace workspace;
+  for (const int size : {30, 12, 45}) {
+    const TestPhoto photo = make_photo(size, size, 9, 105);
+    const auto unary = make_unary(photo, 9, 106);
+    const DenseCrf crf(photo.view(), thesis);
+    const auto parameters = potts_crf(9, 5.2F, 1.5F, 4);
+    std::vector<float> marginals(unary.size());
+    crf.infer(parameters, unary, marginals, &workspace);
+    EXPECT_EQ(marginals, infer(crf, parameters, unary)) << size;
+  }
+}
+
 // The chosen kernels are tested above; the others must not rot.
 TEST(CrfKernels, every_processor_family_gives_the_same) {
   for (const int classes : {3, 8, 21, 40, 64}) {

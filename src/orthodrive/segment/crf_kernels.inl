@@ -127,8 +127,8 @@ constexpr float no_class = 1e30F;  // -log p of the classes that only fill up th
 template <int V>
 ORTHODRIVE_INLINE void clear_new_vertices(const CrfPoints& points, std::size_t b, const CrfLatticeValues& out) {
   const CrfReached from = b > 0 ? points.reached[b - 1] : CrfReached{}, to = points.reached[b];
-  auto *const appearance = reinterpret_cast<Vec8*>(out.appearance), *const smoothness =
-                                                                        reinterpret_cast<Vec8*>(out.smoothness);
+  auto* const appearance = reinterpret_cast<Vec8*>(out.appearance);
+  auto* const smoothness = reinterpret_cast<Vec8*>(out.smoothness);
   for (std::size_t i = std::size_t{from.appearance} * V; i < std::size_t{to.appearance} * V; ++i)
     appearance[i] = Vec8{};
   for (std::size_t i = std::size_t{from.smoothness} * V; i < std::size_t{to.smoothness} * V; ++i)

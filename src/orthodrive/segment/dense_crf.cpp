@@ -40,39 +40,43 @@ void check(const CrfParameters& p) {
                                   p.classes));
 }
 
-/// Uninitialised floats. Lattices of whole windows are read all over the place: with pages of 2 MB there are far fewer
-/// translations to look up, and the system hands them out faster.
+/// Uninitialised floats that grow when more are asked for. Lattices of whole windows are read all over the place: with
+/// pages of 2 MB there are far fewer translations to look up, and the system hands them out faster.
 class HugeArray {
  public:
-  explicit HugeArray(std::size_t floats) {
+  [[nodiscard]] float* of_size(std::size_t floats) {
+    if (floats > size_ || data_ == nullptr) allocate(floats);
+    return data_.get();
+  }
+
+ private:
+  void allocate(std::size_t floats) {
     constexpr std::size_t page = std::size_t{1} << 21;
     const std::size_t bytes = floats * sizeof(float), alignment = bytes >= page ? page : 64;
     const std::size_t rounded = (std::max<std::size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
+    data_.reset();
     data_.reset(static_cast<float*>(std::aligned_alloc(alignment, rounded)));
     if (data_ == nullptr) throw std::bad_alloc();
+    size_ = rounded / sizeof(float);
 #if defined(__linux__)
     if (alignment == page) madvise(data_.get(), rounded, MADV_HUGEPAGE);  // a hint: failure costs only time
 #endif
   }
-  [[nodiscard]] float* data() const { return data_.get(); }
-
- private:
   struct Free {
     void operator()(float* p) const { std::free(p); }
   };
   std::unique_ptr<float, Free> data_;
+  std::size_t size_ = 0;
 };
 
 /// Values at the vertices of both lattices.
-class LatticeValues {
- public:
-  LatticeValues(const DenseCrf& crf, int chunks)
-      : appearance_(crf.appearance().vertices() * static_cast<std::size_t>(chunks) * 8),
-        smoothness_(crf.smoothness().vertices() * static_cast<std::size_t>(chunks) * 8) {}
-  [[nodiscard]] CrfLatticeValues view() const { return {appearance_.data(), smoothness_.data()}; }
-
- private:
-  HugeArray appearance_, smoothness_;
+struct LatticeValues {
+  HugeArray appearance, smoothness;
+  [[nodiscard]] CrfLatticeValues of_size(const DenseCrf& crf, int chunks) {
+    const std::size_t floats = static_cast<std::size_t>(chunks) * 8;
+    return {appearance.of_size(crf.appearance().vertices() * floats),
+            smoothness.of_size(crf.smoothness().vertices() * floats)};
+  }
 };
 
 /// Parameters filled up to whole vectors, in the order the kernels read them.
@@ -122,9 +126,9 @@ void blur(const CrfKernels& kernels, const PermutohedralLattice<D>& lattice, flo
   }
 }
 
-void blur(const CrfKernels& kernels, const DenseCrf& crf, LatticeValues& values, BlurOrder order) {
-  blur(kernels, crf.appearance(), values.view().appearance, order);
-  blur(kernels, crf.smoothness(), values.view().smoothness, order);
+void blur(const CrfKernels& kernels, const DenseCrf& crf, const CrfLatticeValues& values, BlurOrder order) {
+  blur(kernels, crf.appearance(), values.appearance, order);
+  blur(kernels, crf.smoothness(), values.smoothness, order);
 }
 
 /// F with F K F 1 near 1: Kraehenbuehl's symmetric normalisation.
@@ -137,6 +141,14 @@ void normalise(PermutohedralLattice<D>& lattice) {
 }
 
 }  // namespace
+
+struct CrfWorkspace::Arrays {
+  LatticeValues now, next;
+};
+CrfWorkspace::CrfWorkspace() : arrays_(std::make_unique<Arrays>()) {}
+CrfWorkspace::~CrfWorkspace() = default;
+CrfWorkspace::CrfWorkspace(CrfWorkspace&&) noexcept = default;
+CrfWorkspace& CrfWorkspace::operator=(CrfWorkspace&&) noexcept = default;
 
 CrfParameters potts_crf(int classes, float appearance_weight, float smoothness_weight, int iterations) {
   const auto n = static_cast<std::size_t>(std::max(classes, 0));
@@ -209,17 +221,18 @@ CrfPoints DenseCrf::valid_points() const {
 CrfPoints DenseCrf::invalid_points() const { return {.count = invalid_.size(), .pixel = invalid_.data()}; }
 
 /// `marginals` holds the last step only, or with `tape` every step.
-void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals,
-                   bool tape) const {
+void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals, bool tape,
+                   CrfWorkspace& workspace) const {
   const PaddedParameters padded(parameters);
   const CrfKernels& kernels = crf_kernels(padded.chunks);
-  LatticeValues now(*this, padded.chunks), next(*this, padded.chunks);
+  CrfLatticeValues now = workspace.arrays_->now.of_size(*this, padded.chunks);
+  CrfLatticeValues next = workspace.arrays_->next.of_size(*this, padded.chunks);
   for (int step = 0; step <= parameters.iterations; ++step) {
     const bool last = step == parameters.iterations;
     float* const result = tape ? marginals.data() + static_cast<std::size_t>(step) * unary.size() : marginals.data();
     CrfUpdate update{.pass = forward_pass(valid_points(), parameters, padded, unary.size()), .unary = unary.data()};
-    if (step > 0) update.in = now.view();
-    if (!last) update.out = next.view();
+    if (step > 0) update.in = now;
+    if (!last) update.out = next;
     if (tape || last) update.marginals = result;
     kernels.update(update);
     if (tape || last)
@@ -231,10 +244,12 @@ void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary
   }
 }
 
-void DenseCrf::infer(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals) const {
+void DenseCrf::infer(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals,
+                     CrfWorkspace* workspace) const {
   check(parameters);
   assert(unary.size() == pixels_ * static_cast<std::size_t>(parameters.classes) && marginals.size() == unary.size());
-  run(parameters, unary, marginals, false);
+  CrfWorkspace own;
+  run(parameters, unary, marginals, false, workspace != nullptr ? *workspace : own);
 }
 
 CrfTape DenseCrf::record(const CrfParameters& parameters, std::span<const float> unary) const {
@@ -242,7 +257,8 @@ CrfTape DenseCrf::record(const CrfParameters& parameters, std::span<const float>
   assert(unary.size() == pixels_ * static_cast<std::size_t>(parameters.classes));
   CrfTape tape{.iterations = parameters.iterations, .values = unary.size()};
   tape.marginals.resize(unary.size() * (static_cast<std::size_t>(parameters.iterations) + 1));
-  run(parameters, unary, tape.marginals, true);
+  CrfWorkspace workspace;
+  run(parameters, unary, tape.marginals, true, workspace);
   return tape;
 }
 
@@ -269,18 +285,20 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
                    .appearance_weight_gradient = appearance.data(),
                    .smoothness_weight_gradient = smoothness.data(),
                    .compatibility_gradient = compatibility.data()};
-  LatticeValues messages(*this, padded.chunks), now(*this, padded.chunks), next(*this, padded.chunks);
+  LatticeValues arrays[3];
+  const CrfLatticeValues messages = arrays[0].of_size(*this, padded.chunks);
+  CrfLatticeValues now = arrays[1].of_size(*this, padded.chunks), next = arrays[2].of_size(*this, padded.chunks);
   for (int i = parameters.iterations; i >= 0; --i) {
     const bool last = i == parameters.iterations;
     step.marginals = tape.marginals.data() + static_cast<std::size_t>(i) * values;
     step.gradient = last ? marginals_gradient.data() : nullptr;
-    step.gradient_in = last ? CrfLatticeValues{} : now.view();
+    step.gradient_in = last ? CrfLatticeValues{} : now;
     step.messages = step.out = {};
     if (i > 0) {  // the messages this step received, once more
-      kernels.splat(step.pass, step.marginals - values, messages.view());
+      kernels.splat(step.pass, step.marginals - values, messages);
       blur(kernels, *this, messages, BlurOrder::forward);
-      step.messages = messages.view();
-      step.out = next.view();
+      step.messages = messages;
+      step.out = next;
     }
     kernels.backward(step);
     if (i > 0) blur(kernels, *this, next, BlurOrder::transposed);
