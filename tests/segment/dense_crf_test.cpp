@@ -62,8 +62,8 @@ TEST_P(DenseCrfAgainstScalar, marginals_are_equal) {
   const double difference = largest_difference(fast, slow);
   EXPECT_LT(difference, 1e-4);  // the number asked for
   RecordProperty("difference_e9", static_cast<int>(1e9 * difference));
-  std::vector<double> softmax_only = ScalarCrf(photo, widths, false).infer(potts_crf(classes, 0, 0, 0),
-                                                                           {unary.begin(), unary.end()});
+  std::vector<double> softmax_only =
+      ScalarCrf(photo, widths, false).infer(potts_crf(classes, 0, 0, 0), {unary.begin(), unary.end()});
   EXPECT_TRUE(classes == 1 || largest_difference(fast, softmax_only) > 0.3);  // the CRF does something here
 }
 
@@ -80,12 +80,12 @@ TEST(DenseCrf, agrees_with_brute_force) {
     float w1, w2;
     int classes;
   };
-  for (const Case& c : {Case{thesis, 5.2F, 1.5F, 6}, Case{original, 10.0F, 3.0F, 6}, Case{{13.5, 11.0, 3.0}, 3.0F, 3.0F, 8},
-                        Case{{160.0, 3.0, 3.0}, 5.0F, 3.0F, 4}}) {
+  for (const Case& c : {Case{thesis, 5.2F, 1.5F, 6}, Case{original, 10.0F, 3.0F, 6},
+                        Case{{13.5, 11.0, 3.0}, 3.0F, 3.0F, 8}, Case{{160.0, 3.0, 3.0}, 5.0F, 3.0F, 4}}) {
     std::size_t equal = 0, pixels = 0;
     double sum = 0.0;
-    for (const std::uint64_t seed : {21, 22, 23}) {
-      const TestPhoto photo = make_photo(32, 32, c.classes, seed);
+    for (const std::uint64_t seed : {21, 22}) {
+      const TestPhoto photo = make_photo(32, 28, c.classes, seed);
       const auto unary = make_unary(photo, c.classes, seed + 100);
       const auto parameters = potts_crf(c.classes, c.w1, c.w2);
       const auto fast = infer(DenseCrf(photo.view(), c.widths), parameters, unary);
@@ -100,8 +100,8 @@ TEST(DenseCrf, agrees_with_brute_force) {
     }
     const double agreement = static_cast<double>(equal) / static_cast<double>(pixels);
     const double mean = sum / static_cast<double>(pixels * static_cast<std::size_t>(c.classes));
-    std::printf("theta %.4g %.4g %.4g: equal %.4f, mean difference %.5f\n", c.widths.theta_alpha_px, c.widths.theta_beta,
-                c.widths.theta_gamma_px, agreement, mean);
+    std::printf("theta %.4g %.4g %.4g: equal %.4f, mean difference %.5f\n", c.widths.theta_alpha_px,
+                c.widths.theta_beta, c.widths.theta_gamma_px, agreement, mean);
     EXPECT_GE(agreement, 0.995);
     EXPECT_LE(mean, 0.01);
   }
@@ -122,8 +122,8 @@ TEST(DenseCrf, inner_part_of_a_window_equals_the_whole_image) {
       window_unary.insert(window_unary.end(), &unary[from * classes], &unary[from * classes] + classes);
     }
   window.labels.resize(static_cast<std::size_t>(side * side));
-  const CrfWidths widths{8.0, 11.0, 1.75};
-  const auto parameters = potts_crf(classes, 5.2F, 1.5F, 5);
+  const CrfWidths widths{6.0, 30.0, 1.75};
+  const auto parameters = potts_crf(classes, 2.0F, 1.0F, 2);
   const auto whole = infer(DenseCrf(photo.view(col, row), widths), parameters, unary);
   const auto largest = [&](std::int64_t window_col) {
     const auto part = infer(DenseCrf(window.view(window_col, row + top), widths), parameters, window_unary);
@@ -132,12 +132,15 @@ TEST(DenseCrf, inner_part_of_a_window_equals_the_whole_image) {
       for (int x = margin; x < side - margin; ++x)
         for (int c = 0; c < classes; ++c)
           difference = std::max(
-              difference, std::abs(static_cast<double>(whole[static_cast<std::size_t>(((top + y) * size + left + x) * classes + c)]) -
+              difference, std::abs(static_cast<double>(
+                                       whole[static_cast<std::size_t>(((top + y) * size + left + x) * classes + c)]) -
                                    static_cast<double>(part[static_cast<std::size_t>((y * side + x) * classes + c)])));
     return difference;
   };
-  EXPECT_LT(largest(col + left), 2e-3);
-  EXPECT_GT(largest(0), 1e-2);  // a lattice of the window's own would show
+  const double same = largest(col + left), own = largest(0);
+  std::printf("window against whole image: %.2e; with a lattice of its own %.2e\n", same, own);
+  EXPECT_LT(same, 1e-5);
+  EXPECT_GT(own, 1e-3);
 }
 
 TEST(DenseCrf, invalid_pixels_send_and_receive_nothing) {
@@ -149,7 +152,8 @@ TEST(DenseCrf, invalid_pixels_send_and_receive_nothing) {
   Random random(43);
   for (std::size_t i = 0; i < photo.pixels(); ++i) {
     if (photo.valid[i] != 0) continue;
-    for (int k = 0; k < 3; ++k) photo.rgb[3 * i + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(random.below(256));
+    for (int k = 0; k < 3; ++k)
+      photo.rgb[3 * i + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(random.below(256));
     for (std::size_t c = 0; c < 4; ++c) unary[4 * i + c] = static_cast<float>(random.uniform(0.0, 5.0));
   }
   const auto after = infer(DenseCrf(photo.view(), thesis), parameters, unary);
@@ -233,7 +237,8 @@ TEST(DenseCrf, gradients_equal_central_differences) {
       worst = std::max(worst, std::abs(analytic - numeric) / (0.05 + std::abs(numeric)));
     };
     const auto expect_small = [&](const char* what) {
-      std::printf("%d classes, %s: relative error %.2e, worst %.2e\n", classes, what, std::sqrt(square_error / square), worst);
+      std::printf("%d classes, %s: relative error %.2e, worst %.2e\n", classes, what, std::sqrt(square_error / square),
+                  worst);
       EXPECT_GT(square, 1e-4) << what;  // else nothing was compared
       EXPECT_LT(std::sqrt(square_error / square), 1e-4) << what;
       EXPECT_LT(worst, 1e-3) << what;
@@ -290,14 +295,25 @@ TEST(DenseCrf, same_bytes_from_any_thread) {
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
 }
 
+TEST(DenseCrf, a_workspace_used_before_changes_nothing) {
+  CrfWorkspace workspace;
+  for (const int size : {30, 12, 45}) {
+    const TestPhoto photo = make_photo(size, size, 9, 105);
+    const auto unary = make_unary(photo, 9, 106);
+    const DenseCrf crf(photo.view(), thesis);
+    const auto parameters = potts_crf(9, 5.2F, 1.5F, 4);
+    std::vector<float> marginals(unary.size());
+    crf.infer(parameters, unary, marginals, &workspace);
+    EXPECT_EQ(marginals, infer(crf, parameters, unary)) << size;
+  }
+}
+
 // The chosen kernels are tested above; the others must not rot.
 TEST(CrfKernels, every_processor_family_gives_the_same) {
   for (const int classes : {3, 8, 21, 40, 64}) {
     const TestPhoto photo = make_photo(20, 15, classes, 111);
     const auto unary = make_unary(photo, classes, 112);
     const DenseCrf crf(photo.view(), thesis);
-    std::vector<std::uint32_t> pixel(photo.pixels());
-    std::iota(pixel.begin(), pixel.end(), 0U);
     struct alignas(32) Chunk {
       float v[8];
     };
@@ -306,10 +322,10 @@ TEST(CrfKernels, every_processor_family_gives_the_same) {
     std::vector<std::vector<float>> results;
     for (const CrfKernels* table : available_crf_kernels()) {
       const CrfKernels& kernels = table[chunks - 1];
-      std::vector<Chunk> appearance(crf.appearance().vertices() * chunks), smoothness(crf.smoothness().vertices() * chunks);
+      std::vector<Chunk> appearance(crf.appearance().vertices() * chunks),
+          smoothness(crf.smoothness().vertices() * chunks);
       const CrfLatticeValues lattices{appearance.data()->v, smoothness.data()->v};
-      CrfUpdate update{.pass = {.points = {pixel.size(), pixel.data(), crf.appearance().points().data(),
-                                           crf.smoothness().points().data()},
+      CrfUpdate update{.pass = {.points = crf.valid_points(),
                                 .classes = classes,
                                 .values = unary.size(),
                                 .appearance_weight = weight.data(),
@@ -318,7 +334,8 @@ TEST(CrfKernels, every_processor_family_gives_the_same) {
                        .out = lattices};
       kernels.update(update);
       for (const BlurAxis& axis : crf.appearance().axes())
-        kernels.blur({axis.pairs.data(), axis.pairs.size(), axis.chains.data(), axis.chains.size()}, lattices.appearance);
+        kernels.blur({axis.pairs.data(), axis.pairs.size(), axis.chains.data(), axis.chains.size()},
+                     lattices.appearance);
       std::vector<float> marginals(unary.size());
       update.in = lattices, update.out = {}, update.marginals = marginals.data();
       kernels.update(update);

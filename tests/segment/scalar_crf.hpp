@@ -1,6 +1,7 @@
 #pragma once
-// The dense CRF told slowly: a permutohedral lattice in a std::map, the O(n^2) Gaussian itself, and mean field over either,
-// all in double. Truth for the tests of the fast one. Written from the papers' formulas and Kraehenbuehl's code.
+// The dense CRF told slowly: a permutohedral lattice in a std::map, the O(n^2) Gaussian itself, and mean field over
+// either, all in double. Truth for the tests of the fast one. Written from the papers' formulas and Kraehenbuehl's
+// code.
 
 #include <algorithm>
 #include <array>
@@ -101,14 +102,17 @@ using Filter = std::function<std::vector<double>(const std::vector<double>&)>;
 
 template <int D>
 Filter gaussian_filter(const Features<D>& points) {
-  return [points](const std::vector<double>& values) {
+  std::vector<double> kernel;
+  for (const auto& a : points)
+    for (const auto& b : points) {
+      double square = 0.0;
+      for (int f = 0; f < D; ++f) square += (a[f] - b[f]) * (a[f] - b[f]);
+      kernel.push_back(std::exp(-0.5 * square));
+    }
+  return [kernel](const std::vector<double>& values) {
     std::vector<double> result(values.size());
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (std::size_t j = 0; j < points.size(); ++j) {
-        double square = 0.0;
-        for (int f = 0; f < D; ++f) square += (points[i][f] - points[j][f]) * (points[i][f] - points[j][f]);
-        result[i] += std::exp(-0.5 * square) * values[j];
-      }
+    for (std::size_t i = 0; i < values.size(); ++i)
+      result[i] = std::inner_product(values.begin(), values.end(), &kernel[i * values.size()], 0.0);
     return result;
   };
 }
@@ -141,8 +145,8 @@ inline TestPhoto make_photo(int width, int height, int classes, std::uint64_t se
   TestPhoto photo{.width = width, .height = height};
   std::vector<std::array<double, 5>> cells;  // x, y, colour
   for (int c = 0; c < 2 * classes; ++c)
-    cells.push_back({random.uniform(0, width), random.uniform(0, height), random.uniform(30, 220), random.uniform(30, 220),
-                     random.uniform(30, 220)});
+    cells.push_back({random.uniform(0, width), random.uniform(0, height), random.uniform(30, 220),
+                     random.uniform(30, 220), random.uniform(30, 220)});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const auto distance = [&](const auto& c) { return std::hypot(c[0] - x, c[1] - y); };

@@ -11,6 +11,13 @@
 namespace orthodrive {
 
 constexpr int max_crf_classes = 64;
+constexpr std::size_t crf_batch = 16;  ///< so many pixels go through each phase of a pass together
+
+/// How many vertices have been met when a batch of pixels is done: they are numbered as they are met, so the new ones
+/// are set to zero just before the batch adds to them, when they are about to be in the cache anyway.
+struct CrfReached {
+  std::uint32_t appearance = 0, smoothness = 0;
+};
 
 /// The pixels that take part, in an order that keeps neighbours together, and where they lie in both lattices.
 /// Barycentric weights include the symmetric normalisation.
@@ -19,9 +26,10 @@ struct CrfPoints {
   const std::uint32_t* pixel = nullptr;
   const LatticePoint<5>* appearance = nullptr;
   const LatticePoint<2>* smoothness = nullptr;
+  const CrfReached* reached = nullptr;  ///< one a batch
 };
 
-/// One array a lattice: vertices x 8 chunks, 32-byte aligned. Null: none.
+/// One array a lattice: vertices x 8 chunks, 32-byte aligned. Null: none. What is splatted to need not be initialised.
 struct CrfLatticeValues {
   float* appearance = nullptr;
   float* smoothness = nullptr;

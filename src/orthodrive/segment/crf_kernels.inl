@@ -1,6 +1,6 @@
 // Included by crf_kernels_*.cpp with ORTHODRIVE_CRF_KERNELS naming the function to define. Everything but that function
-// has internal linkage and nothing of the standard library is instantiated here: code for newer processors must not leak
-// into the rest of the program.
+// has internal linkage and nothing of the standard library is instantiated here: code for newer processors must not
+// leak into the rest of the program.
 
 #include <cstddef>
 #include <cstdint>
@@ -110,18 +110,6 @@ ORTHODRIVE_INLINE void splat(const Values<V>& values, const LatticePoint<D>& poi
   }
 }
 
-/// scores -> probabilities
-template <int V>
-ORTHODRIVE_INLINE void softmax(Values<V>& s) {
-  Vec8 top = s.v[0];
-  ORTHODRIVE_UNROLL for (int k = 1; k < V; ++k) top = larger(top, s.v[k]);
-  top = largest(top);
-  Vec8 total{};
-  ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) total += s.v[k] = exp_of_negative(s.v[k] - top);
-  const Vec8 scale = vec8(1.0F) / sum(total);
-  ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) s.v[k] *= scale;
-}
-
 /// target -= matrix * values; matrix is `classes` columns of 8 V.
 template <int V>
 ORTHODRIVE_INLINE void subtract_product(Values<V>& target, const float* matrix, const Values<V>& values, int classes) {
@@ -135,31 +123,101 @@ ORTHODRIVE_INLINE void subtract_product(Values<V>& target, const float* matrix, 
 
 constexpr float no_class = 1e30F;  // -log p of the classes that only fill up the last vector
 
+/// Sets to zero the vertices that batch b is the first to meet.
 template <int V>
-void update(const CrfUpdate& u) {
+ORTHODRIVE_INLINE void clear_new_vertices(const CrfPoints& points, std::size_t b, const CrfLatticeValues& out) {
+  const CrfReached from = b > 0 ? points.reached[b - 1] : CrfReached{}, to = points.reached[b];
+  auto* const appearance = reinterpret_cast<Vec8*>(out.appearance);
+  auto* const smoothness = reinterpret_cast<Vec8*>(out.smoothness);
+  for (std::size_t i = std::size_t{from.appearance} * V; i < std::size_t{to.appearance} * V; ++i)
+    appearance[i] = Vec8{};
+  for (std::size_t i = std::size_t{from.smoothness} * V; i < std::size_t{to.smoothness} * V; ++i)
+    smoothness[i] = Vec8{};
+}
+
+/// Asks for the cache lines of a point's vertices.
+template <int V, int D>
+ORTHODRIVE_INLINE void prefetch(const LatticePoint<D>& point, const float* lattice) {
+  ORTHODRIVE_UNROLL for (int i = 0; i <= D; ++i) {
+    const float* const vertex = lattice + std::size_t{point.vertex[i]} * (8 * V);
+    ORTHODRIVE_UNROLL for (int k = 0; k < 8 * V; k += 16) __builtin_prefetch(vertex + k, 1);
+  }
+}
+
+// The pixels of a batch go through each phase together, so that the processor always has independent work at hand: a
+// single pixel is one long chain of sums, maximum, exp, sum, division.
+constexpr std::size_t batch = crf_batch;
+
+template <int V>
+ORTHODRIVE_INLINE void collect_scores(const CrfUpdate& u, std::size_t first, std::size_t count, Values<V>* scores) {
   const CrfPass& pass = u.pass;
   const CrfPoints& points = pass.points;
-  for (std::size_t i = 0; i < points.count; ++i) {
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::size_t i = first + j;
     const std::size_t at = std::size_t{points.pixel[i]} * static_cast<std::size_t>(pass.classes);
-    Values<V> scores = load_classes<V>(u.unary + at, pass.classes, pass.values - at, no_class);
-    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) scores.v[k] = -scores.v[k];
+    if (u.out.appearance != nullptr) {
+      prefetch<V>(points.appearance[i], u.out.appearance);
+      prefetch<V>(points.smoothness[i], u.out.smoothness);
+    }
+    Values<V> score = load_classes<V>(u.unary + at, pass.classes, pass.values - at, no_class);
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) score.v[k] = -score.v[k];
     if (u.in.appearance != nullptr) {
       Values<V> message = slice<V>(points.appearance[i], u.in.appearance);
       const Values<V> smooth = slice<V>(points.smoothness[i], u.in.smoothness);
       ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) message.v[k] =
           load(pass.appearance_weight + 8 * k) * message.v[k] + load(pass.smoothness_weight + 8 * k) * smooth.v[k];
       if (pass.compatibility != nullptr) {
-        subtract_product(scores, pass.compatibility, message, pass.classes);
+        subtract_product(score, pass.compatibility, message, pass.classes);
       } else {
-        ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) scores.v[k] += message.v[k];
+        ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) score.v[k] += message.v[k];
       }
     }
-    softmax(scores);
-    if (u.out.appearance != nullptr) {
-      splat(scores, points.appearance[i], u.out.appearance);
-      splat(scores, points.smoothness[i], u.out.smoothness);
+    scores[j] = score;
+  }
+}
+
+/// Scores to probabilities.
+template <int V>
+ORTHODRIVE_INLINE void softmax(std::size_t count, Values<V>* scores) {
+  for (std::size_t j = 0; j < count; ++j) {
+    Vec8 top = scores[j].v[0];
+    ORTHODRIVE_UNROLL for (int k = 1; k < V; ++k) top = larger(top, scores[j].v[k]);
+    top = largest(top);
+    Vec8 total{};
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) total += scores[j].v[k] = exp_of_negative(scores[j].v[k] - top);
+    const Vec8 scale = vec8(1.0F) / sum(total);
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) scores[j].v[k] *= scale;
+  }
+}
+
+template <int V>
+void update(const CrfUpdate& u) {
+  const CrfPoints& points = u.pass.points;
+  Values<V> values[batch];
+  for (std::size_t first = 0; first < points.count; first += batch) {
+    const std::size_t count = points.count - first < batch ? points.count - first : batch;
+    for (std::size_t j = first + batch; j < first + 2 * batch && j < points.count; ++j) {
+      const float* const ahead = u.unary + std::size_t{points.pixel[j]} * static_cast<std::size_t>(u.pass.classes);
+      ORTHODRIVE_UNROLL for (int k = 0; k < 8 * V; k += 16) __builtin_prefetch(ahead + k);
+      if (u.in.appearance != nullptr) {
+        prefetch<V>(points.appearance[j], u.in.appearance);
+        prefetch<V>(points.smoothness[j], u.in.smoothness);
+      }
     }
-    if (u.marginals != nullptr) store_classes(scores, u.marginals + at, pass.classes);
+    collect_scores<V>(u, first, count, values);
+    softmax<V>(count, values);
+    if (u.out.appearance != nullptr) {
+      clear_new_vertices<V>(points, first / batch, u.out);
+      for (std::size_t j = 0; j < count; ++j) {
+        splat(values[j], points.appearance[first + j], u.out.appearance);
+        splat(values[j], points.smoothness[first + j], u.out.smoothness);
+      }
+    }
+    if (u.marginals != nullptr)
+      for (std::size_t j = 0; j < count; ++j)
+        store_classes(values[j],
+                      u.marginals + std::size_t{points.pixel[first + j]} * static_cast<std::size_t>(u.pass.classes),
+                      u.pass.classes);
   }
 }
 
@@ -167,6 +225,7 @@ template <int V>
 void splat_marginals(const CrfPass& pass, const float* marginals, const CrfLatticeValues& out) {
   const CrfPoints& points = pass.points;
   for (std::size_t i = 0; i < points.count; ++i) {
+    if (i % batch == 0) clear_new_vertices<V>(points, i / batch, out);
     const std::size_t at = std::size_t{points.pixel[i]} * static_cast<std::size_t>(pass.classes);
     const Values<V> q = load_classes<V>(marginals + at, pass.classes, pass.values - at, 0.0F);
     splat(q, points.appearance[i], out.appearance);
@@ -233,6 +292,7 @@ void backward(const CrfBackward& b) {
       const Vec8 m = vec8(message[c]);
       ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) store(column + 8 * k, load(column + 8 * k) - m * g.v[k]);
     }
+    if (i % batch == 0) clear_new_vertices<V>(points, i / batch, b.out);
     splat(appearance, points.appearance[i], b.out.appearance);
     splat(smoothness, points.smoothness[i], b.out.smoothness);
     if (i % 64 == 63) flush(sums, b);

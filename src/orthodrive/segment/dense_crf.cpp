@@ -5,6 +5,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <new>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include "orthodrive/core/error.hpp"
 
@@ -33,26 +40,43 @@ void check(const CrfParameters& p) {
                                   p.classes));
 }
 
-/// One vector of eight floats of all classes of a vertex.
-struct alignas(32) Chunk {
-  float v[8] = {};
+/// Uninitialised floats that grow when more are asked for. Lattices of whole windows are read all over the place: with
+/// pages of 2 MB there are far fewer translations to look up, and the system hands them out faster.
+class HugeArray {
+ public:
+  [[nodiscard]] float* of_size(std::size_t floats) {
+    if (floats > size_ || data_ == nullptr) allocate(floats);
+    return data_.get();
+  }
+
+ private:
+  void allocate(std::size_t floats) {
+    constexpr std::size_t page = std::size_t{1} << 21;
+    const std::size_t bytes = floats * sizeof(float), alignment = bytes >= page ? page : 64;
+    const std::size_t rounded = (std::max<std::size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
+    data_.reset();
+    data_.reset(static_cast<float*>(std::aligned_alloc(alignment, rounded)));
+    if (data_ == nullptr) throw std::bad_alloc();
+    size_ = rounded / sizeof(float);
+#if defined(__linux__)
+    if (alignment == page) madvise(data_.get(), rounded, MADV_HUGEPAGE);  // a hint: failure costs only time
+#endif
+  }
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::unique_ptr<float, Free> data_;
+  std::size_t size_ = 0;
 };
 
 /// Values at the vertices of both lattices.
-class LatticeValues {
- public:
-  LatticeValues(const DenseCrf& crf, int chunks)
-      : appearance_(crf.appearance().vertices() * static_cast<std::size_t>(chunks)),
-        smoothness_(crf.smoothness().vertices() * static_cast<std::size_t>(chunks)) {}
-  void clear() {
-    std::fill(appearance_.begin(), appearance_.end(), Chunk{});
-    std::fill(smoothness_.begin(), smoothness_.end(), Chunk{});
+struct LatticeValues {
+  HugeArray appearance, smoothness;
+  [[nodiscard]] CrfLatticeValues of_size(const DenseCrf& crf, int chunks) {
+    const std::size_t floats = static_cast<std::size_t>(chunks) * 8;
+    return {appearance.of_size(crf.appearance().vertices() * floats),
+            smoothness.of_size(crf.smoothness().vertices() * floats)};
   }
-  // data() of an empty vector is null, which to the kernels means "no lattice"; with no points nothing is read anyway.
-  [[nodiscard]] CrfLatticeValues view() { return {&appearance_.data()->v[0], &smoothness_.data()->v[0]}; }
-
- private:
-  std::vector<Chunk> appearance_, smoothness_;
 };
 
 /// Parameters filled up to whole vectors, in the order the kernels read them.
@@ -83,14 +107,10 @@ struct PaddedParameters {
   }
 };
 
-CrfPoints points_of(const DenseCrf& crf, const std::vector<std::uint32_t>& pixels) {
-  return {pixels.size(), pixels.data(), crf.appearance().points().data(), crf.smoothness().points().data()};
-}
-
 /// Which parameters the forward pass reads: the short form where there is one.
-CrfPass forward_pass(const DenseCrf& crf, const std::vector<std::uint32_t>& pixels, const CrfParameters& parameters,
-                     const PaddedParameters& padded, std::size_t values) {
-  CrfPass pass{.points = points_of(crf, pixels), .classes = parameters.classes, .values = values};
+CrfPass forward_pass(const CrfPoints& points, const CrfParameters& parameters, const PaddedParameters& padded,
+                     std::size_t values) {
+  CrfPass pass{.points = points, .classes = parameters.classes, .values = values};
   const bool own = padded.own_class_only;
   pass.appearance_weight = (own ? padded.own_appearance_weight : padded.appearance_weight).data();
   pass.smoothness_weight = (own ? padded.own_smoothness_weight : padded.smoothness_weight).data();
@@ -106,9 +126,9 @@ void blur(const CrfKernels& kernels, const PermutohedralLattice<D>& lattice, flo
   }
 }
 
-void blur(const CrfKernels& kernels, const DenseCrf& crf, LatticeValues& values, BlurOrder order) {
-  blur(kernels, crf.appearance(), values.view().appearance, order);
-  blur(kernels, crf.smoothness(), values.view().smoothness, order);
+void blur(const CrfKernels& kernels, const DenseCrf& crf, const CrfLatticeValues& values, BlurOrder order) {
+  blur(kernels, crf.appearance(), values.appearance, order);
+  blur(kernels, crf.smoothness(), values.smoothness, order);
 }
 
 /// F with F K F 1 near 1: Kraehenbuehl's symmetric normalisation.
@@ -121,6 +141,14 @@ void normalise(PermutohedralLattice<D>& lattice) {
 }
 
 }  // namespace
+
+struct CrfWorkspace::Arrays {
+  LatticeValues now, next;
+};
+CrfWorkspace::CrfWorkspace() : arrays_(std::make_unique<Arrays>()) {}
+CrfWorkspace::~CrfWorkspace() = default;
+CrfWorkspace::CrfWorkspace(CrfWorkspace&&) noexcept = default;
+CrfWorkspace& CrfWorkspace::operator=(CrfWorkspace&&) noexcept = default;
 
 CrfParameters potts_crf(int classes, float appearance_weight, float smoothness_weight, int iterations) {
   const auto n = static_cast<std::size_t>(std::max(classes, 0));
@@ -176,27 +204,39 @@ DenseCrf::DenseCrf(const CrfImage& image, const CrfWidths& widths)
                                         });
   normalise(appearance_);
   normalise(smoothness_);
+  CrfReached reached;
+  for (std::size_t i = 0; i < valid_.size(); ++i) {
+    for (const std::uint32_t v : appearance_.points()[i].vertex)
+      reached.appearance = std::max(reached.appearance, v + 1);
+    for (const std::uint32_t v : smoothness_.points()[i].vertex)
+      reached.smoothness = std::max(reached.smoothness, v + 1);
+    if (i % crf_batch == crf_batch - 1 || i + 1 == valid_.size()) reached_.push_back(reached);
+  }
 }
 
+CrfPoints DenseCrf::valid_points() const {
+  return {valid_.size(), valid_.data(), appearance_.points().data(), smoothness_.points().data(), reached_.data()};
+}
+
+CrfPoints DenseCrf::invalid_points() const { return {.count = invalid_.size(), .pixel = invalid_.data()}; }
+
 /// `marginals` holds the last step only, or with `tape` every step.
-void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals,
-                   bool tape) const {
+void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals, bool tape,
+                   CrfWorkspace& workspace) const {
   const PaddedParameters padded(parameters);
   const CrfKernels& kernels = crf_kernels(padded.chunks);
-  LatticeValues now(*this, padded.chunks), next(*this, padded.chunks);
+  CrfLatticeValues now = workspace.arrays_->now.of_size(*this, padded.chunks);
+  CrfLatticeValues next = workspace.arrays_->next.of_size(*this, padded.chunks);
   for (int step = 0; step <= parameters.iterations; ++step) {
     const bool last = step == parameters.iterations;
     float* const result = tape ? marginals.data() + static_cast<std::size_t>(step) * unary.size() : marginals.data();
-    CrfUpdate update{.pass = forward_pass(*this, valid_, parameters, padded, unary.size()), .unary = unary.data()};
-    if (step > 0) update.in = now.view();
-    if (!last) {
-      next.clear();
-      update.out = next.view();
-    }
+    CrfUpdate update{.pass = forward_pass(valid_points(), parameters, padded, unary.size()), .unary = unary.data()};
+    if (step > 0) update.in = now;
+    if (!last) update.out = next;
     if (tape || last) update.marginals = result;
     kernels.update(update);
     if (tape || last)
-      kernels.update({.pass = forward_pass(*this, invalid_, parameters, padded, unary.size()),
+      kernels.update({.pass = forward_pass(invalid_points(), parameters, padded, unary.size()),
                       .unary = unary.data(),
                       .marginals = result});
     if (!last) blur(kernels, *this, next, BlurOrder::forward);
@@ -204,10 +244,12 @@ void DenseCrf::run(const CrfParameters& parameters, std::span<const float> unary
   }
 }
 
-void DenseCrf::infer(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals) const {
+void DenseCrf::infer(const CrfParameters& parameters, std::span<const float> unary, std::span<float> marginals,
+                     CrfWorkspace* workspace) const {
   check(parameters);
   assert(unary.size() == pixels_ * static_cast<std::size_t>(parameters.classes) && marginals.size() == unary.size());
-  run(parameters, unary, marginals, false);
+  CrfWorkspace own;
+  run(parameters, unary, marginals, false, workspace != nullptr ? *workspace : own);
 }
 
 CrfTape DenseCrf::record(const CrfParameters& parameters, std::span<const float> unary) const {
@@ -215,7 +257,8 @@ CrfTape DenseCrf::record(const CrfParameters& parameters, std::span<const float>
   assert(unary.size() == pixels_ * static_cast<std::size_t>(parameters.classes));
   CrfTape tape{.iterations = parameters.iterations, .values = unary.size()};
   tape.marginals.resize(unary.size() * (static_cast<std::size_t>(parameters.iterations) + 1));
-  run(parameters, unary, tape.marginals, true);
+  CrfWorkspace workspace;
+  run(parameters, unary, tape.marginals, true, workspace);
   return tape;
 }
 
@@ -232,7 +275,7 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
   CrfGradients result;
   result.unary.resize(values);
 
-  CrfBackward step{.pass = {.points = points_of(*this, valid_),
+  CrfBackward step{.pass = {.points = valid_points(),
                             .classes = parameters.classes,
                             .values = values,
                             .appearance_weight = padded.appearance_weight.data(),
@@ -242,27 +285,27 @@ CrfGradients DenseCrf::backward(const CrfParameters& parameters, const CrfTape& 
                    .appearance_weight_gradient = appearance.data(),
                    .smoothness_weight_gradient = smoothness.data(),
                    .compatibility_gradient = compatibility.data()};
-  LatticeValues messages(*this, padded.chunks), now(*this, padded.chunks), next(*this, padded.chunks);
+  LatticeValues arrays[3];
+  const CrfLatticeValues messages = arrays[0].of_size(*this, padded.chunks);
+  CrfLatticeValues now = arrays[1].of_size(*this, padded.chunks), next = arrays[2].of_size(*this, padded.chunks);
   for (int i = parameters.iterations; i >= 0; --i) {
     const bool last = i == parameters.iterations;
     step.marginals = tape.marginals.data() + static_cast<std::size_t>(i) * values;
     step.gradient = last ? marginals_gradient.data() : nullptr;
-    step.gradient_in = last ? CrfLatticeValues{} : now.view();
+    step.gradient_in = last ? CrfLatticeValues{} : now;
     step.messages = step.out = {};
     if (i > 0) {  // the messages this step received, once more
-      messages.clear();
-      kernels.splat(step.pass, step.marginals - values, messages.view());
+      kernels.splat(step.pass, step.marginals - values, messages);
       blur(kernels, *this, messages, BlurOrder::forward);
-      next.clear();
-      step.messages = messages.view();
-      step.out = next.view();
+      step.messages = messages;
+      step.out = next;
     }
     kernels.backward(step);
     if (i > 0) blur(kernels, *this, next, BlurOrder::transposed);
     std::swap(now, next);
   }
   // Pixels that take no part: softmax(-unary) only.
-  step.pass.points = points_of(*this, invalid_);
+  step.pass.points = invalid_points();
   step.marginals = tape.result().data();
   step.gradient = marginals_gradient.data();
   step.messages = {};

@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffU;
 
-/// Lattice points as integers. All D + 1 coordinates of a lattice point are congruent to its remainder k modulo D + 1 and
-/// their sum is 0, so D quotients and k tell them apart. k sits in the lowest bits, each quotient in a field of its own,
-/// counted from the lowest one that can occur: a step along an axis is the addition of a constant.
+/// Lattice points as integers. All D + 1 coordinates of a lattice point are congruent to its remainder k modulo D + 1
+/// and their sum is 0, so D quotients and k tell them apart. k sits in the lowest bits, each quotient in a field of its
+/// own, counted from the lowest one that can occur: a step along an axis is the addition of a constant.
 template <int D>
 struct KeyLayout {
   std::array<std::int64_t, D> lowest;
@@ -61,9 +61,10 @@ KeyLayout<D> make_layout(const typename PermutohedralLattice<D>::Range& range) {
     bits += std::bit_width(static_cast<std::uint64_t>(highest - lowest));
   }
   if (bits > 63)
-    throw OptionError(fmt::format(
-        "permutohedral lattice: {} bits are needed to number the cells, 63 are there; use wider kernels or smaller windows",
-        bits));
+    throw OptionError(
+        fmt::format("permutohedral lattice: {} bits are needed to number the cells, 63 are there; use wider kernels or "
+                    "smaller windows",
+                    bits));
   return layout;
 }
 
@@ -118,7 +119,8 @@ struct Embedding {
   alignas(64) double rank[D + 1][lanes];      ///< of the coordinate's rest among all, 0 is the largest
 };
 
-/// Adams et al. 2010, sec. 3.1. In double throughout, so that a pixel of a large mosaic gets the same simplex in any window.
+/// Adams et al. 2010, sec. 3.1. In double throughout, so that a pixel of a large mosaic gets the same simplex in any
+/// window.
 template <int D>
 void embed(Embedding<D>& e) {
   constexpr std::size_t lanes = Embedding<D>::lanes;
@@ -208,7 +210,7 @@ template <int D>
 PermutohedralLattice<D>::PermutohedralLattice(std::size_t points, const Range& range, const FeatureSource& source)
     : points_(points) {
   const KeyLayout<D> layout = make_layout<D>(range);
-  VertexTable table(points / 4);
+  VertexTable table(points / 2);  // a natural photo at the usual widths has up to 0.4 a pixel
   Embedding<D> e{};
   std::uint64_t keys[block][D + 1];
   for (std::size_t first = 0; first < points; first += block) {

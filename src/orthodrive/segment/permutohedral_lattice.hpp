@@ -1,9 +1,9 @@
 #pragma once
 // Gaussian filtering of scattered values in D dimensions, in time linear in the number of points.
-// Adams, Baek, Davis, Fast High-Dimensional Filtering Using the Permutohedral Lattice, 2010. A point lies in a simplex of
-// the lattice; its value goes to the D + 1 corners (splat), is spread along the D + 1 axes by [1/2 1 1/2] (blur), and is
-// collected from the same corners (slice). Vertices that no point touches do not exist and count as zero, as in the code
-// of Kraehenbuehl and Koltun 2012.
+// Adams, Baek, Davis, Fast High-Dimensional Filtering Using the Permutohedral Lattice, 2010. A point lies in a simplex
+// of the lattice; its value goes to the D + 1 corners (splat), is spread along the D + 1 axes by [1/2 1 1/2] (blur),
+// and is collected from the same corners (slice). Vertices that no point touches do not exist and count as zero, as in
+// the code of Kraehenbuehl and Koltun 2012.
 
 #include <array>
 #include <cstddef>
@@ -21,8 +21,8 @@ struct LatticePoint {
   float weight[D + 1];
 };
 
-/// The vertices that lie in a row along one axis. Vertices without any neighbour on the axis are left out: the blur does
-/// not change them.
+/// The vertices that lie in a row along one axis. Vertices without any neighbour on the axis are left out: the blur
+/// does not change them.
 struct BlurAxis {
   std::vector<std::uint32_t> pairs;   ///< rows of two vertices, one after the other
   std::vector<std::uint32_t> chains;  ///< longer rows, each as its length and then its vertices
@@ -54,8 +54,8 @@ class PermutohedralLattice {
   void scale(std::span<const float> factors);
 
   /// splat, blur, slice of one value a point. The kernel is about exp(-|a - b|^2 / 2) times a constant.
-  /// `transposed` blurs along the axes in reverse order: the exact transpose of `forward`. Both would be the same matrix
-  /// if no vertices were missing.
+  /// `transposed` blurs along the axes in reverse order: the exact transpose of `forward`. Both would be the same
+  /// matrix if no vertices were missing.
   [[nodiscard]] std::vector<float> filter(std::span<const float> values, BlurOrder order = BlurOrder::forward) const;
 
  private:
