@@ -267,11 +267,29 @@ at::Tensor image_tensor(const std::uint8_t* rgb, int count, int width, int heigh
 InferenceNetwork::InferenceNetwork(FcnSpec spec, const FcnParams& params)
     : spec_(std::move(spec)), folded_(fold_batch_norm(spec_, params)) {}
 
-void InferenceNetwork::predict(const std::uint8_t* rgb, int width, int height, float* probabilities) const {
+void InferenceNetwork::predict(const std::uint8_t* rgb, const PixelBox& core, float* probabilities) const {
   const c10::InferenceMode inference;
+  const PixelBox given = core.grown(margin_px());
+  // The window starts at an absolute multiple of the stride, whatever the core: same sums for a pixel in any window.
+  constexpr std::int64_t stride = fcn_stride_px;
+  const auto up = [](std::int64_t px) { return (px + (px < 0 ? 0 : stride - 1)) / stride * stride; };
+  const std::int64_t west = up(given.col), north = up(given.row);
+  const std::int64_t width = up(core.end_col() + fcn_margin_px) - west,
+                     height = up(core.end_row() + fcn_margin_px) - north;
+  const at::Tensor bytes = at::from_blob(const_cast<std::uint8_t*>(rgb), {given.height, given.width, 3}, at::kByte)
+                               .slice(0, north - given.row, north - given.row + height)
+                               .slice(1, west - given.col, west - given.col + width)
+                               .contiguous();
   FcnParams params = folded_;  // handles only
-  const at::Tensor scores = forward(spec_, params, image_tensor(rgb, 1, width, height), {});
-  const at::Tensor result = at::softmax(twice_as_large(scores).permute({0, 2, 3, 1}), -1).contiguous();
+  const at::Tensor scores = forward(
+      spec_, params,
+      image_tensor(bytes.data_ptr<std::uint8_t>(), 1, static_cast<int>(width), static_cast<int>(height)), {});
+  const at::Tensor result = at::softmax(twice_as_large(scores)
+                                            .slice(2, core.row - north, core.end_row() - north)
+                                            .slice(3, core.col - west, core.end_col() - west)
+                                            .permute({0, 2, 3, 1}),
+                                        -1)
+                                .contiguous();
   std::memcpy(probabilities, result.data_ptr<float>(), static_cast<std::size_t>(result.numel()) * sizeof(float));
 }
 

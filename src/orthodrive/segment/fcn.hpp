@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "orthodrive/segment/pixel_box.hpp"
 #include "orthodrive/segment/safetensors.hpp"
 
 namespace orthodrive {
@@ -82,9 +83,13 @@ struct ReadParamsOptions {
 class InferenceNetwork {
  public:
   InferenceNetwork(FcnSpec spec, const FcnParams& params);
-  /// RGB bytes (H x W x 3, multiples of 16) -> class probabilities at full size, written as H x W x C.
-  void predict(const std::uint8_t* rgb, int width, int height, float* probabilities) const;
   [[nodiscard]] int class_count() const { return spec_.head.out; }
+  /// Photo needed on every side of what is predicted: what a pixel sees, and what aligning the window to the stride
+  /// takes away.
+  [[nodiscard]] int margin_px() const { return fcn_margin_px + fcn_stride_px - 1; }
+  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes); writes class probabilities
+  /// core.height x core.width x C. Any position and size of core: the network aligns itself.
+  void predict(const std::uint8_t* rgb, const PixelBox& core, float* probabilities) const;
 
  private:
   FcnSpec spec_;
