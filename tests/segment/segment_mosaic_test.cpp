@@ -50,10 +50,10 @@ double share_of_different(const Raster<std::uint8_t>& a, const Raster<std::uint8
 }
 
 TEST(SegmentMosaic, outcome_does_not_depend_on_window_size) {
-  const Photo photo = painted_photo(640, 60, 0.5);  // long, so that 1024 needs two windows and 512 many
+  const Photo photo = painted_photo(600, 40, 0.5);  // long, so that 1024 needs two windows and 512 many
   constexpr int whole_px = 1 << 20;
   const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = whole_px});
-  for (const int window_px : {1024, 512, 501}) {
+  for (const int window_px : {1024, 512}) {  // cores of 578 and 66 px: no multiples of the stride
     const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = window_px});
     // The sums of a convolution may be ordered otherwise for another window: a tie may go the other way, no more.
     EXPECT_LE(share_of_different(one.labels.labels, many.labels.labels), 1e-5) << window_px;
