@@ -1,16 +1,20 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/segment/make_network.hpp"
+#include "orthodrive/segment/net_surgery.hpp"
 #include "training_data.hpp"
 
 namespace orthodrive::app {
@@ -20,7 +24,7 @@ namespace fs = std::filesystem;
 struct TrainCommand {
   fs::path experiment, out;
   std::string measure;  ///< a model to measure instead of training one
-  bool resume = false, preview = false;
+  bool resume = false, preview = false, crf = false, cuda = false;
 };
 
 void write_previews(const TrainingData& data, const ClassTable& classes, const fs::path& folder) {
@@ -36,16 +40,16 @@ void write_previews(const TrainingData& data, const ClassTable& classes, const f
 class LogFile {
  public:
   LogFile(const fs::path& path, bool append) : stream_(path, append ? std::ios::app : std::ios::trunc) {
-    if (!append) stream_ << "step,learning_rate,loss,seconds,validation,road_iou,mean_iou,pixel_accuracy\n";
+    if (!append) stream_ << "step,learning_rate,loss,seconds,validation,road_iou,mean_iou,pixel_accuracy,stage\n";
   }
   void write(const TrainReport& report) {
     const auto number = [](const std::optional<double>& value) {
       return value ? fmt::format("{:.4f}", *value) : std::string();
     };
-    stream_ << fmt::format("{},{:.6f},{},{:.1f},{},{},{},{}\n", report.step, report.learning_rate,
+    stream_ << fmt::format("{},{:.4g},{},{:.1f},{},{},{},{},{}\n", report.step, report.learning_rate,
                            report.validation.empty() ? fmt::format("{:.4f}", report.loss) : "", report.seconds,
                            report.validation, number(report.road_iou), number(report.mean_iou),
-                           number(report.pixel_accuracy))
+                           number(report.pixel_accuracy), report.stage)
             << std::flush;
   }
 
@@ -53,10 +57,27 @@ class LogFile {
   std::ofstream stream_;
 };
 
+/// What an experiment trains: its network with its class table.
+struct Network {
+  NetworkSpec spec;
+  ClassTable classes;
+};
+
+Network read_network(const fs::path& file) {
+  Network network{parse_network_spec(io::read_file(file), file), default_class_table()};
+  const fs::path& table = network.spec.class_table_file;
+  if (!table.empty()) network.classes = parse_class_table(io::read_file(table), table);
+  return network;
+}
+
 /// Scores of a model on the held-out data, as one JSON object on standard output.
-void measure(const std::string& name, const std::vector<ValidationScene>& scenes, int threads) {
+void measure(const std::string& name, const std::vector<ValidationScene>& scenes, const ClassTable& classes,
+             int threads) {
   const fs::path file = io::find_model(name);
   const SegmentModel model = load_model(io::read_file(file), file.string());
+  if (model.classes.classes.size() != classes.classes.size())
+    throw InputError(file.string(),
+                     fmt::format("has the class table '{}', the experiment '{}'", model.classes.name, classes.name));
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
   nlohmann::ordered_json json;
   for (const auto& [scene, score] : measure_model(model, scenes, threads)) {
@@ -71,39 +92,178 @@ void measure(const std::string& name, const std::vector<ValidationScene>& scenes
   fmt::print("{}\n", json.dump(2));
 }
 
+WeightsSource read_weights(const fs::path& file) {
+  return {file.filename().string(), parse_safetensors(io::read_file(file), file.string())};
+}
+
+/// The trainings of an experiment, in order: a network and its options each.
+struct Stage {
+  std::string architecture;
+  TrainOptions options;
+};
+
+std::vector<Stage> stages_of(const Experiment& experiment, const NetworkSpec& network) {
+  if (experiment.stages.empty()) return {{network.architecture(), experiment.train}};
+  std::vector<Stage> stages;
+  for (const StageOptions& stage : experiment.stages) {
+    NetworkSpec spec = network;
+    spec.stride = stage.stride;
+    TrainOptions options = experiment.train;
+    options.decay_from_step = options.decay_from_step * stage.steps / options.steps;  // the same share of the stage
+    options.steps = stage.steps;
+    stages.push_back({spec.architecture(), options});
+  }
+  return stages;
+}
+
+TrainHooks hooks_for(const fs::path& out, LogFile& log) {
+  return {.report = [&log](const TrainReport& report) { log.write(report); },
+          .checkpoint =
+              [out](const Trainer& state) {
+                write_text_file(out / "checkpoint.safetensors", format_safetensors(state.checkpoint()));
+                write_text_file(out / "model.safetensors", format_safetensors(state.model_file()));
+              },
+          .best =
+              [out](const Trainer& state) {
+                write_text_file(out / "best.safetensors", format_safetensors(state.model_file()));
+              }};
+}
+
+void train(const TrainCommand& command, const Experiment& experiment, const Network& network, const TrainingData& data,
+           const Context& context) {
+  const fs::path checkpoint_file = command.out / "checkpoint.safetensors",
+                 model_file = command.out / "model.safetensors", best_file = command.out / "best.safetensors";
+  const std::vector<Stage> stages = stages_of(experiment, network.spec);
+  std::size_t index = 0;
+  std::optional<TensorFile> checkpoint;
+  if (fs::exists(checkpoint_file)) {
+    checkpoint = parse_safetensors(io::read_file(checkpoint_file), checkpoint_file.string());
+    const std::string architecture = parse_model_metadata(checkpoint->metadata, checkpoint_file.string()).architecture;
+    while (index < stages.size() && stages[index].architecture != architecture) ++index;
+    if (index == stages.size()) {
+      throw InputError(
+          checkpoint_file.string(),
+          fmt::format("is of {}, which the experiment does not train: choose another folder", architecture));
+    }
+  }
+  std::vector<WeightsSource> sources;
+  if (!checkpoint)
+    for (const fs::path& file : experiment.weights) sources.push_back(read_weights(file));
+  LogFile log(command.out / "log.csv", checkpoint.has_value());
+  for (; index < stages.size(); ++index) {
+    const Stage& stage = stages[index];
+    const ModelMetadata metadata{stage.architecture, network.classes, network.spec.gsd_m};
+    const NetworkGraph graph = make_network(stage.architecture, static_cast<int>(network.classes.classes.size()));
+    StartWeights start = start_weights(graph, sources, stage.options.seed);
+    if (!checkpoint)
+      write_text_file(command.out / fmt::format("weights_{}.txt", stage.architecture), format_report(start.report));
+    Trainer trainer(start.file, "starting weights", metadata, stage.options);
+    start = {};
+    sources.clear();
+    if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
+    checkpoint.reset();
+    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, log), context.monitor);
+    if (stage.options.early_stop_after > 0 && fs::exists(best_file))
+      write_text_file(model_file, io::read_file(best_file));
+    if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
+  }
+}
+
+std::string search_table(const CrfSearch& search) {
+  std::string text = "theta_alpha_px,theta_beta,w1,theta_gamma_px,w2,pixel_accuracy,mean_iou\n";
+  for (const CrfTrial& t : search.trials) {
+    text +=
+        fmt::format("{},{},{},{},{},{:.4f},{:.4f}\n", t.widths.theta_alpha_px, t.widths.theta_beta, t.appearance_weight,
+                    t.widths.theta_gamma_px, t.smoothness_weight, t.pixel_accuracy, t.mean_iou);
+  }
+  return text;
+}
+
+TrainOptions crf_train_options(const Experiment& experiment) {
+  const CrfExperiment& crf = experiment.crf;
+  TrainOptions options = experiment.train;
+  options.solver = Solver::adamw;
+  options.sum_loss = false;
+  options.learning_rate = crf.network_learning_rate;
+  options.steps = crf.steps;
+  options.warmup_steps = std::min<std::int64_t>(10, crf.steps);
+  options.decay_from_step = crf.steps / 2;
+  options.freeze_norm_from_step = 0;
+  options.batch = crf.batch;
+  options.validate_every = crf.validate_every;
+  if (crf.label_px > 0) options.label_px = crf.label_px;
+  return options;
+}
+
+/// On top of the network trained in the folder: searches the CRF's widths and weights, then learns all of it. Writes
+/// into the sub-folder crf.
+void train_crf(const TrainCommand& command, const Experiment& experiment, const Network& network,
+               const TrainingData& data, const Context& context) {
+  const fs::path start_file = command.out / "model.safetensors", out = command.out / "crf",
+                 checkpoint_file = out / "checkpoint.safetensors";
+  if (!fs::exists(start_file)) {
+    throw OptionError(
+        fmt::format("{} is missing: train the network first, the same command without --crf", start_file.string()));
+  }
+  const TensorFile start = parse_safetensors(io::read_file(start_file), start_file.string());
+  const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
+  const int classes = static_cast<int>(network.classes.classes.size());
+  const CrfExperiment& crf = experiment.crf;
+  TrainOptions options = crf_train_options(experiment);
+  fs::create_directories(out);
+  std::optional<TensorFile> checkpoint;
+  if (fs::exists(checkpoint_file)) {
+    if (!command.resume) throw OptionError(fmt::format("{} holds a training run: go on with --resume", out.string()));
+    checkpoint = parse_safetensors(io::read_file(checkpoint_file), checkpoint_file.string());
+    const std::optional<CrfModel> begun = read_crf(*checkpoint, classes, checkpoint_file.string());
+    if (!begun) throw InputError(checkpoint_file.string(), "holds no CRF: choose another folder");
+    options.crf = CrfTraining{*begun, crf.learning_rate, crf.shrinkage};
+  } else {
+    const Trainer predictor(start, start_file.string(), metadata, options);
+    if (context.monitor) context.monitor->info("searching the widths and weights of the CRF");
+    const CrfSearch search = search_crf(predictor.crf_samples(data.scenes, crf.search_crops), classes,
+                                        {.iterations = crf.iterations, .threads = context.threads});
+    write_text_file(out / "search.csv", search_table(search));
+    CrfModel best = search.best;
+    for (std::vector<float>* weights : {&best.parameters.appearance_weight, &best.parameters.smoothness_weight})
+      for (float& w : *weights) w = std::max(w, 0.05F);  // a weight of zero has no logarithm to learn
+    TensorFile untrained = start;
+    add_crf(untrained, search.best);
+    write_text_file(out / "searched.safetensors", format_safetensors(untrained));
+    options.crf = CrfTraining{best, crf.learning_rate, crf.shrinkage};
+  }
+  Trainer trainer(start, start_file.string(), metadata, options);
+  if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
+  LogFile log(out / "log.csv", checkpoint.has_value());
+  train_network(trainer, options, data.scenes, data.validation, hooks_for(out, log), context.monitor);
+}
+
 void run(const TrainCommand& command, const Context& context) {
   const std::string text = io::read_file(command.experiment);
   Experiment experiment = parse_experiment(text, command.experiment);
+  const Network network = read_network(experiment.network);
   experiment.train.threads = context.threads;
-  const ClassTable& classes = default_class_table();
+  experiment.train.cuda = command.cuda;
   if (!command.measure.empty()) {
-    return measure(command.measure, read_held_out_data(experiment, classes, context.threads, context.monitor),
-                   context.threads);
+    return measure(
+        command.measure,
+        read_held_out_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor),
+        network.classes, context.threads);
   }
   if (command.out.empty()) throw OptionError("-o is missing: the folder to train into");
-  const fs::path checkpoint = command.out / "checkpoint.safetensors";
-  const bool exists = fs::exists(checkpoint);
-  if (exists && !command.resume && !command.preview) {
+  if (fs::exists(command.out / "checkpoint.safetensors") && !command.resume && !command.preview && !command.crf) {
     throw OptionError(
         fmt::format("{} holds a training run: go on with --resume or choose another folder", command.out.string()));
   }
   fs::create_directories(command.out);
-  const TrainingData data = read_training_data(experiment, classes, context.threads, context.monitor);
-  if (command.preview) return write_previews(data, classes, command.out);
-
-  Trainer trainer(parse_safetensors(io::read_file(experiment.trunk), experiment.trunk.string()),
-                  experiment.trunk.string(), {.classes = classes, .gsd_m = experiment.gsd_m}, experiment.train);
-  if (exists) trainer.restore(parse_safetensors(io::read_file(checkpoint), checkpoint.string()), checkpoint.string());
+  const TrainingData data =
+      read_training_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor);
+  if (command.preview) return write_previews(data, network.classes, command.out);
+  if (experiment.train.balance_classes)
+    experiment.train.class_weights = balanced_class_weights(data.scenes, network.classes.classes.size());
   write_text_file(command.out / "experiment.toml", text);
-  LogFile log(command.out / "log.csv", exists);
-  train_network(trainer, experiment.train, data.scenes, data.validation,
-                {.report = [&](const TrainReport& report) { log.write(report); },
-                 .checkpoint =
-                     [&](const Trainer& state) {
-                       write_text_file(checkpoint, format_safetensors(state.checkpoint()));
-                       write_text_file(command.out / "model.safetensors", format_safetensors(state.model_file()));
-                     }},
-                context.monitor);
+  if (command.crf) return train_crf(command, experiment, network, data, context);
+  train(command, experiment, network, data, context);
 }
 
 }  // namespace
@@ -115,6 +275,10 @@ void add_train(CLI::App& app, Context& context) {
       ->required();
   cmd->add_option("-o,--output", command->out, "folder for model.safetensors, checkpoint.safetensors, log.csv");
   cmd->add_flag("--resume", command->resume, "go on from the checkpoint in the folder");
+  cmd->add_flag(
+      "--crf", command->crf,
+      "on top of the network trained in the folder: search a CRF's widths and weights, then learn both end to end");
+  cmd->add_flag("--cuda", command->cuda, "train on the GPU, where libtorch has one");
   cmd->add_option("--measure", command->measure,
                   "instead of training, print the scores of this model on the held-out data as JSON");
   cmd->add_flag("--preview", command->preview,

@@ -90,13 +90,21 @@ LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_
   return result;
 }
 
-LabelledPhoto read_synthetic(const SyntheticData& data, double gsd_m, const ClassTable& classes, int threads) {
-  const fs::path truth = data.folder / "truth" / "labels.tif";
-  LabelledPhoto result{resample_photo(io::read_photo_native(data.folder / "ortho.tif"), gsd_m, threads), {}};
-  const LabelMap labels = io::read_labels(truth);
+LabelledPhoto read_raster_data(const RasterData& data, double gsd_m, const ClassTable& classes, int threads) {
+  LabelledPhoto result{resample_photo(io::read_photo_native(data.photo), gsd_m, threads), {}};
+  const LabelMap labels = io::read_labels(data.labels);
+  for (const auto& [name, ours] : data.mapping) {
+    if (std::none_of(labels.classes.classes.begin(), labels.classes.classes.end(),
+                     [&, &theirs = name](const ClassInfo& c) { return c.name == theirs; }))
+      throw InputError(data.labels.string(),
+                       fmt::format("has no class '{}', which the mapping of '{}' names", name, data.name));
+  }
   std::vector<ClassSet> set_of_label(256, unknown_class);
   for (std::size_t i = 0; i < labels.classes.classes.size(); ++i) {
-    set_of_label[i] = class_set({labels.classes.classes[i].name}, classes, truth.string());
+    const std::string& name = labels.classes.classes[i].name;
+    const auto mapped = data.mapping.find(name);
+    set_of_label[i] =
+        class_set(mapped == data.mapping.end() ? std::vector{name} : mapped->second, classes, data.labels.string());
   }
   const GridFrame& frame = result.photo.frame;
   result.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
@@ -112,12 +120,64 @@ LabelledPhoto read_synthetic(const SyntheticData& data, double gsd_m, const Clas
   return result;
 }
 
-Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image,
-                                  const std::map<std::array<std::uint8_t, 3>, ClassSet>& palette) {
+/// Each piece of the truth with what the network sees around it.
+void add_truth(TrainingData& result, const TruthData& data, double gsd_m, const ClassTable& classes, int threads) {
+  constexpr double surroundings_m = 150.0;
+  const Box2 photo_box = bounds_of(io::raster_info(data.photo).outline_lonlat.outer);
+  const Crs crs = utm_crs(0.5 * (photo_box.min_x + photo_box.max_x), 0.5 * (photo_box.min_y + photo_box.max_y));
+  std::map<std::string, std::vector<io::Feature>> pieces;
+  for (io::Feature& feature : io::read_features(data.polygons, crs)) {
+    const std::string piece = feature.tags["piece"];
+    if (data.pieces.empty() || std::find(data.pieces.begin(), data.pieces.end(), piece) != data.pieces.end())
+      pieces[piece].push_back(std::move(feature));
+  }
+  for (const std::string& name : data.pieces)
+    if (!pieces.contains(name)) throw InputError(data.polygons.string(), fmt::format("has no piece '{}'", name));
+  for (const auto& [piece, features] : pieces) {
+    Box2 box = bounds_of(features.front().polygons.front().outer);
+    for (const io::Feature& feature : features)
+      for (const Polygon& polygon : feature.polygons) {
+        const Box2 own = bounds_of(polygon.outer);
+        box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
+               std::max(box.max_y, own.max_y)};
+      }
+    box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m,
+           box.max_y + surroundings_m};
+    const SiteFrame site{
+        crs, {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}};
+    ValidationScene scene{
+        data.name, resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads), {}};
+    const GridFrame& frame = scene.photo.frame;
+    scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
+    for (const io::Feature& feature : features) {
+      const auto tag = feature.tags.find("class");
+      if (tag == feature.tags.end())
+        throw InputError(data.polygons.string(), fmt::format("piece '{}': a feature has no 'class'", piece));
+      const ClassSet set =
+          tag->second == "unknown" ? unknown_class : class_set({tag->second}, classes, data.polygons.string());
+      for (const Polygon& polygon : feature.polygons) fill_polygon(scene.allowed, frame, polygon, set);
+    }
+    forget_missing_photo(scene.photo, scene.allowed);
+    result.validation.push_back(std::move(scene));
+  }
+}
+
+Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const fs::path& file, const ImageData& data,
+                                  const ClassTable& classes) {
+  std::map<std::array<std::uint8_t, 3>, ClassSet> palette;
+  for (const auto& [color, names] : data.palette) palette[color] = class_set(names, classes, data.name);
   Raster<ClassSet> sets(image.width, image.height, 1, unknown_class);
   for (std::size_t i = 0; i < sets.data.size(); ++i) {
     const auto entry = palette.find({image.data[3 * i], image.data[3 * i + 1], image.data[3 * i + 2]});
-    if (entry != palette.end()) sets.data[i] = entry->second;
+    if (entry == palette.end()) {
+      throw InputError(
+          file.string(),
+          fmt::format("colour [{}, {}, {}] at pixel ({}, {}) is not in the palette of '{}': add it there, "
+                      "with classes = [] to ignore it",
+                      image.data[3 * i], image.data[3 * i + 1], image.data[3 * i + 2],
+                      i % static_cast<std::size_t>(image.width), i / static_cast<std::size_t>(image.width), data.name));
+    }
+    sets.data[i] = entry->second;
   }
   return sets;
 }
@@ -133,8 +193,6 @@ enum class Part { training, held_out };
 /// Images at the scale they are said to have; those held out are brought to the model's scale.
 void add_images(TrainingData& result, const ImageData& data, Part part, double gsd_m, const ClassTable& classes,
                 int threads) {
-  std::map<std::array<std::uint8_t, 3>, ClassSet> palette;
-  for (const auto& [color, names] : data.palette) palette[color] = class_set(names, classes, data.name);
   std::vector<fs::path> files;
   if (!fs::is_directory(data.images)) throw InputError(data.images.string(), "is no folder of images");
   for (const auto& entry : fs::directory_iterator(data.images)) files.push_back(entry.path());
@@ -142,13 +200,19 @@ void add_images(TrainingData& result, const ImageData& data, Part part, double g
   const std::size_t first = result.scenes.size();
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();
-    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(),
-                                      [&](const std::string& prefix) { return stem.starts_with(prefix); });
+    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(), [&](const std::string& prefix) {
+      return prefix == "*" || stem.starts_with(prefix);
+    });
     if (held_out != (part == Part::held_out)) continue;
     Raster<std::uint8_t> rgb = io::read_image(file);
-    Raster<ClassSet> allowed = sets_from_colors(io::read_image(data.labels / (stem + ".png")), palette);
-    if (allowed.width != rgb.width || allowed.height != rgb.height)
-      throw InputError(file.string(), "differs in size from its labels");
+    const fs::path label_file = data.labels / (stem + ".png");
+    const Raster<std::uint8_t> label_image = io::read_image(label_file);
+    if (label_image.width != rgb.width || label_image.height != rgb.height) {
+      throw InputError(label_file.string(),
+                       fmt::format("has {} x {} px, its image {} x {}: labels need the size of their image",
+                                   label_image.width, label_image.height, rgb.width, rgb.height));
+    }
+    Raster<ClassSet> allowed = sets_from_colors(label_image, label_file, data, classes);
     if (part == Part::training) {
       result.scenes.push_back(scene_of(stem, std::move(rgb), std::move(allowed), data.gsd_m, data.use));
       continue;
@@ -188,8 +252,8 @@ void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto l
   }
 }
 
-void add_part(TrainingData& result, const Experiment& experiment, Part part, const ClassTable& classes, int threads,
-              Monitor* monitor) {
+void add_part(TrainingData& result, const Experiment& experiment, Part part, double gsd_m, const ClassTable& classes,
+              int threads, Monitor* monitor) {
   const auto tell = [&](const std::string& name) {
     if (monitor) monitor->info("reading " + name + (part == Part::held_out ? ", held out" : ""));
   };
@@ -197,33 +261,38 @@ void add_part(TrainingData& result, const Experiment& experiment, Part part, con
     if (part == Part::held_out && !data.held_out_lonlat) continue;
     tell(data.name);
     const Box2& lonlat = part == Part::held_out ? *data.held_out_lonlat : data.area_lonlat;
-    add_labelled(result, data.name, read_map_data(data, lonlat, experiment.gsd_m, classes, threads), part, data.use);
+    add_labelled(result, data.name, read_map_data(data, lonlat, gsd_m, classes, threads), part, data.use);
   }
-  for (const SyntheticData& data : experiment.synthetic) {
+  for (const RasterData& data : experiment.rasters) {
     if (data.held_out != (part == Part::held_out)) continue;
     tell(data.name);
-    add_labelled(result, data.name, read_synthetic(data, experiment.gsd_m, classes, threads), part, data.use);
+    add_labelled(result, data.name, read_raster_data(data, gsd_m, classes, threads), part, data.use);
   }
   for (const ImageData& data : experiment.images) {
     tell(data.name);
-    add_images(result, data, part, experiment.gsd_m, classes, threads);
+    add_images(result, data, part, gsd_m, classes, threads);
+  }
+  for (const TruthData& data : experiment.truths) {
+    if (part != Part::held_out) continue;
+    tell(data.name);
+    add_truth(result, data, gsd_m, classes, threads);
   }
 }
 
 }  // namespace
 
-TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads,
+TrainingData read_training_data(const Experiment& experiment, double gsd_m, const ClassTable& classes, int threads,
                                 Monitor* monitor) {
   TrainingData result;
-  add_part(result, experiment, Part::training, classes, threads, monitor);
-  add_part(result, experiment, Part::held_out, classes, threads, monitor);
+  add_part(result, experiment, Part::training, gsd_m, classes, threads, monitor);
+  add_part(result, experiment, Part::held_out, gsd_m, classes, threads, monitor);
   return result;
 }
 
-std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, const ClassTable& classes, int threads,
-                                                Monitor* monitor) {
+std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, double gsd_m, const ClassTable& classes,
+                                                int threads, Monitor* monitor) {
   TrainingData result;
-  add_part(result, experiment, Part::held_out, classes, threads, monitor);
+  add_part(result, experiment, Part::held_out, gsd_m, classes, threads, monitor);
   return std::move(result.validation);
 }
 

@@ -12,11 +12,12 @@ struct TrainingData {
   std::vector<ValidationScene> validation;
 };
 
-[[nodiscard]] TrainingData read_training_data(const Experiment& experiment, const ClassTable& classes, int threads,
-                                              Monitor* monitor);
+/// Photos are brought to `gsd_m`, labels to the class table.
+[[nodiscard]] TrainingData read_training_data(const Experiment& experiment, double gsd_m, const ClassTable& classes,
+                                              int threads, Monitor* monitor);
 /// Only what is held out.
-[[nodiscard]] std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, const ClassTable& classes,
-                                                              int threads, Monitor* monitor);
+[[nodiscard]] std::vector<ValidationScene> read_held_out_data(const Experiment& experiment, double gsd_m,
+                                                              const ClassTable& classes, int threads, Monitor* monitor);
 
 /// The scene with its labels laid over: the mean colour of the allowed classes, the photo where nothing is known.
 [[nodiscard]] Raster<std::uint8_t> label_preview(const Raster<std::uint8_t>& rgb, const Raster<ClassSet>& allowed,

@@ -14,7 +14,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr const char* small = R"(trunk = "weights.safetensors"
+constexpr const char* small = R"(network = "networks/small.toml"
+weights = ["weights.safetensors", "vgg.caffemodel"]
 [train]
 steps = 20
 learning_rate = 2e-3
@@ -35,7 +36,8 @@ background = ["ground", "grass"]
 
 TEST(Experiment, paths_are_relative_to_the_file) {
   const Experiment e = parse_experiment(small, "models/x.toml");
-  EXPECT_EQ(e.trunk, "models/weights.safetensors");
+  EXPECT_EQ(e.network, "models/networks/small.toml");
+  EXPECT_EQ(e.weights, (std::vector<std::filesystem::path>{"models/weights.safetensors", "models/vgg.caffemodel"}));
   ASSERT_EQ(e.maps.size(), 1u);
   EXPECT_EQ(e.maps[0].photo, "models/town/ortho.tif");
   EXPECT_EQ(e.maps[0].area_lonlat, (Box2{1.0, 2.0, 3.0, 4.0}));
@@ -53,13 +55,61 @@ TEST(Experiment, mistakes_are_named_with_their_line) {
     return [text] { static_cast<void>(parse_experiment(text, "x.toml")); };
   };
   EXPECT_THAT(parse(small, "steps = 20", "stepps = 20"),
-              ThrowsMessage<InputError>(HasSubstr("x.toml:3: 'stepps' is not known here")));
+              ThrowsMessage<InputError>(HasSubstr("x.toml:4: 'stepps' is not known here")));
   EXPECT_THAT(parse(small, "steps = 20", "steps = \"many\""),
               ThrowsMessage<InputError>(HasSubstr("'steps' must be a number")));
-  EXPECT_THAT(parse(small, "steps = 20", "steps = = 20"), ThrowsMessage<InputError>(HasSubstr("x.toml:3")));
+  EXPECT_THAT(parse(small, "steps = 20", "steps = = 20"), ThrowsMessage<InputError>(HasSubstr("x.toml:4")));
   EXPECT_THAT(parse(small, "name = \"town\"", ""), ThrowsMessage<InputError>(HasSubstr("'name' is missing")));
   EXPECT_THAT(parse(small, "3.0, 4.0]", "3.0]"),
               ThrowsMessage<InputError>(HasSubstr("must be [west, south, east, north]")));
+}
+
+TEST(Experiment, presets_stages_mappings_and_truth) {
+  const Experiment e = parse_experiment(R"(network = "n.toml"
+[train]
+preset = "reference"
+steps = 300
+[[stage]]
+stride = 32
+steps = 100
+[[stage]]
+stride = 8
+steps = 200
+[[raster]]
+name = "other"
+photo = "a.tif"
+labels = "b.tif"
+mapping = { track = ["road"], curb = ["road", "ground"], snow = [] }
+[[raster]]
+name = "village"
+folder = "village-1"
+held_out = true
+[[truth]]
+name = "hand-made"
+photo = "a.tif"
+polygons = "truth.geojson"
+pieces = ["k1"]
+)",
+                                        "m/x.toml");
+  EXPECT_EQ(e.train.solver, Solver::sgd);
+  EXPECT_TRUE(e.train.sum_loss);
+  EXPECT_EQ(e.train.crop_px, 450);
+  EXPECT_EQ(e.train.label_px, 256);
+  EXPECT_EQ(e.train.batch, 1);
+  EXPECT_DOUBLE_EQ(e.train.learning_rate, 1e-10);
+  EXPECT_DOUBLE_EQ(e.train.momentum, 0.99);
+  EXPECT_EQ(e.train.steps, 300) << "the file's own keys go over the preset";
+  ASSERT_EQ(e.stages.size(), 2u);
+  EXPECT_EQ(e.stages[1].stride, 8);
+  ASSERT_EQ(e.rasters.size(), 2u);
+  EXPECT_EQ(e.rasters[0].mapping.at("curb"), (std::vector<std::string>{"road", "ground"}));
+  EXPECT_TRUE(e.rasters[0].mapping.at("snow").empty());
+  EXPECT_EQ(e.rasters[1].labels, "m/village-1/truth/labels.tif");
+  EXPECT_TRUE(e.rasters[1].held_out);
+  ASSERT_EQ(e.truths.size(), 1u);
+  EXPECT_EQ(e.truths[0].pieces, std::vector<std::string>{"k1"});
+  EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\npreset = \"other\"\n", "x")), InputError);
+  EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\nsteps = 0\n", "x")), InputError);
 }
 
 TEST(Experiment, classes_by_name) {

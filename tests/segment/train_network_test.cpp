@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/segment/make_network.hpp"
+#include "orthodrive/segment/net_surgery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "segment/shipped_model.hpp"
 
@@ -23,6 +25,18 @@ TrainingScene toy_scene() {
   return scene;
 }
 
+ModelMetadata default_metadata() { return {"mobilenetv2-s16-fpn2", default_class_table(), 0.5}; }
+
+/// The shipped trunk with a decoder that knows nothing yet.
+TensorFile fresh_weights() {
+  TensorFile trunk = shipped_tensors();
+  std::erase_if(trunk.tensors, [](const auto& t) {
+    return t.first.starts_with("context") || t.first.starts_with("merge") || t.first.starts_with("head");
+  });
+  const std::vector<WeightsSource> sources{{"default", trunk}};
+  return start_weights(make_network("mobilenetv2-s16-fpn2", 8), sources, 1).file;
+}
+
 TrainOptions toy_options() {
   return {.steps = 8,
           .warmup_steps = 2,
@@ -35,17 +49,18 @@ TrainOptions toy_options() {
 }
 
 Trainer toy_trainer() {
-  return {shipped_tensors(), "default", {.classes = default_class_table(), .gsd_m = 0.5}, toy_options()};
+  return {fresh_weights(), "default", default_metadata(), toy_options()};
 }
 
 TEST(Trainer, a_few_steps_lower_the_loss) {
   TrainOptions options = toy_options();
+  options.steps = 20, options.decay_from_step = 20;
   options.freeze_norm_from_step = 100;  // the running statistics of a new decoder need longer than this
-  Trainer trainer(shipped_tensors(), "default", {.classes = default_class_table(), .gsd_m = 0.5}, options);
+  Trainer trainer(fresh_weights(), "default", default_metadata(), options);
   const std::vector<TrainingScene> scenes{toy_scene()};
   const double first = trainer.advance(scenes);
   double last = 0.0;
-  while (trainer.step() < 8) last = trainer.advance(scenes);
+  while (trainer.step() < 20) last = trainer.advance(scenes);
   EXPECT_GT(first, 1.5) << "eight classes, untrained decoder";
   EXPECT_LT(last, 0.7 * first);
 }
@@ -90,10 +105,10 @@ TEST(Trainer, learning_rate_rises_stays_and_falls) {
 TEST(Trainer, refuses_impossible_options) {
   TrainOptions odd = toy_options();
   odd.crop_px = 100;
-  EXPECT_THROW(Trainer(shipped_tensors(), "default", {.classes = default_class_table()}, odd), OptionError);
+  EXPECT_THROW(Trainer(fresh_weights(), "default", default_metadata(), odd), OptionError);
   TrainOptions weights = toy_options();
   weights.class_weights = {1.0F, 1.0F};
-  EXPECT_THROW(Trainer(shipped_tensors(), "default", {.classes = default_class_table()}, weights), OptionError);
+  EXPECT_THROW(Trainer(fresh_weights(), "default", default_metadata(), weights), OptionError);
 }
 
 TEST(DrawCrop, repeats_for_a_seed_and_keeps_labels_with_their_pixels) {

@@ -1,113 +1,23 @@
 #include "orthodrive/segment/experiment.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
-#include <set>
+#include <algorithm>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/segment/toml_section.hpp"
 
 namespace orthodrive {
 namespace {
 
-/// One table of the file: hands out its values and knows which keys nobody asked for.
-class Section {
- public:
-  Section(const toml::table& table, const std::filesystem::path& file) : table_(table), file_(file) {}
-
-  template <typename T>
-  void read(const char* key, T& value) {
-    const toml::node* node = find(key);
-    if (!node) return;
-    if constexpr (std::is_same_v<T, std::filesystem::path>) {
-      const auto text = node->value<std::string>();
-      if (!text) fail(*node, fmt::format("'{}' must be a path", key));
-      value = file_.parent_path() / *text;
-    } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
-      const auto number = node->value<double>();
-      if (!number) fail(*node, fmt::format("'{}' must be a number", key));
-      value = static_cast<T>(*number);
-    } else {
-      const auto found = node->value<T>();
-      if (!found) fail(*node, fmt::format("'{}' has the wrong type", key));
-      value = *found;
-    }
-  }
-
-  template <typename T>
-  void read(const char* key, std::vector<T>& values) {
-    const toml::node* node = find(key);
-    if (!node) return;
-    if (!node->is_array()) fail(*node, fmt::format("'{}' must be a list", key));
-    values.clear();
-    for (const toml::node& entry : *node->as_array()) {
-      const auto value = entry.value<T>();
-      if (!value) fail(entry, fmt::format("'{}' has an entry of the wrong type", key));
-      values.push_back(*value);
-    }
-  }
-
-  /// west, south, east, north
-  template <typename Take>
-  void read_box(const char* key, const Take& take) {
-    std::vector<double> box;
-    read(key, box);
-    if (!table_.contains(key)) return;
-    if (box.size() != 4) fail(*table_.get(key), fmt::format("'{}' must be [west, south, east, north]", key));
-    take(Box2{box[0], box[1], box[2], box[3]});
-  }
-
-  template <typename Visit>
-  void for_each_table(const char* key, const Visit& visit) {
-    const toml::node* node = find(key);
-    if (!node) return;
-    if (!node->is_array_of_tables()) fail(*node, fmt::format("'{}' must be a list of tables", key));
-    for (const toml::node& entry : *node->as_array()) {
-      Section section(*entry.as_table(), file_);
-      visit(section);
-      section.finish();
-    }
-  }
-
-  const toml::table* find_table(const char* key) {
-    const toml::node* node = find(key);
-    if (node && !node->is_table()) fail(*node, fmt::format("'{}' must be a table", key));
-    return node ? node->as_table() : nullptr;
-  }
-
-  void require(const char* key) const {
-    if (!table_.contains(key)) fail(table_, fmt::format("'{}' is missing here", key));
-  }
-
-  void finish() const {
-    for (const auto& [key, node] : table_) {
-      if (!used_.contains(std::string(key.str()))) fail(node, fmt::format("'{}' is not known here", key.str()));
-    }
-  }
-
-  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-    throw InputError(fmt::format("{}:{}", file_.string(), node.source().begin.line), what);
-  }
-
- private:
-  const toml::node* find(const char* key) {
-    used_.insert(key);
-    return table_.get(key);
-  }
-
-  const toml::table& table_;
-  const std::filesystem::path& file_;
-  std::set<std::string> used_;
-};
-
-void read_use(Section& section, SceneUse& use) {
+void read_use(TomlSection& section, SceneUse& use) {
   section.read("weight", use.weight);
   section.read("min_zoom", use.min_zoom);
   section.read("max_zoom", use.max_zoom);
   section.read("from_step", use.from_step);
 }
 
-PaintRule read_rule(Section& section) {
+PaintRule read_rule(TomlSection& section) {
   PaintRule rule;
   section.require("file");
   section.read("file", rule.file);
@@ -127,7 +37,7 @@ PaintRule read_rule(Section& section) {
   return rule;
 }
 
-MapData read_map(Section& section) {
+MapData read_map(TomlSection& section) {
   MapData map;
   for (const char* key : {"name", "photo", "bbox_wgs84", "background"}) section.require(key);
   section.read("name", map.name);
@@ -136,11 +46,11 @@ MapData read_map(Section& section) {
   section.read_box("held_out_bbox_wgs84", [&](const Box2& box) { map.held_out_lonlat = box; });
   section.read("background", map.background);
   read_use(section, map.use);
-  section.for_each_table("paint", [&](Section& rule) { map.rules.push_back(read_rule(rule)); });
+  section.for_each_table("paint", [&](TomlSection& rule) { map.rules.push_back(read_rule(rule)); });
   return map;
 }
 
-ImageData read_images(Section& section) {
+ImageData read_images(TomlSection& section) {
   ImageData data;
   for (const char* key : {"name", "images", "labels", "palette"}) section.require(key);
   section.read("name", data.name);
@@ -148,7 +58,7 @@ ImageData read_images(Section& section) {
   section.read("labels", data.labels);
   section.read("gsd_m", data.gsd_m);
   section.read("held_out", data.held_out);
-  section.for_each_table("palette", [&](Section& entry) {
+  section.for_each_table("palette", [&](TomlSection& entry) {
     std::vector<std::int64_t> color;
     std::vector<std::string> classes;
     entry.read("color", color);
@@ -161,54 +71,128 @@ ImageData read_images(Section& section) {
   return data;
 }
 
-SyntheticData read_synthetic(Section& section) {
-  SyntheticData data;
-  for (const char* key : {"name", "folder"}) section.require(key);
+RasterData read_raster(TomlSection& section) {
+  RasterData data;
+  section.require("name");
   section.read("name", data.name);
-  section.read("folder", data.folder);
+  std::filesystem::path folder;
+  section.read("folder", folder);
+  if (!folder.empty()) data.photo = folder / "ortho.tif", data.labels = folder / "truth" / "labels.tif";
+  section.read("photo", data.photo);
+  section.read("labels", data.labels);
+  if (data.photo.empty() || data.labels.empty())
+    section.fail_here("needs 'folder' (written by orthodrive synth), or 'photo' and 'labels'");
+  if (const toml::table* mapping = section.find_table("mapping")) {
+    for (const auto& [key, node] : *mapping) {
+      auto& classes = data.mapping[std::string(key.str())];
+      if (!node.is_array())
+        section.fail(node, fmt::format("'{}' must be a list of classes, [] to ignore it", key.str()));
+      for (const toml::node& entry : *node.as_array()) classes.push_back(entry.value_or<std::string>(""));
+    }
+  }
   section.read("held_out", data.held_out);
   read_use(section, data.use);
   return data;
 }
 
-void read_train(Section& section, TrainOptions& train) {
+TruthData read_truth(TomlSection& section) {
+  TruthData data;
+  for (const char* key : {"name", "photo", "polygons"}) section.require(key);
+  section.read("name", data.name);
+  section.read("photo", data.photo);
+  section.read("polygons", data.polygons);
+  section.read("pieces", data.pieces);
+  return data;
+}
+
+StageOptions read_stage(TomlSection& section) {
+  StageOptions stage;
+  for (const char* key : {"stride", "steps"}) section.require(key);
+  section.read("stride", stage.stride);
+  section.read("steps", stage.steps);
+  return stage;
+}
+
+void read_train(TomlSection& section, TrainOptions& train) {
+  std::string preset, solver, turn;
+  section.read("preset", preset);
+  if (preset == "reference") train = reference_train_options();
+  if (!preset.empty() && preset != "reference") section.fail_here("'preset' must be \"reference\"");
+  section.read("solver", solver);
+  if (!solver.empty() && solver != "adamw" && solver != "sgd")
+    section.fail_here("'solver' must be \"adamw\" or \"sgd\"");
+  if (!solver.empty()) train.solver = solver == "sgd" ? Solver::sgd : Solver::adamw;
   section.read("steps", train.steps);
   section.read("warmup_steps", train.warmup_steps);
   section.read("decay_from_step", train.decay_from_step);
   section.read("learning_rate", train.learning_rate);
+  section.read("momentum", train.momentum);
   section.read("trunk_rate_factor", train.trunk_rate_factor);
   section.read("weight_decay", train.weight_decay);
+  section.read("sum_loss", train.sum_loss);
   section.read("freeze_norm_from_step", train.freeze_norm_from_step);
   section.read("batch", train.batch);
   section.read("crop_px", train.crop_px);
+  section.read("label_px", train.label_px);
+  section.read("turn", turn);
+  if (turn == "any") train.augmentation.turn = Augmentation::Turn::any;
+  if (turn == "quarters") train.augmentation.turn = Augmentation::Turn::quarters;
+  if (turn == "none") train.augmentation.turn = Augmentation::Turn::none;
+  if (!turn.empty() && turn != "any" && turn != "quarters" && turn != "none")
+    section.fail_here("'turn' must be \"any\", \"quarters\" or \"none\"");
+  section.read("mirror", train.augmentation.mirror);
+  section.read("zoom", train.augmentation.zoom);
+  section.read("colors", train.augmentation.colors);
+  section.read("blur", train.augmentation.blur);
+  section.read("noise", train.augmentation.noise);
   section.read("class_weights", train.class_weights);
+  section.read("balance_classes", train.balance_classes);
   section.read("set_weight", train.set_weight);
   section.read("seed", train.seed);
   section.read("validate_every", train.validate_every);
+  section.read("early_stop_after", train.early_stop_after);
+  if (train.steps < 1 || train.batch < 1 || train.crop_px < 1)
+    section.fail_here("'steps', 'batch' and 'crop_px' must be above 0");
+}
+
+void read_crf_options(TomlSection& section, CrfExperiment& crf) {
+  section.read("steps", crf.steps);
+  section.read("network_learning_rate", crf.network_learning_rate);
+  section.read("learning_rate", crf.learning_rate);
+  section.read("shrinkage", crf.shrinkage);
+  section.read("batch", crf.batch);
+  section.read("label_px", crf.label_px);
+  section.read("search_crops", crf.search_crops);
+  section.read("iterations", crf.iterations);
+  section.read("validate_every", crf.validate_every);
 }
 
 }  // namespace
 
 Experiment parse_experiment(std::string_view text, const std::filesystem::path& file) {
-  toml::table table;
-  try {
-    table = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}", file.string(), error.source().begin.line), std::string(error.description()));
-  }
+  const toml::table table = parse_toml(text, file);
   Experiment experiment;
-  Section root(table, file);
-  for (const char* key : {"trunk", "train"}) root.require(key);
-  root.read("trunk", experiment.trunk);
-  root.read("gsd_m", experiment.gsd_m);
+  TomlSection root(table, file);
+  for (const char* key : {"network", "train"}) root.require(key);
+  root.read("network", experiment.network);
+  std::vector<std::string> weights;
+  root.read("weights", weights);
+  for (const std::string& path : weights) experiment.weights.push_back(file.parent_path() / path);
   if (const toml::table* train = root.find_table("train")) {
-    Section section(*train, file);
+    TomlSection section(*train, file);
     read_train(section, experiment.train);
     section.finish();
   }
-  root.for_each_table("map", [&](Section& section) { experiment.maps.push_back(read_map(section)); });
-  root.for_each_table("images", [&](Section& section) { experiment.images.push_back(read_images(section)); });
-  root.for_each_table("synthetic", [&](Section& section) { experiment.synthetic.push_back(read_synthetic(section)); });
+  if (const toml::table* crf = root.find_table("crf")) {
+    TomlSection section(*crf, file);
+    read_crf_options(section, experiment.crf);
+    section.finish();
+  }
+  root.for_each_table("stage", [&](TomlSection& section) { experiment.stages.push_back(read_stage(section)); });
+  root.for_each_table("map", [&](TomlSection& section) { experiment.maps.push_back(read_map(section)); });
+  root.for_each_table("images", [&](TomlSection& section) { experiment.images.push_back(read_images(section)); });
+  root.for_each_table("raster", [&](TomlSection& section) { experiment.rasters.push_back(read_raster(section)); });
+  root.for_each_table("truth", [&](TomlSection& section) { experiment.truths.push_back(read_truth(section)); });
   root.finish();
   return experiment;
 }

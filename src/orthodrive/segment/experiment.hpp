@@ -47,26 +47,55 @@ struct ImageData {
   std::string name;
   std::filesystem::path images, labels;
   double gsd_m = 0.5;
-  std::map<std::array<std::uint8_t, 3>, std::vector<std::string>> palette;  ///< other colours are unknown
-  std::vector<std::string> held_out;                                        ///< stems that begin so are for validation
+  /// Colour of the labels -> classes of ours: one, one of several, or none (ignored). Any other colour is an error.
+  std::map<std::array<std::uint8_t, 3>, std::vector<std::string>> palette;
+  std::vector<std::string> held_out;  ///< stems that begin so are for validation; "*" is all of them
   SceneUse use;
 };
 
-/// A folder written by `orthodrive synth`, with exact labels.
-struct SyntheticData {
+/// A photo and a label map with its own class table: a folder written by `orthodrive synth`, or two files.
+struct RasterData {
   std::string name;
-  std::filesystem::path folder;
-  bool held_out = false;  ///< measured, not trained on
+  std::filesystem::path photo, labels;
+  std::map<std::string, std::vector<std::string>> mapping;  ///< their class -> ours; not named: the class of that name
+  bool held_out = false;                                    ///< measured, not trained on
   SceneUse use;
+};
+
+/// Photo with exact polygons, GeoJSON features with a `class`, later ones on top; scored inside them only.
+struct TruthData {
+  std::string name;
+  std::filesystem::path photo, polygons;
+  std::vector<std::string> pieces;  ///< only features whose `piece` is one of these
+};
+
+/// One of several trainings that follow each other, each starting from the network before: 32s, 16s, 8s.
+struct StageOptions {
+  int stride = 0;
+  std::int64_t steps = 0;
+};
+
+/// `train --crf`: a search on a grid, then learning end to end. Replaces what it names of [train].
+struct CrfExperiment {
+  std::int64_t steps = 150;
+  double network_learning_rate = 1e-4;
+  double learning_rate = 0.02, shrinkage = 0.05;  ///< of the CRF (CrfTraining)
+  int batch = 2, label_px = 0;
+  int search_crops = 16;
+  int iterations = 10;
+  std::int64_t validate_every = 50;
 };
 
 struct Experiment {
-  double gsd_m = 0.5;
-  std::filesystem::path trunk;  ///< ImageNet weights
+  std::filesystem::path network;               ///< its description (make_network.hpp)
+  std::vector<std::filesystem::path> weights;  ///< to start from: safetensors or .caffemodel, asked in this order
   TrainOptions train;
+  CrfExperiment crf;
+  std::vector<StageOptions> stages;  ///< none: the network as it is, train.steps long
   std::vector<MapData> maps;
   std::vector<ImageData> images;
-  std::vector<SyntheticData> synthetic;
+  std::vector<RasterData> rasters;
+  std::vector<TruthData> truths;
 };
 
 /// Paths in the file are relative to it. Throws InputError with the line for what is wrong or unknown.

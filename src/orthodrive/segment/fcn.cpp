@@ -2,118 +2,110 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/core/random.hpp"
+#include "orthodrive/segment/class_probabilities.hpp"
 
 namespace orthodrive {
 namespace {
 
 constexpr double batch_norm_eps = 1e-3;       // of the Keras weights
 constexpr double batch_norm_momentum = 0.02;  // share of the newest batch in the running statistics
+// Local response normalisation across 5 channels, Krizhevsky et al., 2012, section 3.3; appendix B of the thesis.
+constexpr int lrn_size = 5;
+constexpr double lrn_alpha = 1e-4, lrn_beta = 0.75;
 
-ConvSpec trunk_conv(const std::string& prefix, const std::string& part, int in, int out, bool relu6) {
-  return {.conv = prefix + "_" + part + "/kernel",
-          .norm = prefix + "_" + part + "_BN",
-          .in = in,
-          .out = out,
-          .relu6 = relu6};
+/// A layer's output and the cells it holds.
+struct Cells {
+  at::Tensor values;
+  CellRange rows, cols;
+};
+
+Cells narrowed(const Cells& cells, CellRange rows, CellRange cols) {
+  at::Tensor values = cells.values;
+  if (rows != cells.rows) values = values.narrow(2, rows.first - cells.rows.first, rows.size());
+  if (cols != cells.cols) values = values.narrow(3, cols.first - cells.cols.first, cols.size());
+  return {values, rows, cols};
 }
 
-ConvSpec trunk_depthwise(const std::string& prefix, int channels, int stride) {
-  return {.conv = prefix + "_depthwise/depthwise_kernel",
-          .norm = prefix + "_depthwise_BN",
-          .in = channels,
-          .out = channels,
-          .kernel = 3,
-          .stride = stride,
-          .depthwise = true};
+at::Tensor normalise_across_channels(const at::Tensor& x) {
+  const std::int64_t channels = x.size(1), side = lrn_size / 2;
+  const at::Tensor squares = at::constant_pad_nd(x * x, {0, 0, 0, 0, side, side});
+  at::Tensor sum = squares.narrow(1, 0, channels);
+  for (std::int64_t i = 1; i < lrn_size; ++i) sum = sum + squares.narrow(1, i, channels);
+  return x / (1.0 + (lrn_alpha / lrn_size) * sum).pow(lrn_beta);
 }
 
-ConvSpec decoder_conv(const std::string& name, int in, int out, bool depthwise, bool relu6) {
-  return {.conv = name + (depthwise ? "/depthwise_kernel" : "/kernel"),
-          .norm = name + "_BN",
-          .in = in,
-          .out = out,
-          .kernel = depthwise ? 3 : 1,
-          .depthwise = depthwise,
-          .relu6 = relu6,
-          .trunk = false};
+at::Tensor activate(const Layer& layer, const at::Tensor& x) {
+  if (layer.activation == Activation::none) return x;
+  if (x.requires_grad()) return layer.activation == Activation::relu ? at::relu(x) : at::clamp(x, 0.0, 6.0);
+  at::Tensor in_place = x;
+  return layer.activation == Activation::relu ? at::relu_(in_place) : in_place.clamp_(0.0, 6.0);
 }
 
-/// Padding is symmetric where TensorFlow's 'same' pads strided layers at the end only. Both sample the same function,
-/// one pixel apart, so the ImageNet weights fit either way and this way costs no extra copy.
-at::Tensor convolve(const ConvSpec& spec, ConvParams& params, const at::Tensor& x, ForwardMode mode) {
-  const std::int64_t padding = (spec.kernel - 1) / 2, groups = spec.depthwise ? spec.in : 1;
-  at::Tensor y = at::conv2d(x, params.kernel, params.bias, spec.stride, padding, 1, groups);
-  if (params.gamma.defined()) {
-    y = at::batch_norm(y, params.gamma, params.beta, params.mean, params.variance, mode.update_batch_statistics,
-                       batch_norm_momentum, batch_norm_eps, false);
+/// The layer on tensors that already have the right cells. `padding` is 0 where nothing is padded.
+at::Tensor evaluate(const Layer& layer, LayerParams& p, const std::vector<Cells>& inputs, int padding,
+                    TrainingMode mode) {
+  const at::Tensor& x = inputs.front().values;
+  const std::int64_t k = layer.kernel, s = layer.stride;
+  switch (layer.kind) {
+    case LayerKind::convolution: {
+      at::Tensor y = at::conv2d(x, p.kernel, p.bias, s, padding, 1, layer.depthwise ? layer.in : 1);
+      if (p.gamma.defined()) {
+        y = at::batch_norm(y, p.gamma, p.beta, p.mean, p.variance, mode.update_batch_statistics, batch_norm_momentum,
+                           batch_norm_eps, false);
+      }
+      y = activate(layer, y);
+      return layer.dropout > 0.0 && mode.dropout ? at::dropout(y, layer.dropout, true) : y;
+    }
+    case LayerKind::deconvolution:
+      return at::conv_transpose2d(x, p.kernel, p.bias, s, padding);
+    case LayerKind::max_pool:
+      return at::max_pool2d(x, {k, k}, {s, s}, {padding, padding}, {1, 1}, true);
+    case LayerKind::local_response_norm:
+      return normalise_across_channels(x);
+    case LayerKind::upsample_2x:
+      return at::upsample_bilinear2d(x, {2 * x.size(2), 2 * x.size(3)}, false);
+    case LayerKind::concat: {
+      std::vector<at::Tensor> parts;
+      for (const Cells& input : inputs) parts.push_back(input.values);
+      return at::cat(parts, 1);
+    }
+    case LayerKind::add:
+      break;
   }
-  if (!spec.relu6) return y;
-  return y.requires_grad() ? at::clamp(y, 0.0, 6.0) : y.clamp_(0.0, 6.0);
+  return x + inputs.at(1).values;
 }
 
-at::Tensor twice_as_large(const at::Tensor& x) {
-  return at::upsample_bilinear2d(x, {2 * x.size(2), 2 * x.size(3)}, false);
-}
-
-at::Tensor tensor_from(const NamedTensor& named) {
-  return at::from_blob(const_cast<float*>(named.values.data()), named.shape, at::kFloat).clone();
+/// Where each output is used for the last time, so that memory can go back.
+std::vector<std::size_t> last_uses(const NetworkGraph& graph) {
+  std::vector<std::size_t> last(graph.layers.size(), 0);
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    for (const int input : graph.layers[i].inputs)
+      if (input != image_input) last[static_cast<std::size_t>(input)] = i;
+  }
+  return last;
 }
 
 NamedTensor named_from(const at::Tensor& tensor, TensorType stored_as) {
-  const at::Tensor flat = tensor.detach().contiguous();
+  const at::Tensor flat = tensor.detach().to(at::kCPU).contiguous();
   const float* data = flat.data_ptr<float>();
   return {flat.sizes().vec(), std::vector<float>(data, data + flat.numel()), stored_as};
 }
 
-/// Keras stores kernels as height, width, in, out; depthwise ones as height, width, channel, 1.
-std::vector<std::int64_t> file_shape(const ConvSpec& spec) {
-  if (spec.depthwise) return {spec.kernel, spec.kernel, spec.in, 1};
-  return {spec.kernel, spec.kernel, spec.in, spec.out};
+at::Tensor file_order_from_kernel(const Layer& layer, const at::Tensor& kernel) {
+  if (layer.depthwise || layer.kind == LayerKind::deconvolution) return kernel.permute({2, 3, 0, 1});
+  return kernel.permute({2, 3, 1, 0});
 }
 
-at::Tensor kernel_from_hwio(const ConvSpec& spec, const at::Tensor& hwio) {
-  const at::Tensor oihw = spec.depthwise ? hwio.permute({2, 3, 0, 1}) : hwio.permute({3, 2, 0, 1});
-  return oihw.contiguous(at::MemoryFormat::ChannelsLast);
-}
-
-at::Tensor hwio_from_kernel(const ConvSpec& spec, const at::Tensor& kernel) {
-  return spec.depthwise ? kernel.permute({2, 3, 0, 1}) : kernel.permute({2, 3, 1, 0});
-}
-
-/// He et al., Delving deep into rectifiers, 2015: keeps the variance through ReLU layers.
-at::Tensor he_normal(const ConvSpec& spec, std::uint64_t seed) {
-  const at::Tensor hwio = at::empty(file_shape(spec), at::kFloat);
-  const double fan_in = spec.kernel * spec.kernel * (spec.depthwise ? 1 : spec.in);
-  Random random(seed);
-  float* data = hwio.data_ptr<float>();
-  for (std::int64_t i = 0; i < hwio.numel(); ++i)
-    data[i] = static_cast<float>(random.normal() * std::sqrt(2.0 / fan_in));
-  return kernel_from_hwio(spec, hwio);
-}
-
-ConvParams fresh_params(const ConvSpec& spec, std::uint64_t seed) {
-  ConvParams params{.kernel = he_normal(spec, seed), .depthwise = spec.depthwise};
-  if (spec.norm.empty()) {
-    params.bias = at::zeros({spec.out}, at::kFloat);
-  } else {
-    params.gamma = at::ones({spec.out}, at::kFloat);
-    params.beta = at::zeros({spec.out}, at::kFloat);
-    params.mean = at::zeros({spec.out}, at::kFloat);
-    params.variance = at::ones({spec.out}, at::kFloat);
-  }
-  return params;
-}
-
-at::Tensor find_tensor(const TensorFile& file, const std::string& source, const std::string& name,
-                       const std::vector<std::int64_t>& shape) {
+at::Tensor find_tensor(const NetworkGraph& graph, const TensorFile& file, const std::string& source,
+                       const std::string& name, const std::vector<std::int64_t>& shape) {
   const auto it = file.tensors.find(name);
   if (it == file.tensors.end())
-    throw InputError(source, fmt::format("tensor '{}' is missing, it is no {} model", name, FcnSpec::architecture));
+    throw InputError(source, fmt::format("tensor '{}' is missing, it is no {} model", name, graph.architecture));
   if (it->second.shape != shape) {
     throw InputError(source, fmt::format("tensor '{}' has shape [{}], need [{}]", name,
                                          fmt::join(it->second.shape, ","), fmt::join(shape, ",")));
@@ -121,176 +113,183 @@ at::Tensor find_tensor(const TensorFile& file, const std::string& source, const 
   return tensor_from(it->second);
 }
 
-std::string bias_name(const ConvSpec& spec) { return spec.conv.substr(0, spec.conv.find('/')) + "/bias"; }
-
 }  // namespace
 
-FcnSpec make_fcn_spec(int class_count) {
-  FcnSpec spec;
-  spec.stem = {.conv = "Conv1/kernel", .norm = "bn_Conv1", .in = 3, .out = 32, .kernel = 3, .stride = 2};
-  spec.bottlenecks.push_back(
-      {{trunk_depthwise("expanded_conv", 32, 1), trunk_conv("expanded_conv", "project", 32, 16, false)}});
-  // Table 2 of the paper: out channels, repeats, stride of the first; expansion 6.
-  struct Group {
-    int out, repeats, stride;
-  };
-  int in = 16, block = 1;
-  for (const Group group : {Group{24, 2, 2}, Group{32, 3, 2}, Group{64, 4, 2}, Group{96, 3, 1}}) {
-    for (int i = 0; i < group.repeats; ++i, ++block) {
-      const std::string prefix = fmt::format("block_{}", block);
-      spec.bottlenecks.push_back(
-          {{trunk_conv(prefix, "expand", in, 6 * in, true), trunk_depthwise(prefix, 6 * in, i == 0 ? group.stride : 1),
-            trunk_conv(prefix, "project", 6 * in, group.out, false)},
-           i > 0});
-      in = group.out;
+Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image, TrainingMode mode) {
+  const auto height = static_cast<int>(image.size(2)), width = static_cast<int>(image.size(3));
+  const std::vector<CellRange> rows = padded_ranges(graph, height), cols = padded_ranges(graph, width);
+  const std::vector<std::size_t> last_use = last_uses(graph);
+  std::vector<Cells> outputs(graph.layers.size());
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    const Layer& layer = graph.layers[i];
+    std::vector<Cells> inputs;
+    for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
+      const Cells input = layer.inputs[k] == image_input ? Cells{image, {0, height - 1}, {0, width - 1}}
+                                                         : outputs[static_cast<std::size_t>(layer.inputs[k])];
+      inputs.push_back(layer.kind == LayerKind::add
+                           ? narrowed(input, input_range(layer, k, rows[i]), input_range(layer, k, cols[i]))
+                           : input);
+    }
+    outputs[i] = {evaluate(layer, params[i], inputs, layer.padding, mode), rows[i], cols[i]};
+    for (const int input : layer.inputs) {
+      if (input != image_input && last_use[static_cast<std::size_t>(input)] == i)
+        outputs[static_cast<std::size_t>(input)] = {};
     }
   }
-  spec.context_depthwise = decoder_conv("context_depthwise", 96, 96, true, true);
-  spec.context_project = decoder_conv("context_project", 96, 64, false, true);
-  struct Level {
-    const char* name;
-    int skip, in, out;
-  };
-  for (const Level level : {Level{"merge_8", 32, 64, 48}, Level{"merge_4", 24, 48, 32}, Level{"merge_2", 16, 32, 32}}) {
-    const std::string name = level.name;
-    spec.merges.push_back({decoder_conv(name + "_lateral", level.skip, level.in, false, false),
-                           decoder_conv(name + "_depthwise", level.in, level.in, true, true),
-                           decoder_conv(name + "_project", level.in, level.out, false, true)});
-  }
-  spec.head = {.conv = "head/kernel", .norm = "", .in = 32, .out = class_count, .relu6 = false, .trunk = false};
-  return spec;
+  const int shift = graph.output_shift;
+  return {outputs.back().values,
+          {rows.back().first + shift, rows.back().last + shift},
+          {cols.back().first + shift, cols.back().last + shift}};
 }
 
-std::vector<ConvSpec> FcnSpec::all() const {
-  std::vector<ConvSpec> convs{stem};
-  for (const Bottleneck& bottleneck : bottlenecks)
-    convs.insert(convs.end(), bottleneck.convs.begin(), bottleneck.convs.end());
-  convs.push_back(context_depthwise);
-  convs.push_back(context_project);
-  for (const Merge& merge : merges) {
-    convs.push_back(merge.lateral);
-    convs.push_back(merge.depthwise);
-    convs.push_back(merge.project);
-  }
-  convs.push_back(head);
-  return convs;
-}
-
-at::Tensor forward(const FcnSpec& spec, FcnParams& params, const at::Tensor& image, ForwardMode mode) {
-  auto next = params.begin();
-  const auto run = [&](const ConvSpec& conv, const at::Tensor& x) { return convolve(conv, *next++, x, mode); };
-  at::Tensor x = run(spec.stem, image);
-  std::vector<at::Tensor> skips;  // the last features of strides 2, 4, 8
-  for (const FcnSpec::Bottleneck& bottleneck : spec.bottlenecks) {
-    const at::Tensor input = x;
-    for (const ConvSpec& conv : bottleneck.convs) {
-      if (conv.stride == 2) skips.push_back(input);
-      x = run(conv, x);
+at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                         const ExactWindow& window) {
+  const NeededRanges rows = needed_ranges(graph, window.output_rows), cols = needed_ranges(graph, window.output_cols);
+  const std::vector<std::size_t> last_use = last_uses(graph);
+  const std::size_t count = graph.layers.size() - (window.last_layer ? 0 : 1);
+  std::vector<Cells> outputs(graph.layers.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Layer& layer = graph.layers[i];
+    std::vector<Cells> inputs;
+    for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
+      const Cells input = layer.inputs[k] == image_input ? Cells{image, window.image_rows, window.image_cols}
+                                                         : outputs[static_cast<std::size_t>(layer.inputs[k])];
+      inputs.push_back(narrowed(input, input_range(layer, k, rows.layers[i]), input_range(layer, k, cols.layers[i])));
     }
-    if (bottleneck.residual) x = input + x;
+    Cells output{evaluate(layer, params[i], inputs, 0, {}), rows.layers[i], cols.layers[i]};
+    // These two also compute cells that lack a part of their input: cut them off.
+    if (layer.kind == LayerKind::deconvolution) {
+      const int reach = layer.kernel - 1 - layer.padding;
+      output.rows = {inputs[0].rows.first * layer.stride - layer.padding, inputs[0].rows.last * layer.stride + reach};
+      output.cols = {inputs[0].cols.first * layer.stride - layer.padding, inputs[0].cols.last * layer.stride + reach};
+    } else if (layer.kind == LayerKind::upsample_2x) {
+      output.rows = {2 * inputs[0].rows.first, 2 * inputs[0].rows.last + 1};
+      output.cols = {2 * inputs[0].cols.first, 2 * inputs[0].cols.last + 1};
+    }
+    outputs[i] = narrowed(output, rows.layers[i], cols.layers[i]);
+    for (const int input : layer.inputs) {
+      if (input != image_input && last_use[static_cast<std::size_t>(input)] == i)
+        outputs[static_cast<std::size_t>(input)] = {};
+    }
   }
-  x = run(spec.context_project, run(spec.context_depthwise, x));
-  for (const FcnSpec::Merge& merge : spec.merges) {
-    x = twice_as_large(x) + run(merge.lateral, skips.back());
-    skips.pop_back();
-    x = run(merge.depthwise, x);
-    x = run(merge.project, x);
-  }
-  return run(spec.head, x);
+  return outputs[count - 1].values;
 }
 
-FcnParams fold_batch_norm(const FcnSpec& spec, const FcnParams& params) {
-  FcnParams folded;
+NetworkParams fold_batch_norm(const NetworkGraph& graph, const NetworkParams& params) {
+  NetworkParams folded(params.size());
   const at::NoGradGuard no_grad;
-  const std::vector<ConvSpec> convs = spec.all();
-  for (std::size_t i = 0; i < convs.size(); ++i) {
-    const ConvParams& p = params[i];
-    ConvParams f{.kernel = p.kernel.detach().clone(), .depthwise = p.depthwise};
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    const LayerParams& p = params[i];
+    if (!p.kernel.defined()) continue;
+    LayerParams& f = folded[i];
+    f.kernel = p.kernel.detach().to(at::kCPU).clone();
     if (p.gamma.defined()) {
-      const at::Tensor scale = p.gamma.detach() / at::sqrt(p.variance + batch_norm_eps);
+      const at::Tensor scale = (p.gamma.detach() / at::sqrt(p.variance + batch_norm_eps)).to(at::kCPU);
       f.kernel = (f.kernel * scale.view({-1, 1, 1, 1})).contiguous(at::MemoryFormat::ChannelsLast);
-      f.bias = p.beta.detach() - p.mean * scale;
+      f.bias = p.beta.detach().to(at::kCPU) - p.mean.to(at::kCPU) * scale;
     } else {
-      f.bias = p.bias.detach().clone();
+      f.bias = p.bias.detach().to(at::kCPU).clone();
     }
-    folded.push_back(std::move(f));
   }
   return folded;
 }
 
-FcnParams params_from_file(const FcnSpec& spec, const TensorFile& file, const std::string& source,
-                           const ReadParamsOptions& options) {
-  FcnParams params;
-  for (const ConvSpec& conv : spec.all()) {
-    if (options.trunk_only && !conv.trunk) {
-      params.push_back(fresh_params(conv, derive_seed(options.seed, params.size())));
-      continue;
-    }
-    ConvParams p{.kernel = kernel_from_hwio(conv, find_tensor(file, source, conv.conv, file_shape(conv))),
-                 .depthwise = conv.depthwise};
-    const std::vector<std::int64_t> channels{conv.out};
-    if (conv.norm.empty()) {
-      p.bias = find_tensor(file, source, bias_name(conv), channels);
+std::vector<std::int64_t> kernel_file_shape(const Layer& layer) {
+  if (layer.depthwise) return {layer.kernel, layer.kernel, layer.in, 1};
+  return {layer.kernel, layer.kernel, layer.in, layer.out};
+}
+
+at::Tensor kernel_from_file_order(const Layer& layer, const at::Tensor& hwio) {
+  const bool input_first = layer.depthwise || layer.kind == LayerKind::deconvolution;
+  return (input_first ? hwio.permute({2, 3, 0, 1}) : hwio.permute({3, 2, 0, 1}))
+      .contiguous(at::MemoryFormat::ChannelsLast);
+}
+
+at::Tensor tensor_from(const NamedTensor& named) {
+  return at::from_blob(const_cast<float*>(named.values.data()), named.shape, at::kFloat).clone();
+}
+
+std::string bias_tensor(const Layer& layer) {
+  return layer.kernel_tensor.substr(0, layer.kernel_tensor.rfind('/')) + "/bias";
+}
+
+NetworkParams params_from_file(const NetworkGraph& graph, const TensorFile& file, const std::string& source) {
+  NetworkParams params(graph.layers.size());
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    const Layer& layer = graph.layers[i];
+    if (layer.kernel_tensor.empty()) continue;
+    const auto find = [&](const std::string& name, const std::vector<std::int64_t>& shape) {
+      return find_tensor(graph, file, source, name, shape);
+    };
+    LayerParams& p = params[i];
+    p.kernel = kernel_from_file_order(layer, find(layer.kernel_tensor, kernel_file_shape(layer)));
+    const std::vector<std::int64_t> channels{layer.out};
+    if (layer.norm_tensors.empty()) {
+      p.bias = find(bias_tensor(layer), channels);
     } else {
-      p.gamma = find_tensor(file, source, conv.norm + "/gamma", channels);
-      p.beta = find_tensor(file, source, conv.norm + "/beta", channels);
-      p.mean = find_tensor(file, source, conv.norm + "/moving_mean", channels);
-      p.variance = find_tensor(file, source, conv.norm + "/moving_variance", channels);
+      p.gamma = find(layer.norm_tensors + "/gamma", channels);
+      p.beta = find(layer.norm_tensors + "/beta", channels);
+      p.mean = find(layer.norm_tensors + "/moving_mean", channels);
+      p.variance = find(layer.norm_tensors + "/moving_variance", channels);
     }
-    params.push_back(std::move(p));
   }
   return params;
 }
 
-TensorFile file_from_params(const FcnSpec& spec, const FcnParams& params, TensorType kernels_as) {
+TensorFile file_from_params(const NetworkGraph& graph, const NetworkParams& params, TensorType kernels_as) {
   TensorFile file;
-  const std::vector<ConvSpec> convs = spec.all();
-  for (std::size_t i = 0; i < convs.size(); ++i) {
-    const ConvSpec& conv = convs[i];
-    const ConvParams& p = params[i];
-    file.tensors.emplace(conv.conv, named_from(hwio_from_kernel(conv, p.kernel.detach()), kernels_as));
-    if (p.bias.defined()) file.tensors.emplace(bias_name(conv), named_from(p.bias, TensorType::f32));
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    const Layer& layer = graph.layers[i];
+    const LayerParams& p = params[i];
+    if (!p.kernel.defined()) continue;
+    file.tensors.emplace(layer.kernel_tensor, named_from(file_order_from_kernel(layer, p.kernel.detach()), kernels_as));
+    if (p.bias.defined()) file.tensors.emplace(bias_tensor(layer), named_from(p.bias, TensorType::f32));
     if (!p.gamma.defined()) continue;
-    file.tensors.emplace(conv.norm + "/gamma", named_from(p.gamma, TensorType::f32));
-    file.tensors.emplace(conv.norm + "/beta", named_from(p.beta, TensorType::f32));
-    file.tensors.emplace(conv.norm + "/moving_mean", named_from(p.mean, TensorType::f32));
-    file.tensors.emplace(conv.norm + "/moving_variance", named_from(p.variance, TensorType::f32));
+    file.tensors.emplace(layer.norm_tensors + "/gamma", named_from(p.gamma, TensorType::f32));
+    file.tensors.emplace(layer.norm_tensors + "/beta", named_from(p.beta, TensorType::f32));
+    file.tensors.emplace(layer.norm_tensors + "/moving_mean", named_from(p.mean, TensorType::f32));
+    file.tensors.emplace(layer.norm_tensors + "/moving_variance", named_from(p.variance, TensorType::f32));
   }
   return file;
 }
 
-at::Tensor image_tensor(const std::uint8_t* rgb, int count, int width, int height) {
+at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb, int count, int width, int height) {
   const at::Tensor bytes = at::from_blob(const_cast<std::uint8_t*>(rgb), {count, height, width, 3}, at::kByte);
-  return bytes.to(at::kFloat).div_(127.5).sub_(1.0).permute({0, 3, 1, 2});  // a view that is channels-last
+  at::Tensor values = bytes.to(at::kFloat);
+  values.sub_(at::tensor({input.mean_rgb[0], input.mean_rgb[1], input.mean_rgb[2]})).mul_(input.scale);
+  if (input.bgr) values = values.flip(3);
+  return values.permute({0, 3, 1, 2});  // a view that is channels-last
 }
 
-InferenceNetwork::InferenceNetwork(FcnSpec spec, const FcnParams& params)
-    : spec_(std::move(spec)), folded_(fold_batch_norm(spec_, params)) {}
+InferenceNetwork::InferenceNetwork(NetworkGraph graph, const NetworkParams& params)
+    : graph_(std::move(graph)),
+      folded_(fold_batch_norm(graph_, params)),
+      margin_px_(receptive_field(graph_).margin_px()) {}
 
 void InferenceNetwork::predict(const std::uint8_t* rgb, const PixelBox& core, float* probabilities) const {
   const c10::InferenceMode inference;
-  const PixelBox given = core.grown(margin_px());
-  // The window starts at an absolute multiple of the stride, whatever the core: same sums for a pixel in any window.
-  constexpr std::int64_t stride = fcn_stride_px;
-  const auto up = [](std::int64_t px) { return (px + (px < 0 ? 0 : stride - 1)) / stride * stride; };
-  const std::int64_t west = up(given.col), north = up(given.row);
-  const std::int64_t width = up(core.end_col() + fcn_margin_px) - west,
-                     height = up(core.end_row() + fcn_margin_px) - north;
-  const at::Tensor bytes = at::from_blob(const_cast<std::uint8_t*>(rgb), {given.height, given.width, 3}, at::kByte)
-                               .slice(0, north - given.row, north - given.row + height)
-                               .slice(1, west - given.col, west - given.col + width)
-                               .contiguous();
-  FcnParams params = folded_;  // handles only
-  const at::Tensor scores = forward(
-      spec_, params,
-      image_tensor(bytes.data_ptr<std::uint8_t>(), 1, static_cast<int>(width), static_cast<int>(height)), {});
-  const at::Tensor result = at::softmax(twice_as_large(scores)
-                                            .slice(2, core.row - north, core.end_row() - north)
-                                            .slice(3, core.col - west, core.end_col() - west)
-                                            .permute({0, 2, 3, 1}),
-                                        -1)
-                                .contiguous();
-  std::memcpy(probabilities, result.data_ptr<float>(), static_cast<std::size_t>(result.numel()) * sizeof(float));
+  // The layers count cells from a multiple of the stride near the core, so that indices stay small in any mosaic.
+  const auto local = [&](std::int64_t px) {
+    return static_cast<int>(((px % graph_.stride_px) + graph_.stride_px) % graph_.stride_px);
+  };
+  const int row = local(core.row), col = local(core.col);
+  ExactWindow window;
+  window.output_rows = {row, row + core.height - 1};
+  window.output_cols = {col, col + core.width - 1};
+  window.image_rows = {row - margin_px_, row + core.height - 1 + margin_px_};
+  window.image_cols = {col - margin_px_, col + core.width - 1 + margin_px_};
+  window.last_layer = graph_.layers.back().kind != LayerKind::upsample_2x;
+  NetworkParams params = folded_;  // handles only
+  const at::Tensor image =
+      image_tensor(graph_.input, rgb, 1, core.width + 2 * margin_px_, core.height + 2 * margin_px_);
+  const at::Tensor scores = forward_exact(graph_, params, image, window).permute({0, 2, 3, 1}).contiguous();
+  const ScoreGrid grid{scores.data_ptr<float>(), static_cast<int>(scores.size(2)), static_cast<int>(scores.size(1)),
+                       graph_.class_count};
+  if (window.last_layer) return softmax_of_scores(grid, probabilities);
+  // Half-resolution cells: pixel o lies at (2 o - 1) / 4 and its first cell is that of input_range.
+  const Layer& last = graph_.layers.back();
+  softmax_of_upsampled(grid, {row, input_range(last, 0, window.output_rows).first, core.height},
+                       {col, input_range(last, 0, window.output_cols).first, core.width}, probabilities);
 }
 
 }  // namespace orthodrive

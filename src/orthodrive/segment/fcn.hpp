@@ -1,102 +1,89 @@
 #pragma once
-// The network: a MobileNetV2 trunk to stride 16 and a light decoder to stride 2, bilinear to full size.
-// Sandler et al., MobileNetV2: Inverted residuals and linear bottlenecks, 2018, table 2 (up to 14 x 14 x 96).
-// The decoder adds the trunk's features of stride 8, 4 and 2 to the upsampled coarser ones (as in Lin et al., Feature
-// pyramid networks, 2017), with depthwise separable 3 x 3 convolutions between.
-//
-// Includes ATen: for the .cpp files of this folder only.
+// Runs a NetworkGraph with libtorch. Includes ATen: for the .cpp files of this folder only.
 
 #include <ATen/ATen.h>
 
-#include <memory>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "orthodrive/segment/network_graph.hpp"
 #include "orthodrive/segment/pixel_box.hpp"
 #include "orthodrive/segment/safetensors.hpp"
 
 namespace orthodrive {
 
-/// One convolution with its batch norm. Trunk names and shapes are those of Keras, so that ImageNet weights fit.
-struct ConvSpec {
-  std::string conv, norm;  ///< names of the tensors; norm empty: a bias instead (the last layer)
-  int in = 0, out = 0, kernel = 1, stride = 1;
-  bool depthwise = false, relu6 = true, trunk = true;
-};
-
-struct FcnSpec {
-  static constexpr const char* architecture = "mobilenetv2-s16-fpn2";
-  /// Bottlenecks in order: 17 - 4 of MobileNetV2, those up to stride 16.
-  struct Bottleneck {
-    std::vector<ConvSpec> convs;  ///< expand (not in the first), depthwise, project
-    bool residual = false;
-  };
-  ConvSpec stem;
-  std::vector<Bottleneck> bottlenecks;
-  ConvSpec context_depthwise, context_project;  ///< at stride 16
-  struct Merge {
-    ConvSpec lateral, depthwise, project;
-  };
-  std::vector<Merge> merges;  ///< at strides 8, 4, 2
-  ConvSpec head;
-
-  [[nodiscard]] std::vector<ConvSpec> all() const;
-};
-[[nodiscard]] FcnSpec make_fcn_spec(int class_count);
-
-constexpr int fcn_stride_px = 16;
-/// Half of what an output pixel sees: 133 px of the trunk to stride 16, 8 for the cell, four cells of the decoder;
-/// rounded up to the stride. segment_test.cpp checks it by moving pixels just inside and outside.
-constexpr int fcn_margin_px = 208;
-
-/// A convolution as it runs: kernel OIHW in channels-last, and either batch norm or bias.
-struct ConvParams {
+/// Weights of one layer. Kernels O x I x H x W in channels-last (deconvolutions I x O x H x W); then either a batch
+/// norm or a bias.
+struct LayerParams {
   at::Tensor kernel, gamma, beta, mean, variance, bias;
-  bool depthwise = false;
 };
+using NetworkParams =
+    std::vector<LayerParams>;  ///< one a layer of the graph, undefined tensors where it has no weights
 
-/// Parameters in the order of FcnSpec::all().
-using FcnParams = std::vector<ConvParams>;
-
-struct ForwardMode {
+struct TrainingMode {
   bool update_batch_statistics = false;  ///< batch norm uses and updates the batch's statistics
+  bool dropout = false;                  ///< from torch's default generator
 };
 
-/// RGB in [-1, 1], N x 3 x H x W, H and W multiples of 16 -> class scores N x C x H/2 x W/2.
-[[nodiscard]] at::Tensor forward(const FcnSpec& spec, FcnParams& params, const at::Tensor& image, ForwardMode mode);
-
-/// Batch norm folded into kernel and bias; the same scores with fewer passes over memory.
-[[nodiscard]] FcnParams fold_batch_norm(const FcnSpec& spec, const FcnParams& params);
-
-/// Tensors by Keras names (kernels HWIO) <-> parameters. `source` names the file in messages. With `trunk_only`, layers
-/// outside the trunk start from seeded He-normal values. Throws InputError for missing tensors and wrong shapes.
-struct ReadParamsOptions {
-  bool trunk_only = false;
-  std::uint64_t seed = 1;
+/// Class scores for the pixels of a window's inner part.
+struct Scores {
+  at::Tensor values;         ///< N x C x rows x cols
+  CellRange row_px, col_px;  ///< the pixels of the image they belong to
 };
-[[nodiscard]] FcnParams params_from_file(const FcnSpec& spec, const TensorFile& file, const std::string& source,
-                                         const ReadParamsOptions& options = {});
-/// `kernels_as`: batch norm vectors stay F32, they are few.
-[[nodiscard]] TensorFile file_from_params(const FcnSpec& spec, const FcnParams& params, TensorType kernels_as);
+/// Pads as the layers say, at the borders of the image given (N x 3 x H x W): what the reference trains with. Scores
+/// for as many pixels as come out of the layers.
+[[nodiscard]] Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                                    TrainingMode mode);
+
+/// Pads nothing: every layer computes exactly the cells that the wanted output depends on, so the scores are the same
+/// wherever a window begins and ends. `image`: 1 x 3 x H x W, its first pixel at absolute (row_px.first, col_px.first);
+/// it must contain needed_ranges(). With `last_layer` false the layer before the last is returned, on the cells that
+/// the last needs.
+struct ExactWindow {
+  CellRange image_rows, image_cols;    ///< absolute pixels of the image given
+  CellRange output_rows, output_cols;  ///< absolute pixels wanted
+  bool last_layer = true;
+};
+[[nodiscard]] at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                                       const ExactWindow& window);
+
+/// Batch norm folded into kernel and bias: the same scores with fewer passes over memory.
+[[nodiscard]] NetworkParams fold_batch_norm(const NetworkGraph& graph, const NetworkParams& params);
+
+/// Tensors of a model file <-> parameters. Names are those of the layers, kernels H x W x I x O (depthwise H x W x C x
+/// 1). `source` names the file in messages. Throws InputError for missing tensors and wrong shapes.
+[[nodiscard]] NetworkParams params_from_file(const NetworkGraph& graph, const TensorFile& file,
+                                             const std::string& source);
+/// `kernels_as`: batch norm vectors and biases stay F32, they are few.
+[[nodiscard]] TensorFile file_from_params(const NetworkGraph& graph, const NetworkParams& params,
+                                          TensorType kernels_as);
+
+/// Helpers for whoever fills parameters: shape and memory order of a layer's kernel.
+[[nodiscard]] std::vector<std::int64_t> kernel_file_shape(const Layer& layer);
+[[nodiscard]] at::Tensor kernel_from_file_order(const Layer& layer, const at::Tensor& hwio);
+[[nodiscard]] at::Tensor tensor_from(const NamedTensor& named);
+[[nodiscard]] std::string bias_tensor(const Layer& layer);
+
+/// RGB bytes, N x H x W x 3 -> the network's input N x 3 x H x W, channels-last.
+[[nodiscard]] at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb, int count, int width,
+                                      int height);
 
 /// The folded network for prediction. Safe from several threads.
 class InferenceNetwork {
  public:
-  InferenceNetwork(FcnSpec spec, const FcnParams& params);
-  [[nodiscard]] int class_count() const { return spec_.head.out; }
-  /// Photo needed on every side of what is predicted: what a pixel sees, and what aligning the window to the stride
-  /// takes away.
-  [[nodiscard]] int margin_px() const { return fcn_margin_px + fcn_stride_px - 1; }
-  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes); writes class probabilities
-  /// core.height x core.width x C. Any position and size of core: the network aligns itself.
+  InferenceNetwork(NetworkGraph graph, const NetworkParams& params);
+  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes). Writes the class probabilities of the
+  /// core, height x width x C. They do not depend on how a mosaic is cut into cores, but for the order of summation.
   void predict(const std::uint8_t* rgb, const PixelBox& core, float* probabilities) const;
+  [[nodiscard]] int class_count() const { return graph_.class_count; }
+  [[nodiscard]] int margin_px() const { return margin_px_; }
+  [[nodiscard]] const NetworkGraph& graph() const { return graph_; }
 
  private:
-  FcnSpec spec_;
-  FcnParams folded_;
+  NetworkGraph graph_;
+  NetworkParams folded_;
+  int margin_px_ = 0;
 };
-
-/// RGB bytes -> channels-last tensor in [-1, 1], as the ImageNet weights expect.
-[[nodiscard]] at::Tensor image_tensor(const std::uint8_t* rgb, int count, int width, int height);
 
 }  // namespace orthodrive

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/segment/fcn.hpp"
+#include "orthodrive/segment/make_network.hpp"
 #include "orthodrive/segment/model_metadata.hpp"
 
 namespace orthodrive {
@@ -11,23 +14,27 @@ namespace orthodrive {
 SegmentModel load_model(std::string_view bytes, const std::string& source) {
   const TensorFile file = parse_safetensors(bytes, source);
   const ModelMetadata metadata = parse_model_metadata(file.metadata, source);
-  if (metadata.architecture != FcnSpec::architecture) {
-    throw InputError(source, fmt::format("architecture is '{}', this program knows '{}'", metadata.architecture,
-                                         FcnSpec::architecture));
+  const std::size_t classes = metadata.classes.classes.size();
+  NetworkGraph graph;
+  try {
+    graph = make_network(metadata.architecture, static_cast<int>(classes));
+  } catch (const OptionError& error) {
+    throw InputError(source, error.what());
   }
-  const auto head = file.tensors.find("head/kernel");
-  const std::int64_t scores = head == file.tensors.end() || head->second.shape.empty() ? 0 : head->second.shape.back();
-  if (scores != static_cast<std::int64_t>(metadata.classes.classes.size())) {
+  const auto scores = std::find_if(graph.layers.begin(), graph.layers.end(),
+                                   [](const Layer& l) { return l.score && l.kind == LayerKind::convolution; });
+  const auto kernel = file.tensors.find(scores->kernel_tensor);
+  if (kernel != file.tensors.end() && !kernel->second.shape.empty() &&
+      kernel->second.shape.back() != static_cast<std::int64_t>(classes)) {
     throw InputError(
         source,
         fmt::format(
             "class table '{}' has {} classes but the weights score {}: use the table the model was trained with",
-            metadata.classes.name, metadata.classes.classes.size(), scores));
+            metadata.classes.name, classes, kernel->second.shape.back()));
   }
-  FcnSpec spec = make_fcn_spec(static_cast<int>(scores));
-  const FcnParams params = params_from_file(spec, file, source);
+  const NetworkParams params = params_from_file(graph, file, source);
   return {metadata.architecture, metadata.classes, metadata.gsd_m,
-          std::make_shared<InferenceNetwork>(std::move(spec), params)};
+          read_crf(file, static_cast<int>(classes), source), std::make_shared<InferenceNetwork>(std::move(graph), params)};
 }
 
 }  // namespace orthodrive

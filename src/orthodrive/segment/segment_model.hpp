@@ -2,10 +2,12 @@
 // A trained network with its class table. Opaque: libtorch stays in the .cpp files.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "orthodrive/model/class_table.hpp"
+#include "orthodrive/segment/crf_model.hpp"
 
 namespace orthodrive {
 
@@ -15,6 +17,7 @@ struct SegmentModel {
   std::string name;  ///< architecture, from the file's metadata
   ClassTable classes;
   double gsd_m = 0.5;  ///< the scale the network was trained at
+  std::optional<CrfModel> crf;  ///< trained with it
   std::shared_ptr<const InferenceNetwork> network;
 };
 

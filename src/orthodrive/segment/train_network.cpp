@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -12,7 +13,9 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/segment/allowed_class_loss.hpp"
 #include "orthodrive/segment/fcn.hpp"
+#include "orthodrive/segment/make_network.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 
 namespace orthodrive {
@@ -35,11 +38,11 @@ struct Learned {
   std::string name;
   at::Tensor value, first_moment, second_moment;
   double rate_factor = 1.0;
-  bool decays = false;
+  double decay = 0.0;  ///< towards zero
 };
 
 NamedTensor copy_of(const at::Tensor& tensor) {
-  const at::Tensor flat = tensor.detach().contiguous();
+  const at::Tensor flat = tensor.detach().to(at::kCPU).contiguous();
   const float* data = flat.data_ptr<float>();
   return {flat.sizes().vec(), std::vector<float>(data, data + flat.numel()), TensorType::f32};
 }
@@ -68,11 +71,26 @@ Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& o
   parallel_for(count, options.threads, [&](std::size_t i) {
     const std::uint64_t seed = derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(step)), i);
     const TrainingScene& scene = scenes[draw_scene(scenes, step, seed)];
-    const Crop crop = draw_crop(scene, {.size_px = options.crop_px, .gsd_m = gsd_m}, derive_seed(seed, 1));
+    const Crop crop = draw_crop(scene, {options.crop_px, gsd_m, options.augmentation}, derive_seed(seed, 1));
     std::memcpy(&batch.rgb[3 * pixels * i], crop.rgb.data.data(), 3 * pixels);
-    std::memcpy(&batch.allowed[pixels * i], crop.allowed.data.data(), pixels);
+    std::memcpy(&batch.allowed[pixels * i], crop.allowed.data.data(), pixels * sizeof(ClassSet));
   });
   return batch;
+}
+
+/// The photos of a batch as far as they have scores.
+std::vector<Raster<std::uint8_t>> photos_of(const Batch& batch, const TrainOptions& options, CellRange scored) {
+  std::vector<Raster<std::uint8_t>> photos;
+  const auto crop = static_cast<std::size_t>(options.crop_px), size = static_cast<std::size_t>(scored.size());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(options.batch); ++i) {
+    Raster<std::uint8_t>& photo = photos.emplace_back(scored.size(), scored.size(), 3);
+    for (std::size_t row = 0; row < size; ++row) {
+      const std::size_t from =
+          (i * crop + row + static_cast<std::size_t>(scored.first)) * crop + static_cast<std::size_t>(scored.first);
+      std::memcpy(&photo.data[3 * row * size], &batch.rgb[3 * from], 3 * size);
+    }
+  }
+  return photos;
 }
 
 }  // namespace
@@ -80,25 +98,114 @@ Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& o
 struct Trainer::State {
   TrainOptions options;
   ModelMetadata metadata;
-  FcnSpec spec;
-  FcnParams params;
+  NetworkGraph graph;
+  NetworkParams params;
   std::vector<Learned> learned;
+  at::Tensor crf_log_appearance, crf_log_smoothness, crf_compatibility;  ///< relative to options.crf->start
+  at::Device device = at::kCPU;
   std::int64_t step = 0;
 
   void collect_learned() {
-    const std::vector<ConvSpec> convs = spec.all();
-    for (std::size_t i = 0; i < convs.size(); ++i) {
-      const double factor = convs[i].trunk ? options.trunk_rate_factor : 1.0;
+    learned.clear();
+    for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+      const Layer& layer = graph.layers[i];
+      LayerParams& p = params[i];
+      const double factor = layer.pretrained ? options.trunk_rate_factor : 1.0;
       const auto add = [&](const std::string& name, at::Tensor& value, bool decays) {
-        value.set_requires_grad(true);
-        learned.push_back({name, value, at::zeros_like(value), at::zeros_like(value), factor, decays});
+        learn(name, value, factor, decays ? options.weight_decay : 0.0);
       };
-      add(convs[i].conv, params[i].kernel, !convs[i].depthwise);
-      if (params[i].bias.defined()) add(convs[i].conv + "/bias", params[i].bias, false);
-      if (!params[i].gamma.defined()) continue;
-      add(convs[i].norm + "/gamma", params[i].gamma, false);
-      add(convs[i].norm + "/beta", params[i].beta, false);
+      if (!p.kernel.defined()) continue;
+      add(layer.kernel_tensor, p.kernel, !layer.depthwise);
+      if (p.bias.defined()) add(bias_tensor(layer), p.bias, false);
+      if (!p.gamma.defined()) continue;
+      add(layer.norm_tensors + "/gamma", p.gamma, false);
+      add(layer.norm_tensors + "/beta", p.beta, false);
+      p.mean = p.mean.to(device);
+      p.variance = p.variance.to(device);
     }
+    if (!options.crf) return;
+    const std::int64_t n = graph.class_count;
+    const double factor = options.crf->learning_rate / options.learning_rate;
+    crf_log_appearance = at::zeros({n});
+    crf_log_smoothness = at::zeros({n});
+    crf_compatibility = at::zeros({n, n});
+    learn("crf/log_appearance", crf_log_appearance, factor, options.crf->shrinkage / factor);
+    learn("crf/log_smoothness", crf_log_smoothness, factor, options.crf->shrinkage / factor);
+    learn("crf/compatibility_change", crf_compatibility, factor, options.crf->shrinkage / factor);
+  }
+
+  void learn(const std::string& name, at::Tensor& value, double factor, double decay) {
+    value = value.to(device).set_requires_grad(true);
+    at::Tensor second = options.solver == Solver::adamw ? at::zeros_like(value) : at::Tensor();
+    learned.push_back({name, value, at::zeros_like(value), std::move(second), factor, decay});
+  }
+
+  /// The CRF as learned so far.
+  [[nodiscard]] CrfModel current_crf() const {
+    CrfModel crf = options.crf->start;
+    const auto scale = [](std::vector<float>& weights, const at::Tensor& log_ratio) {
+      const at::Tensor ratio = log_ratio.detach().to(at::kCPU).exp().contiguous();
+      for (std::size_t c = 0; c < weights.size(); ++c) weights[c] *= ratio.data_ptr<float>()[c];
+    };
+    scale(crf.parameters.appearance_weight, crf_log_appearance);
+    scale(crf.parameters.smoothness_weight, crf_log_smoothness);
+    const at::Tensor change = crf_compatibility.detach().to(at::kCPU).contiguous();
+    for (std::size_t i = 0; i < crf.parameters.compatibility.size(); ++i)
+      crf.parameters.compatibility[i] += change.data_ptr<float>()[i];
+    return crf;
+  }
+
+  /// Runs the CRF on the scores (N x C x H x W) of image parts, and the derivatives of the loss back through it: sets
+  /// the gradients of its own parameters, returns those of the scores. Only `labelled` rows and columns have `allowed`.
+  LossGradient learn_crf(const at::Tensor& scores, const std::vector<Raster<std::uint8_t>>& photos,
+                         const at::Tensor& allowed, CellRange labelled, const AllowedLossOptions& loss_options) {
+    const at::NoGradGuard no_grad;
+    const CrfModel crf = current_crf();
+    const auto count = static_cast<std::size_t>(scores.size(0));
+    const at::Tensor log_p = at::log_softmax(scores.detach().to(at::kCPU), 1).permute({0, 2, 3, 1}).contiguous();
+    const at::Tensor unary = -log_p;
+    const std::size_t values = static_cast<std::size_t>(unary.numel()) / count;
+    std::vector<std::unique_ptr<DenseCrf>> crfs(count);
+    std::vector<CrfTape> tapes(count);
+    at::Tensor marginals = at::empty_like(unary);
+    const auto part = [values](const at::Tensor& tensor, std::size_t i) {
+      return tensor.data_ptr<float>() + i * values;
+    };
+    parallel_for(count, options.threads, [&](std::size_t i) {
+      crfs[i] = std::make_unique<DenseCrf>(
+          CrfImage{.width = photos[i].width, .height = photos[i].height, .rgb = photos[i].data.data()}, crf.widths);
+      tapes[i] = crfs[i]->record(crf.parameters, {part(unary, i), values});
+      const auto result = tapes[i].result();
+      std::copy(result.begin(), result.end(), part(marginals, i));
+    });
+    const at::Tensor inner = marginals.narrow(1, labelled.first, labelled.size())
+                                 .narrow(2, labelled.first, labelled.size())
+                                 .permute({0, 3, 1, 2});
+    const LossGradient loss = allowed_class_loss_of_probabilities(inner, allowed.to(at::kCPU), loss_options);
+    at::Tensor gradient = at::zeros_like(marginals);
+    gradient.narrow(1, labelled.first, labelled.size())
+        .narrow(2, labelled.first, labelled.size())
+        .copy_(loss.gradient.permute({0, 2, 3, 1}));
+    std::vector<CrfGradients> back(count);
+    parallel_for(count, options.threads, [&](std::size_t i) {
+      back[i] = crfs[i]->backward(crf.parameters, tapes[i], {part(gradient, i), values});
+    });
+    const std::int64_t n = graph.class_count;
+    at::Tensor d_appearance = at::zeros({n}), d_smoothness = at::zeros({n}), d_compatibility = at::zeros({n, n});
+    at::Tensor d_unary = at::empty_like(unary);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::copy(back[i].unary.begin(), back[i].unary.end(), part(d_unary, i));
+      d_appearance += at::tensor(back[i].appearance_weight);
+      d_smoothness += at::tensor(back[i].smoothness_weight);
+      d_compatibility += at::tensor(back[i].compatibility).view({n, n});
+    }
+    // d weight / d log ratio = weight
+    crf_log_appearance.mutable_grad() = (d_appearance * at::tensor(crf.parameters.appearance_weight)).to(device);
+    crf_log_smoothness.mutable_grad() = (d_smoothness * at::tensor(crf.parameters.smoothness_weight)).to(device);
+    crf_compatibility.mutable_grad() = d_compatibility.to(device);
+    // unary c = -score c + log sum exp scores
+    const at::Tensor d_scores = log_p.exp() * d_unary.sum(3, true) - d_unary;
+    return {loss.loss, d_scores.permute({0, 3, 1, 2}).to(scores.device())};
   }
 
   void update_weights(double rate) {
@@ -108,31 +215,83 @@ struct Trainer::State {
     for (Learned& l : learned) {
       at::Tensor& gradient = l.value.mutable_grad();
       if (!gradient.defined()) continue;
-      l.first_moment.mul_(adam_beta1).add_(gradient, 1.0 - adam_beta1);
-      l.second_moment.mul_(adam_beta2).addcmul_(gradient, gradient, 1.0 - adam_beta2);
-      if (l.decays) l.value.mul_(1.0 - rate * l.rate_factor * options.weight_decay);
-      const at::Tensor scale = (l.second_moment / correction2).sqrt_().add_(adam_eps);
-      l.value.addcdiv_(l.first_moment, scale, -rate * l.rate_factor / correction1);
+      const double own_rate = rate * l.rate_factor;
+      if (options.solver == Solver::sgd) {  // Caffe: v = m v + rate (g + decay w); w -= v
+        if (l.decay > 0.0) gradient.add_(l.value, l.decay);
+        l.first_moment.mul_(options.momentum).add_(gradient, own_rate);
+        l.value.sub_(l.first_moment);
+      } else {
+        l.first_moment.mul_(adam_beta1).add_(gradient, 1.0 - adam_beta1);
+        l.second_moment.mul_(adam_beta2).addcmul_(gradient, gradient, 1.0 - adam_beta2);
+        if (l.decay > 0.0) l.value.mul_(1.0 - own_rate * l.decay);
+        const at::Tensor scale = (l.second_moment / correction2).sqrt_().add_(adam_eps);
+        l.value.addcdiv_(l.first_moment, scale, -own_rate / correction1);
+      }
       gradient = at::Tensor();
     }
   }
+
+  /// Pixels of a crop that get scores, and those in its centre that are learned from.
+  [[nodiscard]] CellRange scored_range() const {
+    const CellRange cells = padded_ranges(graph, options.crop_px).back();
+    return {std::max(0, cells.first + graph.output_shift),
+            std::min(options.crop_px - 1, cells.last + graph.output_shift)};
+  }
+  [[nodiscard]] CellRange label_range() const {
+    const CellRange scored = scored_range();
+    if (options.label_px == 0) return scored;
+    const int first = (options.crop_px - options.label_px) / 2;
+    const CellRange wanted{first, first + options.label_px - 1};
+    if (wanted.first < scored.first || wanted.last > scored.last) {
+      throw OptionError(fmt::format("label_px of {}: {} gives scores for the inner {} px of a crop of {} px only",
+                                    options.label_px, graph.architecture, scored.size(), options.crop_px));
+    }
+    return wanted;
+  }
 };
 
-Trainer::Trainer(const TensorFile& trunk, const std::string& source, const ModelMetadata& metadata,
+TrainOptions reference_train_options() {
+  return {.steps = 50000,
+          .warmup_steps = 0,
+          .decay_from_step = 50000,
+          .solver = Solver::sgd,
+          .learning_rate = 1e-10,
+          .momentum = 0.99,
+          .trunk_rate_factor = 1.0,
+          .weight_decay = 5e-4,
+          .sum_loss = true,
+          .batch = 1,
+          .crop_px = 450,
+          .label_px = 256,
+          .augmentation =
+              {.turn = Augmentation::Turn::quarters, .zoom = false, .colors = false, .blur = false, .noise = false},
+          .validate_every = 1000};
+}
+
+Trainer::Trainer(const TensorFile& start, const std::string& source, const ModelMetadata& metadata,
                  TrainOptions options)
     : state_(std::make_unique<State>()) {
-  if (options.class_weights.size() != metadata.classes.classes.size() || options.class_weights.size() > 8) {
-    throw OptionError(fmt::format("{} class weights for {} classes (at most 8): give one a class",
-                                  options.class_weights.size(), metadata.classes.classes.size()));
+  State& s = *state_;
+  s.metadata = metadata;
+  const std::size_t classes = metadata.classes.classes.size();
+  if (options.class_weights.empty()) options.class_weights.assign(classes, 1.0F);
+  if (options.class_weights.size() != classes) {
+    throw OptionError(
+        fmt::format("{} class weights for {} classes: give one a class", options.class_weights.size(), classes));
   }
-  if (options.crop_px % fcn_stride_px != 0)
-    throw OptionError(fmt::format("crop of {} px: must be a multiple of {}", options.crop_px, fcn_stride_px));
-  state_->options = std::move(options);
-  state_->metadata = metadata;
-  state_->metadata.architecture = FcnSpec::architecture;
-  state_->spec = make_fcn_spec(static_cast<int>(metadata.classes.classes.size()));
-  state_->params = params_from_file(state_->spec, trunk, source, {.trunk_only = true, .seed = state_->options.seed});
-  state_->collect_learned();
+  s.options = std::move(options);
+  s.graph = make_network(metadata.architecture, static_cast<int>(classes));
+  if (s.options.crop_px % s.graph.stride_px != s.graph.size_remainder) {
+    throw OptionError(fmt::format("crop of {} px: {} needs a multiple of {} plus {}", s.options.crop_px,
+                                  metadata.architecture, s.graph.stride_px, s.graph.size_remainder));
+  }
+  static_cast<void>(s.label_range());
+  if (s.options.cuda) {
+    if (!at::hasCUDA()) throw OptionError("this libtorch has no CUDA: train on the CPU");
+    s.device = at::Device(at::kCUDA, 0);
+  }
+  s.params = params_from_file(s.graph, start, source);
+  s.collect_learned();
 }
 
 Trainer::~Trainer() = default;
@@ -141,58 +300,188 @@ Trainer& Trainer::operator=(Trainer&&) noexcept = default;
 
 std::int64_t Trainer::step() const { return state_->step; }
 double Trainer::learning_rate() const { return learning_rate_at(state_->options, state_->step); }
+const ModelMetadata& Trainer::metadata() const { return state_->metadata; }
 
 double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   State& s = *state_;
-  at::set_num_threads(worker_count(s.options.threads));
-  const Batch batch = draw_batch(scenes, s.options, s.metadata.gsd_m, s.step);
-  const at::Tensor image = image_tensor(batch.rgb.data(), s.options.batch, s.options.crop_px, s.options.crop_px);
-  const bool live = s.step < s.options.freeze_norm_from_step;
-  const at::Tensor half = forward(s.spec, s.params, image, {.update_batch_statistics = live});
-  const at::Tensor scores = at::upsample_bilinear2d(half, {s.options.crop_px, s.options.crop_px}, false)
-                                .contiguous(at::MemoryFormat::ChannelsLast);
-  at::Tensor gradient = at::empty_like(scores.detach(), at::MemoryFormat::Preserve);
-  const auto count = static_cast<std::size_t>(scores.numel());
-  const double loss =
-      allowed_class_loss({scores.data_ptr<float>(), count}, batch.allowed,
-                         {s.options.class_weights, s.options.set_weight}, {gradient.data_ptr<float>(), count});
-  if (!std::isfinite(loss)) throw Error(fmt::format("training diverged at step {}: lower the learning rate", s.step));
-  scores.backward(gradient);
+  const TrainOptions& options = s.options;
+  at::set_num_threads(worker_count(options.threads));
+  at::manual_seed(derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(s.step)), 2));  // dropout
+  const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step);
+  const at::Tensor image =
+      image_tensor(s.graph.input, batch.rgb.data(), options.batch, options.crop_px, options.crop_px).to(s.device);
+  const Scores scores = forward_padded(
+      s.graph, s.params, image, {.update_batch_statistics = s.step < options.freeze_norm_from_step, .dropout = true});
+  const CellRange labelled = s.label_range(), scored = s.scored_range();
+  const auto part = [](const at::Tensor& values, std::int64_t dimension, CellRange has, CellRange wanted) {
+    return values.narrow(dimension, wanted.first - has.first, wanted.size())
+        .narrow(dimension + 1, wanted.first - has.first, wanted.size());
+  };
+  const at::Tensor allowed = part(at::from_blob(const_cast<ClassSet*>(batch.allowed.data()),
+                                                {options.batch, options.crop_px, options.crop_px}, at::kLong),
+                                  1, {0, options.crop_px - 1}, labelled)
+                                 .to(s.device);
+  const AllowedLossOptions loss_options{options.class_weights, options.set_weight, options.sum_loss};
+  // A CRF infers on all pixels that have scores; what is not learned from is cropped only after it.
+  const at::Tensor values = part(scores.values, 2, scores.row_px, options.crf ? scored : labelled);
+  const LossGradient loss =
+      options.crf ? s.learn_crf(values, photos_of(batch, options, scored), allowed,
+                                {labelled.first - scored.first, labelled.last - scored.first}, loss_options)
+                  : allowed_class_loss(values, allowed, loss_options);
+  if (!std::isfinite(loss.loss)) {
+    throw Error(
+        fmt::format("training diverged at step {} (the loss is no number): lower the learning rate and go on from "
+                    "the last checkpoint",
+                    s.step));
+  }
+  values.backward(loss.gradient);
   s.update_weights(learning_rate());
   ++s.step;
-  return loss;
+  return loss.loss;
 }
 
 TensorFile Trainer::checkpoint() const {
-  TensorFile file = file_from_params(state_->spec, state_->params, TensorType::f32);
-  file.metadata = format_model_metadata(state_->metadata);
-  file.metadata["step"] = std::to_string(state_->step);
-  for (const Learned& l : state_->learned) {
+  const State& s = *state_;
+  for (const Learned& l : s.learned) {
+    if (!at::isfinite(l.value).all().item<bool>()) {
+      throw Error(
+          fmt::format("training diverged before step {}: '{}' holds values that are no numbers; the last "
+                      "checkpoint is kept, go on from it with a lower learning rate",
+                      s.step, l.name));
+    }
+  }
+  TensorFile file = file_from_params(s.graph, s.params, TensorType::f32);
+  file.metadata = format_model_metadata(s.metadata);
+  file.metadata["step"] = std::to_string(s.step);
+  if (s.options.crf) {
+    file.tensors.emplace("crf/log_appearance", copy_of(s.crf_log_appearance));
+    file.tensors.emplace("crf/log_smoothness", copy_of(s.crf_log_smoothness));
+    file.tensors.emplace("crf/compatibility_change", copy_of(s.crf_compatibility));
+    add_crf(file, s.options.crf->start);
+  }
+  file.metadata["best_step"] = std::to_string(best.step);
+  file.metadata["best_mean_iou"] = fmt::format("{}", best.mean_iou);
+  file.metadata["validations_since_best"] = std::to_string(best.validations_since);
+  for (const Learned& l : s.learned) {
     file.tensors.emplace(l.name + "/first_moment", copy_of(l.first_moment));
-    file.tensors.emplace(l.name + "/second_moment", copy_of(l.second_moment));
+    if (l.second_moment.defined()) file.tensors.emplace(l.name + "/second_moment", copy_of(l.second_moment));
   }
   return file;
 }
 
 void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
-  State& s = *state_;
-  const auto step = checkpoint.metadata.find("step");
-  if (step == checkpoint.metadata.end()) throw InputError(source, "is not a training checkpoint");
-  s.params = params_from_file(s.spec, checkpoint, source);
-  s.learned.clear();
-  s.collect_learned();
-  for (Learned& l : s.learned) {
-    copy_into(l.first_moment, checkpoint, l.name + "/first_moment", source);
-    copy_into(l.second_moment, checkpoint, l.name + "/second_moment", source);
+  const State& old = *state_;
+  const auto number = [&](const char* key) {
+    const auto it = checkpoint.metadata.find(key);
+    if (it == checkpoint.metadata.end()) throw InputError(source, "is not a training checkpoint");
+    return it->second;
+  };
+  const ModelMetadata metadata = parse_model_metadata(checkpoint.metadata, source);
+  if (metadata.architecture != old.metadata.architecture) {
+    throw InputError(source, fmt::format("is a checkpoint of {}, this training is of {}", metadata.architecture,
+                                         old.metadata.architecture));
   }
-  s.step = std::stoll(step->second);
+  auto state = std::make_unique<State>();
+  state->options = old.options;
+  state->metadata = old.metadata;
+  state->graph = old.graph;
+  state->device = old.device;
+  state->params = params_from_file(state->graph, checkpoint, source);
+  state->collect_learned();
+  if (state->options.crf) {
+    copy_into(state->crf_log_appearance, checkpoint, "crf/log_appearance", source);
+    copy_into(state->crf_log_smoothness, checkpoint, "crf/log_smoothness", source);
+    copy_into(state->crf_compatibility, checkpoint, "crf/compatibility_change", source);
+  }
+  for (Learned& l : state->learned) {
+    copy_into(l.first_moment, checkpoint, l.name + "/first_moment", source);
+    if (l.second_moment.defined()) copy_into(l.second_moment, checkpoint, l.name + "/second_moment", source);
+  }
+  BestScore kept;
+  try {
+    state->step = std::stoll(number("step"));
+    kept = {std::stoll(number("best_step")), std::stod(number("best_mean_iou")),
+            std::stoi(number("validations_since_best"))};
+  } catch (const std::logic_error&) {
+    throw InputError(source, "its step is no number: the checkpoint is damaged");
+  }
+  state_ = std::move(state);
+  best = kept;
 }
 
 TensorFile Trainer::model_file() const {
-  TensorFile file = file_from_params(state_->spec, state_->params, TensorType::f16);
+  TensorFile file = file_from_params(state_->graph, state_->params, TensorType::f16);
   file.metadata = format_model_metadata(state_->metadata);
   file.metadata["step"] = std::to_string(state_->step);
+  if (state_->options.crf) add_crf(file, state_->current_crf());
   return file;
+}
+
+std::optional<CrfModel> Trainer::crf() const {
+  if (!state_->options.crf) return {};
+  return state_->current_crf();
+}
+
+std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& scenes, int count) const {
+  const State& s = *state_;
+  const at::NoGradGuard no_grad;
+  NetworkParams params = s.params;  // handles only
+  TrainOptions options = s.options;
+  options.batch = 1;
+  const CellRange scored = s.scored_range();
+  std::vector<CrfSample> samples;
+  for (int i = 0; i < count; ++i) {
+    const Batch batch =
+        draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i);  // other crops than those learned from
+    const at::Tensor image =
+        image_tensor(s.graph.input, batch.rgb.data(), 1, options.crop_px, options.crop_px).to(s.device);
+    const Scores scores = forward_padded(s.graph, params, image, {});
+    const at::Tensor unary =
+        (-at::log_softmax(scores.values.narrow(2, scored.first - scores.row_px.first, scored.size())
+                              .narrow(3, scored.first - scores.col_px.first, scored.size()),
+                          1))
+            .permute({0, 2, 3, 1})
+            .to(at::kCPU)
+            .contiguous();
+    const float* values = unary.data_ptr<float>();
+    CrfSample sample{photos_of(batch, options, scored).front(),
+                     Raster<ClassSet>(scored.size(), scored.size()),
+                     {values, values + unary.numel()}};
+    for (int row = 0; row < scored.size(); ++row)
+      for (int col = 0; col < scored.size(); ++col)
+        sample.allowed.at(col, row) =
+            batch.allowed[static_cast<std::size_t>((row + scored.first) * options.crop_px + col + scored.first)];
+    samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
+TensorFile Trainer::weights() const { return file_from_params(state_->graph, state_->params, TensorType::f32); }
+
+std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes) {
+  constexpr float most = 8.0F;  // a class of a few pixels must not rule the training
+  std::vector<double> share(classes, 0.0);
+  for (const TrainingScene& scene : scenes) {
+    std::vector<std::size_t> count(classes, 0);
+    std::size_t known = 0;
+    for (const ClassSet set : scene.allowed.data) {
+      if (!std::has_single_bit(set)) continue;
+      ++count[static_cast<std::size_t>(std::countr_zero(set))];
+      ++known;
+    }
+    for (std::size_t c = 0; c < classes && known > 0; ++c)
+      share[c] += scene.weight * static_cast<double>(count[c]) / static_cast<double>(known);
+  }
+  std::vector<double> present;
+  for (const double s : share)
+    if (s > 0.0) present.push_back(s);
+  if (present.empty()) throw OptionError("balance_classes: no pixel has one known class");
+  std::nth_element(present.begin(), present.begin() + static_cast<std::ptrdiff_t>(present.size() / 2), present.end());
+  const double median = present[present.size() / 2];
+  std::vector<float> weights;
+  for (const double s : share)
+    weights.push_back(s > 0.0 ? std::clamp(static_cast<float>(median / s), 1.0F / most, most) : 1.0F);
+  return weights;
 }
 
 int road_label(const ClassTable& classes) {
@@ -218,23 +507,44 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
                    const std::vector<ValidationScene>& validation, const TrainHooks& hooks, Monitor* monitor) {
   const auto start = std::chrono::steady_clock::now();  // for the log only
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
+  const std::string& stage = trainer.metadata().architecture;
   const auto validate = [&] {
+    if (validation.empty()) return;
     const SegmentModel model = load_model(format_safetensors(trainer.model_file()), "network in training");
     const int road = road_label(model.classes);
-    for (const auto& [name, score] : measure_model(model, validation, options.threads)) {
+    TrainReport mean{
+        .step = trainer.step(), .learning_rate = trainer.learning_rate(), .validation = "mean", .stage = stage};
+    double road_sum = 0.0, iou_sum = 0.0, accuracy_sum = 0.0;
+    const auto scores = measure_model(model, validation, options.threads);
+    for (const auto& [name, score] : scores) {
       hooks.report({.step = trainer.step(),
                     .learning_rate = trainer.learning_rate(),
                     .seconds = seconds(),
                     .road_iou = score.iou(road),
                     .mean_iou = score.mean_iou(),
                     .pixel_accuracy = score.pixel_accuracy(),
-                    .validation = name});
+                    .validation = name,
+                    .stage = stage});
+      road_sum += score.iou(road), iou_sum += score.mean_iou(), accuracy_sum += score.pixel_accuracy();
     }
+    const auto sets = static_cast<double>(scores.size());
+    mean.seconds = seconds();
+    mean.road_iou = road_sum / sets, mean.mean_iou = iou_sum / sets, mean.pixel_accuracy = accuracy_sum / sets;
+    hooks.report(mean);
+    if (*mean.mean_iou > trainer.best.mean_iou) {
+      trainer.best = {trainer.step(), *mean.mean_iou, 0};
+      if (hooks.best) hooks.best(trainer);
+    } else {
+      ++trainer.best.validations_since;
+    }
+  };
+  const auto stop_early = [&] {
+    return options.early_stop_after > 0 && trainer.best.validations_since >= options.early_stop_after;
   };
 
   double loss_sum = 0.0;
   std::int64_t loss_count = 0;
-  while (trainer.step() < options.steps && !(monitor && monitor->cancelled())) {
+  while (trainer.step() < options.steps && !stop_early() && !(monitor && monitor->cancelled())) {
     const double rate = trainer.learning_rate();
     loss_sum += trainer.advance(scenes);
     ++loss_count;
@@ -242,17 +552,18 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
       hooks.report({.step = trainer.step(),
                     .learning_rate = rate,
                     .loss = loss_sum / static_cast<double>(loss_count),
-                    .seconds = seconds()});
+                    .seconds = seconds(),
+                    .stage = stage});
       loss_sum = 0.0, loss_count = 0;
       if (monitor) monitor->progress(static_cast<double>(trainer.step()) / static_cast<double>(options.steps), "train");
     }
     if (options.validate_every > 0 && trainer.step() % options.validate_every == 0 && trainer.step() < options.steps) {
-      hooks.checkpoint(trainer);
       validate();
+      hooks.checkpoint(trainer);
     }
   }
-  hooks.checkpoint(trainer);
   validate();
+  hooks.checkpoint(trainer);
 }
 
 }  // namespace orthodrive

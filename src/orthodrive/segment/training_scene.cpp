@@ -18,11 +18,16 @@ struct Placement {
 };
 
 Placement draw_placement(const TrainingScene& scene, const CropOptions& options, Random& random) {
-  const double zoom = std::exp(random.uniform(std::log(scene.min_zoom), std::log(scene.max_zoom)));
+  const Augmentation& vary = options.augmentation;
+  const double zoom = vary.zoom ? std::exp(random.uniform(std::log(scene.min_zoom), std::log(scene.max_zoom))) : 1.0;
   const double step = options.gsd_m / scene.gsd_m / zoom;  // source pixels a crop pixel
-  const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+  const double turn = random.uniform(0.0, 4.0);
+  const double angle = 0.5 * std::numbers::pi *
+                       (vary.turn == Augmentation::Turn::any        ? turn
+                        : vary.turn == Augmentation::Turn::quarters ? std::floor(turn)
+                                                                    : 0.0);
   const Vec2 right{step * std::cos(angle), step * std::sin(angle)};
-  const Vec2 down = random.uniform() < 0.5 ? left_normal(right) : left_normal(right) * -1.0;
+  const Vec2 down = vary.mirror && random.uniform() < 0.5 ? left_normal(right) : left_normal(right) * -1.0;
   // Centres keep a quarter of the crop inside the photo, so that few crops are mostly empty.
   const double margin = std::min({0.25 * step * options.size_px, 0.5 * scene.rgb.width, 0.5 * scene.rgb.height});
   const Vec2 center{random.uniform(margin, scene.rgb.width - margin),
@@ -98,9 +103,10 @@ void add_noise(Raster<std::uint8_t>& rgb, Random& random) {
 Crop draw_crop(const TrainingScene& scene, const CropOptions& options, std::uint64_t seed) {
   Random random(seed);
   Crop crop = cut(scene, options.size_px, draw_placement(scene, options, random));
-  if (random.uniform() < 0.3) blur(crop.rgb);
-  disturb_colors(crop.rgb, random);
-  if (random.uniform() < 0.3) add_noise(crop.rgb, random);
+  const Augmentation& vary = options.augmentation;
+  if (vary.blur && random.uniform() < 0.3) blur(crop.rgb);
+  if (vary.colors) disturb_colors(crop.rgb, random);
+  if (vary.noise && random.uniform() < 0.3) add_noise(crop.rgb, random);
   return crop;
 }
 

@@ -20,9 +20,20 @@ struct TrainingScene {
   std::int64_t from_step = 0;              ///< not used before
 };
 
+/// How crops are varied.
+struct Augmentation {
+  enum class Turn {
+    any,
+    quarters,
+    none
+  } turn = Turn::any;  ///< quarters: with mirroring the eight copies of the reference
+  bool mirror = true, zoom = true, colors = true, blur = true, noise = true;
+};
+
 struct CropOptions {
   int size_px = 384;
   double gsd_m = 0.5;  ///< of the crop
+  Augmentation augmentation;
 };
 
 /// A crop at a random place, turned by any angle, mirrored, zoomed; colours, contrast and sharpness disturbed.

@@ -1,0 +1,29 @@
+#pragma once
+// Loss of weak labels. Includes ATen: for the .cpp files of this folder only.
+
+#include <ATen/ATen.h>
+
+#include <vector>
+
+namespace orthodrive {
+
+/// Loss of a pixel: -log of the probability of its allowed classes together, softmax over the scores. With one allowed
+/// class it is the cross entropy; with several it leaves open which of them it is; with none it is left out.
+struct AllowedLossOptions {
+  std::vector<float> class_weights;  ///< for pixels with one allowed class, by class
+  float set_weight = 1.0F;           ///< for pixels with several
+  bool sum = false;  ///< the sum over pixels (the reference's unnormalised loss) instead of the weighted mean
+};
+struct LossGradient {
+  double loss = 0.0;
+  at::Tensor gradient;  ///< of the first argument's shape
+};
+/// `scores`: N x C x H x W, `allowed`: N x H x W of class sets (int64), on the same device.
+[[nodiscard]] LossGradient allowed_class_loss(const at::Tensor& scores, const at::Tensor& allowed,
+                                              const AllowedLossOptions& options);
+/// The same for probabilities that are given as such (the marginals of a CRF), N x C x H x W.
+[[nodiscard]] LossGradient allowed_class_loss_of_probabilities(const at::Tensor& probabilities,
+                                                               const at::Tensor& allowed,
+                                                               const AllowedLossOptions& options);
+
+}  // namespace orthodrive
