@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
 #include "orthodrive/io/raster_io.hpp"
@@ -16,25 +17,35 @@ struct SegmentCommand {
   SegmentOptions options;
 };
 
-/// The whole photo in the UTM zone of its centre.
-Photo read_whole_photo(const fs::path& path, int threads) {
-  const io::RasterInfo info = io::raster_info(path);
+/// All that the photo shows, in the UTM zone of its centre.
+SiteFrame site_of(const fs::path& photo) {
+  const io::RasterInfo info = io::raster_info(photo);
   const Box2 box = bounds_of(info.outline_lonlat.outer);
   SiteFrame site{utm_crs(0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)), {}};
   const CoordinateTransform transform({"EPSG:4326"}, site.crs);
   for (const Vec2 p : info.outline_lonlat.outer) site.area.outer.push_back(transform.target_from_source(p));
-  return io::read_photo(path, site, {.threads = threads});
+  return site;
 }
 
 void run(SegmentCommand& command, const Context& context) {
   command.options.threads = context.threads;
   const fs::path model_file = io::find_model(command.model);
   const SegmentModel model = load_model(io::read_file(model_file), model_file.string());
-  const SegmentResult result =
-      segment_mosaic(read_whole_photo(command.photo, context.threads), model, command.options, context.monitor);
-  io::write_labels(command.labels, result.labels);
-  if (!command.confidence.empty()) io::write_confidence(command.confidence, result.confidence);
-  for (const Finding& finding : result.findings) context.monitor->info(finding.message);
+  const PhotoSource photo = io::open_photo(command.photo, site_of(command.photo), {.threads = context.threads});
+  const GridFrame frame = label_frame(photo.frame, model);
+  io::RasterStream labels = io::stream_labels(command.labels, photo.crs, frame, model.classes);
+  std::optional<io::RasterStream> confidence;
+  if (!command.confidence.empty()) confidence.emplace(io::stream_confidence(command.confidence, photo.crs, frame));
+  const SegmentSummary summary = segment_mosaic(
+      photo, model,
+      [&](const PixelBox& box, const Raster<std::uint8_t>& label, const Raster<std::uint8_t>& probability) {
+        labels.write(box, label);
+        if (confidence) confidence->write(box, probability);
+      },
+      command.options, context.monitor);
+  labels.finish();
+  if (confidence) confidence->finish();
+  for (const Finding& finding : summary.findings) context.monitor->info(finding.message);
 }
 
 }  // namespace
@@ -47,11 +58,16 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_option("--confidence", command->confidence, "also write the probability of each label (GeoTIFF, 0..255)");
   cmd->add_option("--model", command->model, "name in the models folder or a .safetensors file")->capture_default_str();
   cmd->add_option("--window", command->options.window_px,
-                  "pixels the network sees at once, a multiple of 16; the labels do not depend on it")
+                  "pixels the network sees at once, margin included; the labels do not depend on it")
       ->capture_default_str();
   cmd->footer(
       "Reads the photo and a model; writes the labels in the photo's UTM zone at the model's scale (0.5 m/px).\n"
-      "Needs about 0.7 GB a thread and 10 bytes a pixel; a square kilometre takes about 3 s on two cores.\n"
+      "The photo: 8 bit a band; its first three bands are red, green, blue; one band is taken as grey, a palette as "
+      "its\n"
+      "colours. Pixels that are nodata, transparent or masked get no label (255). 16 bit is refused: convert it "
+      "first.\n"
+      "Photo and labels stream: memory does not grow with the mosaic, about 0.7 GB a thread; 93 megapixels take about\n"
+      "a minute on two cores.\n"
       "Examples:\n"
       "  orthodrive segment ortho.tif -o labels.tif\n"
       "  orthodrive segment ortho.tif -o labels.tif --confidence confidence.tif --model out/train/model.safetensors");

@@ -4,10 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "segment/shipped_model.hpp"
 
@@ -45,16 +50,76 @@ double share_of_different(const Raster<std::uint8_t>& a, const Raster<std::uint8
 }
 
 TEST(SegmentMosaic, outcome_does_not_depend_on_window_size) {
-  const Photo photo = painted_photo(300, 250, 0.5);
-  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 1536});
-  const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = 544});
-  // The sums of a convolution may be ordered otherwise for another window: a tie may go the other way, no more.
-  EXPECT_LT(share_of_different(one.labels.labels, many.labels.labels), 2e-4);
-  int largest = 0;
-  for (std::size_t i = 0; i < one.confidence.confidence.data.size(); ++i) {
-    largest = std::max(largest, std::abs(one.confidence.confidence.data[i] - many.confidence.confidence.data[i]));
+  const Photo photo = painted_photo(600, 40, 0.5);  // long, so that 1024 needs two windows and 512 many
+  constexpr int whole_px = 1 << 20;
+  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = whole_px});
+  for (const int window_px : {1024, 512}) {  // cores of 578 and 66 px: no multiples of the stride
+    const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = window_px});
+    // The sums of a convolution may be ordered otherwise for another window: a tie may go the other way, no more.
+    EXPECT_LE(share_of_different(one.labels.labels, many.labels.labels), 1e-5) << window_px;
+    int largest = 0;
+    for (std::size_t i = 0; i < one.confidence.confidence.data.size(); ++i)
+      largest = std::max(largest, std::abs(one.confidence.confidence.data[i] - many.confidence.confidence.data[i]));
+    EXPECT_LE(largest, 1) << window_px;
   }
-  EXPECT_LE(largest, 1);
+}
+
+TEST(SegmentMosaic, boxes_come_in_order_and_cover_the_frame_once) {
+  Photo photo = painted_photo(700, 260, 0.5);
+  for (int row = 0; row < 260; ++row)
+    for (int col = 30; col < 700; ++col) photo.valid.at(col, row) = 0;  // most windows are done at once
+  Raster<std::uint8_t> seen(700, 260);
+  PixelBox before{-1, 0, 0, 0};
+  const SegmentSummary summary = segment_mosaic(
+      source_of(photo), shipped_model(),
+      [&](const PixelBox& box, const Raster<std::uint8_t>& labels, const Raster<std::uint8_t>& confidence) {
+        EXPECT_TRUE(box.row > before.row || (box.row == before.row && box.col > before.col));
+        before = box;
+        ASSERT_EQ(std::pair(labels.width, labels.height), std::pair(box.width, box.height));
+        ASSERT_EQ(confidence.data.size(), labels.data.size());
+        for (int row = 0; row < box.height; ++row)
+          for (int col = 0; col < box.width; ++col)
+            ++seen.at(static_cast<int>(box.col) + col, static_cast<int>(box.row) + row);
+      },
+      {.window_px = 512, .threads = 4});
+  EXPECT_TRUE(std::all_of(seen.data.begin(), seen.data.end(), [](int times) { return times == 1; }));
+  EXPECT_EQ(summary.frame, photo.frame);
+  EXPECT_EQ(summary.labelled_pixels, 30 * 260);
+}
+
+TEST(SegmentMosaic, what_fails_in_reading_or_writing_ends_the_run_whatever_waits) {
+  const Photo photo = painted_photo(400, 200, 0.5);
+  const LabelSink full_disk = [](const PixelBox& box, const auto&, const auto&) {
+    if (box.col > 0) throw Error("labels.tif: disk full");
+  };
+  const SegmentOptions options{.window_px = 512, .threads = 3};
+  EXPECT_THAT([&] { (void)segment_mosaic(source_of(photo), shipped_model(), full_disk, options); },
+              ThrowsMessage<Error>(HasSubstr("disk full")));
+  PhotoSource damaged = source_of(photo);
+  damaged.read = [](const PixelBox&) -> PhotoWindow { throw InputError("photo.tif", "truncated"); };
+  EXPECT_THAT([&] { (void)segment_mosaic(damaged, shipped_model(), full_disk, options); },
+              ThrowsMessage<InputError>(HasSubstr("photo.tif: truncated")));
+}
+
+TEST(OrderedDelivery, any_order_of_finishing_is_delivered_by_index_and_few_wait) {
+  constexpr std::size_t count = 500, ahead = 6;
+  std::vector<std::size_t> delivered;
+  std::atomic<std::size_t> started{0};
+  std::size_t most_waiting = 0;
+  OrderedDelivery<std::size_t> delivery(ahead, [&](std::size_t index, const std::size_t& item) {
+    EXPECT_EQ(item, 3 * index);
+    most_waiting = std::max(most_waiting, started.load() - delivered.size());
+    delivered.push_back(index);
+  });
+  parallel_for(count, 4, [&](std::size_t i) {
+    ASSERT_TRUE(delivery.wait_for_room(i));
+    ++started;
+    if (i % 7 == 0) std::this_thread::sleep_for(std::chrono::microseconds(300));  // the others overtake it
+    delivery.hand_over(i, 3 * i);
+  });
+  ASSERT_EQ(delivered.size(), count);
+  EXPECT_TRUE(std::is_sorted(delivered.begin(), delivered.end()));
+  EXPECT_LE(most_waiting, ahead);
 }
 
 TEST(SegmentMosaic, same_bytes_for_one_and_two_threads) {
@@ -95,16 +160,16 @@ TEST(SegmentMosaic, empty_and_coarse_photos) {
   const SegmentResult result = segment_mosaic(nothing, shipped_model());
   EXPECT_TRUE(std::all_of(result.labels.labels.data.begin(), result.labels.labels.data.end(),
                           [](int label) { return label == label_nodata; }));
+  ASSERT_EQ(result.findings.size(), 1u);
+  EXPECT_EQ(result.findings[0].code, "segment.no_photo");
   const SegmentResult coarse = segment_mosaic(painted_photo(20, 15, 2.0), shipped_model());
   ASSERT_EQ(coarse.findings.size(), 1u);
   EXPECT_EQ(coarse.findings[0].code, "segment.coarse_photo");
 }
 
 TEST(SegmentMosaic, refuses_windows_that_are_all_margin) {
-  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 416})),
-               OptionError);
-  EXPECT_THROW(static_cast<void>(segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 1000})),
-               OptionError);
+  EXPECT_THAT([] { (void)segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 100}); },
+              ThrowsMessage<OptionError>(HasSubstr("window of 100 px")));
 }
 
 TEST(LoadModel, class_table_that_does_not_match_the_weights) {
@@ -163,6 +228,49 @@ TEST(ResamplePhoto, bilinear_reproduces_a_ramp) {
     const double expected = 2.0 * ((col + 0.5) * 0.5 / 0.52 - 0.5);
     EXPECT_NEAR(out.rgb.at(col, 50, 0), expected, 0.51) << col;
   }
+}
+
+TEST(ResamplePhoto, any_window_has_the_bytes_of_the_whole) {
+  for (const double gsd_m : {0.1, 0.2, 0.43, 0.5, 0.52, 1.0}) {
+    SCOPED_TRACE(gsd_m);
+    Photo photo = painted_photo(331, 217, gsd_m);
+    photo.frame.west_m += 0.37;  // the grids do not meet
+    Random random(9);
+    for (int hole = 0; hole < 4000; ++hole)
+      photo.valid.at(static_cast<int>(random.below(331)), static_cast<int>(random.below(217))) = 0;
+    const Photo whole = resample_photo(photo, 0.5);
+    const PhotoSource source = resample_source(source_of(photo), 0.5);
+    ASSERT_EQ(source.frame, whole.frame);
+    for (const PixelBox box :
+         {PixelBox{-20, -30, 70, 60}, PixelBox{13, 7, 31, 1}, PixelBox{17, 11, 1000, 900}, PixelBox{-5, 20, 3, 3}}) {
+      const PhotoWindow window = source.read(box);
+      int different = 0;
+      for (int row = 0; row < box.height; ++row)
+        for (int col = 0; col < box.width; ++col) {
+          const int at_col = static_cast<int>(box.col) + col, at_row = static_cast<int>(box.row) + row;
+          const bool inside = whole.valid.inside(at_col, at_row);
+          different += window.valid.at(col, row) != (inside ? whole.valid.at(at_col, at_row) : 0) ? 1 : 0;
+          for (int c = 0; c < 3; ++c)
+            different +=
+                window.rgb.at(col, row, c) != (inside ? whole.rgb.at(at_col, at_row, c) : no_photo_value) ? 1 : 0;
+        }
+      EXPECT_EQ(different, 0) << box.col << ' ' << box.row;
+    }
+  }
+}
+
+TEST(ResamplePhoto, pixels_without_photo_do_not_colour_their_neighbours) {
+  Photo photo{{"EPSG:32633"},
+              {0.0, 10.0, 0.2, 50, 50},
+              Raster<std::uint8_t>(50, 50, 3, 100),
+              Raster<std::uint8_t>(50, 50, 1, 1)};
+  for (int row = 0; row < 50; ++row)
+    for (int col = 0; col < 21; ++col) photo.valid.at(col, row) = 0, photo.rgb.at(col, row, 1) = 255;
+  const Photo half = resample_photo(photo, 0.5);  // column 8 is 4.0-4.5 m: the invalid 0.2 of it are 40 %
+  EXPECT_EQ(half.valid.at(7, 10), 0);
+  EXPECT_EQ(half.rgb.at(7, 10, 1), no_photo_value);
+  EXPECT_EQ(half.valid.at(8, 10), 1);
+  EXPECT_EQ(half.rgb.at(8, 10, 1), 100);
 }
 
 }  // namespace

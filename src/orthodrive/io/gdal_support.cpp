@@ -27,6 +27,13 @@ void start_gdal() {
   });
 }
 
+void enlarge_block_cache(std::int64_t bytes) {
+  constexpr std::int64_t most = std::int64_t{512} << 20;
+  start_gdal();
+  if (CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) return;
+  if (GDALGetCacheMax64() < std::min(bytes, most)) GDALSetCacheMax64(std::min(bytes, most));
+}
+
 namespace {
 void CPL_STDCALL collect(CPLErr severity, CPLErrorNum, const char* message) {
   if (severity >= CE_Failure) static_cast<GdalErrors*>(CPLGetErrorHandlerUserData())->add(message);

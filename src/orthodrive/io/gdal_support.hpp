@@ -4,6 +4,7 @@
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -16,6 +17,9 @@ namespace orthodrive::io {
 
 /// Registers the drivers once and keeps GDAL quiet and its block cache small. Call before anything else of GDAL.
 void start_gdal();
+
+/// To so many bytes, at most 512 MB, unless it is larger already or the user set GDAL_CACHEMAX.
+void enlarge_block_cache(std::int64_t bytes);
 
 /// Collects GDAL's failures of this thread while it lives, instead of letting them reach stderr.
 class GdalErrors {

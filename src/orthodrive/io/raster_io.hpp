@@ -2,10 +2,12 @@
 // Rasters: files <-> model, through GDAL. All reading ends in the site CRS; all writing goes aside first.
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "orthodrive/model/photo_source.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/site_frame.hpp"
 
@@ -28,6 +30,11 @@ struct ReadPhotoOptions {
 /// valid is 0 outside the source, at its nodata / alpha / mask, and outside the area polygon.
 [[nodiscard]] Photo read_photo(const std::filesystem::path& path, const SiteFrame& site,
                                const ReadPhotoOptions& options = {});
+/// The same photo window by window, each warped when it is asked for; every window has the bytes that read_photo gives.
+/// Memory does not grow with the photo. Pixels without data are no error here. Throws InputError when the photo lies
+/// somewhere else, and from its read() when the file cannot be read to its end.
+[[nodiscard]] PhotoSource open_photo(const std::filesystem::path& path, const SiteFrame& site,
+                                     const ReadPhotoOptions& options = {});
 /// The photo as it is, on its own grid. It must be north-up in a metric CRS (as synth and read_photo make them).
 [[nodiscard]] Photo read_photo_native(const std::filesystem::path& path);
 
@@ -51,6 +58,27 @@ void write_labels(const std::filesystem::path& path, const LabelMap& labels);
 void write_confidence(const std::filesystem::path& path, const ConfidenceMap& confidence);
 /// As write_confidence makes it: one band of 8 bit, north-up in a metric CRS.
 [[nodiscard]] ConfidenceMap read_confidence(const std::filesystem::path& path);
+
+/// A label map or a confidence written box by box, in any order; each pixel once. Boxes wait in a compressed file
+/// without a name, so memory does not grow with the raster and a killed run leaves nothing. finish() makes the same
+/// file as write_labels or write_confidence; without it an earlier file stays untouched. One thread at a time.
+class RasterStream {
+ public:
+  RasterStream(RasterStream&&) noexcept;
+  ~RasterStream();
+  void write(const PixelBox& box, const Raster<std::uint8_t>& pixels);
+  void finish();
+
+ private:
+  struct State;
+  explicit RasterStream(std::unique_ptr<State> state);
+  friend RasterStream stream_labels(const std::filesystem::path&, const Crs&, const GridFrame&, const ClassTable&);
+  friend RasterStream stream_confidence(const std::filesystem::path&, const Crs&, const GridFrame&);
+  std::unique_ptr<State> state_;
+};
+[[nodiscard]] RasterStream stream_labels(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame,
+                                         const ClassTable& classes);
+[[nodiscard]] RasterStream stream_confidence(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame);
 
 struct WritePhotoOptions {
   int jpeg_quality = 0;  ///< 0: lossless (deflate)

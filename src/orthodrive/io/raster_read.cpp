@@ -1,4 +1,4 @@
-// Reading of rasters. What the photo and terrain readers share: open, check, warp into our own memory.
+// Reading of rasters that are no photos: terrain models and labels.
 
 #include <fmt/format.h>
 #include <gdal_utils.h>
@@ -19,36 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 constexpr float no_height = std::numeric_limits<float>::quiet_NaN();
 
-Polygon outline(const Georeference& g, int width, int height) {
-  constexpr int steps = 16;  // a side: its edges bend in other CRSs
-  const OGRSpatialReference lonlat = spatial_reference({"EPSG:4326"});
-  GdalErrors errors;
-  const std::unique_ptr<OGRCoordinateTransformation> t(OGRCreateCoordinateTransformation(&g.reference, &lonlat));
-  const double corners[5][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {0, 0}};  // counter-clockwise: down the west side first
-  Polygon result;
-  for (int side = 0; side < 4; ++side)
-    for (int i = 0; i < steps; ++i) {
-      const double f = static_cast<double>(i) / steps;
-      const double col = width * (corners[side][0] + f * (corners[side + 1][0] - corners[side][0]));
-      const double row = height * (corners[side][1] + f * (corners[side + 1][1] - corners[side][1]));
-      Vec2 p{g.c[0] + col * g.c[1] + row * g.c[2], g.c[3] + col * g.c[4] + row * g.c[5]};
-      if (!t || !t->Transform(1, &p.x, &p.y))
-        throw Error("its place on the globe cannot be computed: " + errors.text());
-      result.outer.push_back(p);
-    }
-  return result;
-}
-
-double rounded_gsd_m(double gsd_m) { return std::max(0.01, std::round(gsd_m * 100.0) / 100.0); }
-
-/// How a raster of that pixel size goes to `gsd_m`. GDAL would guess the scale from the windows, which a turned grid
-/// makes larger: it would blur a photo that only changes its CRS.
-std::vector<std::string> cubic_resampling(const PixelSize& source, double gsd_m) {
-  return {"-r",  "cubic",
-          "-wo", fmt::format("XSCALE={}", std::min(1.0, source.along_row_m / gsd_m)),
-          "-wo", fmt::format("YSCALE={}", std::min(1.0, source.along_column_m / gsd_m))};
-}
-
 /// Runs `arguments` of gdalwarp from `source` into the memory behind `target`.
 void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::vector<std::string> arguments,
           int threads) {
@@ -68,47 +38,6 @@ void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::v
                      fmt::format("cannot be read to its end ({}); is it truncated? Get the file again", errors.text()));
 }
 
-DatasetPtr translate_to_vrt(GDALDataset& source, std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), {"-of", "VRT"});
-  GdalOptions list(arguments);
-  GDALTranslateOptions* options = GDALTranslateOptionsNew(list.get(), nullptr);
-  DatasetPtr result(GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(&source), options, nullptr)));
-  GDALTranslateOptionsFree(options);
-  if (!result) throw Error("GDAL cannot make a virtual raster");
-  return result;
-}
-
-/// A view of the photo with the bands red, green, blue and, if it has one, alpha; null when it is that already.
-DatasetPtr as_rgb(const fs::path& path, GDALDataset& photo) {
-  GDALRasterBand& first = *photo.GetRasterBand(1);
-  if (first.GetRasterDataType() != GDT_Byte)
-    throw InputError(path.string(),
-                     fmt::format("has {} samples, need 8 bit; convert it: gdal_translate -ot Byte -scale IN OUT.tif",
-                                 GDALGetDataTypeName(first.GetRasterDataType())));
-  if (first.GetColorTable()) return translate_to_vrt(photo, {"-expand", "rgb"});
-  const int bands = photo.GetRasterCount();
-  int alpha = 0;
-  for (int b = 1; b <= bands; ++b)
-    if (photo.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand) alpha = b;
-  const int colors = bands - (alpha ? 1 : 0);
-  if (colors == 3 && (alpha == 0 || alpha == 4)) return nullptr;
-  std::vector<std::string> arguments;
-  for (int b = 1; b <= 3; ++b) arguments.insert(arguments.end(), {"-b", std::to_string(colors >= 3 ? b : 1)});
-  if (alpha) arguments.insert(arguments.end(), {"-b", std::to_string(alpha), "-colorinterp_4", "alpha"});
-  return translate_to_vrt(photo, arguments);
-}
-
-/// Sets valid to 0 or 1: from alpha 0..255, and 0 outside the area.
-void finish_validity(Photo& photo, const Polygon& area) {
-  Raster<std::uint8_t> inside(photo.frame.width, photo.frame.height);
-  fill_polygon(inside, photo.frame, area, std::uint8_t{1});
-  for (std::size_t i = 0; i < inside.data.size(); ++i)
-    photo.valid.data[i] = photo.valid.data[i] >= 128 && inside.data[i] ? 1 : 0;
-}
-
-std::string describe_extent(const Georeference& g, GDALDataset& dataset) {
-  return describe_lonlat(bounds_of(outline(g, dataset.GetRasterXSize(), dataset.GetRasterYSize()).outer));
-}
 }  // namespace
 
 RasterInfo raster_info(const fs::path& path) {
@@ -120,72 +49,8 @@ RasterInfo raster_info(const fs::path& path) {
                   .height = dataset->GetRasterYSize(),
                   .bands = dataset->GetRasterCount()};
   info.gsd_m = pixel_size(g, info.width, info.height).gsd_m();
-  info.outline_lonlat = outline(g, info.width, info.height);
+  info.outline_lonlat = outline_lonlat(g, info.width, info.height);
   return info;
-}
-
-Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOptions& options) {
-  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
-  const Georeference g = georeference_of(path, *source);
-  require_complete(path, *source);
-  const PixelSize source_pixel = pixel_size(g, source->GetRasterXSize(), source->GetRasterYSize());
-  const double gsd_m = options.gsd_m > 0.0 ? options.gsd_m : rounded_gsd_m(source_pixel.gsd_m());
-
-  Photo photo{.crs = site.crs, .frame = covering_grid(bounds_of(site.area.outer), gsd_m)};
-  photo.rgb = Raster<std::uint8_t>(photo.frame.width, photo.frame.height, 3);
-  photo.valid = Raster<std::uint8_t>(photo.frame.width, photo.frame.height);
-  const DatasetPtr target = memory_dataset(photo.frame.width, photo.frame.height);
-  place(*target, photo.frame, site.crs);
-  wrap_channels(*target, photo.rgb);
-  wrap_channels(*target, photo.valid);
-  target->GetRasterBand(4)->SetColorInterpretation(GCI_AlphaBand);
-
-  const DatasetPtr rgb = as_rgb(path, *source);
-  // Where the photo is much finer, cubic convolution would see only the pixels around each centre.
-  std::vector<std::string> arguments = gsd_m > 2.0 * source_pixel.gsd_m() ? std::vector<std::string>{"-r", "average"}
-                                                                          : cubic_resampling(source_pixel, gsd_m);
-  // An error of 0.02 px is below what anyone sees; exact coordinates take ten times as long.
-  arguments.insert(arguments.end(), {"-et", "0.02", "-wo", "UNIFIED_SRC_NODATA=YES"});
-  warp(path, rgb ? *rgb : *source, *target, arguments, options.threads);
-  target->FlushCache(false);
-
-  finish_validity(photo, site.area);
-  if (std::find(photo.valid.data.begin(), photo.valid.data.end(), 1) == photo.valid.data.end())
-    throw InputError(
-        path.string(),
-        fmt::format("shows nothing of the area: it covers {}, the area is {}; take another photo or area",
-                    describe_extent(g, *source), describe_lonlat(lonlat_bounds(site.area.outer, site.crs))));
-  return photo;
-}
-
-Photo read_photo_native(const fs::path& path) {
-  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
-  const GridFrame frame = north_up_frame(path, *source);
-  require_complete(path, *source);
-  const DatasetPtr view = as_rgb(path, *source);
-  GDALDataset& rgb = view ? *view : *source;
-  Photo photo{.crs = crs_of(*source->GetSpatialRef()), .frame = frame};
-  photo.rgb = Raster<std::uint8_t>(frame.width, frame.height, 3);
-  photo.valid = Raster<std::uint8_t>(frame.width, frame.height, 1, 1);
-  GdalErrors errors;
-  const GSpacing line = GSpacing{3} * frame.width;
-  int bands[3] = {1, 2, 3};
-  bool read = rgb.RasterIO(GF_Read, 0, 0, frame.width, frame.height, photo.rgb.data.data(), frame.width, frame.height,
-                           GDT_Byte, 3, bands, 3, line, 1, nullptr) == CE_None;
-  // A pixel is invalid only where every band says so: black in one band alone is a colour.
-  Raster<std::uint8_t> mask(frame.width, frame.height);
-  for (int b = 1; b <= 3 && read; ++b) {
-    GDALRasterBand& band = *rgb.GetRasterBand(b);
-    if (band.GetMaskFlags() & GMF_ALL_VALID) break;
-    if (b == 1) std::fill(photo.valid.data.begin(), photo.valid.data.end(), std::uint8_t{0});
-    read = band.GetMaskBand()->RasterIO(GF_Read, 0, 0, frame.width, frame.height, mask.data.data(), frame.width,
-                                        frame.height, GDT_Byte, 0, 0, nullptr) == CE_None;
-    for (std::size_t i = 0; i < mask.data.size(); ++i) photo.valid.data[i] |= mask.data[i] >= 128 ? 1 : 0;
-    if (band.GetMaskFlags() & GMF_PER_DATASET) break;
-  }
-  if (!read)
-    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
-  return photo;
 }
 
 namespace {
@@ -356,19 +221,6 @@ LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& fall
                                    "model that made it",
                                    label, map.classes.name, map.classes.classes.size()));
   return map;
-}
-
-Raster<std::uint8_t> read_image(const fs::path& path) {
-  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
-  const DatasetPtr view = as_rgb(path, *source);
-  GDALDataset& rgb = view ? *view : *source;
-  Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
-  GdalErrors errors;
-  int bands[3] = {1, 2, 3};
-  if (rgb.RasterIO(GF_Read, 0, 0, image.width, image.height, image.data.data(), image.width, image.height, GDT_Byte, 3,
-                   bands, 3, GSpacing{3} * image.width, 1, nullptr) != CE_None)
-    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
-  return image;
 }
 
 }  // namespace orthodrive::io

@@ -1,7 +1,9 @@
 #include "orthodrive/io/raster_support.hpp"
 
 #include <fmt/format.h>
+#include <gdal_utils.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -56,6 +58,44 @@ PixelSize pixel_size(const Georeference& g, int width, int height) {
   const Vec2 origin = transform_to(metric, world(col, row));
   return {distance(origin, transform_to(metric, world(col + 1.0, row))),
           distance(origin, transform_to(metric, world(col, row + 1.0)))};
+}
+
+Polygon outline_lonlat(const Georeference& g, int width, int height) {
+  constexpr int steps = 16;  // a side: its edges bend in other CRSs
+  const OGRSpatialReference lonlat = spatial_reference({"EPSG:4326"});
+  GdalErrors errors;
+  const std::unique_ptr<OGRCoordinateTransformation> t(OGRCreateCoordinateTransformation(&g.reference, &lonlat));
+  const double corners[5][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {0, 0}};  // counter-clockwise: down the west side first
+  Polygon result;
+  for (int side = 0; side < 4; ++side)
+    for (int i = 0; i < steps; ++i) {
+      const double f = static_cast<double>(i) / steps;
+      const double col = width * (corners[side][0] + f * (corners[side + 1][0] - corners[side][0]));
+      const double row = height * (corners[side][1] + f * (corners[side + 1][1] - corners[side][1]));
+      Vec2 p{g.c[0] + col * g.c[1] + row * g.c[2], g.c[3] + col * g.c[4] + row * g.c[5]};
+      if (!t || !t->Transform(1, &p.x, &p.y))
+        throw Error("its place on the globe cannot be computed: " + errors.text());
+      result.outer.push_back(p);
+    }
+  return result;
+}
+
+double rounded_gsd_m(double gsd_m) { return std::max(0.01, std::round(gsd_m * 100.0) / 100.0); }
+
+std::vector<std::string> cubic_resampling(const PixelSize& source, double gsd_m) {
+  return {"-r",  "cubic",
+          "-wo", fmt::format("XSCALE={}", std::min(1.0, source.along_row_m / gsd_m)),
+          "-wo", fmt::format("YSCALE={}", std::min(1.0, source.along_column_m / gsd_m))};
+}
+
+DatasetPtr translate_to_vrt(GDALDataset& source, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"-of", "VRT"});
+  GdalOptions list(arguments);
+  GDALTranslateOptions* options = GDALTranslateOptionsNew(list.get(), nullptr);
+  DatasetPtr result(GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(&source), options, nullptr)));
+  GDALTranslateOptionsFree(options);
+  if (!result) throw Error("GDAL cannot make a virtual raster");
+  return result;
 }
 
 void require_complete(const fs::path& path, GDALDataset& dataset) {

@@ -2,9 +2,13 @@
 // Shared by the raster readers and writers of io: wrapping our rasters as GDAL datasets, georeferencing, completeness.
 
 #include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/io/gdal_support.hpp"
+#include "orthodrive/model/class_table.hpp"
 
 namespace orthodrive::io {
 
@@ -24,12 +28,29 @@ struct PixelSize {
 };
 [[nodiscard]] PixelSize pixel_size(const Georeference& georeference, int width, int height);
 
+/// WGS84, densified: its edges bend.
+[[nodiscard]] Polygon outline_lonlat(const Georeference& georeference, int width, int height);
+/// To a centimetre.
+[[nodiscard]] double rounded_gsd_m(double gsd_m);
+/// Options of gdalwarp: how a raster of that pixel size goes to `gsd_m`. GDAL would guess the scale from the windows,
+/// which a turned grid makes larger: it would blur a photo that only changes its CRS.
+[[nodiscard]] std::vector<std::string> cubic_resampling(const PixelSize& source, double gsd_m);
+/// A view of the source, which must outlive it, by options of gdal_translate.
+[[nodiscard]] DatasetPtr translate_to_vrt(GDALDataset& source, std::vector<std::string> arguments);
+
 /// Throws InputError when a block of a GeoTIFF lies beyond the end of the file: GDAL opens such a file without a word.
 void require_complete(const std::filesystem::path& path, GDALDataset& dataset);
 
 /// A dataset without bands of the size and place of the frame, for wrap_channels.
 [[nodiscard]] DatasetPtr memory_dataset(int width, int height);
 void place(GDALDataset& dataset, const GridFrame& frame, const Crs& crs);
+/// Palette, nodata and class table of a label map.
+void dress_as_labels(GDALDataset& dataset, const ClassTable& classes);
+const std::vector<std::string>& label_cog_options();
+const std::vector<std::string>& confidence_cog_options();
+/// Writes the copy aside, then puts it in the target's place. Throws Error naming the target.
+void create_copy(const std::filesystem::path& target, const char* driver_name, GDALDataset& source,
+                 const std::vector<std::string>& options);
 /// Adds one band a channel that reads and writes the raster's memory. The raster must outlive the dataset.
 template <typename T>
 void wrap_channels(GDALDataset& dataset, Raster<T>& raster);

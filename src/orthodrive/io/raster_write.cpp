@@ -27,6 +27,8 @@ struct RemoveLeftovers {
   ~RemoveLeftovers() { remove_leftovers(unfinished); }
 };
 
+}  // namespace
+
 void create_copy(const fs::path& target, const char* driver_name, GDALDataset& source,
                  const std::vector<std::string>& options) {
   AsideFile out(target);
@@ -49,6 +51,7 @@ void create_copy(const fs::path& target, const char* driver_name, GDALDataset& s
   out.commit();
 }
 
+namespace {
 DatasetPtr placed(const GridFrame& frame, const Crs& crs) {
   DatasetPtr dataset = memory_dataset(frame.width, frame.height);
   place(*dataset, frame, crs);
@@ -56,27 +59,45 @@ DatasetPtr placed(const GridFrame& frame, const Crs& crs) {
 }
 }  // namespace
 
-void write_labels(const fs::path& path, const LabelMap& map) {
-  const DatasetPtr dataset = placed(map.frame, map.crs);
-  wrap_for_reading(*dataset, map.labels);
-  GDALRasterBand& band = *dataset->GetRasterBand(1);
+void dress_as_labels(GDALDataset& dataset, const ClassTable& classes) {
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
   GDALColorTable colors;
-  for (std::size_t i = 0; i < map.classes.classes.size(); ++i) {
-    const auto& c = map.classes.classes[i].color;
+  for (std::size_t i = 0; i < classes.classes.size(); ++i) {
+    const auto& c = classes.classes[i].color;
     const GDALColorEntry entry{c[0], c[1], c[2], 255};
     colors.SetColorEntry(static_cast<int>(i), &entry);
   }
   band.SetColorTable(&colors);
   band.SetColorInterpretation(GCI_PaletteIndex);
   band.SetNoDataValue(label_nodata);
-  dataset->SetMetadataItem("ORTHODRIVE_CLASSES", class_table_to_json(map.classes).c_str());
-  create_copy(path, "COG", *dataset, {"COMPRESS=DEFLATE", "OVERVIEW_RESAMPLING=NEAREST"});
+  dataset.SetMetadataItem("ORTHODRIVE_CLASSES", class_table_to_json(classes).c_str());
+}
+
+// IF_SAFER: a mosaic may grow beyond the 4 GB of a plain TIFF, which a compressed file does not know beforehand.
+const std::vector<std::string>& label_cog_options() {
+  static const std::vector<std::string> options{"COMPRESS=DEFLATE", "OVERVIEW_RESAMPLING=NEAREST", "BIGTIFF=IF_SAFER",
+                                                "NUM_THREADS=ALL_CPUS"};
+  return options;
+}
+
+const std::vector<std::string>& confidence_cog_options() {
+  // LEVEL: probabilities are noise to deflate, a higher one takes its time for nothing.
+  static const std::vector<std::string> options{"COMPRESS=DEFLATE", "LEVEL=1", "OVERVIEW_RESAMPLING=AVERAGE",
+                                                "BIGTIFF=IF_SAFER", "NUM_THREADS=ALL_CPUS"};
+  return options;
+}
+
+void write_labels(const fs::path& path, const LabelMap& map) {
+  const DatasetPtr dataset = placed(map.frame, map.crs);
+  wrap_for_reading(*dataset, map.labels);
+  dress_as_labels(*dataset, map.classes);
+  create_copy(path, "COG", *dataset, label_cog_options());
 }
 
 void write_confidence(const fs::path& path, const ConfidenceMap& map) {
   const DatasetPtr dataset = placed(map.frame, map.crs);
   wrap_for_reading(*dataset, map.confidence);
-  create_copy(path, "COG", *dataset, {"COMPRESS=DEFLATE", "OVERVIEW_RESAMPLING=AVERAGE"});
+  create_copy(path, "COG", *dataset, confidence_cog_options());
 }
 
 void write_photo(const fs::path& path, const Photo& photo, const WritePhotoOptions& options) {

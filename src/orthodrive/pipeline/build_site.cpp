@@ -153,11 +153,24 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   };
 
   stage("segment", {sources.hashes["photo"], sources.hashes["model"]}, {"labels.tif", "confidence.tif"}, [&] {
-    const SegmentResult segmented = segment_mosaic(photo(), sources.model, {.threads = options.threads}, monitor);
-    io::write_labels(out_dir / "labels.tif", segmented.labels);
-    io::write_confidence(out_dir / "confidence.tif", segmented.confidence);
-    return StageOutcome{{{"photo_gsd_m", photo().frame.gsd_m}, {"gsd_m", segmented.labels.frame.gsd_m},
-                         {"pixels", segmented.labels.labels.data.size()}},
+    // The photo streams: other stages hold it in memory, this one never does.
+    const PhotoSource source = io::open_photo(site.photo, site.frame, {.threads = options.threads});
+    const GridFrame frame = label_frame(source.frame, sources.model);
+    io::RasterStream label_stream = io::stream_labels(out_dir / "labels.tif", source.crs, frame, sources.model.classes),
+                     confidence_stream = io::stream_confidence(out_dir / "confidence.tif", source.crs, frame);
+    const SegmentSummary segmented = segment_mosaic(
+        source, sources.model,
+        [&](const PixelBox& box, const Raster<std::uint8_t>& label, const Raster<std::uint8_t>& confidence) {
+          label_stream.write(box, label);
+          confidence_stream.write(box, confidence);
+        },
+        {.threads = options.threads}, monitor);
+    if (segmented.labelled_pixels == 0)
+      throw InputError(site.photo.string(), "has no data in the area (nodata, alpha or mask); take another photo or area");
+    label_stream.finish();
+    confidence_stream.finish();
+    return StageOutcome{{{"photo_gsd_m", source.frame.gsd_m}, {"gsd_m", frame.gsd_m},
+                         {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
                         segmented.findings};
   });
 

@@ -11,46 +11,69 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/segment/fcn.hpp"
+#include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "orthodrive/segment/reusing_allocator.hpp"
 
 namespace orthodrive {
 namespace {
 
-/// The pixels a window decides.
-struct Core {
-  int col = 0, row = 0, width = 0, height = 0;
-};
+/// How far around a core its probabilities are predicted, for what refines them before they are decided. Nothing does.
+constexpr int refinement_margin_px = 0;
 
-std::vector<Core> plan_cores(int width, int height, int core_px) {
-  std::vector<Core> cores;
-  for (int row = 0; row < height; row += core_px) {
-    for (int col = 0; col < width; col += core_px) {
-      cores.push_back({col, row, std::min(core_px, width - col), std::min(core_px, height - row)});
-    }
-  }
+/// The pixels a window decides: row by row, west to east.
+std::vector<PixelBox> plan_cores(const GridFrame& frame, int core_px) {
+  std::vector<PixelBox> cores;
+  for (int row = 0; row < frame.height; row += core_px)
+    for (int col = 0; col < frame.width; col += core_px)
+      cores.push_back({col, row, std::min(core_px, frame.width - col), std::min(core_px, frame.height - row)});
   return cores;
 }
 
-bool any_photo(const Photo& photo, const Core& core) {
-  for (int row = core.row; row < core.row + core.height; ++row) {
-    const std::uint8_t* valid = &photo.valid.at(core.col, row);
+struct Decision {
+  Raster<std::uint8_t> labels, confidence;
+  std::int64_t labelled_pixels = 0;
+};
+
+/// `box` is where the window and the probabilities lie, `core` the part of it to decide.
+Decision decide(const PixelBox& core, const PixelBox& window_box, const PhotoWindow& window,
+                const PixelBox& probability_box, const Raster<float>& probabilities) {
+  Decision decision{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata),
+                    Raster<std::uint8_t>(core.width, core.height), 0};
+  if (probabilities.empty()) return decision;
+  const int window_left = static_cast<int>(core.col - window_box.col),
+            window_top = static_cast<int>(core.row - window_box.row),
+            left = static_cast<int>(core.col - probability_box.col),
+            top = static_cast<int>(core.row - probability_box.row);
+  for (int row = 0; row < core.height; ++row)
+    for (int col = 0; col < core.width; ++col) {
+      if (!window.valid.at(window_left + col, window_top + row)) continue;
+      const float* p = &probabilities.at(left + col, top + row);
+      const float* best = std::max_element(p, p + probabilities.channels);
+      decision.labels.at(col, row) = static_cast<std::uint8_t>(best - p);
+      decision.confidence.at(col, row) = static_cast<std::uint8_t>(std::lround(*best * 255.0F));
+      ++decision.labelled_pixels;
+    }
+  return decision;
+}
+
+bool shows_photo(const PhotoWindow& window, const PixelBox& window_box, const PixelBox& core) {
+  for (int row = 0; row < core.height; ++row) {
+    const std::uint8_t* valid = &window.valid.at(static_cast<int>(core.col - window_box.col),
+                                                 static_cast<int>(core.row - window_box.row) + row);
     if (std::memchr(valid, 1, static_cast<std::size_t>(core.width))) return true;
   }
   return false;
 }
 
-/// The core with its margin. Beyond the mosaic there is no photo, whatever window looks there.
-Raster<std::uint8_t> cut_window(const Photo& photo, const Core& core, int margin_px) {
-  Raster<std::uint8_t> window(core.width + 2 * margin_px, core.height + 2 * margin_px, 3, no_photo_value);
-  const int west = core.col - margin_px, north = core.row - margin_px;
-  const int begin = std::max(0, -west), end = std::min(window.width, photo.frame.width - west);
-  for (int row = 0; row < window.height; ++row) {
-    if (north + row < 0 || north + row >= photo.frame.height) continue;
-    std::memcpy(&window.at(begin, row), &photo.rgb.at(west + begin, north + row),
-                static_cast<std::size_t>(end - begin) * 3);
-  }
-  return window;
+Decision classify_core(const PhotoSource& photo, const InferenceNetwork& network, const PixelBox& core) {
+  const PixelBox predicted = core.grown(refinement_margin_px), seen = predicted.grown(network.margin_px());
+  const PhotoWindow window = photo.read(seen);
+  if (!shows_photo(window, seen, core)) return decide(core, seen, window, predicted, {});
+  Raster<float> probabilities(predicted.width, predicted.height, network.class_count());
+  network.predict(window.rgb.data.data(), predicted, probabilities.data.data());
+  // The place for a CRF: it refines `probabilities` (of the box `predicted`) by the colours of `window` (of `seen`).
+  return decide(core, seen, window, predicted, probabilities);
 }
 
 /// Runs ATen on one thread in every worker while it lives: we parallelise over windows, and sums inside a
@@ -66,56 +89,81 @@ class SingleThreadedTorch {
   int before_;
 };
 
-}  // namespace
-
-SegmentResult segment_mosaic(const Photo& source, const SegmentModel& model, const SegmentOptions& options,
-                             Monitor* monitor) {
-  const int margin_px = model.network->margin_px();
-  if (options.window_px <= 2 * margin_px) {
-    throw OptionError(fmt::format("window of {} px: must be above {}, twice the margin of {}", options.window_px,
-                                  2 * margin_px, model.name));
-  }
-  const Photo photo = resample_photo(source, model.gsd_m, options.threads);
-  const GridFrame& frame = photo.frame;
-  SegmentResult result;
-  result.labels = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height, 1, label_nodata), model.classes};
-  result.confidence = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height, 1, 0)};
-  if (source.frame.gsd_m > 1.5 * model.gsd_m) {
-    const Vec2 center = frame.world_from_pixel(0.5 * frame.width, 0.5 * frame.height);
-    result.findings.push_back(
+Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::int64_t labelled_pixels) {
+  Findings findings;
+  const Vec2 center = photo.world_from_pixel(0.5 * photo.width, 0.5 * photo.height);
+  if (photo.gsd_m > 1.5 * model.gsd_m)
+    findings.push_back(
         {Severity::warning, "segment.coarse_photo",
          fmt::format("the photo has {:.2f} m/px, the network was trained at {:.2f} m/px: expect ragged labels",
-                     source.frame.gsd_m, model.gsd_m),
+                     photo.gsd_m, model.gsd_m),
          center.x, center.y});
-  }
+  if (labelled_pixels == 0)
+    findings.push_back({Severity::warning, "segment.no_photo",
+                        "the photo has no data anywhere (nodata, alpha or mask): no pixel got a label", center.x,
+                        center.y});
+  return findings;
+}
 
-  const std::vector<Core> cores = plan_cores(frame.width, frame.height, options.window_px - 2 * margin_px);
+}  // namespace
+
+GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) { return resampled_frame(photo, model.gsd_m); }
+
+SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
+                              const SegmentOptions& options, Monitor* monitor) {
+  const int margin_px = model.network->margin_px() + refinement_margin_px;
+  if (options.window_px <= 2 * margin_px)
+    throw OptionError(fmt::format("window of {} px: the network needs {} px around what it decides, take more than {}",
+                                  options.window_px, margin_px, 2 * margin_px));
+  const PhotoSource photo = resample_source(source, model.gsd_m);
+  const std::vector<PixelBox> cores = plan_cores(photo.frame, options.window_px - 2 * margin_px);
+  SegmentSummary summary{.frame = photo.frame};
   const SingleThreadedTorch single_threaded;
   const ReuseTensorMemory reuse_memory;
+  // A window without photo takes no time: its worker may run ahead of the others by this many.
+  const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
+  OrderedDelivery<Decision> delivery(ahead, [&](std::size_t index, const Decision& decision) {
+    summary.labelled_pixels += decision.labelled_pixels;
+    sink(cores[index], decision.labels, decision.confidence);
+  });
   const auto classify = [&](std::size_t index) {
-    if (monitor && monitor->cancelled()) return;
-    const Core& core = cores[index];
-    if (!any_photo(photo, core)) return;
-    const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-    const Raster<std::uint8_t> window = cut_window(photo, core, margin_px);
-    const int classes = model.network->class_count();
-    Raster<float> probabilities(core.width, core.height, classes);
-    model.network->predict(window.data.data(), {core.col, core.row, core.width, core.height}, probabilities.data.data());
-    for (int row = 0; row < core.height; ++row) {
-      for (int col = 0; col < core.width; ++col) {
-        if (!photo.valid.at(core.col + col, core.row + row)) continue;
-        const float* p = &probabilities.at(col, row);
-        const float* best = std::max_element(p, p + classes);
-        result.labels.labels.at(core.col + col, core.row + row) = static_cast<std::uint8_t>(best - p);
-        result.confidence.confidence.at(core.col + col, core.row + row) =
-            static_cast<std::uint8_t>(std::lround(*best * 255.0F));
-      }
+    if (monitor && monitor->cancelled()) delivery.stop();
+    if (!delivery.wait_for_room(index)) return;
+    try {
+      const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
+      delivery.hand_over(index, classify_core(photo, *model.network, cores[index]));
+    } catch (...) {
+      delivery.stop();
+      throw;
     }
   };
   parallel_for(cores.size(), options.threads, classify, [&](std::size_t done) {
     if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(cores.size()), "segment");
   });
   if (monitor && monitor->cancelled()) throw Error("segment: cancelled");
+  summary.findings = find_oddities(source.frame, model, summary.labelled_pixels);
+  return summary;
+}
+
+SegmentResult segment_mosaic(const Photo& photo, const SegmentModel& model, const SegmentOptions& options,
+                             Monitor* monitor) {
+  const GridFrame frame = label_frame(photo.frame, model);
+  SegmentResult result{
+      .labels = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height, 1, label_nodata), model.classes},
+      .confidence = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height)}};
+  const auto keep = [](Raster<std::uint8_t>& whole, const PixelBox& box, const Raster<std::uint8_t>& part) {
+    for (int row = 0; row < box.height; ++row)
+      std::memcpy(&whole.at(static_cast<int>(box.col), static_cast<int>(box.row) + row), &part.at(0, row),
+                  static_cast<std::size_t>(box.width));
+  };
+  const SegmentSummary summary = segment_mosaic(
+      source_of(photo), model,
+      [&](const PixelBox& box, const Raster<std::uint8_t>& labels, const Raster<std::uint8_t>& confidence) {
+        keep(result.labels.labels, box, labels);
+        keep(result.confidence.confidence, box, confidence);
+      },
+      options, monitor);
+  result.findings = summary.findings;
   return result;
 }
 

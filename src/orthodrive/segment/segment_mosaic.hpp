@@ -1,8 +1,12 @@
 #pragma once
-// Photo -> labels: a fully convolutional network over a mosaic of any size.
+// Photo -> labels: a fully convolutional network over a mosaic of any size, in memory that does not grow with it.
+
+#include <cstdint>
+#include <functional>
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/photo_source.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/segment/segment_model.hpp"
 
@@ -13,15 +17,33 @@ struct SegmentOptions {
   int threads = 0;       ///< 0 = all cores; the result does not depend on it
 };
 
+/// Takes the labels (label_nodata without photo) and their probability (0..255 = 0..1) of one box. The boxes come row
+/// by row, west to east, cover the frame once, and are handed over one at a time, from changing threads.
+using LabelSink = std::function<void(const PixelBox& box, const Raster<std::uint8_t>& labels,
+                                     const Raster<std::uint8_t>& confidence)>;
+
+struct SegmentSummary {
+  GridFrame frame;                   ///< of the labels
+  std::int64_t labelled_pixels = 0;  ///< those with photo
+  Findings findings;
+};
+
+/// The frame of the labels of a photo: its own where it has the model's scale, else the covering grid at that scale.
+[[nodiscard]] GridFrame label_frame(const GridFrame& photo, const SegmentModel& model);
+
+/// The photo is brought to the model's scale, then classified window by window. Each window carries a margin of real
+/// pixels at least as wide as what the network sees, so the windows leave no trace. Holds the windows being worked on
+/// and a few finished ones: about 0.7 GB a worker at the default window, whatever the mosaic.
+[[nodiscard]] SegmentSummary segment_mosaic(const PhotoSource& photo, const SegmentModel& model, const LabelSink& sink,
+                                            const SegmentOptions& options = {}, Monitor* monitor = nullptr);
+
 struct SegmentResult {
   LabelMap labels;           ///< at the model's scale
   ConfidenceMap confidence;  ///< probability of that label
   Findings findings;
 };
 
-/// The photo is brought to the model's scale, then classified window by window. Each window carries a margin of real
-/// pixels at least as wide as what the network sees, so the windows leave no trace. Needs about 0.7 GB a worker at
-/// the default window, plus 5 bytes a pixel.
+/// The same, photo and labels in memory.
 [[nodiscard]] SegmentResult segment_mosaic(const Photo& photo, const SegmentModel& model,
                                            const SegmentOptions& options = {}, Monitor* monitor = nullptr);
 

@@ -1,0 +1,127 @@
+// Writing of rasters box by box. GDAL's block cache is not used for what is written: it flushes blocks from whatever
+// thread needs room, and a full disk would be blamed on the photo that thread reads.
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <map>
+#include <system_error>
+#include <vector>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/raster_support.hpp"
+
+namespace orthodrive::io {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr int tile_px = 512;
+constexpr std::size_t most_open_tiles = 64;  // 16 MB
+}  // namespace
+
+struct RasterStream::State {
+  State(fs::path target, const Crs& crs, const GridFrame& frame, std::uint8_t fill,
+        const std::vector<std::string>& cog_options)
+      : target(std::move(target)),
+        frame(frame),
+        fill(fill),
+        cog_options(cog_options),
+        columns((frame.width + tile_px - 1) / tile_px),
+        stored(static_cast<std::size_t>(columns) * static_cast<std::size_t>((frame.height + tile_px - 1) / tile_px)) {
+    start_gdal();
+    fs::path windows = this->target;
+    windows.replace_filename(this->target.stem().string() + ".windows.tif");
+    const AsideFile aside(windows);
+    const ScopedGdalOption no_side_car("GDAL_PAM_ENABLED", "NO");
+    GdalOptions options({"TILED=YES", fmt::format("BLOCKXSIZE={}", tile_px), fmt::format("BLOCKYSIZE={}", tile_px),
+                         "COMPRESS=ZSTD", "ZSTD_LEVEL=1", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"});
+    GdalErrors errors;
+    dataset.reset(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(aside.path().c_str(), frame.width,
+                                                                           frame.height, 1, GDT_Byte, options.get()));
+    if (!dataset) fail(errors);
+    place(*dataset, frame, crs);
+  }  // `aside` goes, and with it the name of the file: it lives as long as the dataset
+
+  [[noreturn]] void fail(const GdalErrors& errors) const {
+    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", target.string(),
+                            errors.text()));
+  }
+
+  [[nodiscard]] GDALRasterBand& band() const { return *dataset->GetRasterBand(1); }
+
+  void store_tiles() {
+    GdalErrors errors;
+    for (auto& [index, pixels] : open) {
+      if (band().WriteBlock(index % columns, index / columns, pixels.data()) != CE_None || errors.any()) fail(errors);
+      stored[static_cast<std::size_t>(index)] = true;
+    }
+    open.clear();
+  }
+
+  /// 512 x 512 pixels, also at the far edges of the raster.
+  std::vector<std::uint8_t>& tile(int index) {
+    const auto found = open.find(index);
+    if (found != open.end()) return found->second;
+    if (open.size() >= most_open_tiles) store_tiles();
+    std::vector<std::uint8_t> pixels(std::size_t{tile_px} * tile_px, fill);
+    if (stored[static_cast<std::size_t>(index)]) {
+      GdalErrors errors;
+      if (band().ReadBlock(index % columns, index / columns, pixels.data()) != CE_None || errors.any()) fail(errors);
+    }
+    return open.emplace(index, std::move(pixels)).first->second;
+  }
+
+  fs::path target;
+  GridFrame frame;
+  std::uint8_t fill;  ///< where nothing was written
+  std::vector<std::string> cog_options;
+  int columns;               ///< of tiles
+  std::vector<bool> stored;  ///< tiles that were written to the file, perhaps before all their boxes had come
+  std::map<int, std::vector<std::uint8_t>> open;
+  DatasetPtr dataset;
+};
+
+RasterStream::RasterStream(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RasterStream::RasterStream(RasterStream&&) noexcept = default;
+RasterStream::~RasterStream() = default;
+
+void RasterStream::write(const PixelBox& box, const Raster<std::uint8_t>& pixels) {
+  State& s = *state_;
+  const PixelBox inside = intersection(box, pixels_of(s.frame));
+  for (int tile_row = static_cast<int>(inside.row / tile_px); tile_row * std::int64_t{tile_px} < inside.end_row();
+       ++tile_row)
+    for (int tile_col = static_cast<int>(inside.col / tile_px); tile_col * std::int64_t{tile_px} < inside.end_col();
+         ++tile_col) {
+      const PixelBox tile{std::int64_t{tile_px} * tile_col, std::int64_t{tile_px} * tile_row, tile_px, tile_px};
+      const PixelBox part = intersection(tile, inside);
+      std::vector<std::uint8_t>& target = s.tile(tile_row * s.columns + tile_col);
+      for (std::int64_t row = part.row; row < part.end_row(); ++row)
+        std::memcpy(&target[static_cast<std::size_t>((row - tile.row) * tile_px + part.col - tile.col)],
+                    &pixels.at(static_cast<int>(part.col - box.col), static_cast<int>(row - box.row)),
+                    static_cast<std::size_t>(part.width));
+    }
+}
+
+void RasterStream::finish() {
+  State& s = *state_;
+  s.store_tiles();
+  GdalErrors errors;
+  if (s.dataset->FlushCache(false); errors.any()) s.fail(errors);
+  create_copy(s.target, "COG", *s.dataset, s.cog_options);
+  s.dataset.reset();
+}
+
+RasterStream stream_labels(const fs::path& path, const Crs& crs, const GridFrame& frame, const ClassTable& classes) {
+  auto state = std::make_unique<RasterStream::State>(path, crs, frame, label_nodata, label_cog_options());
+  dress_as_labels(*state->dataset, classes);
+  return RasterStream(std::move(state));
+}
+
+RasterStream stream_confidence(const fs::path& path, const Crs& crs, const GridFrame& frame) {
+  return RasterStream(
+      std::make_unique<RasterStream::State>(path, crs, frame, std::uint8_t{0}, confidence_cog_options()));
+}
+
+}  // namespace orthodrive::io
