@@ -14,6 +14,8 @@ namespace fs = std::filesystem;
 struct SegmentCommand {
   fs::path photo, labels, confidence;
   std::string model = "default";
+  bool crf = false;
+  int crf_iterations = 0;  ///< 0: the model's
   SegmentOptions options;
 };
 
@@ -31,6 +33,12 @@ void run(SegmentCommand& command, const Context& context) {
   command.options.threads = context.threads;
   const fs::path model_file = io::find_model(command.model);
   const SegmentModel model = load_model(io::read_file(model_file), model_file.string());
+  if (command.crf) {
+    if (!model.crf)
+      context.monitor->info("the model has no trained CRF: using the widths and weights of the reference's grid search");
+    command.options.crf = model.crf ? *model.crf : reference_crf(static_cast<int>(model.classes.classes.size()));
+    if (command.crf_iterations > 0) command.options.crf->parameters.iterations = command.crf_iterations;
+  }
   const PhotoSource photo = io::open_photo(command.photo, site_of(command.photo), {.threads = context.threads});
   const GridFrame frame = label_frame(photo.frame, model);
   io::RasterStream labels = io::stream_labels(command.labels, photo.crs, frame, model.classes);
@@ -57,8 +65,10 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_option("-o,--output", command->labels, "label map (palette GeoTIFF with class table)")->required();
   cmd->add_option("--confidence", command->confidence, "also write the probability of each label (GeoTIFF, 0..255)");
   cmd->add_option("--model", command->model, "name in the models folder or a .safetensors file")->capture_default_str();
+  cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
+  cmd->add_option("--crf-iterations", command->crf_iterations, "mean-field iterations; 0: as trained")->check(CLI::Range(0, 100));
   cmd->add_option("--window", command->options.window_px,
-                  "pixels the network sees at once, margin included; the labels do not depend on it")
+                  "pixels the network sees at once, margin included; 0: as suits its memory; the labels do not depend on it")
       ->capture_default_str();
   cmd->footer(
       "Reads the photo and a model; writes the labels in the photo's UTM zone at the model's scale (0.5 m/px).\n"

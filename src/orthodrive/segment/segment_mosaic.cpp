@@ -14,12 +14,26 @@
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "orthodrive/segment/reusing_allocator.hpp"
+#include "orthodrive/segment/single_threaded_blas.hpp"
 
 namespace orthodrive {
 namespace {
 
-/// How far around a core its probabilities are predicted, for what refines them before they are decided. Nothing does.
-constexpr int refinement_margin_px = 0;
+/// How far around a core its probabilities are predicted so that the CRF's messages into the core are those of the whole
+/// mosaic: mean field carries them over several widths of the kernels, ever weaker. The test compares with the whole image.
+int crf_margin_px(const std::optional<CrfModel>& crf) {
+  if (!crf) return 0;
+  const double reach = std::max(crf->widths.theta_alpha_px, crf->widths.theta_gamma_px);
+  return std::clamp(static_cast<int>(std::ceil(4.0 * reach)), 32, 256);
+}
+
+/// Windows whose largest layers take some 200 MB; at least as much core as margin would be wasteful to undercut.
+int suitable_window_px(const InferenceNetwork& network, int margin_px) {
+  constexpr double peak_bytes = 2.0e8;
+  constexpr int least_core_px = 256;
+  const int by_memory = static_cast<int>(std::sqrt(peak_bytes / peak_bytes_per_pixel(network.graph()))) / 16 * 16;
+  return std::max(by_memory, 2 * margin_px + least_core_px);
+}
 
 /// The pixels a window decides: row by row, west to east.
 std::vector<PixelBox> plan_cores(const GridFrame& frame, int core_px) {
@@ -66,13 +80,30 @@ bool shows_photo(const PhotoWindow& window, const PixelBox& window_box, const Pi
   return false;
 }
 
-Decision classify_core(const PhotoSource& photo, const InferenceNetwork& network, const PixelBox& core) {
-  const PixelBox predicted = core.grown(refinement_margin_px), seen = predicted.grown(network.margin_px());
+/// Probabilities of a box -> marginals of the CRF, in place. The photo's window may be larger.
+void refine(const CrfModel& crf, const PhotoWindow& window, const PixelBox& window_box, const PixelBox& box,
+            Raster<float>& probabilities) {
+  constexpr float least_probability = 1e-9F;
+  Raster<std::uint8_t> rgb(box.width, box.height, 3), valid(box.width, box.height);
+  const int left = static_cast<int>(box.col - window_box.col), top = static_cast<int>(box.row - window_box.row);
+  for (int row = 0; row < box.height; ++row) {
+    std::memcpy(&rgb.at(0, row), &window.rgb.at(left, top + row), 3 * static_cast<std::size_t>(box.width));
+    std::memcpy(&valid.at(0, row), &window.valid.at(left, top + row), static_cast<std::size_t>(box.width));
+  }
+  const DenseCrf dense({box.width, box.height, box.col, box.row, rgb.data.data(), valid.data.data()}, crf.widths);
+  std::vector<float> unary(probabilities.data.size());
+  for (std::size_t i = 0; i < unary.size(); ++i) unary[i] = -std::log(std::max(probabilities.data[i], least_probability));
+  dense.infer(crf.parameters, unary, probabilities.data);
+}
+
+Decision classify_core(const PhotoSource& photo, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
+                       const PixelBox& core) {
+  const PixelBox predicted = core.grown(crf_margin_px(crf)), seen = predicted.grown(network.margin_px());
   const PhotoWindow window = photo.read(seen);
   if (!shows_photo(window, seen, core)) return decide(core, seen, window, predicted, {});
   Raster<float> probabilities(predicted.width, predicted.height, network.class_count());
   network.predict(window.rgb.data.data(), predicted, probabilities.data.data());
-  // The place for a CRF: it refines `probabilities` (of the box `predicted`) by the colours of `window` (of `seen`).
+  if (crf) refine(*crf, window, seen, predicted, probabilities);
   return decide(core, seen, window, predicted, probabilities);
 }
 
@@ -111,14 +142,20 @@ GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) { retur
 
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
                               const SegmentOptions& options, Monitor* monitor) {
-  const int margin_px = model.network->margin_px() + refinement_margin_px;
-  if (options.window_px <= 2 * margin_px)
+  const int margin_px = model.network->margin_px() + crf_margin_px(options.crf);
+  const int window_px = options.window_px == 0 ? suitable_window_px(*model.network, margin_px) : options.window_px;
+  if (window_px <= 2 * margin_px)
     throw OptionError(fmt::format("window of {} px: the network needs {} px around what it decides, take more than {}",
-                                  options.window_px, margin_px, 2 * margin_px));
+                                  window_px, margin_px, 2 * margin_px));
   const PhotoSource photo = resample_source(source, model.gsd_m);
-  const std::vector<PixelBox> cores = plan_cores(photo.frame, options.window_px - 2 * margin_px);
+  const std::vector<PixelBox> cores = plan_cores(photo.frame, window_px - 2 * margin_px);
   SegmentSummary summary{.frame = photo.frame};
+  if (options.crf && options.crf->parameters.classes != model.network->class_count()) {
+    throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
+                                  options.crf->parameters.classes, model.network->class_count()));
+  }
   const SingleThreadedTorch single_threaded;
+  const SingleThreadedBlas single_threaded_blas;
   const ReuseTensorMemory reuse_memory;
   // A window without photo takes no time: its worker may run ahead of the others by this many.
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
@@ -131,7 +168,7 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
     if (!delivery.wait_for_room(index)) return;
     try {
       const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-      delivery.hand_over(index, classify_core(photo, *model.network, cores[index]));
+      delivery.hand_over(index, classify_core(photo, *model.network, options.crf, cores[index]));
     } catch (...) {
       delivery.stop();
       throw;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
@@ -13,8 +14,9 @@
 namespace orthodrive {
 
 struct SegmentOptions {
-  int window_px = 1536;  ///< edge of the window the network sees at once; memory per worker grows with its square
+  int window_px = 0;     ///< edge of what the network sees at once, margin included; 0: as suits the network's memory
   int threads = 0;       ///< 0 = all cores; the result does not depend on it
+  std::optional<CrfModel> crf;  ///< refines the probabilities before they are decided; none: the network alone
 };
 
 /// Takes the labels (label_nodata without photo) and their probability (0..255 = 0..1) of one box. The boxes come row
@@ -33,7 +35,7 @@ struct SegmentSummary {
 
 /// The photo is brought to the model's scale, then classified window by window. Each window carries a margin of real
 /// pixels at least as wide as what the network sees, so the windows leave no trace. Holds the windows being worked on
-/// and a few finished ones: about 0.7 GB a worker at the default window, whatever the mosaic.
+/// and a few finished ones: at most 0.8 GB a worker at the default window, whatever the mosaic.
 [[nodiscard]] SegmentSummary segment_mosaic(const PhotoSource& photo, const SegmentModel& model, const LabelSink& sink,
                                             const SegmentOptions& options = {}, Monitor* monitor = nullptr);
 

@@ -497,7 +497,7 @@ std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const
                                                 int threads) {
   std::map<std::string, LabelScore> scores;
   for (const ValidationScene& scene : scenes) {
-    const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads});
+    const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .crf = model.crf});
     LabelScore& score = scores.try_emplace(scene.name, static_cast<int>(model.classes.classes.size())).first->second;
     score.add(result.labels.labels.data, scene.allowed.data);
   }
