@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -93,21 +94,32 @@ void add_data(Experiment& experiment, const Experiment& other) {
   append(experiment.polygons, other.polygons);
 }
 
-/// Scores of a model on the held-out data, as one JSON object on standard output.
-void measure(const std::string& name, const std::vector<ValidationScene>& scenes, const ClassTable& classes,
+/// Scores of a model on the held-out data and what they took, as one JSON object on standard output.
+void measure(const TrainCommand& command, const std::vector<ValidationScene>& scenes, const ClassTable& classes,
              int threads) {
-  const fs::path file = io::find_model(name);
-  const SegmentModel model = load_model(io::read_file(file), file.string());
+  const fs::path file = io::find_model(command.measure);
+  SegmentModel model = load_model(io::read_file(file), file.string());
   if (model.classes.classes.size() != classes.classes.size())
     throw InputError(file.string(),
                      fmt::format("has the class table '{}', the experiment '{}'", model.classes.name, classes.name));
+  if (!command.crf) model.crf.reset();
+  if (command.crf && !model.crf) model.crf = reference_crf(static_cast<int>(classes.classes.size()));
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
+  std::map<std::string, std::vector<ValidationScene>> sets;
+  for (const ValidationScene& scene : scenes) sets[scene.name].push_back(scene);
   nlohmann::ordered_json json;
-  for (const auto& [scene, score] : measure_model(model, scenes, threads)) {
-    nlohmann::ordered_json& entry = json[scene];
+  for (const auto& [name, set] : sets) {
+    double megapixels = 0.0;
+    for (const ValidationScene& scene : set) megapixels += 1e-6 * static_cast<double>(scene.allowed.data.size());
+    const auto start = std::chrono::steady_clock::now();
+    const LabelScore score = measure_model(model, set, threads).begin()->second;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    nlohmann::ordered_json& entry = json[name];
     entry = {{"road_iou", rounded(score.iou(road_label(model.classes)))},
              {"mean_iou", rounded(score.mean_iou())},
-             {"pixel_accuracy", rounded(score.pixel_accuracy())}};
+             {"pixel_accuracy", rounded(score.pixel_accuracy())},
+             {"megapixels", rounded(megapixels)},
+             {"seconds", rounded(seconds)}};
     for (std::size_t c = 0; c < model.classes.classes.size(); ++c) {
       entry["iou"][model.classes.classes[c].name] = rounded(score.iou(static_cast<int>(c)));
     }
@@ -301,7 +313,7 @@ void run(const TrainCommand& command, const Context& context) {
   experiment.train.cuda = command.cuda;
   if (!command.measure.empty()) {
     return measure(
-        command.measure,
+        command,
         read_held_out_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor),
         network.classes, context.threads);
   }

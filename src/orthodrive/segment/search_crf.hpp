@@ -19,7 +19,7 @@ struct CrfSample {
 };
 
 struct CrfSearchOptions {
-  std::vector<double> theta_alpha_px{5.0, 13.5, 30.0, 60.0}, theta_beta{5.0, 11.0, 20.0};
+  std::vector<double> theta_alpha_px{5.0, 9.0, 13.5, 20.0, 30.0}, theta_beta{5.0, 11.0, 20.0};
   std::vector<float> appearance_weight{1.0F, 2.5F, 5.0F, 10.0F};
   std::vector<double> theta_gamma_px{1.0, 1.75, 3.0};
   std::vector<float> smoothness_weight{0.5F, 1.5F, 3.0F};

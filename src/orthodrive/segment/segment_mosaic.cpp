@@ -93,7 +93,8 @@ void refine(const CrfModel& crf, const PhotoWindow& window, const PixelBox& wind
   const DenseCrf dense({box.width, box.height, box.col, box.row, rgb.data.data(), valid.data.data()}, crf.widths);
   std::vector<float> unary(probabilities.data.size());
   for (std::size_t i = 0; i < unary.size(); ++i) unary[i] = -std::log(std::max(probabilities.data[i], least_probability));
-  dense.infer(crf.parameters, unary, probabilities.data);
+  thread_local CrfWorkspace workspace;
+  dense.infer(crf.parameters, unary, probabilities.data, &workspace);
 }
 
 Decision classify_core(const PhotoSource& photo, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
