@@ -122,6 +122,18 @@ TEST(OrderedDelivery, any_order_of_finishing_is_delivered_by_index_and_few_wait)
   EXPECT_LE(most_waiting, ahead);
 }
 
+/// The CRF connects every pixel with every other: windows see the same but for what is far away.
+TEST(SegmentMosaic, crf_changes_labels_and_hardly_depends_on_windows) {
+  const Photo photo = painted_photo(220, 150, 0.5);
+  const CrfModel crf = reference_crf(8);
+  const SegmentResult whole = segment_mosaic(photo, shipped_model(), {.window_px = 1200, .crf = crf});
+  const SegmentResult windows = segment_mosaic(photo, shipped_model(), {.window_px = 570, .crf = crf});
+  EXPECT_LT(share_of_different(whole.labels.labels, windows.labels.labels), 1e-3);
+  const SegmentResult without = segment_mosaic(photo, shipped_model(), {.window_px = 1200});
+  EXPECT_GT(share_of_different(whole.labels.labels, without.labels.labels), 1e-3);
+  EXPECT_THROW(static_cast<void>(segment_mosaic(photo, shipped_model(), {.crf = reference_crf(5)})), OptionError);
+}
+
 TEST(SegmentMosaic, same_bytes_for_one_and_two_threads) {
   const Photo photo = painted_photo(280, 130, 0.5);
   const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 544, .threads = 1});
