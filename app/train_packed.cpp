@@ -7,9 +7,9 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
