@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <utility>
 
 #include "commands.hpp"
 #include "orthodrive/core/aside_file.hpp"
@@ -15,12 +14,10 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/segment/caffe_model.hpp"
-#include "orthodrive/segment/make_network.hpp"
-#include "orthodrive/segment/net_surgery.hpp"
 #include "orthodrive/segment/packed_scenes.hpp"
 #include "orthodrive/segment/safetensors_stream.hpp"
-#include "orthodrive/segment/training_report.hpp"
 #include "training_data.hpp"
+#include "training_run.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -41,37 +38,6 @@ void write_previews(const TrainingData& data, const ClassTable& classes, const f
     io::write_png(folder / (scene.name + "_held_out.png"), label_preview(scene.photo.rgb, scene.allowed, classes));
   }
 }
-
-/// log.csv, a row as it happens: the file of a killed run is complete up to there. And its curves as a page.
-class TrainingLog {
- public:
-  /// Goes on with the log that is there, up to the step that is resumed from; -1: begins a new one.
-  TrainingLog(const fs::path& folder, std::int64_t resumed_step) : page_(folder / "training.html"), folder_(folder) {
-    const fs::path file = folder / "log.csv";
-    if (resumed_step >= 0 && fs::exists(file)) rows_ = parse_training_log(io::read_file(file), file.string());
-    std::erase_if(rows_, [&](const TrainReport& row) { return row.step > resumed_step; });
-    std::string text = format_log_header();
-    for (const TrainReport& row : rows_) text += format_log_row(row);
-    seconds_before_ = rows_.empty() ? 0.0 : rows_.back().seconds;
-    write_text_file(file, text);
-    stream_.open(file, std::ios::app);
-  }
-  void write(TrainReport row) {
-    row.seconds += seconds_before_;
-    rows_.push_back(row);
-    stream_ << format_log_row(row) << std::flush;
-    if (row.validation == "mean") write_page();
-  }
-  void write_page() const {
-    write_text_file(page_, format_training_report(rows_, {.title = "Training " + folder_.filename().string()}));
-  }
-
- private:
-  fs::path page_, folder_;
-  std::vector<TrainReport> rows_;
-  std::ofstream stream_;
-  double seconds_before_ = 0.0;
-};
 
 /// What an experiment trains: its network with its class table.
 struct Network {
@@ -127,180 +93,38 @@ void measure(const TrainCommand& command, const std::vector<ValidationScene>& sc
   fmt::print("{}\n", json.dump(2));
 }
 
+bool is_caffe_model(const fs::path& file) { return file.extension() == ".caffemodel"; }
+
 WeightsSource read_weights(const fs::path& file) {
-  if (file.extension() != ".caffemodel") return {file.filename().string(), read_safetensors(file)};
+  if (!is_caffe_model(file)) return {file.filename().string(), read_safetensors(file)};
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw InputError(file.string(), "cannot be opened: does it exist?");
   return {file.filename().string(), read_caffe_model(stream, file.string())};
 }
 
-std::int64_t step_of(const std::optional<TensorFile>& checkpoint) {
-  const auto step =
-      checkpoint ? checkpoint->metadata.find("step") : std::map<std::string, std::string>::const_iterator{};
-  return checkpoint && step != checkpoint->metadata.end() ? std::atoll(step->second.c_str()) : -1;
-}
-
-/// The trainings of an experiment, in order: a network and its options each.
-struct Stage {
-  std::string architecture;
-  TrainOptions options;
-};
-
-std::vector<Stage> stages_of(const Experiment& experiment, const NetworkSpec& network) {
-  if (experiment.stages.empty()) return {{network.architecture(), experiment.train}};
-  std::vector<Stage> stages;
-  for (const StageOptions& stage : experiment.stages) {
-    NetworkSpec spec = network;
-    spec.stride = stage.stride;
-    TrainOptions options = experiment.train;
-    options.decay_from_step = options.decay_from_step * stage.steps / options.steps;  // the same share of the stage
-    options.steps = stage.steps;
-    stages.push_back({spec.architecture(), options});
-  }
-  return stages;
-}
-
-/// `steps_before`: of the stages before, so that steps of the log go on.
-TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_before) {
-  return {.report =
-              [&log, steps_before](TrainReport report) {
-                report.step += steps_before;
-                log.write(report);
-              },
-          .checkpoint =
-              [out](const Trainer& state) {
-                write_text_file(out / "checkpoint.safetensors", format_safetensors(state.checkpoint()));
-                write_text_file(out / "model.safetensors", format_safetensors(state.model_file()));
-              },
-          .best =
-              [out](const Trainer& state) {
-                write_text_file(out / "best.safetensors", format_safetensors(state.model_file()));
-              }};
-}
-
-void train(const TrainCommand& command, const Experiment& experiment, const Network& network, const TrainingData& data,
-           const Context& context) {
-  const fs::path checkpoint_file = command.out / "checkpoint.safetensors",
-                 model_file = command.out / "model.safetensors", best_file = command.out / "best.safetensors";
-  const std::vector<Stage> stages = stages_of(experiment, network.spec);
-  std::size_t index = 0;
-  std::optional<TensorFile> checkpoint;
-  if (fs::exists(checkpoint_file)) {
-    checkpoint = read_safetensors(checkpoint_file);
-    const std::string architecture = parse_model_metadata(checkpoint->metadata, checkpoint_file.string()).architecture;
-    while (index < stages.size() && stages[index].architecture != architecture) ++index;
-    if (index == stages.size()) {
-      throw InputError(
-          checkpoint_file.string(),
-          fmt::format("is of {}, which the experiment does not train: choose another folder", architecture));
-    }
-  }
-  std::vector<WeightsSource> sources;
-  if (!checkpoint)
-    for (const fs::path& file : experiment.weights) sources.push_back(read_weights(file));
-  std::int64_t steps_before = 0;
-  for (std::size_t i = 0; i < index; ++i) steps_before += stages[i].options.steps;
-  TrainingLog log(command.out, checkpoint ? steps_before + step_of(checkpoint) : -1);
-  for (; index < stages.size(); ++index) {
-    const Stage& stage = stages[index];
-    const ModelMetadata metadata{stage.architecture, network.classes, network.spec.gsd_m};
-    const NetworkGraph graph = make_network(stage.architecture, static_cast<int>(network.classes.classes.size()));
-    StartWeights start = start_weights(graph, sources, stage.options.seed);
-    if (!checkpoint)
-      write_text_file(command.out / fmt::format("weights_{}.txt", stage.architecture), format_report(start.report));
-    Trainer trainer(start.file, "starting weights", metadata, stage.options);
-    start = {};
-    sources.clear();
-    if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
-    checkpoint.reset();
-    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, log, steps_before),
-                  context.monitor);
-    steps_before += trainer.step();
-    if (stage.options.early_stop_after > 0 && fs::exists(best_file))
-      write_text_file(model_file, io::read_file(best_file));
-    if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
-  }
-}
-
-std::string search_table(const CrfSearch& search) {
-  std::string text = "theta_alpha_px,theta_beta,w1,theta_gamma_px,w2,pixel_accuracy,mean_iou\n";
-  for (const CrfTrial& t : search.trials) {
-    text +=
-        fmt::format("{},{},{},{},{},{:.4f},{:.4f}\n", t.widths.theta_alpha_px, t.widths.theta_beta, t.appearance_weight,
-                    t.widths.theta_gamma_px, t.smoothness_weight, t.pixel_accuracy, t.mean_iou);
-  }
-  return text;
-}
-
-TrainOptions crf_train_options(const Experiment& experiment) {
-  const CrfExperiment& crf = experiment.crf;
-  TrainOptions options = experiment.train;
-  options.solver = Solver::adamw;
-  options.sum_loss = false;
-  options.learning_rate = crf.network_learning_rate;
-  options.steps = crf.steps;
-  options.warmup_steps = std::min<std::int64_t>(10, crf.steps);
-  options.decay_from_step = crf.steps / 2;
-  options.freeze_norm_from_step = 0;
-  options.batch = crf.batch;
-  options.validate_every = crf.validate_every;
-  if (crf.label_px > 0) options.label_px = crf.label_px;
-  return options;
-}
-
-/// On top of the network trained in the folder: searches the CRF's widths and weights, then learns all of it. Writes
-/// into the sub-folder crf.
-void train_crf(const TrainCommand& command, const Experiment& experiment, const Network& network,
-               const TrainingData& data, const Context& context) {
-  const fs::path start_file = command.out / "model.safetensors", out = command.out / "crf",
-                 checkpoint_file = out / "checkpoint.safetensors";
-  if (!fs::exists(start_file)) {
-    throw OptionError(
-        fmt::format("{} is missing: train the network first, the same command without --crf", start_file.string()));
-  }
-  const TensorFile start = read_safetensors(start_file);
-  const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
-  const int classes = static_cast<int>(network.classes.classes.size());
-  const CrfExperiment& crf = experiment.crf;
-  TrainOptions options = crf_train_options(experiment);
-  fs::create_directories(out);
-  std::optional<TensorFile> checkpoint;
-  if (fs::exists(checkpoint_file)) {
-    if (!command.resume) throw OptionError(fmt::format("{} holds a training run: go on with --resume", out.string()));
-    checkpoint = read_safetensors(checkpoint_file);
-    const std::optional<CrfModel> begun = read_crf(*checkpoint, classes, checkpoint_file.string());
-    if (!begun) throw InputError(checkpoint_file.string(), "holds no CRF: choose another folder");
-    options.crf = CrfTraining{*begun, crf.learning_rate, crf.shrinkage};
-  } else {
-    const Trainer predictor(start, start_file.string(), metadata, options);
-    if (context.monitor) context.monitor->info("searching the widths and weights of the CRF");
-    const CrfSearch search = search_crf(predictor.crf_samples(data.scenes, crf.search_crops), classes,
-                                        {.iterations = crf.iterations, .threads = context.threads});
-    write_text_file(out / "search.csv", search_table(search));
-    CrfModel best = search.best;
-    for (std::vector<float>* weights : {&best.parameters.appearance_weight, &best.parameters.smoothness_weight})
-      for (float& w : *weights) w = std::max(w, 0.05F);  // a weight of zero has no logarithm to learn
-    TensorFile untrained = start;
-    add_crf(untrained, search.best);
-    write_text_file(out / "searched.safetensors", format_safetensors(untrained));
-    options.crf = CrfTraining{best, crf.learning_rate, crf.shrinkage};
-  }
-  Trainer trainer(start, start_file.string(), metadata, options);
-  if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
-  TrainingLog log(out, step_of(checkpoint));
-  train_network(trainer, options, data.scenes, data.validation, hooks_for(out, log, 0), context.monitor);
-}
-
-/// The data set and all that training needs to know, for the program that needs nothing but libtorch.
-void pack(const TrainCommand& command, TrainingData data, const ClassTable& classes, const std::string& experiment) {
-  PackedScenes packed{std::move(data.scenes),
-                      std::move(data.validation),
-                      {{"experiment", experiment}, {"classes", io::class_table_to_json(classes)}}};
+/// The data set and all that training needs to know, for `orthodrive-train` (train_packed.cpp), which has neither GDAL
+/// nor protobuf: Caffe models become safetensors beside the pack.
+void pack(const TrainCommand& command, const Experiment& experiment, const std::string& experiment_text,
+          const Network& network, TrainingData data, Monitor* monitor) {
+  PackedScenes packed{std::move(data.scenes), std::move(data.validation),
+                      format_model_metadata({network.spec.architecture(), network.classes, network.spec.gsd_m})};
+  packed.metadata["experiment"] = experiment_text;
+  packed.metadata["network"] = io::read_file(experiment.network);
   AsideFile aside(command.pack);
   std::ofstream stream(aside.path(), std::ios::binary);
   write_packed_scenes(stream, packed);
   stream.close();
+  if (!stream) throw Error(fmt::format("{}: cannot be written, is the disk full?", command.pack.string()));
   aside.commit();
+  for (const fs::path& file : experiment.weights) {
+    fs::path portable = file;
+    if (is_caffe_model(file)) {
+      portable = command.pack;
+      portable.replace_filename(fmt::format("{}_{}.safetensors", command.pack.stem().string(), file.stem().string()));
+      write_text_file(portable, format_safetensors(read_weights(file).file));
+    }
+    if (monitor) monitor->info(fmt::format("carry along: {}  (--weights)", portable.string()));
+  }
 }
 
 void run(const TrainCommand& command, const Context& context) {
@@ -318,20 +142,27 @@ void run(const TrainCommand& command, const Context& context) {
         network.classes, context.threads);
   }
   if (command.out.empty() && command.pack.empty()) throw OptionError("-o is missing: the folder to train into");
-  if (fs::exists(command.out / "checkpoint.safetensors") && !command.resume && !command.preview && !command.crf) {
-    throw OptionError(
-        fmt::format("{} holds a training run: go on with --resume or choose another folder", command.out.string()));
-  }
-  if (!command.out.empty()) fs::create_directories(command.out);
+  if (!command.out.empty()) prepare_training_folder(command.out, command.resume || command.preview, command.crf);
   TrainingData data =
       read_training_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor);
   if (command.preview) return write_previews(data, network.classes, command.out);
-  if (!command.pack.empty()) return pack(command, data, network.classes, text);
-  if (experiment.train.balance_classes)
-    experiment.train.class_weights = balanced_class_weights(data.scenes, network.classes.classes.size());
-  write_text_file(command.out / "experiment.toml", text);
-  if (command.crf) return train_crf(command, experiment, network, data, context);
-  train(command, experiment, network, data, context);
+  if (!command.pack.empty()) return pack(command, experiment, text, network, std::move(data), context.monitor);
+  run_training({.out = command.out,
+                .experiment_text = text,
+                .experiment = experiment,
+                .network = network.spec,
+                .classes = network.classes,
+                .scenes = std::move(data.scenes),
+                .validation = std::move(data.validation),
+                .read_weights =
+                    [&experiment] {
+                      std::vector<WeightsSource> sources;
+                      for (const fs::path& file : experiment.weights) sources.push_back(read_weights(file));
+                      return sources;
+                    },
+                .resume = command.resume,
+                .crf = command.crf},
+               context.monitor);
 }
 
 }  // namespace
@@ -352,7 +183,7 @@ void add_train(CLI::App& app, Context& context) {
   cmd->add_option(
       "--pack", command->pack,
       "instead of training, write the data set into this safetensors file, to train on a machine with nothing "
-      "but libtorch (tools/trainer)");
+      "but libtorch (orthodrive-train, built by tools/trainer)");
   cmd->add_flag("--preview", command->preview,
                 "only write pictures of the labels into the folder, to look at them before training");
   cmd->footer(

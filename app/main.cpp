@@ -2,48 +2,12 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <unistd.h>
 
 #include <cstdio>
-#include <string>
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
-
-namespace {
-
-/// Messages and a progress bar on stderr; the bar only on a terminal.
-class TerminalMonitor final : public orthodrive::Monitor {
- public:
-  bool quiet = false;
-  void info(std::string_view message) override {
-    if (quiet) return;
-    clear_bar();
-    fmt::print(stderr, "{}\n", message);
-  }
-  void progress(double fraction, std::string_view what) override {
-    if (quiet || !terminal_) return;
-    const int percent = static_cast<int>(fraction * 100.0);
-    if (percent == last_percent_ && what == last_what_) return;
-    last_percent_ = percent, last_what_ = what;
-    constexpr int cells = 30;
-    const int full = percent * cells / 100;
-    fmt::print(stderr, "\r\033[K{:<12} [{:#>{}}{:.>{}}] {:3d} %", what, "", full, "", cells - full, percent);
-    std::fflush(stderr);
-    drawn_ = true;
-  }
-  void clear_bar() {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
-    drawn_ = false;
-  }
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0, drawn_ = false;
-  int last_percent_ = -1;
-  std::string last_what_;
-};
-
-}  // namespace
+#include "terminal_monitor.hpp"
 
 int main(int argc, char** argv) {
   // Large rasters come and go stage by stage: give them back to the system instead of keeping them in the arena.
@@ -51,12 +15,14 @@ int main(int argc, char** argv) {
   using namespace orthodrive::app;
   TerminalMonitor monitor;
   Context context{.monitor = &monitor};
-  CLI::App app{"Orthodrive turns orthophotos, OpenStreetMap roads and terrain models into drivable virtual environments."};
+  CLI::App app{
+      "Orthodrive turns orthophotos, OpenStreetMap roads and terrain models into drivable virtual environments."};
   app.set_version_flag("--version", ORTHODRIVE_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
   app.add_option("--threads", context.threads, "worker threads, 0 = all cores; the result does not depend on it")
-      ->check(CLI::Range(0, 1024))->capture_default_str();
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
   app.add_flag("-q,--quiet", monitor.quiet, "no messages and no progress bar on stderr");
   app.footer("Exit codes: 0 done, 1 data or processing, 2 usage.");
 

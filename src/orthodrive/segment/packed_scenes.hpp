@@ -22,7 +22,9 @@ namespace orthodrive {
 struct PackedScenes {
   std::vector<TrainingScene> scenes;
   std::vector<ValidationScene> validation;
-  std::map<std::string, std::string> metadata;  ///< "experiment": text of its TOML, "classes": the class table's JSON
+  /// Free keys. `train --pack` writes "experiment" and "network", the texts of their TOML, and those of
+  /// model_metadata.hpp.
+  std::map<std::string, std::string> metadata;
 };
 
 /// Needs little memory beside the data. Throws Error when the stream fails or the rasters of a scene differ in size.

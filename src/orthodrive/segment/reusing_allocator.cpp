@@ -1,6 +1,7 @@
 #include "orthodrive/segment/reusing_allocator.hpp"
 
 #include <cstdlib>
+#include <cstring>
 #include <new>
 #include <vector>
 
@@ -60,13 +61,18 @@ void release(void* data) {
   }
 }
 
+c10::DataPtr take_block(std::size_t size) {
+  Block* block = size < worth_keeping ? nullptr : free_blocks.take(size);
+  if (!block) block = new_block(size);
+  return {block->data(), block->data(), &release, c10::Device(c10::DeviceType::CPU)};
+}
+
+/// Without `override`: allocate() is const up to libtorch 2.2 and not after it, copy_data() exists since then only.
 class ReusingAllocator final : public c10::Allocator {
  public:
-  c10::DataPtr allocate(std::size_t size) const override {
-    Block* block = size < worth_keeping ? nullptr : free_blocks.take(size);
-    if (!block) block = new_block(size);
-    return {block->data(), block->data(), &release, c10::Device(c10::DeviceType::CPU)};
-  }
+  c10::DataPtr allocate(std::size_t size) const { return take_block(size); }
+  c10::DataPtr allocate(std::size_t size) { return take_block(size); }
+  void copy_data(void* to, const void* from, std::size_t size) const { std::memcpy(to, from, size); }
   c10::DeleterFnPtr raw_deleter() const override { return &release; }
 };
 
