@@ -134,12 +134,6 @@ WeightsSource read_weights(const fs::path& file) {
   return {file.filename().string(), read_caffe_model(stream, file.string())};
 }
 
-std::int64_t step_of(const std::optional<TensorFile>& checkpoint) {
-  const auto step =
-      checkpoint ? checkpoint->metadata.find("step") : std::map<std::string, std::string>::const_iterator{};
-  return checkpoint && step != checkpoint->metadata.end() ? std::atoll(step->second.c_str()) : -1;
-}
-
 /// The trainings of an experiment, in order: a network and its options each.
 struct Stage {
   std::string architecture;
@@ -178,11 +172,13 @@ TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_b
               }};
 }
 
-void train(const TrainCommand& command, const Experiment& experiment, const Network& network, const TrainingData& data,
-           const Context& context) {
+void train(const TrainCommand& command, const Experiment& experiment, const std::string& text, const Network& network,
+           const TrainingData& data, const Context& context) {
   const fs::path checkpoint_file = command.out / "checkpoint.safetensors",
                  model_file = command.out / "model.safetensors", best_file = command.out / "best.safetensors";
   const std::vector<Stage> stages = stages_of(experiment, network.spec);
+  const int classes = static_cast<int>(network.classes.classes.size());
+  for (const Stage& stage : stages) static_cast<void>(make_network(stage.architecture, classes));  // now, not in hours
   std::size_t index = 0;
   std::optional<TensorFile> checkpoint;
   if (fs::exists(checkpoint_file)) {
@@ -200,26 +196,32 @@ void train(const TrainCommand& command, const Experiment& experiment, const Netw
     for (const fs::path& file : experiment.weights) sources.push_back(read_weights(file));
   std::int64_t steps_before = 0;
   for (std::size_t i = 0; i < index; ++i) steps_before += stages[i].options.steps;
-  TrainingLog log(command.out, checkpoint ? steps_before + step_of(checkpoint) : -1);
+  std::optional<TrainingLog> log;  // begun when everything fits: a run that is refused changes nothing
   for (; index < stages.size(); ++index) {
     const Stage& stage = stages[index];
     const ModelMetadata metadata{stage.architecture, network.classes, network.spec.gsd_m};
-    const NetworkGraph graph = make_network(stage.architecture, static_cast<int>(network.classes.classes.size()));
+    const NetworkGraph graph = make_network(stage.architecture, classes);
     StartWeights start = start_weights(graph, sources, stage.options.seed);
+    Trainer trainer(start.file, "starting weights", metadata, stage.options);
+    if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
+    if (!log) {
+      remove_stale_asides(command.out);
+      write_text_file(command.out / "experiment.toml", text);
+      log.emplace(command.out, checkpoint ? steps_before + trainer.step() : -1);
+    }
     if (!checkpoint)
       write_text_file(command.out / fmt::format("weights_{}.txt", stage.architecture), format_report(start.report));
-    Trainer trainer(start.file, "starting weights", metadata, stage.options);
     start = {};
     sources.clear();
-    if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
     checkpoint.reset();
-    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, log, steps_before),
+    train_network(trainer, stage.options, data.scenes, data.validation, hooks_for(command.out, *log, steps_before),
                   context.monitor);
-    steps_before += trainer.step();
+    steps_before += stage.options.steps;  // also after an early stop: as a resumed run counts
     if (stage.options.early_stop_after > 0 && fs::exists(best_file))
       write_text_file(model_file, io::read_file(best_file));
     if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
   }
+  log->write_page();  // also where nothing was validated
 }
 
 std::string search_table(const CrfSearch& search) {
@@ -250,8 +252,8 @@ TrainOptions crf_train_options(const Experiment& experiment) {
 
 /// On top of the network trained in the folder: searches the CRF's widths and weights, then learns all of it. Writes
 /// into the sub-folder crf.
-void train_crf(const TrainCommand& command, const Experiment& experiment, const Network& network,
-               const TrainingData& data, const Context& context) {
+void train_crf(const TrainCommand& command, const Experiment& experiment, const std::string& text,
+               const Network& network, const TrainingData& data, const Context& context) {
   const fs::path start_file = command.out / "model.safetensors", out = command.out / "crf",
                  checkpoint_file = out / "checkpoint.safetensors";
   if (!fs::exists(start_file)) {
@@ -261,6 +263,10 @@ void train_crf(const TrainCommand& command, const Experiment& experiment, const 
   const TensorFile start = read_safetensors(start_file);
   const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
   const int classes = static_cast<int>(network.classes.classes.size());
+  if (metadata.classes.classes.size() != network.classes.classes.size()) {
+    throw InputError(start_file.string(), fmt::format("has the class table '{}', the experiment '{}'",
+                                                      metadata.classes.name, network.classes.name));
+  }
   const CrfExperiment& crf = experiment.crf;
   TrainOptions options = crf_train_options(experiment);
   fs::create_directories(out);
@@ -287,8 +293,11 @@ void train_crf(const TrainCommand& command, const Experiment& experiment, const 
   }
   Trainer trainer(start, start_file.string(), metadata, options);
   if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
-  TrainingLog log(out, step_of(checkpoint));
+  remove_stale_asides(out);
+  write_text_file(command.out / "experiment.toml", text);
+  TrainingLog log(out, checkpoint ? trainer.step() : -1);
   train_network(trainer, options, data.scenes, data.validation, hooks_for(out, log, 0), context.monitor);
+  log.write_page();
 }
 
 /// The data set and all that training needs to know, for the program that needs nothing but libtorch.
@@ -313,8 +322,7 @@ void run(const TrainCommand& command, const Context& context) {
   experiment.train.cuda = command.cuda;
   if (!command.measure.empty()) {
     return measure(
-        command,
-        read_held_out_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor),
+        command, read_held_out_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor),
         network.classes, context.threads);
   }
   if (command.out.empty() && command.pack.empty()) throw OptionError("-o is missing: the folder to train into");
@@ -325,13 +333,17 @@ void run(const TrainCommand& command, const Context& context) {
   if (!command.out.empty()) fs::create_directories(command.out);
   TrainingData data =
       read_training_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor);
+  if (std::ranges::none_of(data.scenes, [](const TrainingScene& s) { return s.weight > 0.0 && s.from_step <= 0; })) {
+    throw InputError(command.experiment.string(),
+                     "has nothing to train on at step 0: add [[map]], [[images]], [[raster]] or [[polygons]] that is "
+                     "not held out, with a weight above 0 and from_step 0");
+  }
   if (command.preview) return write_previews(data, network.classes, command.out);
   if (!command.pack.empty()) return pack(command, data, network.classes, text);
   if (experiment.train.balance_classes)
     experiment.train.class_weights = balanced_class_weights(data.scenes, network.classes.classes.size());
-  write_text_file(command.out / "experiment.toml", text);
-  if (command.crf) return train_crf(command, experiment, network, data, context);
-  train(command, experiment, network, data, context);
+  if (command.crf) return train_crf(command, experiment, text, network, data, context);
+  train(command, experiment, text, network, data, context);
 }
 
 }  // namespace
