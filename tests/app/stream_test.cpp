@@ -45,7 +45,7 @@ fs::path mosaic_of(const Scratch& scratch, const fs::path& photo, int size_px) {
 
 /// Largest resident size of the tool while it segments, in MB.
 double peak_mb(const Scratch& scratch, const fs::path& photo) {
-  const pid_t child = start_program({ORTHODRIVE_TOOL, "--quiet", "--threads", "2", "segment", photo, "-o",
+  const pid_t child = start_program({ORTHODRIVE_TOOL, "--quiet", "--threads", "1", "segment", photo, "-o",
                                      scratch / "labels.tif", "--confidence", scratch / "confidence.tif"},
                                     scratch / "out", scratch / "err");
   int status = 0;
@@ -59,10 +59,11 @@ TEST(Stream, memory_does_not_grow_with_the_mosaic) {
   const Scratch scratch;
   setenv("GDAL_CACHEMAX", "16", 1);  // MB: the cache of 128 MB, full or not, would hide what grows
   const fs::path photo = small_photo(scratch);
-  const double small = peak_mb(scratch, mosaic_of(scratch, photo, 1500));
+  const double small = peak_mb(scratch, mosaic_of(scratch, photo, 3000));
   const double large = peak_mb(scratch, mosaic_of(scratch, photo, 9000));
   unsetenv("GDAL_CACHEMAX");
-  // 79 megapixels more: photo and labels in memory would be 400 MB of that and the resampled photo 300 MB.
+  // One thread, or the network itself would make the difference. 72 megapixels more: photo and labels in memory would
+  // be 400 MB of that and the resampled photo 300 MB.
   EXPECT_LT(large, small + 100.0);
   EXPECT_LT(small, 2000.0);
   const LabelMap labels = io::read_labels(scratch / "labels.tif");

@@ -72,9 +72,13 @@ TEST(TrainingLog, write_read_gives_the_same) {
     EXPECT_EQ(back[i].step, rows[i].step);
     EXPECT_EQ(back[i].validation, rows[i].validation);
     EXPECT_NEAR(back[i].learning_rate, rows[i].learning_rate, 5.1e-6 * rows[i].learning_rate);  // six digits
-    if (rows[i].validation.empty()) EXPECT_NEAR(back[i].loss, rows[i].loss, 5.1e-6 * rows[i].loss);
+    if (rows[i].validation.empty()) {
+      EXPECT_NEAR(back[i].loss, rows[i].loss, 5.1e-6 * rows[i].loss);
+    }
     EXPECT_EQ(back[i].mean_iou.has_value(), rows[i].mean_iou.has_value());
-    if (rows[i].mean_iou) EXPECT_NEAR(*back[i].mean_iou, *rows[i].mean_iou, 5.1e-5);
+    if (rows[i].mean_iou) {
+      EXPECT_NEAR(*back[i].mean_iou, *rows[i].mean_iou, 5.1e-5);
+    }
     EXPECT_EQ(back[i].road_iou && std::isnan(*back[i].road_iou), rows[i].road_iou && std::isnan(*rows[i].road_iou));
   }
   EXPECT_EQ(csv_of(back), csv_of(rows));
