@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -145,6 +146,11 @@ void run(const TrainCommand& command, const Context& context) {
   if (!command.out.empty()) prepare_training_folder(command.out, command.resume || command.preview, command.crf);
   TrainingData data =
       read_training_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor);
+  if (std::ranges::none_of(data.scenes, [](const TrainingScene& s) { return s.weight > 0.0 && s.from_step <= 0; })) {
+    throw InputError(command.experiment.string(),
+                     "has nothing to train on at step 0: add [[map]], [[images]], [[raster]] or [[polygons]] that is "
+                     "not held out, with a weight above 0 and from_step 0");
+  }
   if (command.preview) return write_previews(data, network.classes, command.out);
   if (!command.pack.empty()) return pack(command, experiment, text, network, std::move(data), context.monitor);
   run_training({.out = command.out,

@@ -103,8 +103,9 @@ LabelledPhoto read_raster_data(const RasterData& data, double gsd_m, const Class
   for (std::size_t i = 0; i < labels.classes.classes.size(); ++i) {
     const std::string& name = labels.classes.classes[i].name;
     const auto mapped = data.mapping.find(name);
-    set_of_label[i] =
-        class_set(mapped == data.mapping.end() ? std::vector{name} : mapped->second, classes, data.labels.string());
+    set_of_label[i] = mapped == data.mapping.end()
+                          ? class_set({name}, classes, data.labels.string())
+                          : class_set(mapped->second, classes, fmt::format("mapping of '{}'", data.name));
   }
   const GridFrame& frame = result.photo.frame;
   result.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
@@ -218,11 +219,14 @@ void add_polygons(TrainingData& result, const PolygonData& data, double gsd_m, c
   std::map<std::string, std::vector<io::Feature>> pieces;
   for (io::Feature& feature : io::read_features(data.polygons, crs)) {
     const std::string piece = feature.tags["piece"];
+    if (feature.polygons.empty())
+      throw InputError(data.polygons.string(), fmt::format("piece '{}': a feature is no polygon", piece));
     if (data.pieces.empty() || std::find(data.pieces.begin(), data.pieces.end(), piece) != data.pieces.end())
       pieces[piece].push_back(std::move(feature));
   }
   for (const std::string& name : data.pieces)
     if (!pieces.contains(name)) throw InputError(data.polygons.string(), fmt::format("has no piece '{}'", name));
+  if (pieces.empty()) throw InputError(data.polygons.string(), "has no polygons");
   for (const auto& [piece, features] : pieces) {
     Box2 box = bounds_of(features.front().polygons.front().outer);
     for (const io::Feature& feature : features)

@@ -55,12 +55,6 @@ class TrainingLog {
   double seconds_before_ = 0.0;
 };
 
-std::int64_t step_of(const std::optional<TensorFile>& checkpoint) {
-  const auto step =
-      checkpoint ? checkpoint->metadata.find("step") : std::map<std::string, std::string>::const_iterator{};
-  return checkpoint && step != checkpoint->metadata.end() ? std::atoll(step->second.c_str()) : -1;
-}
-
 /// The trainings of an experiment, in order: a network and its options each.
 struct Stage {
   std::string architecture;
@@ -103,6 +97,8 @@ void train(const TrainingRun& run, Monitor* monitor) {
   const fs::path checkpoint_file = run.out / "checkpoint.safetensors", model_file = run.out / "model.safetensors",
                  best_file = run.out / "best.safetensors";
   const std::vector<Stage> stages = stages_of(run.experiment, run.network);
+  const int classes = static_cast<int>(run.classes.classes.size());
+  for (const Stage& stage : stages) static_cast<void>(make_network(stage.architecture, classes));  // now, not in hours
   std::size_t index = 0;
   std::optional<TensorFile> checkpoint;
   if (fs::exists(checkpoint_file)) {
@@ -119,24 +115,30 @@ void train(const TrainingRun& run, Monitor* monitor) {
   if (!checkpoint) sources = run.read_weights();
   std::int64_t steps_before = 0;
   for (std::size_t i = 0; i < index; ++i) steps_before += stages[i].options.steps;
-  TrainingLog log(run.out, checkpoint ? steps_before + step_of(checkpoint) : -1);
+  std::optional<TrainingLog> log;  // begun when everything fits: a run that is refused changes nothing
   for (; index < stages.size(); ++index) {
     const Stage& stage = stages[index];
     const ModelMetadata metadata{stage.architecture, run.classes, run.network.gsd_m};
-    const NetworkGraph graph = make_network(stage.architecture, static_cast<int>(run.classes.classes.size()));
+    const NetworkGraph graph = make_network(stage.architecture, classes);
     StartWeights start = start_weights(graph, sources, stage.options.seed);
+    Trainer trainer(start.file, "starting weights", metadata, stage.options);
+    if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
+    if (!log) {
+      remove_stale_asides(run.out);
+      write_text_file(run.out / "experiment.toml", run.experiment_text);
+      log.emplace(run.out, checkpoint ? steps_before + trainer.step() : -1);
+    }
     if (!checkpoint)
       write_text_file(run.out / fmt::format("weights_{}.txt", stage.architecture), format_report(start.report));
-    Trainer trainer(start.file, "starting weights", metadata, stage.options);
     start = {};
     sources.clear();
-    if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
     checkpoint.reset();
-    train_network(trainer, stage.options, run.scenes, run.validation, hooks_for(run.out, log, steps_before), monitor);
-    steps_before += trainer.step();
+    train_network(trainer, stage.options, run.scenes, run.validation, hooks_for(run.out, *log, steps_before), monitor);
+    steps_before += stage.options.steps;  // also after an early stop: as a resumed run counts
     if (stage.options.early_stop_after > 0 && fs::exists(best_file)) write_text_file(model_file, read_bytes(best_file));
     if (index + 1 < stages.size()) sources = {{stage.architecture, trainer.weights()}};
   }
+  log->write_page();  // also where nothing was validated
 }
 
 std::string search_table(const CrfSearch& search) {
@@ -177,6 +179,10 @@ void train_crf(const TrainingRun& run, Monitor* monitor) {
   const TensorFile start = read_safetensors(start_file);
   const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
   const int classes = static_cast<int>(run.classes.classes.size());
+  if (metadata.classes.classes.size() != run.classes.classes.size()) {
+    throw InputError(start_file.string(), fmt::format("has the class table '{}', the experiment '{}'",
+                                                      metadata.classes.name, run.classes.name));
+  }
   const CrfExperiment& crf = run.experiment.crf;
   TrainOptions options = crf_train_options(run.experiment);
   fs::create_directories(out);
@@ -203,8 +209,11 @@ void train_crf(const TrainingRun& run, Monitor* monitor) {
   }
   Trainer trainer(start, start_file.string(), metadata, options);
   if (checkpoint) trainer.restore(*checkpoint, checkpoint_file.string());
-  TrainingLog log(out, step_of(checkpoint));
+  remove_stale_asides(out);
+  write_text_file(run.out / "experiment.toml", run.experiment_text);
+  TrainingLog log(out, checkpoint ? trainer.step() : -1);
   train_network(trainer, options, run.scenes, run.validation, hooks_for(out, log, 0), monitor);
+  log.write_page();
 }
 
 }  // namespace
@@ -220,7 +229,6 @@ void prepare_training_folder(const fs::path& out, bool resume, bool crf) {
 void run_training(TrainingRun run, Monitor* monitor) {
   TrainOptions& options = run.experiment.train;
   if (options.balance_classes) options.class_weights = balanced_class_weights(run.scenes, run.classes.classes.size());
-  write_text_file(run.out / "experiment.toml", run.experiment_text);
   if (run.crf) return train_crf(run, monitor);
   train(run, monitor);
 }

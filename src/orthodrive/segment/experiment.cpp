@@ -63,7 +63,8 @@ ImageData read_images(TomlSection& section) {
     std::vector<std::string> classes;
     entry.read("color", color);
     entry.read("classes", classes);
-    color.resize(3);
+    if (color.size() != 3 || std::ranges::any_of(color, [](std::int64_t v) { return v < 0 || v > 255; }))
+      entry.fail_here("'color' must be [r, g, b], each 0 to 255");
     data.palette[{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
                   static_cast<std::uint8_t>(color[2])}] = classes;
   });
@@ -195,8 +196,7 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
   root.for_each_table("map", [&](TomlSection& section) { experiment.maps.push_back(read_map(section)); });
   root.for_each_table("images", [&](TomlSection& section) { experiment.images.push_back(read_images(section)); });
   root.for_each_table("raster", [&](TomlSection& section) { experiment.rasters.push_back(read_raster(section)); });
-  root.for_each_table("polygons",
-                      [&](TomlSection& section) { experiment.polygons.push_back(read_polygons(section)); });
+  root.for_each_table("polygons", [&](TomlSection& section) { experiment.polygons.push_back(read_polygons(section)); });
   root.finish();
   return experiment;
 }
@@ -206,8 +206,12 @@ ClassSet class_set(const std::vector<std::string>& names, const ClassTable& tabl
   for (const std::string& name : names) {
     std::size_t label = 0;
     while (label < table.classes.size() && table.classes[label].name != name) ++label;
-    if (label == table.classes.size())
-      throw InputError(source, fmt::format("class '{}' is not in the table '{}'", name, table.name));
+    if (label == table.classes.size()) {
+      std::vector<std::string> known;
+      for (const ClassInfo& c : table.classes) known.push_back(c.name);
+      throw InputError(source, fmt::format("class '{}' is not in the table '{}', which has {}", name, table.name,
+                                           fmt::join(known, ", ")));
+    }
     set = static_cast<ClassSet>(set | only(static_cast<int>(label)));
   }
   return set;

@@ -77,6 +77,14 @@ NamedTensor convolution_from_inner_product(const Layer& layer, const NamedTensor
   return kernel;
 }
 
+void require_numbers(const WeightsSource& source) {
+  for (const auto& [name, tensor] : source.file.tensors) {
+    if (!std::all_of(tensor.values.begin(), tensor.values.end(), [](float value) { return std::isfinite(value); }))
+      throw InputError(source.name,
+                       fmt::format("tensor '{}' holds values that are no numbers: use other weights", name));
+  }
+}
+
 /// Fills one layer; remembers which tensors of the sources were used.
 class Surgeon {
  public:
@@ -208,6 +216,7 @@ std::string format_report(const SurgeryReport& report) {
 
 StartWeights start_weights(const NetworkGraph& graph, std::span<const WeightsSource> sources, std::uint64_t seed) {
   StartWeights result;
+  for (const WeightsSource& source : sources) require_numbers(source);
   Surgeon surgeon(sources, result);
   for (std::size_t i = 0; i < graph.layers.size(); ++i) {
     if (!graph.layers[i].kernel_tensor.empty()) surgeon.fill(graph.layers[i], derive_seed(seed, i));

@@ -38,8 +38,8 @@ struct SurgeryReport {
 
 /// Weights of all layers as a model file without metadata. Sources are asked in order. Layers are found by their own
 /// name, by the Keras and Caffe names of the ImageNet networks and by those of the thesis. Score layers of another
-/// number of classes start anew. Throws InputError for a source that gives nothing, and for a trunk tensor of wrong
-/// shape.
+/// number of classes start anew. Throws InputError for a source that gives nothing, for a trunk tensor of wrong
+/// shape, and for values that are no numbers.
 struct StartWeights {
   TensorFile file;
   SurgeryReport report;

@@ -232,6 +232,19 @@ struct Trainer::State {
     }
   }
 
+  /// Throws Error when a weight is no number or would be infinite in a model file: such a network must not replace one
+  /// that works.
+  void require_sound_weights() const {
+    constexpr double largest_half = 65504.0;  // IEEE 754 binary16
+    for (const Learned& l : learned) {
+      if (l.value.detach().abs().max().item<double>() <= largest_half) continue;  // false for NaN
+      throw Error(
+          fmt::format("training diverged before step {}: '{}' holds values that are no numbers or above {}; the last "
+                      "checkpoint is kept, go on from it with a lower learning rate",
+                      step, l.name, largest_half));
+    }
+  }
+
   /// Pixels of a crop that get scores, and those in its centre that are learned from.
   [[nodiscard]] CellRange scored_range() const {
     const CellRange cells = padded_ranges(graph, options.crop_px).back();
@@ -283,8 +296,10 @@ Trainer::Trainer(const TensorFile& start, const std::string& source, const Model
   s.options = std::move(options);
   s.graph = make_network(metadata.architecture, static_cast<int>(classes));
   if (s.options.crop_px % s.graph.stride_px != s.graph.size_remainder) {
-    throw OptionError(fmt::format("crop of {} px: {} needs a multiple of {} plus {}", s.options.crop_px,
-                                  metadata.architecture, s.graph.stride_px, s.graph.size_remainder));
+    const int stride = s.graph.stride_px, rest = s.graph.size_remainder;
+    const int below = (s.options.crop_px - rest) / stride * stride + rest;
+    throw OptionError(fmt::format("crop_px of {}: {} needs a multiple of {} plus {}, such as {}", s.options.crop_px,
+                                  metadata.architecture, stride, rest, below + stride));
   }
   static_cast<void>(s.label_range());
   if (s.options.cuda) {
@@ -343,14 +358,7 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
 
 TensorFile Trainer::checkpoint() const {
   const State& s = *state_;
-  for (const Learned& l : s.learned) {
-    if (!at::isfinite(l.value).all().item<bool>()) {
-      throw Error(
-          fmt::format("training diverged before step {}: '{}' holds values that are no numbers; the last "
-                      "checkpoint is kept, go on from it with a lower learning rate",
-                      s.step, l.name));
-    }
-  }
+  s.require_sound_weights();
   TensorFile file = file_from_params(s.graph, s.params, TensorType::f32);
   file.metadata = format_model_metadata(s.metadata);
   file.metadata["step"] = std::to_string(s.step);
@@ -382,6 +390,11 @@ void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
     throw InputError(source, fmt::format("is a checkpoint of {}, this training is of {}", metadata.architecture,
                                          old.metadata.architecture));
   }
+  const auto same_name = [](const ClassInfo& a, const ClassInfo& b) { return a.name == b.name; };
+  if (!std::ranges::equal(metadata.classes.classes, old.metadata.classes.classes, same_name)) {
+    throw InputError(source, fmt::format("is a checkpoint for the classes of '{}', this training is for those of '{}'",
+                                         metadata.classes.name, old.metadata.classes.name));
+  }
   auto state = std::make_unique<State>();
   state->options = old.options;
   state->metadata = old.metadata;
@@ -411,6 +424,7 @@ void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
 }
 
 TensorFile Trainer::model_file() const {
+  state_->require_sound_weights();
   TensorFile file = file_from_params(state_->graph, state_->params, TensorType::f16);
   file.metadata = format_model_metadata(state_->metadata);
   file.metadata["step"] = std::to_string(state_->step);
@@ -510,8 +524,10 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
   const auto start = std::chrono::steady_clock::now();  // for the log only
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
   const std::string& stage = trainer.metadata().architecture;
+  std::int64_t validated_step = -1;
   const auto validate = [&] {
-    if (validation.empty()) return;
+    if (validation.empty() || trainer.step() == validated_step) return;  // an early stop ends where it validated
+    validated_step = trainer.step();
     const SegmentModel model = load_model(format_safetensors(trainer.model_file()), "network in training");
     const int road = road_label(model.classes);
     TrainReport mean{

@@ -98,11 +98,11 @@ class Trainer {
   [[nodiscard]] std::int64_t step() const;
   /// One step; returns its loss. Throws Error when the loss is no number; the weights are then as before the step.
   double advance(const std::vector<TrainingScene>& scenes);
-  /// Everything needed to go on, F32. Throws Error when a weight is no number.
+  /// Everything needed to go on, F32. Throws Error when a weight is no number or beyond half precision.
   [[nodiscard]] TensorFile checkpoint() const;
   /// Throws InputError when it is of another network or incomplete; nothing has changed then.
   void restore(const TensorFile& checkpoint, const std::string& source);
-  /// The model file: kernels F16, with metadata.
+  /// The model file: kernels F16, with metadata. Throws as checkpoint().
   [[nodiscard]] TensorFile model_file() const;
   [[nodiscard]] TensorFile weights() const;    ///< F32, to start another network from
   [[nodiscard]] double learning_rate() const;  ///< at the present step
