@@ -76,7 +76,7 @@ void add_segment(CLI::App& app, Context& context) {
       "its\n"
       "colours. Pixels that are nodata, transparent or masked get no label (255). 16 bit is refused: convert it "
       "first.\n"
-      "Photo and labels stream: memory does not grow with the mosaic, about 0.7 GB a thread; 93 megapixels take about\n"
+      "Photo and labels stream: memory does not grow with the mosaic, about 0.9 GB a thread; 93 megapixels take about\n"
       "a minute on two cores.\n"
       "Examples:\n"
       "  orthodrive segment ortho.tif -o labels.tif\n"

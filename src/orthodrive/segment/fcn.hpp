@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orthodrive/segment/network_graph.hpp"
-#include "orthodrive/segment/pixel_box.hpp"
+#include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/segment/safetensors.hpp"
 
 namespace orthodrive {
