@@ -65,9 +65,9 @@ TEST(InferenceNetwork, a_core_is_the_same_wherever_it_is_cut_from) {
       for (std::int64_t x = col - margin; x < col + width + margin; ++x)
         for (int c = 0; c < 3; ++c)
           rgb.push_back(static_cast<std::uint8_t>(derive_seed(derive_seed(static_cast<std::uint64_t>(y + 10000), static_cast<std::uint64_t>(x + 10000)), static_cast<std::uint64_t>(c)) >> 56));
-    std::vector<float> probabilities(static_cast<std::size_t>(width * height * 4));
-    network.predict(rgb.data(), {col, row, width, height}, probabilities.data());
-    return probabilities;
+    std::vector<float> scores(static_cast<std::size_t>(width * height * 4));
+    network.predict(rgb.data(), {col, row, width, height}, 1, scores.data());
+    return scores;
   };
   const std::vector<float> whole = part(-5, 100001, 40, 30), inner = part(12, 100010, 9, 7);
   double largest = 0.0;
@@ -89,7 +89,7 @@ TEST(InferenceNetwork, shipped_model_sees_as_far_as_its_margin) {
   std::vector<std::uint8_t> rgb = random_image(size, size, 2);
   const auto predict = [&] {
     std::vector<float> p(16 * 16 * 8);
-    network.predict(rgb.data(), core, p.data());
+    network.predict(rgb.data(), core, 1, p.data());
     return p;
   };
   const std::vector<float> before = predict();
@@ -271,16 +271,55 @@ TEST(AllowedClassLoss, scores_far_apart_stay_finite) {
 }
 
 TEST(ClassProbabilities, upsampling_and_softmax_agree_with_torch) {
-  const at::Tensor scores = 4.0 * at::randn({1, 3, 9, 7});
-  const at::Tensor expected = at::softmax(at::upsample_bilinear2d(scores, {18, 14}, false), 1);
-  const at::Tensor cells = scores.permute({0, 2, 3, 1}).contiguous();
-  std::vector<float> result(12 * 8 * 3);
-  // Pixels 3 ... 14 and 4 ... 11 of the fine grid; the cells given begin at row 0, column 0.
-  softmax_of_upsampled({cells.data_ptr<float>(), 7, 9, 3}, {3, 0, 12}, {4, 0, 8}, result.data());
-  for (int y = 0; y < 12; ++y)
-    for (int x = 0; x < 8; ++x)
-      for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(result[static_cast<std::size_t>((y * 8 + x) * 3 + c)], expected[0][c][y + 3][x + 4].item<float>(), 2e-6);
+  const at::Tensor cells = 4.0 * at::randn({1, 3, 9, 7}), memory = cells.permute({0, 2, 3, 1}).contiguous();
+  for (const int factor : {1, 2, 4}) {
+    const at::Tensor expected = at::softmax(at::upsample_bilinear2d(cells, {9 * factor, 7 * factor}, false), 1);
+    // A part in the middle; the cells given begin at row 0, column 0.
+    const int top = 2 * factor - 1, left = factor, rows = 5 * factor, cols = 4 * factor + 1;
+    std::vector<float> result(static_cast<std::size_t>(rows * cols * 3));
+    upsample_scores({memory.data_ptr<float>(), 7, 9, 3}, {top, 0, rows, factor}, {left, 0, cols, factor}, result.data());
+    softmax_of_scores({result.data(), cols, rows, 3}, result.data());
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x)
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(result[static_cast<std::size_t>((y * cols + x) * 3 + c)], expected[0][c][y + top][x + left].item<float>(), 2e-6);
+  }
+}
+
+/// At twice the resolution a network of either kind gives its scores in between.
+TEST(InferenceNetwork, finer_scores_are_interpolated) {
+  for (const char* name : {"googlenet-8s", "mobilenetv2-s16-fpn2"}) {
+    const NetworkGraph graph = make_network(name, 4);
+    const InferenceNetwork network(graph, random_params(graph));
+    const int margin = network.margin_px(), rows = 7, cols = 12;
+    const PixelBox core{33, 18, cols, rows}, around = core.grown(1);
+    const int width = cols + 2 + 2 * margin, height = rows + 2 + 2 * margin;
+    const std::vector<std::uint8_t> rgb = random_image(width, height, 5);
+    std::vector<std::uint8_t> inner;
+    for (int y = 1; y < height - 1; ++y)
+      inner.insert(inner.end(), rgb.begin() + 3 * (y * width + 1), rgb.begin() + 3 * ((y + 1) * width - 1));
+    std::vector<float> coarse(static_cast<std::size_t>(around.width * around.height * 4)), fine(static_cast<std::size_t>(4 * rows * cols * 4));
+    network.predict(rgb.data(), around, 1, coarse.data());
+    network.predict(inner.data(), core, 2, fine.data());
+    double mean = 0.0;  // four fine pixels around a coarse one average to nearly it, whatever is interpolated
+    for (int y = 0; y < 2 * rows; ++y)
+      for (int x = 0; x < 2 * cols; ++x)
+        for (int c = 0; c < 4; ++c) {
+          const auto at = [&](int row, int col) { return coarse[static_cast<std::size_t>((row * around.width + col) * 4 + c)]; };
+          const int row = (y + 1) / 2, col = (x + 1) / 2;  // the coarse pixel before, with the ring
+          const float vertical = y % 2 == 0 ? 0.75F : 0.25F, horizontal = x % 2 == 0 ? 0.75F : 0.25F;
+          const float upper = at(row, col) + horizontal * (at(row, col + 1) - at(row, col)),
+                      lower = at(row + 1, col) + horizontal * (at(row + 1, col + 1) - at(row + 1, col));
+          const float difference = fine[static_cast<std::size_t>((y * 2 * cols + x) * 4 + c)] - (upper + vertical * (lower - upper));
+          if (std::string(name) == "googlenet-8s") {
+            EXPECT_NEAR(difference, 0.0, 1e-4);
+          }
+          mean += std::abs(difference);
+        }
+    float largest = 0.0F;
+    for (const float v : coarse) largest = std::max(largest, std::abs(v));
+    EXPECT_LT(mean / static_cast<double>(fine.size()), 0.05 * largest) << name;
+  }
 }
 
 }  // namespace

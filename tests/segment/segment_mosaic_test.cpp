@@ -142,18 +142,28 @@ TEST(SegmentMosaic, same_bytes_for_one_and_two_threads) {
   EXPECT_EQ(one.confidence.confidence.data, two.confidence.confidence.data);
 }
 
-TEST(SegmentMosaic, labels_lie_on_the_models_grid_and_skip_missing_photo) {
-  Photo photo = painted_photo(400, 300, 0.2);
-  for (int row = 0; row < 300; ++row) {
-    for (int col = 0; col < 100; ++col) photo.valid.at(col, row) = 0;
+/// A grid of the model's scale, or half of it where the photo can tell.
+TEST(SegmentMosaic, labels_lie_on_their_grid_and_skip_missing_photo) {
+  for (const auto& [photo_gsd, label_gsd] : {std::pair{0.2, 0.25}, std::pair{0.4, 0.5}}) {
+    Photo photo = painted_photo(400, 300, photo_gsd);
+    for (int row = 0; row < 300; ++row)
+      for (int col = 0; col < 100; ++col) photo.valid.at(col, row) = 0;
+    const SegmentResult result = segment_mosaic(photo, shipped_model());
+    EXPECT_EQ(result.labels.frame, (GridFrame{500000.0, 6400000.0, label_gsd, 320, 240}));
+    EXPECT_EQ(label_frame(photo.frame, shipped_model()), result.labels.frame);
+    EXPECT_EQ(result.labels.classes.classes.size(), 8u);
+    EXPECT_EQ(result.labels.labels.at(79, 60), label_nodata);
+    EXPECT_EQ(result.confidence.confidence.at(79, 60), 0);
+    EXPECT_LT(result.labels.labels.at(81, 60), 8);
+    EXPECT_TRUE(result.findings.empty());
   }
-  const SegmentResult result = segment_mosaic(photo, shipped_model());
-  EXPECT_EQ(result.labels.frame, (GridFrame{500000.0, 6400000.0, 0.5, 160, 120}));
-  EXPECT_EQ(result.labels.classes.classes.size(), 8u);
-  EXPECT_EQ(result.labels.labels.at(39, 60), label_nodata);
-  EXPECT_EQ(result.confidence.confidence.at(39, 60), 0);
-  EXPECT_LT(result.labels.labels.at(41, 60), 8);
-  EXPECT_TRUE(result.findings.empty());
+}
+
+TEST(SegmentMosaic, finer_labels_depend_on_no_window_either) {
+  const Photo photo = painted_photo(700, 500, 0.2);
+  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 1200});
+  const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = 700});
+  EXPECT_LE(share_of_different(one.labels.labels, many.labels.labels), 1e-5);
 }
 
 TEST(SegmentMosaic, finds_a_plain_road) {

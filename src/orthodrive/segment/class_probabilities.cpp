@@ -47,16 +47,31 @@ ORTHODRIVE_WIDE void mix(const float* a, const float* b, float share_of_b, std::
   for (std::size_t i = 0; i < count; ++i) out[i] = a[i] + share_of_b * (b[i] - a[i]);
 }
 
-/// The cell before a pixel and how far the pixel lies towards the next.
+/// Neighbours along a row: out = cells of pixel o and the next, mixed.
 struct Tap {
   std::size_t cell;
   float share_of_next;
 };
 
-Tap tap_of(const UpsampledAxis& axis, int index) {
-  const int px = axis.first_px + index;
-  const int cell = (px - 1) >= 0 ? (px - 1) / 2 : -((2 - px) / 2);  // floor
-  return {static_cast<std::size_t>(cell - axis.first_cell), (px % 2 + 2) % 2 == 0 ? 0.75F : 0.25F};
+std::vector<Tap> taps_of(const UpsampledAxis& axis) {
+  std::vector<Tap> taps;
+  taps.reserve(static_cast<std::size_t>(axis.count));
+  for (int i = 0; i < axis.count; ++i) {
+    // In units of 1 / (2 factor) cells, so that the same pixel gets the same share in every window.
+    const int at = 2 * (axis.first_px + i) + 1 - axis.factor, cell = 2 * axis.factor;
+    const int before = at >= 0 ? at / cell : -((cell - 1 - at) / cell);  // floor
+    taps.push_back({static_cast<std::size_t>(before - axis.first_cell),
+                    static_cast<float>(at - before * cell) / static_cast<float>(cell)});
+  }
+  return taps;
+}
+
+ORTHODRIVE_WIDE void mix_along(const float* line, const std::vector<Tap>& taps, std::size_t classes, float* out) {
+  for (const Tap& tap : taps) {
+    const float* left = line + tap.cell * classes;
+    for (std::size_t c = 0; c < classes; ++c) out[c] = left[c] + tap.share_of_next * (left[c + classes] - left[c]);
+    out += classes;
+  }
 }
 
 }  // namespace
@@ -66,23 +81,16 @@ void softmax_of_scores(const ScoreGrid& grid, float* probabilities) {
                 static_cast<std::size_t>(grid.classes), probabilities);
 }
 
-void softmax_of_upsampled(const ScoreGrid& grid, UpsampledAxis rows, UpsampledAxis cols, float* probabilities) {
+void upsample_scores(const ScoreGrid& grid, const UpsampledAxis& rows, const UpsampledAxis& cols, float* scores) {
   const auto classes = static_cast<std::size_t>(grid.classes);
   const std::size_t line = static_cast<std::size_t>(grid.width) * classes;
-  std::vector<float> coarse(line), fine(static_cast<std::size_t>(cols.count) * classes);
-  for (int row = 0; row < rows.count; ++row) {
-    const Tap vertical = tap_of(rows, row);
-    const float* upper = grid.scores + vertical.cell * line;
-    mix(upper, upper + line, vertical.share_of_next, line, coarse.data());
-    for (int col = 0; col < cols.count; ++col) {
-      const Tap horizontal = tap_of(cols, col);
-      const float* left = &coarse[horizontal.cell * classes];
-      float* out = &fine[static_cast<std::size_t>(col) * classes];
-      for (std::size_t c = 0; c < classes; ++c)
-        out[c] = left[c] + horizontal.share_of_next * (left[c + classes] - left[c]);
-    }
-    softmax_cells(fine.data(), static_cast<std::size_t>(cols.count), classes,
-                  probabilities + static_cast<std::size_t>(row) * static_cast<std::size_t>(cols.count) * classes);
+  const std::vector<Tap> vertical = taps_of(rows), horizontal = taps_of(cols);
+  std::vector<float> coarse(line + classes);  // the last tap may look one cell ahead, with no share
+  for (const Tap& tap : vertical) {
+    const float* upper = grid.scores + tap.cell * line;
+    mix(upper, tap.share_of_next > 0.0F ? upper + line : upper, tap.share_of_next, line, coarse.data());
+    mix_along(coarse.data(), horizontal, classes, scores);
+    scores += horizontal.size() * classes;
   }
 }
 

@@ -9,15 +9,15 @@ struct ScoreGrid {
   int width = 0, height = 0, classes = 0;
 };
 
-/// Softmax of every cell; `probabilities` has the same layout.
+/// Softmax of every cell; `probabilities` has the same layout and may be the scores.
 void softmax_of_scores(const ScoreGrid& grid, float* probabilities);
 
-/// Along one axis: the pixels first_px ... first_px + count - 1 of a grid of twice the resolution, whose cells the
-/// score grid holds from first_cell on. Pixel o lies at (2 o - 1) / 4 cells: a quarter from one, three from the other.
+/// Along one axis: the pixels first_px ... first_px + count - 1 of a grid of `factor` times the resolution, whose cells
+/// the score grid holds from first_cell on. Pixel o lies at (o + 0.5) / factor - 0.5 cells.
 struct UpsampledAxis {
-  int first_px = 0, first_cell = 0, count = 0;
+  int first_px = 0, first_cell = 0, count = 0, factor = 2;
 };
-/// Bilinear interpolation to twice the resolution, then softmax; writes rows.count x cols.count x classes.
-void softmax_of_upsampled(const ScoreGrid& grid, UpsampledAxis rows, UpsampledAxis cols, float* probabilities);
+/// Bilinear interpolation; writes rows.count x cols.count x classes.
+void upsample_scores(const ScoreGrid& grid, const UpsampledAxis& rows, const UpsampledAxis& cols, float* scores);
 
 }  // namespace orthodrive

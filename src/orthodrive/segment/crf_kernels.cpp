@@ -6,7 +6,7 @@ namespace orthodrive {
 
 std::vector<const CrfKernels*> available_crf_kernels() {
   std::vector<const CrfKernels*> tables{plain_crf_kernels()};
-#if defined(ORTHODRIVE_CRF_X86)
+#if defined(ORTHODRIVE_X86_KERNELS)
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) {
     tables.push_back(avx2_crf_kernels());

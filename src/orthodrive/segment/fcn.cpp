@@ -8,6 +8,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/segment/class_probabilities.hpp"
+#include "orthodrive/segment/fused_layers.hpp"
 
 namespace orthodrive {
 namespace {
@@ -80,14 +81,55 @@ at::Tensor evaluate(const Layer& layer, LayerParams& p, const std::vector<Cells>
   return x + inputs.at(1).values;
 }
 
-/// Where each output is used for the last time, so that memory can go back.
-std::vector<std::size_t> last_uses(const NetworkGraph& graph) {
+/// Which outputs are used for the last time by each layer, so that memory can go back. What is used inside of fused
+/// layers is used where they end.
+std::vector<std::vector<std::size_t>> last_uses(const NetworkGraph& graph, const FusionPlan* plan = nullptr) {
   std::vector<std::size_t> last(graph.layers.size(), 0);
   for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    std::size_t user = i;
+    while (plan && plan->step[user] == FusionPlan::inside) ++user;
     for (const int input : graph.layers[i].inputs)
-      if (input != image_input) last[static_cast<std::size_t>(input)] = i;
+      if (input != image_input) last[static_cast<std::size_t>(input)] = std::max(user, last[static_cast<std::size_t>(input)]);
   }
-  return last;
+  std::vector<std::vector<std::size_t>> released(graph.layers.size());
+  for (std::size_t i = 0; i + 1 < graph.layers.size(); ++i) released[last[i]].push_back(i);
+  return released;
+}
+
+CellView view_of(const Cells& cells) {
+  return {cells.values.data_ptr<float>(), cells.rows, cells.cols, static_cast<std::size_t>(cells.values.size(1)),
+          static_cast<std::size_t>(cells.values.size(1) * cells.values.size(3))};
+}
+
+Cells evaluate_fused(const FusedLayers& layers, const Cells& source, const Cells* upsampled, CellRange rows, CellRange cols) {
+  const auto dense = [](const Cells& cells) {
+    return Cells{cells.values.contiguous(at::MemoryFormat::ChannelsLast), cells.rows, cells.cols};
+  };
+  const Cells from = dense(source), up = upsampled ? dense(*upsampled) : Cells{};
+  Cells result{at::empty({1, layers.projection.out, rows.size(), cols.size()},
+                         at::TensorOptions().dtype(at::kFloat).memory_format(at::MemoryFormat::ChannelsLast)),
+               rows, cols};
+  run_fused(layers, view_of(from), upsampled ? view_of(up) : CellView{}, rows, cols, result.values.data_ptr<float>());
+  return result;
+}
+
+/// The last layer only doubles the size.
+bool half_resolution(const NetworkGraph& graph) { return graph.layers.back().kind == LayerKind::upsample_2x; }
+
+/// Bytes that are alive at once, per pixel of the image.
+double peak_bytes(const NetworkGraph& graph, const FusionPlan& plan) {
+  const std::vector<double> cells = cells_per_pixel(graph);
+  const std::vector<std::vector<std::size_t>> released = last_uses(graph, &plan);
+  const auto bytes = [&](std::size_t i) { return sizeof(float) * cells[i] * graph.layers[i].out; };
+  double alive = sizeof(float) * 3.0, peak = alive;
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    if (plan.step[i] == FusionPlan::inside) continue;
+    alive += bytes(i);
+    peak = std::max(peak, alive);
+    for (const std::size_t k : released[i])
+      if (plan.step[k] != FusionPlan::inside) alive -= bytes(k);
+  }
+  return peak;
 }
 
 NamedTensor named_from(const at::Tensor& tensor, TensorType stored_as) {
@@ -118,7 +160,7 @@ at::Tensor find_tensor(const NetworkGraph& graph, const TensorFile& file, const 
 Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image, TrainingMode mode) {
   const auto height = static_cast<int>(image.size(2)), width = static_cast<int>(image.size(3));
   const std::vector<CellRange> rows = padded_ranges(graph, height), cols = padded_ranges(graph, width);
-  const std::vector<std::size_t> last_use = last_uses(graph);
+  const std::vector<std::vector<std::size_t>> released = last_uses(graph);
   std::vector<Cells> outputs(graph.layers.size());
   for (std::size_t i = 0; i < graph.layers.size(); ++i) {
     const Layer& layer = graph.layers[i];
@@ -131,10 +173,7 @@ Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at
                            : input);
     }
     outputs[i] = {evaluate(layer, params[i], inputs, layer.padding, mode), rows[i], cols[i]};
-    for (const int input : layer.inputs) {
-      if (input != image_input && last_use[static_cast<std::size_t>(input)] == i)
-        outputs[static_cast<std::size_t>(input)] = {};
-    }
+    for (const std::size_t k : released[i]) outputs[k] = {};
   }
   const int shift = graph.output_shift;
   return {outputs.back().values,
@@ -143,18 +182,28 @@ Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at
 }
 
 at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
-                         const ExactWindow& window) {
+                         const ExactWindow& window, const FusionPlan* plan) {
   const NeededRanges rows = needed_ranges(graph, window.output_rows), cols = needed_ranges(graph, window.output_cols);
-  const std::vector<std::size_t> last_use = last_uses(graph);
+  const std::vector<std::vector<std::size_t>> released = last_uses(graph, plan);
   const std::size_t count = graph.layers.size() - (window.last_layer ? 0 : 1);
   std::vector<Cells> outputs(graph.layers.size());
+  const auto output_of = [&](int layer) {
+    return layer == image_input ? Cells{image, window.image_rows, window.image_cols} : outputs[static_cast<std::size_t>(layer)];
+  };
   for (std::size_t i = 0; i < count; ++i) {
     const Layer& layer = graph.layers[i];
+    if (plan && plan->step[i] == FusionPlan::inside) continue;
+    if (plan && plan->step[i] != FusionPlan::plain) {
+      const FusedLayers& fused = plan->fused[static_cast<std::size_t>(plan->step[i])];
+      const Cells upsampled = fused.upsampled == FusedLayers::none ? Cells{} : output_of(fused.upsampled);
+      outputs[i] = evaluate_fused(fused, output_of(fused.source), upsampled.values.defined() ? &upsampled : nullptr,
+                                  rows.layers[i], cols.layers[i]);
+      for (const std::size_t k : released[i]) outputs[k] = {};
+      continue;
+    }
     std::vector<Cells> inputs;
     for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
-      const Cells input = layer.inputs[k] == image_input ? Cells{image, window.image_rows, window.image_cols}
-                                                         : outputs[static_cast<std::size_t>(layer.inputs[k])];
-      inputs.push_back(narrowed(input, input_range(layer, k, rows.layers[i]), input_range(layer, k, cols.layers[i])));
+      inputs.push_back(narrowed(output_of(layer.inputs[k]), input_range(layer, k, rows.layers[i]), input_range(layer, k, cols.layers[i])));
     }
     Cells output{evaluate(layer, params[i], inputs, 0, {}), rows.layers[i], cols.layers[i]};
     // These two also compute cells that lack a part of their input: cut them off.
@@ -167,10 +216,7 @@ at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const
       output.cols = {2 * inputs[0].cols.first, 2 * inputs[0].cols.last + 1};
     }
     outputs[i] = narrowed(output, rows.layers[i], cols.layers[i]);
-    for (const int input : layer.inputs) {
-      if (input != image_input && last_use[static_cast<std::size_t>(input)] == i)
-        outputs[static_cast<std::size_t>(input)] = {};
-    }
+    for (const std::size_t k : released[i]) outputs[k] = {};
   }
   return outputs[count - 1].values;
 }
@@ -264,32 +310,37 @@ at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb
 InferenceNetwork::InferenceNetwork(NetworkGraph graph, const NetworkParams& params)
     : graph_(std::move(graph)),
       folded_(fold_batch_norm(graph_, params)),
-      margin_px_(receptive_field(graph_).margin_px()) {}
+      plan_(std::make_shared<FusionPlan>(fuse_layers(graph_, folded_))),
+      margin_px_(receptive_field(graph_).margin_px() + (half_resolution(graph_) ? 0 : 1)),
+      peak_bytes_per_pixel_(peak_bytes(graph_, *plan_)) {}
 
-void InferenceNetwork::predict(const std::uint8_t* rgb, const PixelBox& core, float* probabilities) const {
+void InferenceNetwork::predict(const std::uint8_t* rgb, const PixelBox& core, int factor, float* scores) const {
   const c10::InferenceMode inference;
   // The layers count cells from a multiple of the stride near the core, so that indices stay small in any mosaic.
   const auto local = [&](std::int64_t px) {
     return static_cast<int>(((px % graph_.stride_px) + graph_.stride_px) % graph_.stride_px);
   };
   const int row = local(core.row), col = local(core.col);
+  // The last doubling is ours, together with that to a finer grid; the latter needs the cells around the core.
+  const bool half = half_resolution(graph_);
+  const int around = half || factor == 1 ? 0 : 1;
   ExactWindow window;
-  window.output_rows = {row, row + core.height - 1};
-  window.output_cols = {col, col + core.width - 1};
+  window.output_rows = {row - around, row + core.height - 1 + around};
+  window.output_cols = {col - around, col + core.width - 1 + around};
   window.image_rows = {row - margin_px_, row + core.height - 1 + margin_px_};
   window.image_cols = {col - margin_px_, col + core.width - 1 + margin_px_};
-  window.last_layer = graph_.layers.back().kind != LayerKind::upsample_2x;
+  window.last_layer = !half;
   NetworkParams params = folded_;  // handles only
   const at::Tensor image =
       image_tensor(graph_.input, rgb, 1, core.width + 2 * margin_px_, core.height + 2 * margin_px_);
-  const at::Tensor scores = forward_exact(graph_, params, image, window).permute({0, 2, 3, 1}).contiguous();
-  const ScoreGrid grid{scores.data_ptr<float>(), static_cast<int>(scores.size(2)), static_cast<int>(scores.size(1)),
+  const at::Tensor cells = forward_exact(graph_, params, image, window, plan_.get()).permute({0, 2, 3, 1}).contiguous();
+  const ScoreGrid grid{cells.data_ptr<float>(), static_cast<int>(cells.size(2)), static_cast<int>(cells.size(1)),
                        graph_.class_count};
-  if (window.last_layer) return softmax_of_scores(grid, probabilities);
-  // Half-resolution cells: pixel o lies at (2 o - 1) / 4 and its first cell is that of input_range.
-  const Layer& last = graph_.layers.back();
-  softmax_of_upsampled(grid, {row, input_range(last, 0, window.output_rows).first, core.height},
-                       {col, input_range(last, 0, window.output_cols).first, core.width}, probabilities);
+  const auto axis = [&](CellRange pixels, int first, int count) {
+    const int first_cell = half ? input_range(graph_.layers.back(), 0, pixels).first : pixels.first;
+    return UpsampledAxis{factor * first, first_cell, factor * count, half ? 2 * factor : factor};
+  };
+  upsample_scores(grid, axis(window.output_rows, row, core.height), axis(window.output_cols, col, core.width), scores);
 }
 
 }  // namespace orthodrive

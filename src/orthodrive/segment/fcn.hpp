@@ -4,6 +4,7 @@
 #include <ATen/ATen.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,10 @@ struct ExactWindow {
   CellRange output_rows, output_cols;  ///< absolute pixels wanted
   bool last_layer = true;
 };
+/// With a `plan` for these parameters (fused_layers.hpp) some layers run together.
+struct FusionPlan;
 [[nodiscard]] at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
-                                       const ExactWindow& window);
+                                       const ExactWindow& window, const FusionPlan* plan = nullptr);
 
 /// Batch norm folded into kernel and bias: the same scores with fewer passes over memory.
 [[nodiscard]] NetworkParams fold_batch_norm(const NetworkGraph& graph, const NetworkParams& params);
@@ -73,17 +76,22 @@ struct ExactWindow {
 class InferenceNetwork {
  public:
   InferenceNetwork(NetworkGraph graph, const NetworkParams& params);
-  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes). Writes the class probabilities of the
-  /// core, height x width x C. They do not depend on how a mosaic is cut into cores, but for the order of summation.
-  void predict(const std::uint8_t* rgb, const PixelBox& core, float* probabilities) const;
+  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes). Writes the class scores of the core,
+  /// (factor height) x (factor width) x C: at `factor` times the resolution, bilinear. They do not depend on how a mosaic
+  /// is cut into cores, but for the order of summation.
+  void predict(const std::uint8_t* rgb, const PixelBox& core, int factor, float* scores) const;
   [[nodiscard]] int class_count() const { return graph_.class_count; }
   [[nodiscard]] int margin_px() const { return margin_px_; }
+  /// The most that is held at once while it predicts, in bytes per pixel of the image.
+  [[nodiscard]] double peak_bytes_per_pixel() const { return peak_bytes_per_pixel_; }
   [[nodiscard]] const NetworkGraph& graph() const { return graph_; }
 
  private:
   NetworkGraph graph_;
   NetworkParams folded_;
+  std::shared_ptr<const FusionPlan> plan_;
   int margin_px_ = 0;
+  double peak_bytes_per_pixel_ = 0.0;
 };
 
 }  // namespace orthodrive

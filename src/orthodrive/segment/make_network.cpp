@@ -197,16 +197,17 @@ struct MobileNetBuilder : Builder {
   }
 };
 
-void make_mobilenet(MobileNetBuilder& b) {
-  b.graph.stride_px = 16;
+void make_mobilenet(MobileNetBuilder& b, int stride_px) {
+  b.graph.stride_px = stride_px;
   int x = b.keras_conv("Conv1", "Conv1/kernel", "bn_Conv1", image_input, 32, 3, 2, false, true, true);
   x = b.pointwise("expanded_conv_project", b.depthwise("expanded_conv_depthwise", x, 1, true), 16, false, true);
   struct Group {  // table 2 of the paper: channels, repeats, stride of the first; expansion 6
     int out, repeats, stride;
   };
-  std::vector<int> skips;  // the last features of strides 2, 4, 8
+  std::vector<int> skips;  // the last features of strides 2, 4, 8 (16)
   int block = 1;
-  for (const Group group : {Group{24, 2, 2}, Group{32, 3, 2}, Group{64, 4, 2}, Group{96, 3, 1}}) {
+  for (const Group group : {Group{24, 2, 2}, Group{32, 3, 2}, Group{64, 4, 2}, Group{96, 3, 1}, Group{160, 3, 2}}) {
+    if (group.out == 160 && stride_px < 32) break;
     for (int i = 0; i < group.repeats; ++i, ++block) {
       const std::string prefix = fmt::format("block_{}", block);
       const int before = x, stride = i == 0 ? group.stride : 1;
@@ -222,13 +223,15 @@ void make_mobilenet(MobileNetBuilder& b) {
                  .out = group.out});
     }
   }
-  x = b.pointwise("context_project", b.depthwise("context_depthwise", x, 1, false), 64, true, false);
+  const std::string context = stride_px == 32 ? "context_32" : "context";
+  x = b.pointwise(context + "_project", b.depthwise(context + "_depthwise", x, 1, false), 64, true, false);
   struct Level {
     const char* name;
     int in, out;
   };
-  for (const Level level : {Level{"merge_8", 64, 48}, Level{"merge_4", 48, 32}, Level{"merge_2", 32, 32}}) {
+  for (const Level level : {Level{"merge_16", 64, 64}, Level{"merge_8", 64, 48}, Level{"merge_4", 48, 32}, Level{"merge_2", 32, 32}}) {
     const std::string name = level.name;
+    if (name == "merge_16" && stride_px < 32) continue;
     const int up =
         b.add({.name = name + "_up", .kind = LayerKind::upsample_2x, .inputs = {x}, .in = level.in, .out = level.in});
     const int lateral = b.pointwise(name + "_lateral", skips.back(), level.in, false, false);
@@ -261,10 +264,12 @@ NetworkGraph make_network(const std::string& architecture, int class_count) {
     if (architecture == fmt::format("vgg16-{}s", stride)) return make_vgg16(builder, stride), builder.graph;
     if (architecture == fmt::format("googlenet-{}s", stride)) return make_googlenet(builder, stride), builder.graph;
   }
-  if (architecture == "mobilenetv2-s16-fpn2") return make_mobilenet(builder), builder.graph;
+  for (const int stride : {32, 16}) {
+    if (architecture == fmt::format("mobilenetv2-s{}-fpn2", stride)) return make_mobilenet(builder, stride), builder.graph;
+  }
   throw OptionError(
       fmt::format("network '{}' is unknown: use vgg16 or googlenet with -32s, -16s or -8s (decoder fcn), or "
-                  "mobilenetv2-s16-fpn2",
+                  "mobilenetv2-s32-fpn2 or -s16-fpn2",
                   architecture));
 }
 

@@ -101,22 +101,18 @@ ReceptiveField receptive_field(const NetworkGraph& graph) {
   return field;
 }
 
-double peak_bytes_per_pixel(const NetworkGraph& graph) {
-  std::vector<double> spacing;  // pixels between cells
-  double peak = 0.0;
-  const auto bytes = [](int channels, double cell_px) { return sizeof(float) * channels / (cell_px * cell_px); };
+std::vector<double> cells_per_pixel(const NetworkGraph& graph) {
+  std::vector<double> spacing, cells;  // pixels between cells
   for (const Layer& layer : graph.layers) {
-    double together = 0.0, input_spacing = 1.0;
-    for (const int input : layer.inputs) {
-      input_spacing = input == image_input ? 1.0 : spacing[static_cast<std::size_t>(input)];
-      together += bytes(input == image_input ? 3 : graph.layers[static_cast<std::size_t>(input)].out, input_spacing);
-    }
+    double input_spacing = 1.0;
+    for (const int input : layer.inputs)
+      if (input != image_input) input_spacing = spacing[static_cast<std::size_t>(input)];
     const bool finer = layer.kind == LayerKind::deconvolution || layer.kind == LayerKind::upsample_2x;
     const double factor = layer.kind == LayerKind::upsample_2x ? 2.0 : layer.stride;
     spacing.push_back(finer ? input_spacing / factor : input_spacing * factor);
-    peak = std::max(peak, together + bytes(layer.out, spacing.back()));
+    cells.push_back(1.0 / (spacing.back() * spacing.back()));
   }
-  return peak;
+  return cells;
 }
 
 long long parameter_count(const NetworkGraph& graph) {

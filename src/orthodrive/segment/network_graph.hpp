@@ -78,8 +78,8 @@ struct ReceptiveField {
 };
 [[nodiscard]] ReceptiveField receptive_field(const NetworkGraph& graph);
 
-/// The most that one layer's inputs and output hold together, in bytes per pixel of the image.
-[[nodiscard]] double peak_bytes_per_pixel(const NetworkGraph& graph);
+/// Cells of each layer per pixel of the image.
+[[nodiscard]] std::vector<double> cells_per_pixel(const NetworkGraph& graph);
 
 [[nodiscard]] long long parameter_count(const NetworkGraph& graph);
 

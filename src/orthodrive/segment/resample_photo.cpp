@@ -72,7 +72,7 @@ void clear_invalid(PhotoWindow& window, std::uint8_t value) {
 /// First down the columns, then along the row: the sums of a pixel have the same order in every window.
 class Resampler {
  public:
-  Resampler(PhotoSource photo, double gsd_m) : photo_(std::move(photo)), frame_(resampled_frame(photo_.frame, gsd_m)) {
+  Resampler(PhotoSource photo, const GridFrame& frame) : photo_(std::move(photo)), frame_(frame) {
     same_scale_ = frame_ == photo_.frame;
     ratio_ = frame_.gsd_m / photo_.frame.gsd_m;
     start_ = photo_.frame.pixel_from_world({frame_.west_m, frame_.north_m});
@@ -157,8 +157,13 @@ GridFrame resampled_frame(const GridFrame& frame, double gsd_m) {
 }
 
 PhotoSource resample_source(PhotoSource photo, double gsd_m) {
+  const GridFrame frame = resampled_frame(photo.frame, gsd_m);
+  return resample_source(std::move(photo), frame);
+}
+
+PhotoSource resample_source(PhotoSource photo, const GridFrame& frame) {
   const Crs crs = photo.crs;
-  const Resampler resampler(std::move(photo), gsd_m);
+  const Resampler resampler(std::move(photo), frame);
   return {crs, resampler.frame(), [resampler](const PixelBox& box) { return resampler.read(box); }};
 }
 

@@ -16,6 +16,8 @@ constexpr std::uint8_t no_photo_value = 128;
 /// half of what a pixel averages is photo, there is none. Pixels without photo are set to no_photo_value. Weights come
 /// from the absolute pixel, so every window gets the same bytes.
 [[nodiscard]] PhotoSource resample_source(PhotoSource photo, double gsd_m);
+/// Likewise onto any frame.
+[[nodiscard]] PhotoSource resample_source(PhotoSource photo, const GridFrame& frame);
 
 /// The same for a photo in memory.
 [[nodiscard]] Photo resample_photo(const Photo& photo, double gsd_m, int threads = 0);

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/segment/class_probabilities.hpp"
 #include "orthodrive/segment/fcn.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
@@ -27,11 +30,18 @@ int crf_margin_px(const std::optional<CrfModel>& crf) {
   return std::clamp(static_cast<int>(std::ceil(4.0 * reach)), 32, 256);
 }
 
+/// Label pixels along a pixel of the network: a photo fine enough to tell gets labels on a grid twice as fine.
+int label_factor(const GridFrame& photo, const SegmentModel& model) { return photo.gsd_m <= 0.6 * model.gsd_m ? 2 : 1; }
+
+PixelBox scaled(const PixelBox& box, int factor) {
+  return {factor * box.col, factor * box.row, factor * box.width, factor * box.height};
+}
+
 /// Windows whose largest layers take some 200 MB; at least as much core as margin would be wasteful to undercut.
 int suitable_window_px(const InferenceNetwork& network, int margin_px) {
   constexpr double peak_bytes = 2.0e8;
   constexpr int least_core_px = 256;
-  const int by_memory = static_cast<int>(std::sqrt(peak_bytes / peak_bytes_per_pixel(network.graph()))) / 16 * 16;
+  const int by_memory = static_cast<int>(std::sqrt(peak_bytes / network.peak_bytes_per_pixel())) / 16 * 16;
   return std::max(by_memory, 2 * margin_px + least_core_px);
 }
 
@@ -49,20 +59,18 @@ struct Decision {
   std::int64_t labelled_pixels = 0;
 };
 
-/// `box` is where the window and the probabilities lie, `core` the part of it to decide.
-Decision decide(const PixelBox& core, const PixelBox& window_box, const PhotoWindow& window,
-                const PixelBox& probability_box, const Raster<float>& probabilities) {
+/// `core` is what to decide, `seen` where `valid` lies, both in label pixels; `probabilities` cover the core grown by
+/// `margin_px`.
+Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::uint8_t>& valid, int margin_px,
+                const Raster<float>& probabilities) {
   Decision decision{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata),
                     Raster<std::uint8_t>(core.width, core.height), 0};
   if (probabilities.empty()) return decision;
-  const int window_left = static_cast<int>(core.col - window_box.col),
-            window_top = static_cast<int>(core.row - window_box.row),
-            left = static_cast<int>(core.col - probability_box.col),
-            top = static_cast<int>(core.row - probability_box.row);
+  const int left = static_cast<int>(core.col - seen.col), top = static_cast<int>(core.row - seen.row);
   for (int row = 0; row < core.height; ++row)
     for (int col = 0; col < core.width; ++col) {
-      if (!window.valid.at(window_left + col, window_top + row)) continue;
-      const float* p = &probabilities.at(left + col, top + row);
+      if (!valid.at(left + col, top + row)) continue;
+      const float* p = &probabilities.at(margin_px + col, margin_px + row);
       const float* best = std::max_element(p, p + probabilities.channels);
       decision.labels.at(col, row) = static_cast<std::uint8_t>(best - p);
       decision.confidence.at(col, row) = static_cast<std::uint8_t>(std::lround(*best * 255.0F));
@@ -71,41 +79,60 @@ Decision decide(const PixelBox& core, const PixelBox& window_box, const PhotoWin
   return decision;
 }
 
-bool shows_photo(const PhotoWindow& window, const PixelBox& window_box, const PixelBox& core) {
+bool shows_photo(const Raster<std::uint8_t>& valid, const PixelBox& seen, const PixelBox& core) {
   for (int row = 0; row < core.height; ++row) {
-    const std::uint8_t* valid = &window.valid.at(static_cast<int>(core.col - window_box.col),
-                                                 static_cast<int>(core.row - window_box.row) + row);
-    if (std::memchr(valid, 1, static_cast<std::size_t>(core.width))) return true;
+    const std::uint8_t* line = &valid.at(static_cast<int>(core.col - seen.col), static_cast<int>(core.row - seen.row) + row);
+    if (std::memchr(line, 1, static_cast<std::size_t>(core.width))) return true;
   }
   return false;
 }
 
-/// Probabilities of a box -> marginals of the CRF, in place. The photo's window may be larger.
-void refine(const CrfModel& crf, const PhotoWindow& window, const PixelBox& window_box, const PixelBox& box,
-            Raster<float>& probabilities) {
-  constexpr float least_probability = 1e-9F;
-  Raster<std::uint8_t> rgb(box.width, box.height, 3), valid(box.width, box.height);
-  const int left = static_cast<int>(box.col - window_box.col), top = static_cast<int>(box.row - window_box.row);
+/// The part of a window that lies in `box`.
+PhotoWindow part_of(const PhotoWindow& window, const PixelBox& seen, const PixelBox& box) {
+  PhotoWindow part{Raster<std::uint8_t>(box.width, box.height, 3), Raster<std::uint8_t>(box.width, box.height)};
+  const int left = static_cast<int>(box.col - seen.col), top = static_cast<int>(box.row - seen.row);
   for (int row = 0; row < box.height; ++row) {
-    std::memcpy(&rgb.at(0, row), &window.rgb.at(left, top + row), 3 * static_cast<std::size_t>(box.width));
-    std::memcpy(&valid.at(0, row), &window.valid.at(left, top + row), static_cast<std::size_t>(box.width));
+    std::memcpy(&part.rgb.at(0, row), &window.rgb.at(left, top + row), 3 * static_cast<std::size_t>(box.width));
+    std::memcpy(&part.valid.at(0, row), &window.valid.at(left, top + row), static_cast<std::size_t>(box.width));
   }
-  const DenseCrf dense({box.width, box.height, box.col, box.row, rgb.data.data(), valid.data.data()}, crf.widths);
-  std::vector<float> unary(probabilities.data.size());
-  for (std::size_t i = 0; i < unary.size(); ++i) unary[i] = -std::log(std::max(probabilities.data[i], least_probability));
-  thread_local CrfWorkspace workspace;
-  dense.infer(crf.parameters, unary, probabilities.data, &workspace);
+  return part;
 }
 
-Decision classify_core(const PhotoSource& photo, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
+/// Scores of a box -> marginals of the CRF, in place. `factor`: label pixels along a pixel that the CRF's widths are in.
+void refine(const CrfModel& crf, const PhotoWindow& photo, const PixelBox& box, int factor, Raster<float>& scores) {
+  CrfWidths widths = crf.widths;
+  widths.theta_alpha_px *= factor;
+  widths.theta_gamma_px *= factor;
+  const DenseCrf dense({box.width, box.height, box.col, box.row, photo.rgb.data.data(), photo.valid.data.data()}, widths);
+  std::vector<float> unary(scores.data.size());  // -log p but for a constant a pixel, which cancels
+  std::transform(scores.data.begin(), scores.data.end(), unary.begin(), std::negate<>());
+  thread_local CrfWorkspace workspace;
+  dense.infer(crf.parameters, unary, scores.data, &workspace);
+}
+
+/// What is classified: the photo at the network's scale and, where labels are finer, at theirs.
+struct Sources {
+  PhotoSource photo;
+  std::optional<PhotoSource> fine;
+  int factor = 1;
+};
+
+Decision classify_core(const Sources& sources, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
                        const PixelBox& core) {
-  const PixelBox predicted = core.grown(crf_margin_px(crf)), seen = predicted.grown(network.margin_px());
-  const PhotoWindow window = photo.read(seen);
-  if (!shows_photo(window, seen, core)) return decide(core, seen, window, predicted, {});
-  Raster<float> probabilities(predicted.width, predicted.height, network.class_count());
-  network.predict(window.rgb.data.data(), predicted, probabilities.data.data());
-  if (crf) refine(*crf, window, seen, predicted, probabilities);
-  return decide(core, seen, window, predicted, probabilities);
+  const int crf_margin = crf_margin_px(crf), factor = sources.factor;
+  const PixelBox predicted = core.grown(crf_margin), seen = predicted.grown(network.margin_px());
+  const PhotoWindow window = sources.photo.read(seen);
+  const PixelBox fine_core = scaled(core, factor), fine_box = scaled(predicted, factor);
+  const PhotoWindow fine = sources.fine ? sources.fine->read(fine_box) : part_of(window, seen, predicted);
+  if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, 0, {});
+  Raster<float> scores(fine_box.width, fine_box.height, network.class_count());
+  network.predict(window.rgb.data.data(), predicted, factor, scores.data.data());
+  if (crf) {
+    refine(*crf, fine, fine_box, factor, scores);
+  } else {
+    softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
+  }
+  return decide(fine_core, fine_box, fine.valid, factor * crf_margin, scores);
 }
 
 /// Runs ATen on one thread in every worker while it lives: we parallelise over windows, and sums inside a
@@ -139,7 +166,14 @@ Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::i
 
 }  // namespace
 
-GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) { return resampled_frame(photo, model.gsd_m); }
+GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
+  GridFrame frame = resampled_frame(photo, model.gsd_m);
+  const int factor = label_factor(photo, model);
+  frame.gsd_m /= factor;
+  frame.width *= factor;
+  frame.height *= factor;
+  return frame;
+}
 
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
                               const SegmentOptions& options, Monitor* monitor) {
@@ -148,9 +182,11 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   if (window_px <= 2 * margin_px)
     throw OptionError(fmt::format("window of {} px: the network needs {} px around what it decides, take more than {}",
                                   window_px, margin_px, 2 * margin_px));
-  const PhotoSource photo = resample_source(source, model.gsd_m);
-  const std::vector<PixelBox> cores = plan_cores(photo.frame, window_px - 2 * margin_px);
-  SegmentSummary summary{.frame = photo.frame};
+  Sources sources{resample_source(source, model.gsd_m), {}, label_factor(source.frame, model)};
+  const GridFrame frame = label_frame(source.frame, model);
+  if (sources.factor > 1) sources.fine = resample_source(source, frame);
+  const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px - 2 * margin_px);
+  SegmentSummary summary{.frame = frame};
   if (options.crf && options.crf->parameters.classes != model.network->class_count()) {
     throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
                                   options.crf->parameters.classes, model.network->class_count()));
@@ -162,14 +198,14 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
   OrderedDelivery<Decision> delivery(ahead, [&](std::size_t index, const Decision& decision) {
     summary.labelled_pixels += decision.labelled_pixels;
-    sink(cores[index], decision.labels, decision.confidence);
+    sink(scaled(cores[index], sources.factor), decision.labels, decision.confidence);
   });
   const auto classify = [&](std::size_t index) {
     if (monitor && monitor->cancelled()) delivery.stop();
     if (!delivery.wait_for_room(index)) return;
     try {
       const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-      delivery.hand_over(index, classify_core(photo, *model.network, options.crf, cores[index]));
+      delivery.hand_over(index, classify_core(sources, *model.network, options.crf, cores[index]));
     } catch (...) {
       delivery.stop();
       throw;

@@ -30,7 +30,8 @@ struct SegmentSummary {
   Findings findings;
 };
 
-/// The frame of the labels of a photo: its own where it has the model's scale, else the covering grid at that scale.
+/// The frame of the labels of a photo: its own where it has the model's scale, else the covering grid at that scale;
+/// twice as fine when the photo has 0.6 of the model's GSD or less, so that edges are not those of the model's pixels.
 [[nodiscard]] GridFrame label_frame(const GridFrame& photo, const SegmentModel& model);
 
 /// The photo is brought to the model's scale, then classified window by window. Each window carries a margin of real
@@ -40,7 +41,7 @@ struct SegmentSummary {
                                             const SegmentOptions& options = {}, Monitor* monitor = nullptr);
 
 struct SegmentResult {
-  LabelMap labels;           ///< at the model's scale
+  LabelMap labels;           ///< on label_frame()
   ConfidenceMap confidence;  ///< probability of that label
   Findings findings;
 };
