@@ -28,6 +28,7 @@ struct TrainCommand {
   fs::path experiment, out;
   fs::path pack;        ///< write the data set instead of training
   std::string measure;  ///< a model to measure instead of training one
+  std::vector<std::string> sets;  ///< held-out data to measure on; none: all
   bool resume = false, preview = false, crf = false, cuda = false;
 };
 
@@ -73,7 +74,12 @@ void measure(const TrainCommand& command, const std::vector<ValidationScene>& sc
   if (command.crf && !model.crf) model.crf = reference_crf(static_cast<int>(classes.classes.size()));
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
   std::map<std::string, std::vector<ValidationScene>> sets;
-  for (const ValidationScene& scene : scenes) sets[scene.name].push_back(scene);
+  for (const ValidationScene& scene : scenes) {
+    if (command.sets.empty() || std::ranges::find(command.sets, scene.name) != command.sets.end())
+      sets[scene.name].push_back(scene);
+  }
+  for (const std::string& name : command.sets)
+    if (!sets.contains(name)) throw OptionError(fmt::format("--set {}: the experiment holds out no such data", name));
   nlohmann::ordered_json json;
   for (const auto& [name, set] : sets) {
     double megapixels = 0.0;
@@ -146,7 +152,7 @@ void run(const TrainCommand& command, const Context& context) {
   if (!command.out.empty()) prepare_training_folder(command.out, command.resume || command.preview, command.crf);
   TrainingData data =
       read_training_data(experiment, network.spec.gsd_m, network.classes, context.threads, context.monitor);
-  if (std::ranges::none_of(data.scenes, [](const TrainingScene& s) { return s.weight > 0.0 && s.from_step <= 0; })) {
+  if (std::ranges::none_of(data.scenes, [](const TrainingScene& s) { return s.weight > 0.0 && s.from_step <= 0 && !s.crf_only; })) {
     throw InputError(command.experiment.string(),
                      "has nothing to train on at step 0: add [[map]], [[images]], [[raster]] or [[polygons]] that is "
                      "not held out, with a weight above 0 and from_step 0");
@@ -186,6 +192,7 @@ void add_train(CLI::App& app, Context& context) {
   cmd->add_flag("--cuda", command->cuda, "train on the GPU, where libtorch has one");
   cmd->add_option("--measure", command->measure,
                   "instead of training, print the scores of this model on the held-out data as JSON");
+  cmd->add_option("--set", command->sets, "of --measure: only these of the held-out data");
   cmd->add_option(
       "--pack", command->pack,
       "instead of training, write the data set into this safetensors file, to train on a machine with nothing "

@@ -144,7 +144,7 @@ Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const fs::p
 TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassSet> allowed, double gsd_m,
                        const SceneUse& use) {
   return {std::move(name), std::move(rgb), std::move(allowed), gsd_m,
-          use.weight,      use.min_zoom,   use.max_zoom,       use.from_step};
+          use.weight,      use.min_zoom,   use.max_zoom,       use.from_step, use.crf_only};
 }
 
 enum class Part { training, held_out };
@@ -159,9 +159,10 @@ void add_images(TrainingData& result, const ImageData& data, Part part, double g
   const std::size_t first = result.scenes.size();
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();
-    const bool held_out = std::any_of(data.held_out.begin(), data.held_out.end(), [&](const std::string& prefix) {
-      return prefix == "*" || stem.starts_with(prefix);
-    });
+    const auto named_in = [&](const std::vector<std::string>& prefixes) {
+      return std::ranges::any_of(prefixes, [&](const std::string& p) { return p == "*" || stem.starts_with(p); });
+    };
+    const bool held_out = named_in(data.held_out);
     if (held_out != (part == Part::held_out)) continue;
     Raster<std::uint8_t> rgb = io::read_image(file);
     const fs::path label_file = data.labels / (stem + ".png");
@@ -174,6 +175,7 @@ void add_images(TrainingData& result, const ImageData& data, Part part, double g
     Raster<ClassSet> allowed = sets_from_colors(label_image, label_file, data, classes);
     if (part == Part::training) {
       result.scenes.push_back(scene_of(stem, std::move(rgb), std::move(allowed), data.gsd_m, data.use));
+      result.scenes.back().crf_only = named_in(data.crf_only);
       continue;
     }
     const int width = rgb.width, height = rgb.height;

@@ -142,11 +142,12 @@ void train(const TrainingRun& run, Monitor* monitor) {
 }
 
 std::string search_table(const CrfSearch& search) {
-  std::string text = "theta_alpha_px,theta_beta,w1,theta_gamma_px,w2,pixel_accuracy,mean_iou\n";
+  std::string text = "theta_alpha_px,theta_beta,w1,theta_gamma_px,w2,iterations,vertices_per_pixel,pixel_accuracy,mean_iou\n";
   for (const CrfTrial& t : search.trials) {
     text +=
-        fmt::format("{},{},{},{},{},{:.4f},{:.4f}\n", t.widths.theta_alpha_px, t.widths.theta_beta, t.appearance_weight,
-                    t.widths.theta_gamma_px, t.smoothness_weight, t.pixel_accuracy, t.mean_iou);
+        fmt::format("{},{},{},{},{},{},{:.3f},{:.4f},{:.4f}\n", t.widths.theta_alpha_px, t.widths.theta_beta,
+                    t.appearance_weight, t.widths.theta_gamma_px, t.smoothness_weight, t.iterations,
+                    t.vertices_per_pixel, t.pixel_accuracy, t.mean_iou);
   }
   return text;
 }
@@ -227,6 +228,8 @@ void prepare_training_folder(const fs::path& out, bool resume, bool crf) {
 }
 
 void run_training(TrainingRun run, Monitor* monitor) {
+  const bool apart = std::ranges::any_of(run.scenes, &TrainingScene::crf_only);
+  if (apart) std::erase_if(run.scenes, [&](const TrainingScene& s) { return s.crf_only != run.crf; });
   TrainOptions& options = run.experiment.train;
   if (options.balance_classes) options.class_weights = balanced_class_weights(run.scenes, run.classes.classes.size());
   if (run.crf) return train_crf(run, monitor);

@@ -61,6 +61,9 @@ Sources open_sources(const Site& site) {
   sources.dtms = io::read_dtms(site.dtm, site.frame);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
+  if (site.crf && !sources.model.crf) {
+    throw InputError(model_file.string(), "has no CRF: train one with orthodrive train --crf, or leave 'crf' of [segment] false");
+  }
 
   const auto add = [&](const std::string& role, const fs::path& file) {
     sources.hashes[role].push_back({{"file", file.filename().string()}, {"hash", hash_file(file)}});
@@ -82,7 +85,7 @@ Sources open_sources(const Site& site) {
 json options_of(const Site& site) {
   json ring = json::array();
   for (const Vec2 p : site.frame.area.outer) ring.push_back({p.x, p.y});
-  return {{"name", site.name}, {"crs", site.frame.crs.definition}, {"area", hash_bytes(ring.dump())}, {"model", site.model},
+  return {{"name", site.name}, {"crs", site.frame.crs.definition}, {"area", hash_bytes(ring.dump())}, {"model", site.model}, {"crf", site.crf},
           {"dtm_sampling", site.dtm_sampling}, {"route", site.route}, {"attribution", site.attribution}};
 }
 
@@ -152,7 +155,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                               static_cast<double>(result.stages.back().peak_memory_bytes) / 1e6));
   };
 
-  stage("segment", {sources.hashes["photo"], sources.hashes["model"]}, {"labels.tif", "confidence.tif"}, [&] {
+  stage("segment", {sources.hashes["photo"], sources.hashes["model"], site.crf}, {"labels.tif", "confidence.tif"}, [&] {
     // The photo streams: other stages hold it in memory, this one never does.
     const PhotoSource source = io::open_photo(site.photo, site.frame, {.threads = options.threads});
     const GridFrame frame = label_frame(source.frame, sources.model);
@@ -164,7 +167,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
           label_stream.write(box, label);
           confidence_stream.write(box, confidence);
         },
-        {.threads = options.threads}, monitor);
+        {.threads = options.threads, .crf = site.crf ? sources.model.crf : std::nullopt}, monitor);
     if (segmented.labelled_pixels == 0)
       throw InputError(site.photo.string(), "has no data in the area (nodata, alpha or mask); take another photo or area");
     label_stream.finish();

@@ -48,7 +48,7 @@ void check_keys(const toml::table& table, const std::string& where) {
       {"", {"name", "area", "sources", "segment", "elevate", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
       {"sources", {"photo", "osm", "dtm"}},
-      {"segment", {"model"}},
+      {"segment", {"model", "crf"}},
       {"elevate", {"sampling"}},
       {"drive", {"route"}},
       {"attribution", {"text"}},
@@ -75,6 +75,13 @@ std::string text(const toml::table& table, const fs::path& file, const char* sec
   if (!node) return fallback;
   if (const auto value = node.value<std::string>()) return *value;
   throw OptionError(fmt::format("{}: {}.{} must be a text", file.string(), section, key));
+}
+
+bool flag(const toml::table& table, const fs::path& file, const char* section, const char* key, bool fallback) {
+  const auto node = table[section][key];
+  if (!node) return fallback;
+  if (const auto value = node.value_exact<bool>()) return *value;
+  throw OptionError(fmt::format("{}: {}.{} must be true or false", file.string(), section, key));
 }
 
 std::vector<std::string> texts(const toml::table& table, const fs::path& file, const char* section, const char* key) {
@@ -154,6 +161,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   if (!truth.empty()) site.truth_dir = located(truth);
   site.attribution = texts(table, path, "attribution", "text");
   site.model = text(table, path, "segment", "model", site.model);
+  site.crf = flag(table, path, "segment", "crf", site.crf);
   site.dtm_sampling = text(table, path, "elevate", "sampling", site.dtm_sampling);
   if (site.dtm_sampling != "bilinear" && site.dtm_sampling != "cubic")
     throw OptionError(path.string() + ": elevate.sampling must be bilinear or cubic");

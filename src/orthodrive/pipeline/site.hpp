@@ -18,6 +18,7 @@ struct Site {
   std::filesystem::path truth_dir;           ///< empty: none
   std::vector<std::string> attribution;
   std::string model = "default";             ///< name or file of the segmentation network
+  bool crf = false;                          ///< refine the labels by the model's CRF
   std::string dtm_sampling = "cubic";        ///< bilinear | cubic
   std::string route = "auto";                ///< closed way to drive: its name, or "auto"
 };

@@ -68,6 +68,7 @@ ImageData read_images(TomlSection& section) {
     data.palette[{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
                   static_cast<std::uint8_t>(color[2])}] = classes;
   });
+  section.read("crf_only", data.crf_only);
   read_use(section, data.use);
   return data;
 }
@@ -92,6 +93,7 @@ RasterData read_raster(TomlSection& section) {
     }
   }
   section.read("held_out", data.held_out);
+  section.read("crf_only", data.use.crf_only);
   read_use(section, data.use);
   return data;
 }
@@ -104,6 +106,7 @@ PolygonData read_polygons(TomlSection& section) {
   section.read("polygons", data.polygons);
   section.read("pieces", data.pieces);
   section.read("held_out", data.held_out);
+  section.read("crf_only", data.use.crf_only);
   read_use(section, data.use);
   return data;
 }

@@ -29,6 +29,9 @@ struct PaintRule {
 struct SceneUse {
   double weight = 1.0, min_zoom = 0.8, max_zoom = 1.25;
   std::int64_t from_step = 0;
+  /// The network does not learn from it, so that it is no better there than elsewhere; the CRF learns from nothing else
+  /// when there is any such data.
+  bool crf_only = false;
 };
 
 /// Photo with labels painted from maps.
@@ -50,6 +53,7 @@ struct ImageData {
   /// Colour of the labels -> classes of ours: one, one of several, or none (ignored). Any other colour is an error.
   std::map<std::array<std::uint8_t, 3>, std::vector<std::string>> palette;
   std::vector<std::string> held_out;  ///< stems that begin so are for validation; "*" is all of them
+  std::vector<std::string> crf_only;  ///< likewise for the CRF (SceneUse)
   SceneUse use;
 };
 
@@ -81,7 +85,7 @@ struct StageOptions {
 /// `train --crf`: a search on a grid, then learning end to end. Replaces what it names of [train].
 struct CrfExperiment {
   std::int64_t steps = 150;
-  double network_learning_rate = 1e-4;
+  double network_learning_rate = 2e-5;
   double learning_rate = 0.02, shrinkage = 0.05;  ///< of the CRF (CrfTraining)
   int batch = 2, label_px = 0;
   int search_crops = 16;

@@ -58,7 +58,8 @@ nlohmann::json describe(const PackedScenes& data) {
                     {"weight", s.weight},
                     {"min_zoom", s.min_zoom},
                     {"max_zoom", s.max_zoom},
-                    {"from_step", s.from_step}});
+                    {"from_step", s.from_step},
+                    {"crf_only", s.crf_only}});
   }
   for (const ValidationScene& s : data.validation) {
     list.push_back({{"part", "validation"},
@@ -216,6 +217,7 @@ TrainingScene read_training_scene(SceneReader& reader, std::size_t i, const nloh
   entry.at("min_zoom").get_to(scene.min_zoom);
   entry.at("max_zoom").get_to(scene.max_zoom);
   entry.at("from_step").get_to(scene.from_step);
+  entry.at("crf_only").get_to(scene.crf_only);
   scene.rgb = reader.read_rgb(i);
   scene.allowed = reader.read_allowed(i, scene.rgb);
   return scene;

@@ -22,12 +22,14 @@
 namespace orthodrive {
 namespace {
 
+constexpr double crf_margin_widths = 3.0;
+
 /// How far around a core its probabilities are predicted so that the CRF's messages into the core are those of the whole
 /// mosaic: mean field carries them over several widths of the kernels, ever weaker. The test compares with the whole image.
 int crf_margin_px(const std::optional<CrfModel>& crf) {
   if (!crf) return 0;
   const double reach = std::max(crf->widths.theta_alpha_px, crf->widths.theta_gamma_px);
-  return std::clamp(static_cast<int>(std::ceil(4.0 * reach)), 32, 256);
+  return std::clamp(static_cast<int>(std::ceil(crf_margin_widths * reach)), 32, 256);
 }
 
 /// Label pixels along a pixel of the network: a photo fine enough to tell gets labels on a grid twice as fine.
@@ -37,12 +39,20 @@ PixelBox scaled(const PixelBox& box, int factor) {
   return {factor * box.col, factor * box.row, factor * box.width, factor * box.height};
 }
 
-/// Windows whose largest layers take some 200 MB; at least as much core as margin would be wasteful to undercut.
-int suitable_window_px(const InferenceNetwork& network, int margin_px) {
-  constexpr double peak_bytes = 2.0e8;
-  constexpr int least_core_px = 256;
-  const int by_memory = static_cast<int>(std::sqrt(peak_bytes / network.peak_bytes_per_pixel())) / 16 * 16;
-  return std::max(by_memory, 2 * margin_px + least_core_px);
+/// The largest window that takes some 700 MB: the photo and the network's layers on all of it, scores and what the CRF
+/// holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
+int suitable_window_px(const InferenceNetwork& network, bool crf, int factor, int margin_px) {
+  constexpr double most_bytes = 7.0e8, photo_bytes = 4.0, crf_bytes = 150.0;
+  constexpr int step_px = 32, least_core_px = 256, most_px = 8192;
+  const double score_bytes = static_cast<double>(sizeof(float)) * network.class_count();
+  const double label_bytes = factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
+  int window = 2 * margin_px + least_core_px;
+  const auto bytes = [&](double px) {
+    const double predicted = px - 2.0 * network.margin_px();
+    return px * px * (photo_bytes + network.peak_bytes_per_pixel()) + predicted * predicted * label_bytes;
+  };
+  while (window < most_px && bytes(window + step_px) <= most_bytes) window += step_px;
+  return window;
 }
 
 /// The pixels a window decides: row by row, west to east.
@@ -178,13 +188,16 @@ GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
                               const SegmentOptions& options, Monitor* monitor) {
   const int margin_px = model.network->margin_px() + crf_margin_px(options.crf);
-  const int window_px = options.window_px == 0 ? suitable_window_px(*model.network, margin_px) : options.window_px;
+  const int factor = label_factor(source.frame, model);
+  const int window_px = options.window_px == 0
+                            ? suitable_window_px(*model.network, options.crf.has_value(), factor, margin_px)
+                            : options.window_px;
   if (window_px <= 2 * margin_px)
     throw OptionError(fmt::format("window of {} px: the network needs {} px around what it decides, take more than {}",
                                   window_px, margin_px, 2 * margin_px));
-  Sources sources{resample_source(source, model.gsd_m), {}, label_factor(source.frame, model)};
+  Sources sources{resample_source(source, model.gsd_m), {}, factor};
   const GridFrame frame = label_frame(source.frame, model);
-  if (sources.factor > 1) sources.fine = resample_source(source, frame);
+  if (factor > 1) sources.fine = resample_source(source, frame);
   const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px - 2 * margin_px);
   SegmentSummary summary{.frame = frame};
   if (options.crf && options.crf->parameters.classes != model.network->class_count()) {
@@ -198,7 +211,7 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
   OrderedDelivery<Decision> delivery(ahead, [&](std::size_t index, const Decision& decision) {
     summary.labelled_pixels += decision.labelled_pixels;
-    sink(scaled(cores[index], sources.factor), decision.labels, decision.confidence);
+    sink(scaled(cores[index], factor), decision.labels, decision.confidence);
   });
   const auto classify = [&](std::size_t index) {
     if (monitor && monitor->cancelled()) delivery.stop();

@@ -526,7 +526,7 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
   const std::string& stage = trainer.metadata().architecture;
   std::int64_t validated_step = -1;
   const auto validate = [&] {
-    if (validation.empty() || trainer.step() == validated_step) return;  // an early stop ends where it validated
+    if (options.validate_every < 0 || validation.empty() || trainer.step() == validated_step) return;  // an early stop ends where it validated
     validated_step = trainer.step();
     const SegmentModel model = load_model(format_safetensors(trainer.model_file()), "network in training");
     const int road = road_label(model.classes);
@@ -562,6 +562,12 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
 
   double loss_sum = 0.0;
   std::int64_t loss_count = 0;
+  constexpr double checkpoint_seconds = 120.0;  // the most work that a kill may cost
+  double saved_at = seconds();
+  const auto save = [&] {
+    hooks.checkpoint(trainer);
+    saved_at = seconds();
+  };
   while (trainer.step() < options.steps && !stop_early() && !(monitor && monitor->cancelled())) {
     const double rate = trainer.learning_rate();
     loss_sum += trainer.advance(scenes);
@@ -577,11 +583,15 @@ void train_network(Trainer& trainer, const TrainOptions& options, const std::vec
     }
     if (options.validate_every > 0 && trainer.step() % options.validate_every == 0 && trainer.step() < options.steps) {
       validate();
-      hooks.checkpoint(trainer);
+      save();
+    } else if (seconds() - saved_at > checkpoint_seconds) {
+      save();
     }
   }
+  save();  // before a validation that a second signal may end
+  if (monitor && monitor->cancelled()) return;
   validate();
-  hooks.checkpoint(trainer);
+  hooks.checkpoint(trainer);  // knows the best validation
 }
 
 }  // namespace orthodrive

@@ -52,7 +52,7 @@ struct TrainOptions {
   bool balance_classes = false;      ///< class_weights by median frequency instead (Eigen and Fergus, 2015)
   float set_weight = 1.0F;           ///< of pixels with several allowed classes
   std::uint64_t seed = 1;
-  std::int64_t validate_every = 200;  ///< steps; 0 = only at the end
+  std::int64_t validate_every = 200;  ///< steps; 0 = only at the end, -1 = never
   int early_stop_after = 0;           ///< validations without a better mean IoU; 0 = never
   int threads = 0;                    ///< results repeat for the same number only: sums run in parallel
   std::optional<CrfTraining> crf;     ///< learn a CRF on top, end to end

@@ -18,6 +18,7 @@ struct TrainingScene {
   double weight = 1.0;                     ///< relative frequency of its crops
   double min_zoom = 0.8, max_zoom = 1.25;  ///< crops look as if photographed at gsd / zoom
   std::int64_t from_step = 0;              ///< not used before
+  bool crf_only = false;                   ///< not for the network (SceneUse)
 };
 
 /// How crops are varied.
