@@ -68,7 +68,7 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
   cmd->add_option("--crf-iterations", command->crf_iterations, "mean-field iterations; 0: as trained")->check(CLI::Range(0, 100));
   cmd->add_option("--window", command->options.window_px,
-                  "pixels the network sees at once, margin included; 0: as suits its memory; the labels do not depend on it")
+                  "pixels decided at once, in each direction; 0: as suits memory; the labels do not depend on it")
       ->capture_default_str();
   cmd->footer(
       "Reads the photo and a model; writes the labels in the photo's UTM zone at the model's scale (0.5 m/px).\n"

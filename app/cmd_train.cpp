@@ -114,7 +114,7 @@ WeightsSource read_weights(const fs::path& file) {
 void pack(const TrainCommand& command, const Experiment& experiment, const std::string& experiment_text,
           const Network& network, TrainingData data, Monitor* monitor) {
   PackedScenes packed{std::move(data.scenes), std::move(data.validation),
-                      format_model_metadata({network.spec.architecture(), network.classes, network.spec.gsd_m})};
+                      format_model_metadata({network.spec.architecture(), network.classes, network.spec.gsd_m, network.spec.finest_gsd_m})};
   packed.metadata["experiment"] = experiment_text;
   packed.metadata["network"] = io::read_file(experiment.network);
   AsideFile aside(command.pack);

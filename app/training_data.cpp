@@ -195,12 +195,12 @@ void add_images(TrainingData& result, const ImageData& data, Part part, double g
     }
     result.validation.push_back(std::move(scene));
   }
-  // The weight is that of the data set: each image gets its share by area.
-  double area = 0.0;
+  // The weight is that of the data set: each image gets its share by area, those for the CRF apart from the others.
+  std::map<bool, double> area;
   for (std::size_t i = first; i < result.scenes.size(); ++i)
-    area += static_cast<double>(result.scenes[i].allowed.data.size());
+    area[result.scenes[i].crf_only] += static_cast<double>(result.scenes[i].allowed.data.size());
   for (std::size_t i = first; i < result.scenes.size(); ++i)
-    result.scenes[i].weight *= static_cast<double>(result.scenes[i].allowed.data.size()) / area;
+    result.scenes[i].weight *= static_cast<double>(result.scenes[i].allowed.data.size()) / area[result.scenes[i].crf_only];
 }
 
 void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, Part part,

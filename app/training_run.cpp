@@ -118,7 +118,7 @@ void train(const TrainingRun& run, Monitor* monitor) {
   std::optional<TrainingLog> log;  // begun when everything fits: a run that is refused changes nothing
   for (; index < stages.size(); ++index) {
     const Stage& stage = stages[index];
-    const ModelMetadata metadata{stage.architecture, run.classes, run.network.gsd_m};
+    const ModelMetadata metadata{stage.architecture, run.classes, run.network.gsd_m, run.network.finest_gsd_m};
     const NetworkGraph graph = make_network(stage.architecture, classes);
     StartWeights start = start_weights(graph, sources, stage.options.seed);
     Trainer trainer(start.file, "starting weights", metadata, stage.options);
@@ -157,6 +157,8 @@ TrainOptions crf_train_options(const Experiment& experiment) {
   TrainOptions options = experiment.train;
   options.solver = Solver::adamw;
   options.sum_loss = false;
+  options.class_weights.clear();  // pixels count alike, as in the search
+  options.balance_classes = false;
   options.learning_rate = crf.network_learning_rate;
   options.steps = crf.steps;
   options.warmup_steps = std::min<std::int64_t>(10, crf.steps);
@@ -178,7 +180,8 @@ void train_crf(const TrainingRun& run, Monitor* monitor) {
         fmt::format("{} is missing: train the network first, the same command without --crf", start_file.string()));
   }
   const TensorFile start = read_safetensors(start_file);
-  const ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
+  ModelMetadata metadata = parse_model_metadata(start.metadata, start_file.string());
+  metadata.finest_gsd_m = run.network.finest_gsd_m;
   const int classes = static_cast<int>(run.classes.classes.size());
   if (metadata.classes.classes.size() != run.classes.classes.size()) {
     throw InputError(start_file.string(), fmt::format("has the class table '{}', the experiment '{}'",

@@ -88,7 +88,7 @@ TEST_F(TrainPacked, writes_what_the_tool_writes) {
   fs::rename(scratch / "site", scratch / "away");  // the pack is all there is
   expect_done(run_trainer(with({pack, "-o", scratch / "b" / "run", "--weights", weights})));
   for (const char* file : {"model.safetensors", "checkpoint.safetensors", "best.safetensors", "experiment.toml",
-                           "weights_mobilenetv2-s16-fpn2.txt"})
+                           "weights_mobilenetv2-s32-fpn2.txt"})
     expect_same_files(file);
   EXPECT_EQ(log_without_seconds(scratch / "a" / "run" / "log.csv"),
             log_without_seconds(scratch / "b" / "run" / "log.csv"));

@@ -176,14 +176,14 @@ TEST(Train, leaves_a_model_that_segments_then_learns_a_crf_and_packs_its_data) {
   shop.run(experiment);
   for (const char* file : {"model", "checkpoint", "best"}) {
     const Safetensors weights(shop.out / (std::string(file) + ".safetensors"));
-    EXPECT_EQ(weights.metadata("architecture"), "mobilenetv2-s16-fpn2") << file;
+    EXPECT_EQ(weights.metadata("architecture"), "mobilenetv2-s32-fpn2") << file;
     EXPECT_EQ(weights.metadata("step"), "10") << file;
   }
   EXPECT_EQ(column_of(shop.out / "log.csv", "step"), (std::vector<std::string>{"10", "10", "10"}));
   EXPECT_EQ(column_of(shop.out / "log.csv", "validation"), (std::vector<std::string>{"", "held-out", "mean"}));
   EXPECT_GT(std::stod(column_of(shop.out / "log.csv", "mean_iou")[2]), 0.3) << "the shipped weights know such sites";
   EXPECT_THAT(bytes_of(shop.out / "training.html"), HasSubstr("</html>"));
-  EXPECT_THAT(bytes_of(shop.out / "weights_mobilenetv2-s16-fpn2.txt"), HasSubstr("taken"));
+  EXPECT_THAT(bytes_of(shop.out / "weights_mobilenetv2-s32-fpn2.txt"), HasSubstr("taken"));
   EXPECT_EQ(bytes_of(shop.out / "experiment.toml"), bytes_of(experiment));
   const std::string plain = segment(shop.out / "model.safetensors", {});
 
@@ -375,7 +375,7 @@ TEST(TrainBadInput, experiments_and_what_they_name) {
   shop.expect_failure("vgg19.toml: network 'vgg19-8s' is unknown: use",
                       shop.experiment(few_steps(1), shop.pictures(), "network = \"vgg19.toml\""));
 
-  shop.expect_usage_error("multiple of 16 plus 0, such as 112",
+  shop.expect_usage_error("multiple of 32 plus 0, such as 128",
                           shop.experiment("steps = 1\nbatch = 1\ncrop_px = 100", shop.pictures()));
   shop.expect_usage_error("label_px", shop.experiment(few_steps(1, "label_px = 80"), shop.pictures()));
   shop.expect_usage_error("2 class weights for 8",
@@ -437,7 +437,7 @@ TEST(TrainBadInput, checkpoints_that_are_damaged_or_of_another_network_stay_as_t
   expect_refused("not a safetensors file", "");
   expect_refused("tensor 'Conv1/kernel/first_moment' is missing", bytes_of(shop.out / "model.safetensors"));
   write_bytes(file, good);
-  shop.expect_failure("checkpoint.safetensors: is of mobilenetv2-s16-fpn2, which the experiment does not train",
+  shop.expect_failure("checkpoint.safetensors: is of mobilenetv2-s32-fpn2, which the experiment does not train",
                       shop.experiment("steps = 1\nbatch = 1\ncrop_px = 130", shop.pictures(),
                                       fmt::format("network = \"{}/networks/googlenet-32s.toml\"", models)),
                       {"--resume"});

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 const std::vector<std::string> all_networks{"vgg16-32s",     "vgg16-16s",     "vgg16-8s", "googlenet-32s",
-                                            "googlenet-16s", "googlenet-8s", "mobilenetv2-s16-fpn2"};
+                                            "googlenet-16s", "googlenet-8s", "mobilenetv2-s16-fpn2", "mobilenetv2-s32-fpn2"};
 
 /// Brute force along one axis: every layer cell by cell, forwards, from the definition of its operation, with the set of
 /// pixels it depends on as first and last. Cells that see padding are marked.

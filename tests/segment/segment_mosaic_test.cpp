@@ -50,10 +50,10 @@ double share_of_different(const Raster<std::uint8_t>& a, const Raster<std::uint8
 }
 
 TEST(SegmentMosaic, outcome_does_not_depend_on_window_size) {
-  const Photo photo = painted_photo(600, 40, 0.5);  // long, so that 1024 needs two windows and 512 many
+  const Photo photo = painted_photo(600, 40, 0.5);  // long, so that 512 needs two windows and 67 many
   constexpr int whole_px = 1 << 20;
   const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = whole_px});
-  for (const int window_px : {1024, 512}) {  // cores of 578 and 66 px: no multiples of the stride
+  for (const int window_px : {512, 67}) {
     const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = window_px});
     // The sums of a convolution may be ordered otherwise for another window: a tie may go the other way, no more.
     EXPECT_LE(share_of_different(one.labels.labels, many.labels.labels), 1e-5) << window_px;
@@ -81,7 +81,7 @@ TEST(SegmentMosaic, boxes_come_in_order_and_cover_the_frame_once) {
           for (int col = 0; col < box.width; ++col)
             ++seen.at(static_cast<int>(box.col) + col, static_cast<int>(box.row) + row);
       },
-      {.window_px = 512, .threads = 4});
+      {.window_px = 66, .threads = 4});
   EXPECT_TRUE(std::all_of(seen.data.begin(), seen.data.end(), [](int times) { return times == 1; }));
   EXPECT_EQ(summary.frame, photo.frame);
   EXPECT_EQ(summary.labelled_pixels, 30 * 260);
@@ -92,7 +92,7 @@ TEST(SegmentMosaic, what_fails_in_reading_or_writing_ends_the_run_whatever_waits
   const LabelSink full_disk = [](const PixelBox& box, const auto&, const auto&) {
     if (box.col > 0) throw Error("labels.tif: disk full");
   };
-  const SegmentOptions options{.window_px = 512, .threads = 3};
+  const SegmentOptions options{.window_px = 66, .threads = 3};
   EXPECT_THAT([&] { (void)segment_mosaic(source_of(photo), shipped_model(), full_disk, options); },
               ThrowsMessage<Error>(HasSubstr("disk full")));
   PhotoSource damaged = source_of(photo);
@@ -122,13 +122,25 @@ TEST(OrderedDelivery, any_order_of_finishing_is_delivered_by_index_and_few_wait)
   EXPECT_LE(most_waiting, ahead);
 }
 
-/// The CRF connects every pixel with every other: windows see the same but for what is far away.
+/// The CRF connects every pixel with every other: windows see the same but for what is far away, and what differs does not
+/// gather along their borders.
 TEST(SegmentMosaic, crf_changes_labels_and_hardly_depends_on_windows) {
-  const Photo photo = painted_photo(220, 150, 0.5);
+  const Photo photo = painted_photo(420, 350, 0.5);
   const CrfModel crf = reference_crf(8);
+  constexpr int window_px = 70, near_px = 7;  // a fifth of a row's pixels, twice: 36 % lie near a border
   const SegmentResult whole = segment_mosaic(photo, shipped_model(), {.window_px = 1200, .crf = crf});
-  const SegmentResult windows = segment_mosaic(photo, shipped_model(), {.window_px = 570, .crf = crf});
-  EXPECT_LT(share_of_different(whole.labels.labels, windows.labels.labels), 1e-3);
+  const SegmentResult windows = segment_mosaic(photo, shipped_model(), {.window_px = window_px, .crf = crf});
+  double near = 0.0, far = 0.0, near_pixels = 0.0, far_pixels = 0.0;
+  for (int row = 0; row < photo.frame.height; ++row)
+    for (int col = 0; col < photo.frame.width; ++col) {
+      const auto from_border = [](int at) { return std::min(at % window_px, window_px - 1 - at % window_px); };
+      const bool border = std::min(from_border(row), from_border(col)) < near_px;
+      const double differs = whole.labels.labels.at(col, row) != windows.labels.labels.at(col, row) ? 1.0 : 0.0;
+      (border ? near : far) += differs;
+      (border ? near_pixels : far_pixels) += 1.0;
+    }
+  EXPECT_LE((near + far) / (near_pixels + far_pixels), 1e-3);
+  EXPECT_LE(near / near_pixels, 2.0 * far / far_pixels + 2e-4) << near << " of " << near_pixels << ", " << far << " of " << far_pixels;
   const SegmentResult without = segment_mosaic(photo, shipped_model(), {.window_px = 1200});
   EXPECT_GT(share_of_different(whole.labels.labels, without.labels.labels), 1e-3);
   EXPECT_THROW(static_cast<void>(segment_mosaic(photo, shipped_model(), {.crf = reference_crf(5)})), OptionError);
@@ -136,25 +148,26 @@ TEST(SegmentMosaic, crf_changes_labels_and_hardly_depends_on_windows) {
 
 TEST(SegmentMosaic, same_bytes_for_one_and_two_threads) {
   const Photo photo = painted_photo(280, 130, 0.5);
-  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 544, .threads = 1});
-  const SegmentResult two = segment_mosaic(photo, shipped_model(), {.window_px = 544, .threads = 2});
+  const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 98, .threads = 1});
+  const SegmentResult two = segment_mosaic(photo, shipped_model(), {.window_px = 98, .threads = 2});
   EXPECT_EQ(one.labels.labels.data, two.labels.labels.data);
   EXPECT_EQ(one.confidence.confidence.data, two.confidence.confidence.data);
 }
 
-/// A grid of the model's scale, or half of it where the photo can tell.
+/// A grid of the model's scale, or half of its finest where the photo can tell.
 TEST(SegmentMosaic, labels_lie_on_their_grid_and_skip_missing_photo) {
-  for (const auto& [photo_gsd, label_gsd] : {std::pair{0.2, 0.25}, std::pair{0.4, 0.5}}) {
+  for (const auto& [photo_gsd, label_gsd] : {std::pair{0.2, 0.5 * shipped_model().finest_gsd_m}, std::pair{0.4, 0.5}}) {
     Photo photo = painted_photo(400, 300, photo_gsd);
     for (int row = 0; row < 300; ++row)
       for (int col = 0; col < 100; ++col) photo.valid.at(col, row) = 0;
     const SegmentResult result = segment_mosaic(photo, shipped_model());
-    EXPECT_EQ(result.labels.frame, (GridFrame{500000.0, 6400000.0, label_gsd, 320, 240}));
+    const auto cells = [&](int pixels) { return static_cast<int>(std::lround(pixels * photo_gsd / label_gsd)); };
+    EXPECT_EQ(result.labels.frame, (GridFrame{500000.0, 6400000.0, label_gsd, cells(400), cells(300)}));
     EXPECT_EQ(label_frame(photo.frame, shipped_model()), result.labels.frame);
     EXPECT_EQ(result.labels.classes.classes.size(), 8u);
-    EXPECT_EQ(result.labels.labels.at(79, 60), label_nodata);
-    EXPECT_EQ(result.confidence.confidence.at(79, 60), 0);
-    EXPECT_LT(result.labels.labels.at(81, 60), 8);
+    EXPECT_EQ(result.labels.labels.at(cells(100) - 1, 60), label_nodata);
+    EXPECT_EQ(result.confidence.confidence.at(cells(100) - 1, 60), 0);
+    EXPECT_LT(result.labels.labels.at(cells(100) + 1, 60), 8);
     EXPECT_TRUE(result.findings.empty());
   }
 }
@@ -162,7 +175,7 @@ TEST(SegmentMosaic, labels_lie_on_their_grid_and_skip_missing_photo) {
 TEST(SegmentMosaic, finer_labels_depend_on_no_window_either) {
   const Photo photo = painted_photo(700, 500, 0.2);
   const SegmentResult one = segment_mosaic(photo, shipped_model(), {.window_px = 1200});
-  const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = 700});
+  const SegmentResult many = segment_mosaic(photo, shipped_model(), {.window_px = 170});
   EXPECT_LE(share_of_different(one.labels.labels, many.labels.labels), 1e-5);
 }
 
@@ -189,9 +202,9 @@ TEST(SegmentMosaic, empty_and_coarse_photos) {
   EXPECT_EQ(coarse.findings[0].code, "segment.coarse_photo");
 }
 
-TEST(SegmentMosaic, refuses_windows_that_are_all_margin) {
-  EXPECT_THAT([] { (void)segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = 100}); },
-              ThrowsMessage<OptionError>(HasSubstr("window of 100 px")));
+TEST(SegmentMosaic, refuses_windows_without_pixels) {
+  EXPECT_THAT([] { (void)segment_mosaic(painted_photo(20, 20, 0.5), shipped_model(), {.window_px = -1}); },
+              ThrowsMessage<OptionError>(HasSubstr("window of -1 px")));
 }
 
 TEST(LoadModel, class_table_that_does_not_match_the_weights) {

@@ -3,7 +3,7 @@
 namespace orthodrive {
 namespace {
 
-constexpr double least_log = -1e30, least_probability = 1e-12;
+constexpr double least_log = -1e30;
 
 /// Which classes each pixel may have, and how much it counts.
 struct Targets {
@@ -43,13 +43,12 @@ LossGradient allowed_class_loss(const at::Tensor& scores, const at::Tensor& allo
   return {loss, gradient};
 }
 
-LossGradient allowed_class_loss_of_probabilities(const at::Tensor& probabilities, const at::Tensor& allowed,
-                                                 const AllowedLossOptions& options) {
+LossGradient expected_error(const at::Tensor& marginals, const at::Tensor& allowed, const AllowedLossOptions& options) {
   const at::NoGradGuard no_grad;
-  const Targets targets = make_targets(allowed, probabilities.size(1), options);
-  const at::Tensor inside = (probabilities * targets.mask).sum(1, true).clamp_min(least_probability);
-  const double loss = -(inside.log() * targets.weights).sum().item<double>();
-  return {loss, (targets.mask / inside) * (-targets.weights)};
+  const Targets targets = make_targets(allowed, marginals.size(1), options);
+  const at::Tensor inside = (marginals * targets.mask).sum(1, true);
+  const double loss = ((1.0 - inside) * targets.weights).sum().item<double>();
+  return {loss, targets.mask * (-targets.weights)};
 }
 
 }  // namespace orthodrive

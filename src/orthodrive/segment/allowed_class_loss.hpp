@@ -21,9 +21,9 @@ struct LossGradient {
 /// `scores`: N x C x H x W, `allowed`: N x H x W of class sets (int64), on the same device.
 [[nodiscard]] LossGradient allowed_class_loss(const at::Tensor& scores, const at::Tensor& allowed,
                                               const AllowedLossOptions& options);
-/// The same for probabilities that are given as such (the marginals of a CRF), N x C x H x W.
-[[nodiscard]] LossGradient allowed_class_loss_of_probabilities(const at::Tensor& probabilities,
-                                                               const at::Tensor& allowed,
-                                                               const AllowedLossOptions& options);
+/// The share of pixels that is expected to be wrong: 1 - probability of the allowed classes (expected Hamming loss), for
+/// marginals of a CRF, N x C x H x W. Unlike their logarithm it does not ask for doubt where the CRF is sure and wrong.
+[[nodiscard]] LossGradient expected_error(const at::Tensor& marginals, const at::Tensor& allowed,
+                                          const AllowedLossOptions& options);
 
 }  // namespace orthodrive

@@ -282,6 +282,7 @@ NetworkSpec parse_network_spec(std::string_view text, const std::filesystem::pat
   section.read("stride", spec.stride);
   section.read("decoder", spec.decoder);
   section.read("gsd_m", spec.gsd_m);
+  section.read("finest_gsd_m", spec.finest_gsd_m);
   section.read("classes", spec.class_table_file);
   section.finish();
   if (!(spec.gsd_m > 0.0))

@@ -17,6 +17,7 @@ struct NetworkSpec {
   int stride = 16;                    ///< px: of the scores that are upsampled (fcn), of the trunk's last layer (fpn2)
   std::string decoder = "fpn2";       ///< fcn: scores and deconvolutions; fpn2: features merged down to stride 2
   double gsd_m = 0.5;                 ///< input scale in m/px
+  double finest_gsd_m = 0.0;          ///< finest scale it is trained on, by zooms of the training data; 0: gsd_m
   std::filesystem::path class_table_file;  ///< parse_class_table reads it; empty: default_class_table()
 
   /// "vgg16-8s", "mobilenetv2-s16-fpn2": names trunk, stride and decoder in model files.

@@ -37,8 +37,9 @@ ClassTable classes_from_json(const nlohmann::json& json) {
 
 ModelMetadata parse_model_metadata(const std::map<std::string, std::string>& metadata, const std::string& source) {
   try {
+    const auto finest = metadata.find("finest_gsd_m");
     return {metadata.at("architecture"), classes_from_json(nlohmann::json::parse(metadata.at("classes"))),
-            std::stod(metadata.at("gsd_m"))};
+            std::stod(metadata.at("gsd_m")), finest == metadata.end() ? 0.0 : std::stod(finest->second)};
   } catch (const std::exception& error) {
     throw InputError(
         source,
@@ -49,9 +50,11 @@ ModelMetadata parse_model_metadata(const std::map<std::string, std::string>& met
 }
 
 std::map<std::string, std::string> format_model_metadata(const ModelMetadata& metadata) {
-  return {{"architecture", metadata.architecture},
-          {"classes", json_from_classes(metadata.classes).dump()},
-          {"gsd_m", fmt::format("{}", metadata.gsd_m)}};
+  std::map<std::string, std::string> items{{"architecture", metadata.architecture},
+                                           {"classes", json_from_classes(metadata.classes).dump()},
+                                           {"gsd_m", fmt::format("{}", metadata.gsd_m)}};
+  if (metadata.finest_gsd_m > 0.0) items["finest_gsd_m"] = fmt::format("{}", metadata.finest_gsd_m);
+  return items;
 }
 
 }  // namespace orthodrive

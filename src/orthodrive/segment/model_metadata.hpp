@@ -12,9 +12,10 @@ struct ModelMetadata {
   std::string architecture;
   ClassTable classes;
   double gsd_m = 0.5;
+  double finest_gsd_m = 0.0;  ///< the finest scale it was trained on; 0: not known, gsd_m
 };
 
-/// Keys "architecture", "gsd_m", "classes" (the JSON of docs/segmentation.md). Throws InputError naming `source`.
+/// Keys "architecture", "gsd_m", "finest_gsd_m" (may be missing), "classes" (the JSON of docs/segmentation.md). Throws InputError naming `source`.
 [[nodiscard]] ModelMetadata parse_model_metadata(const std::map<std::string, std::string>& metadata,
                                                  const std::string& source);
 [[nodiscard]] std::map<std::string, std::string> format_model_metadata(const ModelMetadata& metadata);

@@ -217,7 +217,7 @@ TrainingScene read_training_scene(SceneReader& reader, std::size_t i, const nloh
   entry.at("min_zoom").get_to(scene.min_zoom);
   entry.at("max_zoom").get_to(scene.max_zoom);
   entry.at("from_step").get_to(scene.from_step);
-  entry.at("crf_only").get_to(scene.crf_only);
+  scene.crf_only = entry.value("crf_only", false);
   scene.rgb = reader.read_rgb(i);
   scene.allowed = reader.read_allowed(i, scene.rgb);
   return scene;

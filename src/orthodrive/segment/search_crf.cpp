@@ -57,10 +57,11 @@ CrfSearch search_crf(std::span<const CrfSample> samples, int classes, const CrfS
     search.trials.insert(search.trials.end(), trials.begin(), trials.end());
   };
   // The cheapest of all trials so far that keep enough of the best gain; among equals the best.
-  const auto choose = [&](auto cost) {
+  const auto choose = [&](auto cost) -> CrfTrial {
     const CrfTrial& none = search.trials.front();
     double top = merit(none);
     for (const CrfTrial& trial : search.trials) top = std::max(top, merit(trial));
+    if (top <= merit(none)) return none;
     const double enough = top - options.tolerated_loss * (top - merit(none));
     const CrfTrial* best = nullptr;
     for (const CrfTrial& trial : search.trials) {

@@ -34,6 +34,7 @@ SegmentModel load_model(std::string_view bytes, const std::string& source) {
   }
   const NetworkParams params = params_from_file(graph, file, source);
   return {metadata.architecture, metadata.classes, metadata.gsd_m,
+          metadata.finest_gsd_m > 0.0 ? std::min(metadata.finest_gsd_m, metadata.gsd_m) : metadata.gsd_m,
           read_crf(file, static_cast<int>(classes), source), std::make_shared<InferenceNetwork>(std::move(graph), params)};
 }
 

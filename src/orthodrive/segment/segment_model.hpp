@@ -16,7 +16,8 @@ class InferenceNetwork;  // fcn.hpp
 struct SegmentModel {
   std::string name;  ///< architecture, from the file's metadata
   ClassTable classes;
-  double gsd_m = 0.5;  ///< the scale the network was trained at
+  double gsd_m = 0.5;         ///< the scale the network was trained at
+  double finest_gsd_m = 0.5;  ///< the finest it knows: fine photos are classified there
   std::optional<CrfModel> crf;  ///< trained with it
   std::shared_ptr<const InferenceNetwork> network;
 };

@@ -32,25 +32,29 @@ int crf_margin_px(const std::optional<CrfModel>& crf) {
   return std::clamp(static_cast<int>(std::ceil(crf_margin_widths * reach)), 32, 256);
 }
 
-/// Label pixels along a pixel of the network: a photo fine enough to tell gets labels on a grid twice as fine.
-int label_factor(const GridFrame& photo, const SegmentModel& model) { return photo.gsd_m <= 0.6 * model.gsd_m ? 2 : 1; }
+/// A photo fine enough to tell is classified at the fine end of what the network knows and gets labels twice as fine.
+bool is_fine(const GridFrame& photo, const SegmentModel& model) { return photo.gsd_m <= 0.6 * model.gsd_m; }
+double network_gsd(const GridFrame& photo, const SegmentModel& model) {
+  return is_fine(photo, model) ? model.finest_gsd_m : model.gsd_m;
+}
+int label_factor(const GridFrame& photo, const SegmentModel& model) { return is_fine(photo, model) ? 2 : 1; }
 
 PixelBox scaled(const PixelBox& box, int factor) {
   return {factor * box.col, factor * box.row, factor * box.width, factor * box.height};
 }
 
-/// The largest window that takes some 700 MB: the photo and the network's layers on all of it, scores and what the CRF
-/// holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
-int suitable_window_px(const InferenceNetwork& network, bool crf, int factor, int margin_px) {
+/// Edge of the largest window that takes some 700 MB: the photo and the network's layers on it and its margins, scores
+/// and what the CRF holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
+int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfModel>& crf, int factor) {
   constexpr double most_bytes = 7.0e8, photo_bytes = 4.0, crf_bytes = 150.0;
-  constexpr int step_px = 32, least_core_px = 256, most_px = 8192;
+  constexpr int step_px = 32, least_px = 256, most_px = 8192;
   const double score_bytes = static_cast<double>(sizeof(float)) * network.class_count();
   const double label_bytes = factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
-  int window = 2 * margin_px + least_core_px;
   const auto bytes = [&](double px) {
-    const double predicted = px - 2.0 * network.margin_px();
-    return px * px * (photo_bytes + network.peak_bytes_per_pixel()) + predicted * predicted * label_bytes;
+    const double predicted = px + 2.0 * crf_margin_px(crf), seen = predicted + 2.0 * network.margin_px();
+    return seen * seen * (photo_bytes + network.peak_bytes_per_pixel()) + predicted * predicted * label_bytes;
   };
+  int window = least_px;
   while (window < most_px && bytes(window + step_px) <= most_bytes) window += step_px;
   return window;
 }
@@ -177,7 +181,7 @@ Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::i
 }  // namespace
 
 GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
-  GridFrame frame = resampled_frame(photo, model.gsd_m);
+  GridFrame frame = resampled_frame(photo, network_gsd(photo, model));
   const int factor = label_factor(photo, model);
   frame.gsd_m /= factor;
   frame.width *= factor;
@@ -187,18 +191,14 @@ GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
 
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
                               const SegmentOptions& options, Monitor* monitor) {
-  const int margin_px = model.network->margin_px() + crf_margin_px(options.crf);
   const int factor = label_factor(source.frame, model);
-  const int window_px = options.window_px == 0
-                            ? suitable_window_px(*model.network, options.crf.has_value(), factor, margin_px)
-                            : options.window_px;
-  if (window_px <= 2 * margin_px)
-    throw OptionError(fmt::format("window of {} px: the network needs {} px around what it decides, take more than {}",
-                                  window_px, margin_px, 2 * margin_px));
-  Sources sources{resample_source(source, model.gsd_m), {}, factor};
+  const int window_px =
+      options.window_px == 0 ? suitable_window_px(*model.network, options.crf, factor) : options.window_px;
+  if (window_px < 1) throw OptionError(fmt::format("window of {} px: take 1 or more", window_px));
+  Sources sources{resample_source(source, network_gsd(source.frame, model)), {}, factor};
   const GridFrame frame = label_frame(source.frame, model);
   if (factor > 1) sources.fine = resample_source(source, frame);
-  const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px - 2 * margin_px);
+  const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px);
   SegmentSummary summary{.frame = frame};
   if (options.crf && options.crf->parameters.classes != model.network->class_count()) {
     throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",

@@ -14,7 +14,7 @@
 namespace orthodrive {
 
 struct SegmentOptions {
-  int window_px = 0;     ///< edge of what the network sees at once, margin included; 0: as suits the network's memory
+  int window_px = 0;  ///< edge of what is decided at once, in the network's pixels; margins come on top; 0: as suits memory
   int threads = 0;       ///< 0 = all cores; the result does not depend on it
   std::optional<CrfModel> crf;  ///< refines the probabilities before they are decided; none: the network alone
 };
@@ -30,13 +30,14 @@ struct SegmentSummary {
   Findings findings;
 };
 
-/// The frame of the labels of a photo: its own where it has the model's scale, else the covering grid at that scale;
-/// twice as fine when the photo has 0.6 of the model's GSD or less, so that edges are not those of the model's pixels.
+/// The frame of the labels of a photo: its own where it has the model's scale, else the covering grid at that scale. A
+/// photo of 0.6 of the model's GSD or less is classified at the model's finest scale and gets labels twice as fine as
+/// that, so that edges are not those of the model's pixels.
 [[nodiscard]] GridFrame label_frame(const GridFrame& photo, const SegmentModel& model);
 
 /// The photo is brought to the model's scale, then classified window by window. Each window carries a margin of real
 /// pixels at least as wide as what the network sees, so the windows leave no trace. Holds the windows being worked on
-/// and a few finished ones: at most 0.8 GB a worker at the default window, whatever the mosaic.
+/// and a few finished ones: some 0.8 GB a worker at the default window, whatever the mosaic.
 [[nodiscard]] SegmentSummary segment_mosaic(const PhotoSource& photo, const SegmentModel& model, const LabelSink& sink,
                                             const SegmentOptions& options = {}, Monitor* monitor = nullptr);
 

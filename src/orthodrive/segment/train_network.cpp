@@ -182,7 +182,7 @@ struct Trainer::State {
     const at::Tensor inner = marginals.narrow(1, labelled.first, labelled.size())
                                  .narrow(2, labelled.first, labelled.size())
                                  .permute({0, 3, 1, 2});
-    const LossGradient loss = allowed_class_loss_of_probabilities(inner, allowed.to(at::kCPU), loss_options);
+    const LossGradient loss = expected_error(inner, allowed.to(at::kCPU), loss_options);
     at::Tensor gradient = at::zeros_like(marginals);
     gradient.narrow(1, labelled.first, labelled.size())
         .narrow(2, labelled.first, labelled.size())
