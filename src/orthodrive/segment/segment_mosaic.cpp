@@ -46,7 +46,7 @@ PixelBox scaled(const PixelBox& box, int factor) {
 /// Edge of the largest window that takes some 700 MB: the photo and the network's layers on it and its margins, scores
 /// and what the CRF holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
 int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfModel>& crf, int factor) {
-  constexpr double most_bytes = 7.0e8, photo_bytes = 4.0, crf_bytes = 150.0;
+  constexpr double most_bytes = 7.0e8, photo_bytes = 4.0, crf_bytes = 200.0;
   constexpr int step_px = 32, least_px = 256, most_px = 8192;
   const double score_bytes = static_cast<double>(sizeof(float)) * network.class_count();
   const double label_bytes = factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
