@@ -320,6 +320,50 @@ TEST(Train, takes_data_from_another_experiment_and_balances_classes) {
   EXPECT_TRUE(balanced == by_hand);
 }
 
+TEST(Train, keeps_data_for_the_crf_from_the_network_and_the_crf_from_everything_else) {
+  const Workshop shop;
+  make_site(shop);
+  const std::string for_the_crf = "\n[[raster]]\nname = \"site\"\nfolder = \"site\"\ncrf_only = true\n",
+                    crf = "[crf]\nsteps = 1\nbatch = 1\nsearch_crops = 1\niterations = 2\nvalidate_every = -1\n";
+  const std::string train = few_steps(3, "validate_every = -1"), with = shop.experiment(train, shop.pictures() + for_the_crf + crf);
+  shop.run(shop.experiment(train, shop.pictures()));
+  const std::string alone = bytes_of(shop.out / "model.safetensors");
+  fs::remove_all(shop.out);
+  shop.run(with);
+  EXPECT_TRUE(bytes_of(shop.out / "model.safetensors") == alone) << "the network has learned from data of the CRF";
+
+  shop.run(with, {"--crf"});
+  const std::string search = bytes_of(shop.out / "crf/search.csv");
+  fs::remove_all(shop.out / "crf");
+  shop.run(shop.experiment(train, shop.pictures("max_zoom = 4.0\nweight = 50.0") + for_the_crf + crf), {"--crf"});
+  EXPECT_EQ(bytes_of(shop.out / "crf/search.csv"), search) << "the CRF has learned from data of the network";
+  fs::remove_all(shop.out / "crf");
+  shop.run(shop.experiment(train, shop.pictures() + "\n" + crf), {"--crf"});
+  EXPECT_NE(bytes_of(shop.out / "crf/search.csv"), search) << "without data of its own it takes the network's";
+}
+
+TEST(Train, measures_the_sets_that_are_named) {
+  const Workshop shop;
+  const std::string experiment = shop.experiment(
+      few_steps(1), shop.pictures() + "\n" + shop.pictures("held_out = [\"*\"]") + "\n[[raster]]\nname = \"other\"\nfolder = \"site\"\nheld_out = true\n");
+  make_site(shop);
+  const auto measured = [&](Arguments sets) {
+    Arguments arguments{"-q", "--threads", "1", "train", experiment, "--measure", shipped_weights};
+    arguments.insert(arguments.end(), sets.begin(), sets.end());
+    const ToolRun result = run_tool(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  };
+  const nlohmann::json all = measured({}), one = measured({"--set", "other"});
+  ASSERT_TRUE(all.contains("pictures") && all.contains("other"));
+  ASSERT_TRUE(one.contains("other"));
+  EXPECT_FALSE(one.contains("pictures"));
+  EXPECT_EQ(one["other"]["mean_iou"], all["other"]["mean_iou"]);
+  const ToolRun wrong = run_tool({"-q", "train", experiment, "--measure", shipped_weights, "--set", "others"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("others"));
+}
+
 TEST(TrainBadInput, labels_and_images) {
   const Workshop shop;
   const std::string experiment = shop.experiment(few_steps(1), shop.pictures());

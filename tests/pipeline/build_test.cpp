@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/run_tool.hpp"
+#include "orthodrive/io/raster_io.hpp"
 
 namespace orthodrive {
 namespace {
@@ -71,6 +72,18 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
 
   ASSERT_EQ(build("again", {"--set", "elevate.sampling=bilinear"}).exit_code, 0);
   EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine"}));
+}
+
+TEST_F(Build, the_crf_decides_the_labels_where_a_site_asks_for_it) {
+  fs::copy(folder / "first", folder / "crf", fs::copy_options::recursive);
+  ASSERT_EQ(build("crf", {"--set", "segment.crf=true"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("crf"), std::vector<std::string>{}) << "all that follows from other labels";
+  const LabelMap without = io::read_labels(folder / "first" / "labels.tif"), with = io::read_labels(folder / "crf" / "labels.tif");
+  ASSERT_EQ(with.labels.data.size(), without.labels.data.size());
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < with.labels.data.size(); ++i) changed += with.labels.data[i] != without.labels.data[i] ? 1 : 0;
+  EXPECT_GT(changed, 0u);
+  EXPECT_LT(changed, with.labels.data.size() / 10) << "it smooths, no more";
 }
 
 TEST_F(Build, a_source_of_the_same_name_in_another_folder_is_another_source) {

@@ -268,6 +268,32 @@ TEST(AllowedClassLoss, gradients_are_the_derivatives) {
   }
 }
 
+TEST(JaccardLoss, is_one_minus_the_mean_soft_iou_and_its_gradient_the_derivative) {
+  const at::Tensor scores = random_scores(6, 5), allowed = sets({single(0), single(0), single(3), 0b01010, 0b00110, 0});
+  const at::Tensor p = at::softmax(scores, 1);
+  const auto of = [&](std::int64_t c, std::int64_t i) { return p[0][c][0][i].item<double>(); };
+  // Class 0: pixels 0 and 1; the others are known not to be it, but for the unknown one. Class 3: pixel 2; pixel 3 may be.
+  const double iou0 = (of(0, 0) + of(0, 1)) / (2.0 + of(0, 2) + of(0, 3) + of(0, 4));
+  const double iou3 = of(3, 2) / (1.0 + of(3, 0) + of(3, 1) + of(3, 4));
+  const LossGradient result = jaccard_loss(scores, allowed);
+  EXPECT_NEAR(result.loss, 1.0 - 0.5 * (iou0 + iou3), 1e-6);
+  for (std::int64_t i = 0; i < scores.numel(); ++i) {
+    at::Tensor above = scores.clone(), below = scores.clone();
+    above.data_ptr<float>()[i] += 1e-2F;
+    below.data_ptr<float>()[i] -= 1e-2F;
+    const double slope = (jaccard_loss(above, allowed).loss - jaccard_loss(below, allowed).loss) / 2e-2;
+    EXPECT_NEAR(result.gradient.flatten()[i].item<double>(), slope, 3e-5);
+  }
+}
+
+TEST(JaccardLoss, is_nought_for_sure_and_right_scores_and_for_sets_alone) {
+  const at::Tensor sure = 50.0 * at::one_hot(at::tensor({0, 3, 1}, at::kLong), classes).t().reshape({1, classes, 1, 3}).to(at::kFloat);
+  EXPECT_NEAR(jaccard_loss(sure, sets({single(0), single(3), single(1)})).loss, 0.0, 1e-6);
+  const LossGradient nothing = jaccard_loss(random_scores(2, 6), sets({0b11000, 0}));
+  EXPECT_EQ(nothing.loss, 0.0);
+  EXPECT_EQ(nothing.gradient.abs().max().item<float>(), 0.0F);
+}
+
 TEST(AllowedClassLoss, scores_far_apart_stay_finite) {
   const at::Tensor scores = at::tensor({1000.0F, -1000.0F, 0.0F, 0.0F, 0.0F}).view({1, classes, 1, 1});
   const LossGradient result = allowed_class_loss(scores, sets({single(1)}), {std::vector<float>(classes, 1.0F)});

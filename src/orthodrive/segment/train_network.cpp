@@ -340,10 +340,15 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   const AllowedLossOptions loss_options{options.class_weights, options.set_weight, options.sum_loss};
   // A CRF infers on all pixels that have scores; what is not learned from is cropped only after it.
   const at::Tensor values = part(scores.values, 2, scores.row_px, options.crf ? scored : labelled);
-  const LossGradient loss =
+  LossGradient loss =
       options.crf ? s.learn_crf(values, photos_of(batch, options, scored), allowed,
                                 {labelled.first - scored.first, labelled.last - scored.first}, loss_options)
                   : allowed_class_loss(values, allowed, loss_options);
+  if (!options.crf && options.jaccard_weight > 0.0) {
+    const LossGradient jaccard = jaccard_loss(values, allowed);
+    loss.loss += options.jaccard_weight * jaccard.loss;
+    loss.gradient += options.jaccard_weight * jaccard.gradient;
+  }
   if (!std::isfinite(loss.loss)) {
     throw Error(
         fmt::format("training diverged at step {} (the loss is no number): lower the learning rate and go on from "

@@ -51,6 +51,7 @@ struct TrainOptions {
   std::vector<float> class_weights;  ///< empty: all 1
   bool balance_classes = false;      ///< class_weights by median frequency instead (Eigen and Fergus, 2015)
   float set_weight = 1.0F;           ///< of pixels with several allowed classes
+  double jaccard_weight = 0.0;       ///< of jaccard_loss beside allowed_class_loss; network only
   std::uint64_t seed = 1;
   std::int64_t validate_every = 200;  ///< steps; 0 = only at the end, -1 = never
   int early_stop_after = 0;           ///< validations without a better mean IoU; 0 = never
