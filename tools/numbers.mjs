@@ -103,7 +103,7 @@ let page = `# Numbers
 
 Written by \`tools/numbers.mjs\` from \`bench/results/numbers.json\`; every number was measured on the commit beside it. The machines are
 shared and noisy; these seconds are of an otherwise idle machine. The network was
-trained on two villages of other seeds (11 and 12), so village 7 is a new place, but one in a style it knows; Kvarnbyn's west and
+trained on thirteen villages of other seeds, so village 7 is a new place, but one in a style it knows; Kvarnbyn's west and
 Pardubice were in its training, too. The road IoU of the network on held-out places stands in
 [models/default.md](../models/default.md).
 

@@ -65,6 +65,26 @@ TEST(Trainer, a_few_steps_lower_the_loss) {
   EXPECT_LT(last, 0.7 * first);
 }
 
+TEST(Trainer, jaccard_weight_adds_to_the_loss_and_changes_the_step) {
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  const auto run = [&](double weight) {
+    TrainOptions options = toy_options();
+    options.jaccard_weight = weight;
+    Trainer trainer(fresh_weights(), "default", default_metadata(), options);
+    const double loss = trainer.advance(scenes);
+    static_cast<void>(trainer.advance(scenes));
+    return std::pair(loss, trainer.model_file().tensors.at("head/kernel").values);
+  };
+  const auto [without, weights_without] = run(0.0);
+  const auto [half, weights_half] = run(0.5);
+  const auto [full, weights_full] = run(1.0);
+  // Eight classes of equal probability, two of them in the scene: an IoU of an eighth and less.
+  EXPECT_GT(full - without, 0.7);
+  EXPECT_LT(full - without, 1.0);
+  EXPECT_NEAR(half - without, 0.5 * (full - without), 1e-6);
+  EXPECT_NE(weights_full, weights_without);
+}
+
 TEST(Trainer, resumed_run_gives_the_same_weights) {
   const std::vector<TrainingScene> scenes{toy_scene()};
   Trainer straight = toy_trainer();

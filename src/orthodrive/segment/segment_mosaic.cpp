@@ -32,12 +32,15 @@ int crf_margin_px(const std::optional<CrfModel>& crf) {
   return std::clamp(static_cast<int>(std::ceil(crf_margin_widths * reach)), 32, 256);
 }
 
-/// A photo fine enough to tell is classified at the fine end of what the network knows and gets labels twice as fine.
+/// A photo fine enough to tell is classified at the fine end of what the network knows, and gets labels twice as fine where
+/// they are then hardly finer than the photo.
 bool is_fine(const GridFrame& photo, const SegmentModel& model) { return photo.gsd_m <= 0.6 * model.gsd_m; }
 double network_gsd(const GridFrame& photo, const SegmentModel& model) {
   return is_fine(photo, model) ? model.finest_gsd_m : model.gsd_m;
 }
-int label_factor(const GridFrame& photo, const SegmentModel& model) { return is_fine(photo, model) ? 2 : 1; }
+int label_factor(const GridFrame& photo, const SegmentModel& model) {
+  return is_fine(photo, model) && 0.5 * model.finest_gsd_m >= 0.7 * photo.gsd_m ? 2 : 1;
+}
 
 PixelBox scaled(const PixelBox& box, int factor) {
   return {factor * box.col, factor * box.row, factor * box.width, factor * box.height};
@@ -73,9 +76,8 @@ struct Decision {
   std::int64_t labelled_pixels = 0;
 };
 
-/// `core` is what to decide, `seen` where `valid` lies, both in label pixels; `probabilities` cover the core grown by
-/// `margin_px`.
-Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::uint8_t>& valid, int margin_px,
+/// `core` is what to decide, `seen` where `valid` and `probabilities` lie, both in label pixels.
+Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::uint8_t>& valid,
                 const Raster<float>& probabilities) {
   Decision decision{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata),
                     Raster<std::uint8_t>(core.width, core.height), 0};
@@ -84,7 +86,7 @@ Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::ui
   for (int row = 0; row < core.height; ++row)
     for (int col = 0; col < core.width; ++col) {
       if (!valid.at(left + col, top + row)) continue;
-      const float* p = &probabilities.at(margin_px + col, margin_px + row);
+      const float* p = &probabilities.at(left + col, top + row);
       const float* best = std::max_element(p, p + probabilities.channels);
       decision.labels.at(col, row) = static_cast<std::uint8_t>(best - p);
       decision.confidence.at(col, row) = static_cast<std::uint8_t>(std::lround(*best * 255.0F));
@@ -133,12 +135,13 @@ struct Sources {
 
 Decision classify_core(const Sources& sources, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
                        const PixelBox& core) {
-  const int crf_margin = crf_margin_px(crf), factor = sources.factor;
-  const PixelBox predicted = core.grown(crf_margin), seen = predicted.grown(network.margin_px());
+  const int factor = sources.factor;
+  const PixelBox predicted = intersection(core.grown(crf_margin_px(crf)), pixels_of(sources.photo.frame)),
+                 seen = predicted.grown(network.margin_px());
   const PhotoWindow window = sources.photo.read(seen);
   const PixelBox fine_core = scaled(core, factor), fine_box = scaled(predicted, factor);
   const PhotoWindow fine = sources.fine ? sources.fine->read(fine_box) : part_of(window, seen, predicted);
-  if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, 0, {});
+  if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, {});
   Raster<float> scores(fine_box.width, fine_box.height, network.class_count());
   network.predict(window.rgb.data.data(), predicted, factor, scores.data.data());
   if (crf) {
@@ -146,7 +149,7 @@ Decision classify_core(const Sources& sources, const InferenceNetwork& network, 
   } else {
     softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
   }
-  return decide(fine_core, fine_box, fine.valid, factor * crf_margin, scores);
+  return decide(fine_core, fine_box, fine.valid, scores);
 }
 
 /// Runs ATen on one thread in every worker while it lives: we parallelise over windows, and sums inside a
