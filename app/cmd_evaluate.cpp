@@ -15,6 +15,7 @@ namespace {
 struct EvaluateCommand {
   ScoreRequest request;
   LabelScoreOptions label_options;
+  RoadScoreOptions road_options;
   bool json = false;
 };
 }  // namespace
@@ -23,7 +24,8 @@ void add_evaluate(CLI::App& app, Context&) {
   auto command = std::make_shared<EvaluateCommand>();
   CLI::App* cmd = app.add_subcommand(
       "evaluate",
-      "Score labels, roads, heights, a network or a whole site against truth. Writes nothing but the page of --html.");
+      "Score labels, roads, heights, a network or a whole site against truth. Writes nothing but what --html, "
+      "--overlay and --layers name.");
   cmd->require_subcommand(1);
   cmd->fallthrough();
   cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
@@ -81,13 +83,28 @@ void add_evaluate(CLI::App& app, Context&) {
       "roads", "Surface overlap, offset and width of roads, in metres.",
       "offset_m: from each truth centre line across to the nearest road line, every 2 m, within 15 m and 30 degrees.\n"
       "sigma_coverage: share of the offsets (and widths) within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
+      "width_variance_m2: of the width along a path, mean over the paths. largest_curvature_jump: 1/m, over 4 m of a "
+      "path, with its place; mean_per_m: mean over the paths.\n"
+      "moved_away (with --before): share of the places on truth lines from which the road is further away than "
+      "before.\n"
       "Examples:\n  orthodrive evaluate roads out/roads.gpkg site/truth\n"
-      "  orthodrive evaluate roads site/roads.osm site/truth --json",
-      of_files(score_roads));
+      "  orthodrive evaluate roads site/roads.osm site/truth --json\n"
+      "  orthodrive evaluate roads out/roads.gpkg site/truth --before site/roads.osm --overlay errors.png --photo "
+      "site/ortho.tif --layers errors.gpkg",
+      [](const EvaluateCommand& c) { return score_roads(c.request, c.road_options); });
   positional(roads, "ROADS", command->request.scored,
              "roads.gpkg; or .osm, .osm.pbf: as it is, with default widths, in the box of the truth");
   positional(roads, "TRUTH", command->request.truth,
              "polygons (id) and centre lines (of) in GeoJSON or GeoPackage, a true roads.gpkg, or a truth folder");
+
+  roads->add_option("--before", command->road_options.before,
+                    "the roads before refinement, in the forms of ROADS: adds moved_away");
+  roads->add_option("--overlay", command->road_options.overlay,
+                    "write a PNG: road surface that is right yellow, ours alone red, the truth's alone blue; 0.25 m a "
+                    "pixel, coarser above 4000 pixels");
+  roads->add_option("--photo", command->road_options.photo, "orthophoto in grey under the overlay");
+  roads->add_option("--layers", command->road_options.layers,
+                    "write a GeoPackage: layers false_positive, false_negative, truth_lines, truth_samples");
 
   CLI::App* heights = add("heights", "Errors of z (m), gradient (dz/ds) and banking (rad) at the nodes of roads.",
                           "A terrain model has no decks: with one as truth, bridges and tunnels are left out.\n"

@@ -66,6 +66,24 @@ TEST_F(EvaluateCommand, raw_osm_is_the_baseline) {
   EXPECT_TRUE(scores["sigma_coverage"]["1"].is_null()) << "OSM states no sigma";
 }
 
+TEST_F(EvaluateCommand, roads_before_picture_and_layers) {
+  const std::string roads = path("site/truth/roads.gpkg"), truth = path("site/truth"), osm = path("site/roads.osm");
+  const Json scores = json({"roads", roads, truth, "--before", osm, "--overlay", path("errors.png"), "--photo",
+                            path("site/ortho.tif"), "--layers", path("errors.gpkg")});
+  EXPECT_LT(scores["moved_away"]["share"], 1e-6) << "the truth is nowhere further away";
+  EXPECT_GT(scores["moved_away"]["n"], 50);
+  EXPECT_TRUE(scores["width_variance_m2"].is_number());
+  EXPECT_TRUE(scores["largest_curvature_jump"]["per_m"].is_number());
+  EXPECT_EQ(bytes_of(path("errors.png")).substr(1, 3), "PNG");
+  const std::string layers = bytes_of(path("errors.gpkg"));
+  for (const char* name : {"false_positive", "false_negative", "truth_lines", "truth_samples", "offset_before_m"})
+    EXPECT_NE(layers.find(name), std::string::npos) << name;
+  const Json back = json({"roads", osm, truth, "--before", roads});
+  EXPECT_GT(back["moved_away"]["share_by_more_than_0_3_m"], 0.5) << "OSM moved away from the truth";
+  EXPECT_EQ(evaluate({"roads", roads, truth, "--photo", path("site/ortho.tif")}).exit_code, 2)
+      << "--overlay is missing";
+}
+
 TEST_F(EvaluateCommand, polygons_alone_are_enough) {
   const Json roads = json({"roads", path("site/truth/roads.gpkg"), path("site/truth/surface.geojson")});
   EXPECT_GT(roads["surface_iou"], 0.99);
@@ -126,6 +144,8 @@ TEST_F(EvaluateCommand, bad_input_is_one_line_and_exit_code_1) {
                            {"network", none},
                            {"site", none, "--truth", truth},
                            {"roads", path("site/roads.osm"), truth, "--area", none},
+                           {"roads", roads, truth, "--before", none},
+                           {"roads", roads, truth, "--overlay", path("errors.png"), "--photo", none},
                            {"labels", truth + "/labels.tif", truth, "--merge", none},
                            {"labels", truth + "/labels.tif", truth, "--confidence", none},
                            {"labels", truth + "/labels.tif", truth, "--html", path("page"), "--photo", none}};

@@ -77,6 +77,35 @@ TEST(Roads, come_back_as_written) {
   EXPECT_EQ(scratch.file_count(), 1) << "no journal left";
 }
 
+TEST(Layers, numbers_and_geometries_come_back) {
+  const Scratch scratch;
+  Polygon with_hole = rectangle(origin.x, origin.y, origin.x + 40, origin.y + 30);
+  with_hole.holes.push_back({origin + Vec2{5, 5}, origin + Vec2{5, 10}, origin + Vec2{10, 10}, origin + Vec2{10, 5}});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  io::write_layers(
+      scratch / "a.gpkg",
+      {{.name = "areas", .fields = {"area_m2"}, .rows = {{with_hole, {1175.0}}}},
+       {.name = "lines", .fields = {"a", "b"}, .rows = {{Polyline{origin, origin + Vec2{10, 3}}, {1.5, nan}}}},
+       {.name = "points", .fields = {}, .rows = {{origin + Vec2{1, 2}, {}}}},
+       {.name = "nothing", .fields = {"x"}}},
+      utm33);
+  const std::vector<io::Feature> back = io::read_features(scratch / "a.gpkg", utm33);
+  ASSERT_EQ(back.size(), 3u);
+  EXPECT_NEAR(area_m2(back[0].polygons.at(0)), 1175.0, 1e-6);
+  EXPECT_EQ(std::stod(back[0].tags.at("area_m2")), 1175.0);
+  EXPECT_EQ(back[1].lines.at(0), (Polyline{origin, origin + Vec2{10, 3}}));
+  EXPECT_EQ(std::stod(back[1].tags.at("a")), 1.5);
+  EXPECT_FALSE(back[1].tags.contains("b")) << "NaN is null";
+  EXPECT_EQ(back[2].points.at(0), origin + (Vec2{1, 2}));
+  EXPECT_EQ(scratch.file_count(), 1) << "no journal left";
+  EXPECT_THROW(io::write_layers(scratch / "no" / "folder.gpkg", {}, utm33), Error);
+  io::write_layers(scratch / "b.gpkg", {{.name = "areas", .fields = {"area_m2"}, .rows = {{with_hole, {1175.0}}}}},
+                   utm33);
+  io::write_layers(scratch / "c.gpkg", {{.name = "areas", .fields = {"area_m2"}, .rows = {{with_hole, {1175.0}}}}},
+                   utm33);
+  EXPECT_EQ(bytes_of(scratch / "b.gpkg"), bytes_of(scratch / "c.gpkg")) << "same input, same bytes";
+}
+
 TEST(Roads, empty_network_is_a_file_too) {
   const Scratch scratch;
   io::write_roads(scratch / "roads.gpkg", {.crs = utm33});

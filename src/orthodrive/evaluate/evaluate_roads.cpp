@@ -10,9 +10,6 @@
 #include "orthodrive/evaluate/overlay.hpp"
 
 namespace orthodrive {
-namespace {
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 std::vector<Polygon> surface_polygons(const RoadNetwork& roads) {
   std::vector<Polygon> all;
   for (const RoadPath& path : roads.paths)
@@ -26,6 +23,14 @@ std::vector<Polygon> surface_polygons(const RoadTruth& truth) {
     all.insert(all.end(), surface.polygons.begin(), surface.polygons.end());
   return all;
 }
+
+SurfaceErrors surface_errors(const RoadNetwork& roads, const RoadTruth& truth, const ScoreRegion& region) {
+  auto [ours, theirs] = evaluate::overlap_differences(surface_polygons(roads), surface_polygons(truth), region);
+  return {std::move(ours), std::move(theirs)};
+}
+
+namespace {
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Width of the surface across a line at p, where it is on it: between the two borders around p.
 std::optional<double> width_across(const MultiPolygon& surface, Vec2 p, Vec2 direction) {
@@ -94,6 +99,27 @@ struct SigmaCount {
     return {static_cast<double>(one) / static_cast<double>(all), static_cast<double>(two) / static_cast<double>(all)};
   }
 };
+
+/// Counts where refinement went the wrong way.
+class MoveCount {
+ public:
+  void add(double before_m, double after_m) {  // NaN after: out of reach
+    ++places_;
+    const double further_m =
+        std::isnan(after_m) ? std::numeric_limits<double>::infinity() : std::abs(after_m) - std::abs(before_m);
+    away_ += further_m > nothing_m ? 1 : 0;
+    far_away_ += further_m > 0.3 ? 1 : 0;
+  }
+  [[nodiscard]] MovedAway moved_away() const {
+    if (places_ == 0) return {nan, nan, 0};
+    const auto n = static_cast<double>(places_);
+    return {static_cast<double>(away_) / n, static_cast<double>(far_away_) / n, places_};
+  }
+
+ private:
+  static constexpr double nothing_m = 1e-3;
+  std::size_t places_ = 0, away_ = 0, far_away_ = 0;
+};
 }  // namespace
 
 RoadTruth road_truth(const RoadNetwork& roads, const Crs& crs) {
@@ -114,11 +140,15 @@ RoadTruth road_truth(const RoadNetwork& roads, const Crs& crs) {
 
 RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, const EvaluateRoadsOptions& options) {
   const evaluate::LineIndex index(roads);
+  const std::optional<evaluate::LineIndex> index_before =
+      options.before ? std::optional<evaluate::LineIndex>(*options.before) : std::nullopt;
   const TruthWidths widths(truth);
+  MoveCount moves;
   std::vector<double> offsets, width_errors;
   SigmaCount offset_sigma, width_sigma;
   RoadScores scores;
-  for (const TruthLine& line : truth.lines) {
+  for (std::size_t l = 0; l < truth.lines.size(); ++l) {
+    const TruthLine& line = truth.lines[l];
     const std::vector<double> s = arc_lengths_m(line.line);
     std::size_t segment = 0;
     for (int k = 0; !s.empty() && (k + 0.5) * options.step_m < s.back(); ++k) {
@@ -129,13 +159,21 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
       if (!options.region.contains(p)) continue;
       ++scores.samples;
       const Vec2 direction = normalized(line.line[segment + 1] - line.line[segment]);
-      const auto road = index.find({.p = p, .direction = direction, .reach_m = options.search_m});
+      const evaluate::LineIndex::Query query{.p = p, .direction = direction, .reach_m = options.search_m};
+      RoadPlace& place = scores.places.emplace_back(RoadPlace{l, p, nan, nan, nan});
+      const auto road = index.find(query);
+      if (road) place.offset_m = road->offset_m;
+      if (const auto was = index_before ? index_before->find(query) : std::nullopt) {
+        place.offset_before_m = was->offset_m;
+        moves.add(was->offset_m, place.offset_m);
+      }
       if (!road) continue;
       const RoadNode& nearest = roads.paths[road->path].nodes[road->segment + (road->fraction < 0.5 ? 0 : 1)];
       offsets.push_back(road->offset_m);
       offset_sigma.add(road->offset_m, nearest.sigma_offset_m);
       if (const auto width = widths.at(line, segment, fraction, p, direction)) {
         width_errors.push_back(evaluate::interpolate(roads, *road, &RoadNode::width_m) - *width);
+        place.width_error_m = width_errors.back();
         width_sigma.add(width_errors.back(), nearest.sigma_width_m);
       }
     }
@@ -150,6 +188,9 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
   scores.width_sigma = width_sigma.coverage();
   scores.matched_share =
       scores.samples == 0 ? nan : static_cast<double>(offsets.size()) / static_cast<double>(scores.samples);
+  scores.width_variance_m2 = evaluate::width_variance_m2(roads, options.region);
+  scores.curvature_jump = evaluate::largest_curvature_jump(roads, options.region, options.step_m);
+  if (options.before) scores.moved_away = moves.moved_away();
   return scores;
 }
 

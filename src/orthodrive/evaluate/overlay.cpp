@@ -42,6 +42,12 @@ class Geos {
   [[nodiscard]] Ptr difference(const Ptr& a, const Ptr& b) const {
     return own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m));
   }
+  /// The polygons of any geometry; lines and points that an overlay leaves behind are none.
+  [[nodiscard]] MultiPolygon polygons_of(const Ptr& geometry, Vec2 origin) const {
+    MultiPolygon all;
+    append_polygons(all, geometry.get(), origin);
+    return all;
+  }
   [[nodiscard]] bool is_simple(const Ring& outer) const {
     const Ptr polygon = own(GEOSGeom_createPolygon_r(context_, ring(outer, outer.front()), nullptr, 0));
     return GEOSisValid_r(context_, polygon.get()) == 1;
@@ -53,6 +59,30 @@ class Geos {
   }
 
  private:
+  void append_polygons(MultiPolygon& all, const GEOSGeometry* geometry, Vec2 origin) const {
+    const int type = GEOSGeomTypeId_r(context_, geometry);
+    if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION) {
+      for (int i = 0; i < GEOSGetNumGeometries_r(context_, geometry); ++i)
+        append_polygons(all, GEOSGetGeometryN_r(context_, geometry, i), origin);
+    } else if (type == GEOS_POLYGON && GEOSisEmpty_r(context_, geometry) == 0) {
+      Polygon polygon{points_of(GEOSGetExteriorRing_r(context_, geometry), origin), {}};
+      for (int i = 0; i < GEOSGetNumInteriorRings_r(context_, geometry); ++i)
+        polygon.holes.push_back(points_of(GEOSGetInteriorRingN_r(context_, geometry, i), origin));
+      all.push_back(std::move(polygon));
+    }
+  }
+  [[nodiscard]] Ring points_of(const GEOSGeometry* closed, Vec2 origin) const {
+    const GEOSCoordSequence* points = GEOSGeom_getCoordSeq_r(context_, closed);
+    unsigned n = 0;
+    GEOSCoordSeq_getSize_r(context_, points, &n);
+    Ring ring;
+    for (unsigned i = 0; i + 1 < n; ++i) {  // the last repeats the first
+      Vec2 p;
+      GEOSCoordSeq_getXY_r(context_, points, i, &p.x, &p.y);
+      ring.push_back(origin + p);
+    }
+    return ring;
+  }
   [[nodiscard]] Ptr own(GEOSGeometry* geometry) const {
     if (!geometry) throw Error("polygon overlay: " + message_);
     return Ptr(geometry, Delete{context_});
@@ -81,25 +111,47 @@ class Geos {
 };
 }  // namespace
 
-OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second,
-                           const ScoreRegion& region) {
+namespace {
+/// Both unions inside the region, relative to `origin`.
+struct Unions {
+  Vec2 origin;
+  Geos::Ptr first, second;
+};
+Unions unions_in(const Geos& geos, const std::vector<Polygon>& first, const std::vector<Polygon>& second,
+                 const ScoreRegion& region) {
   Vec2 origin;
   for (const auto* set : {&first, &second})
     for (const Polygon& polygon : *set)
       if (!polygon.outer.empty()) origin = polygon.outer.front();
-  const Geos geos;
-  Geos::Ptr a = geos.union_of(first, origin), b = geos.union_of(second, origin);
+  Unions unions{origin, geos.union_of(first, origin), geos.union_of(second, origin)};
   if (region.area) {
     const Geos::Ptr area = geos.union_of(*region.area, origin);
-    a = geos.intersection(a, area);
-    b = geos.intersection(b, area);
+    unions.first = geos.intersection(unions.first, area);
+    unions.second = geos.intersection(unions.second, area);
   }
   if (!region.ignore.empty()) {
     const Geos::Ptr ignore = geos.union_of(region.ignore, origin);
-    a = geos.difference(a, ignore);
-    b = geos.difference(b, ignore);
+    unions.first = geos.difference(unions.first, ignore);
+    unions.second = geos.difference(unions.second, ignore);
   }
-  return {geos.area_m2(a), geos.area_m2(b), geos.area_m2(geos.intersection(a, b))};
+  return unions;
+}
+}  // namespace
+
+OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second,
+                           const ScoreRegion& region) {
+  const Geos geos;
+  const Unions unions = unions_in(geos, first, second, region);
+  return {geos.area_m2(unions.first), geos.area_m2(unions.second),
+          geos.area_m2(geos.intersection(unions.first, unions.second))};
+}
+
+OverlapDifferences overlap_differences(const std::vector<Polygon>& first, const std::vector<Polygon>& second,
+                                       const ScoreRegion& region) {
+  const Geos geos;
+  const Unions unions = unions_in(geos, first, second, region);
+  return {geos.polygons_of(geos.difference(unions.first, unions.second), unions.origin),
+          geos.polygons_of(geos.difference(unions.second, unions.first), unions.origin)};
 }
 
 std::vector<Polygon> carriageway_polygons(const RoadPath& path) {

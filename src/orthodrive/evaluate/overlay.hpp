@@ -16,6 +16,13 @@ struct OverlapAreas {
 [[nodiscard]] OverlapAreas overlap_areas(const std::vector<Polygon>& first, const std::vector<Polygon>& second,
                                          const ScoreRegion& region);
 
+/// What of the unions of both sets, inside the region, is in one of them alone, as valid polygons with holes.
+struct OverlapDifferences {
+  MultiPolygon first, second;
+};
+[[nodiscard]] OverlapDifferences overlap_differences(const std::vector<Polygon>& first,
+                                                     const std::vector<Polygon>& second, const ScoreRegion& region);
+
 /// Polygons whose union is the carriageway of the path: the strip itself, or its cells where a tight bend folds it.
 [[nodiscard]] std::vector<Polygon> carriageway_polygons(const RoadPath& path);
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
@@ -36,6 +37,20 @@ void write_roads(const std::filesystem::path& path, const RoadNetwork& roads);
 [[nodiscard]] RoadNetwork read_roads(const std::filesystem::path& path);
 /// Whether the file has the layers that read_roads needs. Throws InputError when it is no vector file at all.
 [[nodiscard]] bool holds_roads(const std::filesystem::path& path);
+
+/// A layer to look at in QGIS: features with numbers, one a field. NaN becomes null.
+struct NumberLayer {
+  using Geometry = std::variant<Polygon, Polyline, Vec2>;
+  struct Row {
+    Geometry geometry;
+    std::vector<double> numbers;
+  };
+  std::string name;
+  std::vector<std::string> fields;
+  std::vector<Row> rows;
+};
+/// A GeoPackage with these layers, in this order; dates as write_roads has them.
+void write_layers(const std::filesystem::path& path, const std::vector<NumberLayer>& layers, const Crs& crs);
 
 /// GeoJSON in WGS84 (7 decimals), points with severity, code, message.
 void write_findings(const std::filesystem::path& path, const Findings& findings, const Crs& crs);

@@ -8,6 +8,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/pipeline/label_report.hpp"
+#include "orthodrive/pipeline/road_layers.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -71,11 +72,32 @@ ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& opt
 
 ScoreJson score_labels(const ScoreRequest& request) { return score_labels(request, LabelScoreOptions{}); }
 
-ScoreJson score_roads(const ScoreRequest& request) {
-  const RoadNetwork roads = read_scored_roads(request.scored, request.truth);
-  return to_json(evaluate_roads(roads, read_road_truth(request.truth, roads.crs),
-                                {.region = read_region(request.region, roads.crs)}));
+namespace {
+RoadNetwork in_crs(RoadNetwork roads, const Crs& crs) {
+  if (roads.crs == crs) return roads;
+  const CoordinateTransform there(roads.crs, crs);
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes) node.p = there.target_from_source(node.p);
+  roads.crs = crs;
+  return roads;
 }
+}  // namespace
+
+ScoreJson score_roads(const ScoreRequest& request, const RoadScoreOptions& options) {
+  if (!options.photo.empty() && options.overlay.empty())
+    throw OptionError("--photo is shown in the picture of --overlay; give both");
+  const RoadNetwork roads = read_scored_roads(request.scored, request.truth);
+  const RoadTruth truth = read_road_truth(request.truth, roads.crs);
+  const ScoreRegion region = read_region(request.region, roads.crs);
+  std::optional<RoadNetwork> before;
+  if (!options.before.empty()) before = in_crs(read_scored_roads(options.before, request.truth), roads.crs);
+  const RoadScores scores = evaluate_roads(roads, truth, {.region = region, .before = before ? &*before : nullptr});
+  if (!options.overlay.empty()) write_road_overlay(options.overlay, options.photo, {roads, truth, region, scores});
+  if (!options.layers.empty()) write_road_layers(options.layers, {roads, truth, region, scores});
+  return to_json(scores);
+}
+
+ScoreJson score_roads(const ScoreRequest& request) { return score_roads(request, RoadScoreOptions{}); }
 
 namespace {
 Box2 bounds_of_roads(const RoadNetwork& roads) {

@@ -20,9 +20,17 @@ struct LabelScoreOptions {
   std::filesystem::path page;        ///< HTML page, or the folder for labels.html
   std::filesystem::path photo;       ///< under the error pictures of the page
 };
+/// What else a score of roads takes in and puts out; empty paths: nothing of it.
+struct RoadScoreOptions {
+  std::filesystem::path before;   ///< the roads before refinement: adds moved_away
+  std::filesystem::path overlay;  ///< PNG of right and wrong surface
+  std::filesystem::path photo;    ///< under the overlay
+  std::filesystem::path layers;   ///< GeoPackage: false_positive, false_negative, truth_lines, truth_samples
+};
 /// Throws OptionError when an option needs classes and the truth has none.
 [[nodiscard]] ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& options);
 [[nodiscard]] ScoreJson score_labels(const ScoreRequest& request);
+[[nodiscard]] ScoreJson score_roads(const ScoreRequest& request, const RoadScoreOptions& options);
 [[nodiscard]] ScoreJson score_roads(const ScoreRequest& request);
 [[nodiscard]] ScoreJson score_heights(const ScoreRequest& request);
 [[nodiscard]] ScoreJson score_network(const ScoreRequest& request);  ///< needs no truth

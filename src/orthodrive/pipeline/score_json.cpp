@@ -105,9 +105,23 @@ ScoreJson to_json(const RoadRoleScores& scores) {
 ScoreJson to_json(const RoadScores& scores) {
   ScoreJson coverage = to_json(scores.offset_sigma);  // of the offset; of the width one level deeper
   coverage["width"] = to_json(scores.width_sigma);
-  return {{"surface_iou", scores.surface_iou},     {"offset_m", to_json(scores.offset_m)},
-          {"width_m", to_json(scores.width_m)},    {"sigma_coverage", coverage},
-          {"matched_share", scores.matched_share}, {"samples", scores.samples}};
+  const CurvatureJump& jump = scores.curvature_jump;
+  ScoreJson json = {{"surface_iou", scores.surface_iou},
+                    {"offset_m", to_json(scores.offset_m)},
+                    {"width_m", to_json(scores.width_m)},
+                    {"sigma_coverage", coverage},
+                    {"matched_share", scores.matched_share},
+                    {"samples", scores.samples},
+                    {"width_variance_m2", scores.width_variance_m2}};
+  json["largest_curvature_jump"] = {{"per_m", jump.per_m}, {"mean_per_m", jump.mean_per_m}};
+  if (!std::isnan(jump.per_m)) {
+    ScoreJson& where = json["largest_curvature_jump"];
+    where["osm_id"] = jump.osm_id, where["x_m"] = jump.where.x, where["y_m"] = jump.where.y;
+  }
+  if (const auto& moved = scores.moved_away)
+    json["moved_away"] = {
+        {"share", moved->share}, {"share_by_more_than_0_3_m", moved->share_by_more_than_0_3_m}, {"n", moved->n}};
+  return json;
 }
 
 ScoreJson to_json(const HeightScores& scores) {

@@ -1,0 +1,64 @@
+// Layers of a GeoPackage to look at.
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/ogr_support.hpp"
+#include "orthodrive/io/vector_io.hpp"
+
+namespace orthodrive::io {
+namespace fs = std::filesystem;
+
+namespace {
+std::unique_ptr<OGRGeometry> geometry_of(const NumberLayer::Geometry& geometry) {
+  if (const auto* polygon = std::get_if<Polygon>(&geometry)) return to_ogr(*polygon);
+  if (const auto* line = std::get_if<Polyline>(&geometry)) return to_ogr(*line);
+  const Vec2 p = std::get<Vec2>(geometry);
+  return std::make_unique<OGRPoint>(p.x, p.y);
+}
+
+void add_layer(GDALDataset& dataset, OGRSpatialReference& reference, const NumberLayer& layer, const std::string& file,
+               const GdalErrors& errors) {
+  OGRLayer* made = dataset.CreateLayer(layer.name.c_str(), &reference, wkbUnknown, nullptr);
+  if (!made) throw Error(fmt::format("layer '{}' cannot be made, is the disk full?", layer.name));
+  for (const std::string& field : layer.fields) create_field(*made, field.c_str(), OFTReal);
+  for (const NumberLayer::Row& row : layer.rows) {
+    assert(row.numbers.size() == layer.fields.size());
+    OGRFeature feature(made->GetLayerDefn());
+    for (std::size_t i = 0; i < row.numbers.size(); ++i)
+      if (!std::isnan(row.numbers[i])) feature.SetField(layer.fields[i].c_str(), row.numbers[i]);
+    feature.SetGeometryDirectly(geometry_of(row.geometry).release());
+    add_feature(*made, feature, file, errors);
+  }
+}
+}  // namespace
+
+void write_layers(const fs::path& path, const std::vector<NumberLayer>& layers, const Crs& crs) {
+  AsideFile out(path);
+  struct RemoveLeftovers {
+    fs::path unfinished;
+    ~RemoveLeftovers() { remove_leftovers(unfinished); }
+  } const leftovers{out.path()};
+  OGRSpatialReference reference = spatial_reference(crs);
+  const ScopedGdalOption no_fsync("OGR_SQLITE_SYNCHRONOUS", "OFF");  // the file is renamed into place when it is whole
+  GdalErrors errors;
+  const auto fail = [&] {
+    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(),
+                            errors.text()));
+  };
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
+  DatasetPtr dataset(driver->Create(out.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  if (!dataset) fail();
+  if (dataset->StartTransaction() != OGRERR_NONE) fail();
+  for (const NumberLayer& layer : layers) add_layer(*dataset, reference, layer, path.string(), errors);
+  if (dataset->CommitTransaction() != OGRERR_NONE) fail();
+  dataset.reset();  // writes the spatial index and the extents, and may fail now
+  if (errors.any()) fail();
+  out.commit();
+}
+
+}  // namespace orthodrive::io
