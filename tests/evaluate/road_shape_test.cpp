@@ -187,7 +187,7 @@ TEST(RoadShape, json_has_the_new_keys_beside_the_old_ones) {
   const ScoreJson json = to_json(score(truth, truth, {.before = &truth}));
   for (const char* key : {"surface_iou", "offset_m", "width_m", "sigma_coverage", "matched_share", "samples"})
     EXPECT_TRUE(json.contains(key)) << key;
-  EXPECT_EQ(json["width_variance_m2"], 0.0);
+  EXPECT_NEAR(json["width_variance_m2"].get<double>(), 0.0, 1e-12);
   EXPECT_NEAR(json["largest_curvature_jump"]["per_m"].get<double>(), 0.0, 1e-9);
   EXPECT_EQ(json["largest_curvature_jump"]["osm_id"], 1);
   EXPECT_EQ(json["moved_away"]["share"], 0.0);
