@@ -297,11 +297,10 @@ TEST(NloRoads, filter_and_join_lowers_curvature_peaks_and_joins_roads) {
   };
   EXPECT_GT(distance(shared(plain.roads.paths[0]), shared(plain.roads.paths[1])), 0.1) << "each way has its own offset";
   EXPECT_EQ(shared(joined.roads.paths[0]), shared(joined.roads.paths[1]));
-  const double primary = shared(plain.roads.paths[0]).y, service = shared(plain.roads.paths[1]).y,
-               both = shared(joined.roads.paths[0]).y;
-  std::printf("at the junction: primary %.2f, service %.2f, joined %.2f\n", primary - at(0, 0).y, service - at(0, 0).y,
-              both - at(0, 0).y);
-  EXPECT_LT(std::abs(both - primary), 0.5 * std::abs(both - service)) << "the primary road keeps its line";
+  // Set 1 lets the primary road wander into the mouth of the other; the filter takes that back.
+  const double y = at(0, 100).y;
+  EXPECT_GT(std::abs(shared(plain.roads.paths[0]).y - y), 1.0);
+  EXPECT_NEAR(shared(joined.roads.paths[0]).y, y, 0.8);
 }
 
 TEST(NloRoads, no_roads_give_no_roads) {
