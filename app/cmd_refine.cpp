@@ -11,6 +11,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/refine/nlo_roads.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 
 namespace orthodrive::app {
@@ -18,8 +19,16 @@ namespace {
 
 struct RefineCommand {
   std::filesystem::path osm, labels, out;
+  std::string method = "default", weights = "1+2";
   RefineRoadsOptions options;
 };
+
+std::vector<NloPass> nlo_passes(const std::string& weights) {
+  std::vector<NloPass> passes;
+  if (weights != "2") passes.push_back(nlo_set_1);
+  if (weights != "1") passes.push_back(nlo_set_2);
+  return passes;
+}
 
 /// The hull of the labels that are not nodata: where there is a photo.
 SiteFrame labelled_site(const std::filesystem::path& file, const LabelMap& map) {
@@ -40,7 +49,10 @@ void run(const RefineCommand& command, const Context& context) {
   const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels));
   RefineRoadsOptions options = command.options;
   options.threads = context.threads;
-  const RefineRoadsResult result = refine_roads(osm, labels, options, context.monitor);
+  const RefineRoadsResult result =
+      command.method == "nlo"
+          ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
+          : refine_roads(osm, labels, options, context.monitor);
   io::write_roads(command.out, result.roads);
 
   double offset_m = 0.0;
@@ -60,10 +72,14 @@ void add_refine(CLI::App& app, Context& context) {
   cmd->add_option("--osm", command->osm, "OSM roads (.osm, .osm.pbf)")->required();
   cmd->add_option("--labels", command->labels, "label map of `orthodrive segment`: gives area and CRS")->required();
   cmd->add_option("-o,--output", command->out, "refined roads (GeoPackage)")->required();
+  cmd->add_option("--method", command->method, "default, or nlo: the reference's, to compare with")
+      ->check(CLI::IsMember({"default", "nlo"}))->capture_default_str();
+  cmd->add_option("--weights", command->weights, "of nlo: the reference's weight set 1, 2, or one after the other")
+      ->check(CLI::IsMember({"1", "2", "1+2"}))->capture_default_str();
   RefineRoadsOptions& o = command->options;
-  cmd->add_option("--search-radius", o.search_radius_m, "largest offset from the OSM line, m")
+  cmd->add_option("--search-radius", o.search_radius_m, "of default: largest offset from the OSM line, m")
       ->check(CLI::Range(1.0, 50.0))->capture_default_str();
-  cmd->add_option("--iterations", o.max_iterations, "largest number of iterations")->check(CLI::Range(0, 1000))->capture_default_str();
+  cmd->add_option("--iterations", o.max_iterations, "of default: largest number of iterations")->check(CLI::Range(0, 1000))->capture_default_str();
   cmd->footer(
       "Reads roads and labels; writes the layers centrelines, nodes and surface: centre line, offset, width and their\n"
       "standard deviations every 2 m.\n"

@@ -98,7 +98,7 @@ TEST(Layers, numbers_and_geometries_come_back) {
   EXPECT_FALSE(back[1].tags.contains("b")) << "NaN is null";
   EXPECT_EQ(back[2].points.at(0), origin + (Vec2{1, 2}));
   EXPECT_EQ(scratch.file_count(), 1) << "no journal left";
-  EXPECT_THROW(io::write_layers(scratch / "no" / "folder.gpkg", {}, utm33), Error);
+  EXPECT_THROW(io::write_layers(scratch / "a.gpkg" / "folder.gpkg", {}, utm33), Error) << "a file is no folder";
   io::write_layers(scratch / "b.gpkg", {{.name = "areas", .fields = {"area_m2"}, .rows = {{with_hole, {1175.0}}}}},
                    utm33);
   io::write_layers(scratch / "c.gpkg", {{.name = "areas", .fields = {"area_m2"}, .rows = {{with_hole, {1175.0}}}}},

@@ -74,6 +74,27 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
   EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine"}));
 }
 
+TEST_F(Build, the_reference_s_refinement_gives_other_roads_for_each_set_of_weights) {
+  const auto refined = [](const Arguments& method) {
+    const std::string roads = folder / "refined.gpkg";
+    Arguments arguments{"-q", "refine", "--osm", folder / "site/roads.osm", "--labels", folder / "site/truth/labels.tif", "-o", roads};
+    arguments.insert(arguments.end(), method.begin(), method.end());
+    const ToolRun run = run_tool(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const ToolRun score = run_tool({"evaluate", "roads", roads, folder / "site/truth", "--before", folder / "site/roads.osm", "--json"});
+    EXPECT_EQ(score.exit_code, 0) << score.err;
+    return json::parse(score.out);
+  };
+  const json ours = refined({}), set_1 = refined({"--method", "nlo", "--weights", "1"}), set_2 = refined({"--method", "nlo", "--weights", "2"}),
+             both = refined({"--method", "nlo"});
+  const auto error_m = [](const json& score) { return score["offset_m"]["mean_abs"].get<double>(); };
+  EXPECT_LT(set_2["width_variance_m2"], set_1["width_variance_m2"]) << "set 2 is the smooth one";
+  EXPECT_NE(error_m(both), error_m(set_1));
+  EXPECT_NE(error_m(both), error_m(set_2));
+  EXPECT_LT(error_m(ours), std::min({error_m(set_1), error_m(set_2), error_m(both)}));
+  EXPECT_LT(ours["moved_away"]["share_by_more_than_0_3_m"], 0.1);
+}
+
 TEST_F(Build, the_crf_decides_the_labels_where_a_site_asks_for_it) {
   fs::copy(folder / "first", folder / "crf", fs::copy_options::recursive);
   ASSERT_EQ(build("crf", {"--set", "segment.crf=true"}).exit_code, 0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace orthodrive {
 
@@ -44,12 +45,13 @@ void add_strip(const LabelMap& labels, const std::array<float, 256>& costs, cons
   for (int row = first_row; row < end_row; ++row) {
     const double y = row + 0.5;
     std::array<double, 4> crossings;
+    crossings.fill(std::numeric_limits<double>::infinity());  // what is not set is sorted behind
     std::size_t count = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       const Vec2 a = corners[i], b = corners[(i + 1) % 4];
       if ((a.y <= y) != (b.y <= y)) crossings[count++] = a.x + (y - a.y) * (b.x - a.x) / (b.y - a.y);
     }
-    std::sort(crossings.begin(), crossings.begin() + static_cast<std::ptrdiff_t>(count));
+    std::ranges::sort(crossings);
     const std::uint8_t* const line = &labels.labels.data[labels.labels.index(0, row)];
     const double at_row = weight.at_origin + weight.per_row * y;
     for (std::size_t i = 0; i + 1 < count; i += 2) {
