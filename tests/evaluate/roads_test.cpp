@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "evaluate/road_lines.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/evaluate/evaluate_heights.hpp"
@@ -13,21 +14,6 @@
 namespace orthodrive {
 namespace {
 
-const Crs utm33{"EPSG:32633"};
-const Vec2 origin{500000.0, 5540000.0};
-
-RoadPath path_along(const Polyline& line, double width_m, std::int64_t id = 1) {
-  RoadPath path{.osm_id = id, .highway = "residential"};
-  const std::vector<double> s = arc_lengths_m(line);
-  for (std::size_t i = 0; i < line.size(); ++i)
-    path.nodes.push_back({.p = origin + line[i], .s_m = s[i], .width_m = width_m});
-  return path;
-}
-Polyline straight(double x0, double y0, double x1, double y1, int pieces = 20) {
-  Polyline line;
-  for (int i = 0; i <= pieces; ++i) line.push_back({x0 + (x1 - x0) * i / pieces, y0 + (y1 - y0) * i / pieces});
-  return line;
-}
 Polyline circle(double radius_m) {
   Polyline line;
   for (int i = 0; i <= 360; ++i)

@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/ogr_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -38,27 +37,10 @@ void add_layer(GDALDataset& dataset, OGRSpatialReference& reference, const Numbe
 }  // namespace
 
 void write_layers(const fs::path& path, const std::vector<NumberLayer>& layers, const Crs& crs) {
-  AsideFile out(path);
-  struct RemoveLeftovers {
-    fs::path unfinished;
-    ~RemoveLeftovers() { remove_leftovers(unfinished); }
-  } const leftovers{out.path()};
-  OGRSpatialReference reference = spatial_reference(crs);
-  const ScopedGdalOption no_fsync("OGR_SQLITE_SYNCHRONOUS", "OFF");  // the file is renamed into place when it is whole
-  GdalErrors errors;
-  const auto fail = [&] {
-    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(),
-                            errors.text()));
-  };
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
-  DatasetPtr dataset(driver->Create(out.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-  if (!dataset) fail();
-  if (dataset->StartTransaction() != OGRERR_NONE) fail();
-  for (const NumberLayer& layer : layers) add_layer(*dataset, reference, layer, path.string(), errors);
-  if (dataset->CommitTransaction() != OGRERR_NONE) fail();
-  dataset.reset();  // writes the spatial index and the extents, and may fail now
-  if (errors.any()) fail();
-  out.commit();
+  write_geopackage(path, [&](GDALDataset& dataset, const GdalErrors& errors) {
+    OGRSpatialReference reference = spatial_reference(crs);
+    for (const NumberLayer& layer : layers) add_layer(dataset, reference, layer, path.string(), errors);
+  });
 }
 
 }  // namespace orthodrive::io

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
 
 namespace orthodrive::io {
@@ -84,6 +85,30 @@ void add_feature(OGRLayer& layer, OGRFeature& feature, const std::string& file, 
   if (layer.CreateFeature(&feature) != OGRERR_NONE || errors.any())
     throw Error(
         fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", file, errors.text()));
+}
+
+void write_geopackage(const std::filesystem::path& path,
+                      const std::function<void(GDALDataset& dataset, const GdalErrors& errors)>& fill) {
+  AsideFile out(path);
+  struct RemoveLeftovers {
+    std::filesystem::path unfinished;
+    ~RemoveLeftovers() { remove_leftovers(unfinished); }
+  } const leftovers{out.path()};
+  const ScopedGdalOption no_fsync("OGR_SQLITE_SYNCHRONOUS", "OFF");  // the file is renamed into place when it is whole
+  GdalErrors errors;
+  const auto fail = [&] {
+    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(),
+                            errors.text()));
+  };
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
+  DatasetPtr dataset(driver->Create(out.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+  if (!dataset) fail();
+  if (dataset->StartTransaction() != OGRERR_NONE) fail();
+  fill(*dataset, errors);
+  if (dataset->CommitTransaction() != OGRERR_NONE) fail();
+  dataset.reset();  // writes the spatial index and the extents, and may fail now
+  if (errors.any()) fail();
+  out.commit();
 }
 
 }  // namespace orthodrive::io

@@ -137,28 +137,11 @@ class RoadsWriter {
 }  // namespace
 
 void write_roads(const fs::path& path, const RoadNetwork& roads) {
-  AsideFile out(path);
-  struct RemoveLeftovers {
-    fs::path unfinished;
-    ~RemoveLeftovers() { remove_leftovers(unfinished); }
-  } const leftovers{out.path()};
-  OGRSpatialReference reference = spatial_reference(roads.crs);
-  const ScopedGdalOption no_fsync("OGR_SQLITE_SYNCHRONOUS", "OFF");  // the file is renamed into place when it is whole
-  GdalErrors errors;
-  const auto fail = [&] {
-    throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", path.string(),
-                            errors.text()));
-  };
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
-  DatasetPtr dataset(driver->Create(out.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-  if (!dataset) fail();
-  RoadsWriter writer(*dataset, reference, path.string(), errors);
-  if (dataset->StartTransaction() != OGRERR_NONE) fail();
-  for (const RoadPath& road : roads.paths) writer.add(road);
-  if (dataset->CommitTransaction() != OGRERR_NONE) fail();
-  dataset.reset();  // writes the spatial index and the extents, and may fail now
-  if (errors.any()) fail();
-  out.commit();
+  write_geopackage(path, [&](GDALDataset& dataset, const GdalErrors& errors) {
+    OGRSpatialReference reference = spatial_reference(roads.crs);
+    RoadsWriter writer(dataset, reference, path.string(), errors);
+    for (const RoadPath& road : roads.paths) writer.add(road);
+  });
 }
 
 namespace {

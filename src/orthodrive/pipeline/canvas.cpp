@@ -47,6 +47,15 @@ void mix(Canvas& canvas, int col, int row, Color color, double alpha) {
 }
 }  // namespace
 
+double grey_at(const Photo* photo, Vec2 p) {
+  constexpr double without_photo = 190.0;
+  if (!photo) return without_photo;
+  const Vec2 q = photo->frame.pixel_from_world(p);
+  const int col = static_cast<int>(std::floor(q.x)), row = static_cast<int>(std::floor(q.y));
+  if (!photo->valid.inside(col, row) || !photo->valid.at(col, row)) return without_photo;
+  return 0.299 * photo->rgb.at(col, row, 0) + 0.587 * photo->rgb.at(col, row, 1) + 0.114 * photo->rgb.at(col, row, 2);
+}
+
 Canvas canvas_of(const Photo& photo, const Box2& box, int max_px) {
   return resampled(photo.frame, box, max_px, [&](int col, int row, Color& color) {
     if (photo.valid.at(col, row) == 0) return false;

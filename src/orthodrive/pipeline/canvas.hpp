@@ -25,6 +25,9 @@ struct Canvas {
 /// Class colours instead of the photo.
 [[nodiscard]] Canvas canvas_of(const LabelMap& labels, const Box2& box, int max_px);
 
+/// Luma of the photo at a place (ITU-R BT.601), 0..255; an even grey where there is no photo (or none at all: null).
+[[nodiscard]] double grey_at(const Photo* photo, Vec2 p);
+
 /// Mixes `color` over what is there with weight `alpha` (0..1).
 void fill(Canvas& canvas, const Polygon& polygon, Color color, double alpha);
 /// A line of that width in pixels, anti-aliased.

@@ -136,17 +136,6 @@ Sampled sample(const LabelComparisonView& view, const GridFrame& frame, int col,
   return sampled;
 }
 
-/// 0..255; an even grey where there is no photo.
-double grey_at(const Photo* photo, Vec2 p) {
-  constexpr double without_photo = 190.0;
-  if (!photo) return without_photo;
-  const Vec2 q = photo->frame.pixel_from_world(p);
-  const int col = static_cast<int>(std::floor(q.x)), row = static_cast<int>(std::floor(q.y));
-  if (!photo->valid.inside(col, row) || !photo->valid.at(col, row)) return without_photo;
-  // Luma of ITU-R BT.601.
-  return 0.299 * photo->rgb.at(col, row, 0) + 0.587 * photo->rgb.at(col, row, 1) + 0.114 * photo->rgb.at(col, row, 2);
-}
-
 template <typename Paint>
 Canvas painted(const GridFrame& frame, const Paint& paint) {
   Canvas canvas{frame, Raster<std::uint8_t>(frame.width, frame.height, 3)};

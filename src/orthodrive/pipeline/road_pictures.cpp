@@ -28,16 +28,6 @@ GridFrame road_picture_frame(const RoadSurfaces& surfaces, const ScoreRegion& re
 
 namespace {
 constexpr std::array<double, 3> right{255, 235, 150}, false_positive{230, 25, 25}, false_negative{30, 80, 245};
-
-/// Luma of ITU-R BT.601, 0..255; an even grey where there is no photo.
-double grey_at(const Photo* photo, Vec2 p) {
-  constexpr double without_photo = 190.0;
-  if (!photo) return without_photo;
-  const Vec2 q = photo->frame.pixel_from_world(p);
-  const int col = static_cast<int>(std::floor(q.x)), row = static_cast<int>(std::floor(q.y));
-  if (!photo->valid.inside(col, row) || !photo->valid.at(col, row)) return without_photo;
-  return 0.299 * photo->rgb.at(col, row, 0) + 0.587 * photo->rgb.at(col, row, 1) + 0.114 * photo->rgb.at(col, row, 2);
-}
 }  // namespace
 
 Canvas picture_of_road_errors(const RoadSurfaces& surfaces, const ScoreRegion& region, const GridFrame& frame,
