@@ -130,6 +130,94 @@ TEST(RefineRoads, parallel_carriageways_keep_apart) {
   }
 }
 
+TEST(RefineRoads, dual_carriageways_do_not_collapse_onto_the_one_that_is_seen) {
+  // OSM lies 5 m too far south, so that the northern line is nearer to the southern carriageway, which trees hide for 120 m.
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, straight(at(20, 206), at(380, 206)), 7.0);
+  add_truth(scene, straight(at(380, 195), at(20, 195)), 7.0);
+  add_way(scene, 1, map_line(straight(at(20, 201), at(380, 201)), {}, 7.5), "primary");
+  add_way(scene, 2, map_line(straight(at(380, 190), at(20, 190)), {}, 7.5), "primary");
+  paint(scene.labels, {at(140, 185), at(260, 185), at(260, 199.5), at(140, 199.5)}, label_vegetation);
+  const auto result = refine_roads(scene.osm, scene.labels);
+  for (const int k : {0, 1}) {
+    const RoadError after = print("refined", compare(result.roads.paths[k], scene.truth[k]));
+    EXPECT_LT(after.mean_offset_m, 0.3);
+    EXPECT_LT(after.max_offset_m, 1.0);
+  }
+  for (const RoadNode& node : result.roads.paths[0].nodes) EXPECT_GT(node.p.y - 0.5 * node.width_m, at(0, 199).y);
+}
+
+TEST(RefineRoads, hidden_stretches_have_the_width_of_what_is_seen_of_the_road) {
+  RoadScene scene = make_scene(600.0);
+  add_truth(scene, straight(at(20, 200), at(580, 200)), 8.0);
+  add_way(scene, 1, map_line(scene.truth[0].line, {}, 5.5));
+  paint(scene.labels, {at(200, 190), at(400, 190), at(400, 210), at(200, 210)}, label_vegetation);
+  const auto& nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
+  EXPECT_NEAR(nodes[nodes.size() / 2].width_m, 8.0, 0.3);
+  EXPECT_GT(nodes[nodes.size() / 2].sigma_width_m, 1.2 * nodes[nodes.size() / 8].sigma_width_m);
+}
+
+TEST(RefineRoads, tagged_widths_count_more_than_those_of_the_class) {
+  RoadScene scene = make_scene(400.0);
+  add_way(scene, 1, map_line(straight(at(20, 200), at(380, 200)), {}, 5.0));
+  add_truth(scene, straight(at(20, 200), at(80, 200)), 6.0);  // hardly anything is seen of it
+  const auto width_of = [&](WidthSource source) {
+    scene.osm.paths[0].width_source = source;
+    return refine_roads(scene.osm, scene.labels).roads.paths[0].nodes[150].width_m;
+  };
+  EXPECT_LT(std::abs(width_of(WidthSource::tag) - 5.0), 0.9 * std::abs(width_of(WidthSource::highway) - 5.0));
+}
+
+TEST(RefineRoads, curvature_changes_smoothly) {
+  // Straight, a clothoid of 60 m, an arc of 80 m radius, and back; the mapper clicked every 25 m.
+  const auto heading = [](double s) {
+    const double ramp = std::clamp(s - 80.0, 0.0, 60.0), arc = std::clamp(s - 140.0, 0.0, 60.0), down = std::clamp(s - 200.0, 0.0, 60.0);
+    return (0.5 * ramp * ramp / 60.0 + arc + down - 0.5 * down * down / 60.0) / 80.0;
+  };
+  Polyline line{at(20, 150)};
+  for (double s = 0.0; s < 340.0; s += 0.5)
+    line.push_back(line.back() + Vec2{0.5 * std::cos(heading(s + 0.25)), 0.5 * std::sin(heading(s + 0.25))});
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, line, 7.0);
+  add_way(scene, 1, map_line(line, {}, 6.0));
+  const auto& nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
+  double largest_jump = 0.0, before = 0.0;
+  for (std::size_t i = 5; i + 6 < nodes.size(); ++i) {  // the ends of a line are seen by one side only
+    const Vec2 a = nodes[i].p - nodes[i - 1].p, b = nodes[i + 1].p - nodes[i].p;
+    const double curvature = std::atan2(cross(a, b), dot(a, b)) / (0.5 * (length(a) + length(b)));
+    if (i > 5) largest_jump = std::max(largest_jump, std::abs(curvature - before));
+    before = curvature;
+  }
+  // The clothoids change by 1 / 80 m over 60 m, 0.0004 from node to node; pixels of half a metre do the rest.
+  EXPECT_LT(largest_jump, 0.002);
+}
+
+/// Coverage of pixels by a straight road, as probabilities of a network that is sure of what it sees.
+RoadEvidence soft_evidence(const LabelMap& labels, double south_y, double north_y) {
+  RoadEvidence evidence = road_evidence(labels);
+  for (int row = 0; row < labels.frame.height; ++row) {
+    const double top = labels.frame.world_from_pixel(0, row).y, bottom = top - labels.frame.gsd_m;
+    const double road = std::clamp((std::min(top, north_y) - std::max(bottom, south_y)) / labels.frame.gsd_m, 0.0, 1.0);
+    for (int col = 0; col < labels.frame.width; ++col) {
+      evidence.outside.at(col, row) = static_cast<std::uint8_t>(std::lround(255.0 * road));
+      evidence.inside.at(col, row) = static_cast<std::uint8_t>(std::lround(255.0 * (1.0 - road)));
+    }
+  }
+  return evidence;
+}
+
+TEST(RefineRoads, probabilities_place_edges_inside_a_pixel) {
+  for (const double shift : {0.0, 0.13, 0.29, 0.44}) {
+    RoadScene scene = make_scene(200.0, 1.0);
+    const double south = at(0, 97.0 + shift).y, north = at(0, 103.3 + 1.5 * shift).y, middle = 0.5 * (south + north);
+    add_way(scene, 1, {{.p = at(10, 99), .width_m = 5.5}, {.p = at(190, 99), .width_m = 5.5}});
+    const auto result = refine_roads(scene.osm, soft_evidence(scene.labels, south, north));
+    const RoadNode& node = result.roads.paths[0].nodes[45];
+    EXPECT_NEAR(node.p.y, middle, 0.05) << shift;
+    EXPECT_NEAR(node.width_m, north - south, 0.15) << shift;
+  }
+}
+
 TEST(RefineRoads, forecourt_beside_the_road_does_not_blow_up_the_width) {
   RoadScene scene = make_scene(400.0);
   add_truth(scene, straight(at(20, 200), at(380, 200)), 6.0);

@@ -56,6 +56,7 @@ WayAttributes way_attributes(const OsmTags& tags) {
   const bool implied = oneway.empty() && (path.roundabout || path.highway == "motorway");
   if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
   way.width_m = parse_width_m(value_of(tags, "width"));
+  path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
   if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway);
   return way;
 }

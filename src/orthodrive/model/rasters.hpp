@@ -26,6 +26,16 @@ struct LabelMap {
   ClassTable classes;
 };
 
+/// What the photo says about roads: the expected class cost (class_table.hpp) of a pixel just outside a road and of one
+/// inside it, 0..255 = 0..1. Both 0 where nothing is known.
+struct RoadEvidence {
+  Crs crs;
+  GridFrame frame;
+  Raster<std::uint8_t> outside, inside;
+};
+/// Of labels that are taken for sure.
+[[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels);
+
 /// Probability of the winning class, 0..255 = 0..1.
 struct ConfidenceMap {
   Crs crs;

@@ -30,6 +30,9 @@ struct RoadNode {
   std::string banking_source;  ///< "none", "dtm", "curvature", ...
 };
 
+/// Where the width of an OSM way comes from: its class alone, its number of lanes, or a tag.
+enum class WidthSource : std::int8_t { highway, lanes, tag };
+
 struct RoadPath {
   std::int64_t osm_id = 0;
   int part = 0;                ///< pieces of one way inside the area are counted from 0
@@ -38,6 +41,7 @@ struct RoadPath {
   bool bridge = false, tunnel = false;
   Oneway oneway = Oneway::no;
   int lanes = 0;               ///< 0: not tagged
+  WidthSource width_source = WidthSource::highway;
   bool roundabout = false;
   std::vector<RoadNode> nodes; ///< at least two; first == last position (and osm_node) for closed ways
 };

@@ -1,7 +1,6 @@
 #include "orthodrive/refine/cross_profiles.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -11,33 +10,53 @@ namespace {
 constexpr double step_over_gsd = 0.5;  // two cells a pixel
 constexpr double road_near_m = 1.0;    // so much road in a row says that a road is there
 
-struct ClassCosts {
-  std::array<float, 256> false_positive{}, false_negative{};
+/// Bilinear between pixel centres; pixels outside the raster are 0.
+struct Corners {
+  std::size_t index[4];
+  float weight[4];
 };
 
-ClassCosts class_costs(const ClassTable& table) {
-  ClassCosts costs;
-  for (std::size_t i = 0; i < std::min<std::size_t>(table.classes.size(), label_nodata); ++i) {
-    costs.false_positive[i] = static_cast<float>(table.classes[i].cost_false_positive);
-    costs.false_negative[i] = static_cast<float>(table.classes[i].cost_false_negative);
+Corners corners_of(const GridFrame& frame, Vec2 p) {
+  const Vec2 pixel = frame.pixel_from_world(p) - Vec2{0.5, 0.5};
+  const double left = std::floor(pixel.x), top = std::floor(pixel.y);
+  const auto u = static_cast<float>(pixel.x - left), v = static_cast<float>(pixel.y - top);
+  const float weights[4] = {(1.0F - u) * (1.0F - v), u * (1.0F - v), (1.0F - u) * v, u * v};
+  Corners corners{};
+  for (int k = 0; k < 4; ++k) {
+    const double col = left + k % 2, row = top + k / 2;
+    const bool inside = col >= 0.0 && row >= 0.0 && col < frame.width && row < frame.height;
+    corners.index[k] = inside ? static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col) : 0;
+    corners.weight[k] = inside ? weights[k] / 255.0F : 0.0F;
   }
-  return costs;
+  return corners;
+}
+
+float value_at(const Raster<std::uint8_t>& raster, const Corners& corners) {
+  float sum = 0.0F;
+  for (int k = 0; k < 4; ++k) sum += corners.weight[k] * static_cast<float>(raster.data[corners.index[k]]);
+  return sum;
 }
 
 }  // namespace
 
-CrossProfiles sample_cross_profiles(const RoadChain& chain, const LabelMap& labels, double half_m) {
+void CrossProfiles::look_again(std::size_t row) {
+  const std::span<const float> costs = positive_row(row);
+  road_near[row] = std::accumulate(costs.begin(), costs.end(), 0.0) * step_m >= road_near_m;
+  evidence[row] = road_near[row] ? chain_evidence[row] : 0.0F;
+}
+
+CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& evidence, double half_m) {
   CrossProfiles profiles;
-  profiles.step_m = labels.frame.gsd_m * step_over_gsd;
+  profiles.step_m = evidence.frame.gsd_m * step_over_gsd;
   profiles.cells = 2 * static_cast<int>(std::ceil(half_m / profiles.step_m));
   profiles.half_m = 0.5 * profiles.cells * profiles.step_m;
   const std::size_t rows = (chain.nodes.size() - 1) * rows_per_segment, cells = static_cast<std::size_t>(profiles.cells);
   profiles.false_positive.assign(rows * cells, 0.0F);
   profiles.false_negative.assign(rows * cells, 0.0F);
+  profiles.chain_evidence.assign(rows, 0.0F);
   profiles.evidence.assign(rows, 0.0F);
   profiles.road_near.assign(rows, false);
 
-  const ClassCosts costs = class_costs(labels.classes);
   constexpr int samples = 2;  // along each row's half segment: 0.5 m apart at a spacing of 2 m
   for (std::size_t row = 0; row < rows; ++row) {
     const ChainNode &a = chain.nodes[row / rows_per_segment], &b = chain.nodes[row / rows_per_segment + 1];
@@ -49,17 +68,13 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const LabelMap& labe
       const Vec2 normal = normalized(a.normal + (b.normal - a.normal) * f);
       for (std::size_t k = 0; k < cells; ++k) {
         const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
-        const Vec2 pixel = labels.frame.pixel_from_world(base + normal * t);
-        const int col = static_cast<int>(std::floor(pixel.x)), line = static_cast<int>(std::floor(pixel.y));
-        if (!labels.labels.inside(col, line)) continue;
-        const std::uint8_t label = labels.labels.at(col, line);
-        positive[k] += costs.false_positive[label] / samples;
-        negative[k] += costs.false_negative[label] / samples;
+        const Corners corners = corners_of(evidence.frame, base + normal * t);
+        positive[k] += value_at(evidence.outside, corners) / samples;
+        negative[k] += value_at(evidence.inside, corners) / samples;
       }
     }
-    const double road_m = std::accumulate(positive, positive + cells, 0.0) * profiles.step_m;
-    profiles.road_near[row] = road_m >= road_near_m;
-    profiles.evidence[row] = profiles.road_near[row] ? static_cast<float>(a.evidence) : 0.0F;
+    profiles.chain_evidence[row] = static_cast<float>(a.evidence);
+    profiles.look_again(row);
   }
   return profiles;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The labels straightened along a chain: class costs as functions of the lateral position t, one row a station.
-// All later work (search, residuals, derivatives) reads these rows and never the label raster.
+// The evidence straightened along a chain: class costs as functions of the lateral position t, one row a station.
+// All later work (search, residuals, derivatives) reads these rows and never the rasters.
 
 #include <cstddef>
 #include <span>
@@ -19,8 +19,12 @@ struct CrossProfiles {
   int cells = 0;                              ///< a row
   std::vector<float> false_positive;          ///< cost of the cell outside the road, row after row
   std::vector<float> false_negative;          ///< cost of the cell inside the road
-  std::vector<float> evidence;                ///< one a row: the chain's evidence, 0 where no road is near
+  std::vector<float> chain_evidence;          ///< one a row: how much the chain lets it count
+  std::vector<float> evidence;                ///< the same, 0 where no road is near
   std::vector<bool> road_near;                ///< one a row: the labels show a road somewhere in the row
+
+  /// Sets road_near and evidence of a row by its costs.
+  void look_again(std::size_t row);
 
   [[nodiscard]] std::span<const float> positive_row(std::size_t row) const {
     return std::span(false_positive).subspan(row * static_cast<std::size_t>(cells), static_cast<std::size_t>(cells));
@@ -30,8 +34,8 @@ struct CrossProfiles {
   }
 };
 
-/// Looks half_m to each side. nodata and places outside the labels cost nothing.
-[[nodiscard]] CrossProfiles sample_cross_profiles(const RoadChain& chain, const LabelMap& labels, double half_m);
+/// Looks half_m to each side, bilinear between pixel centres. Places outside the evidence cost nothing.
+[[nodiscard]] CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& evidence, double half_m);
 
 /// The classification cost of the four strips of a road with its edges at t, eq. 3.3 of the reference: mean class cost
 /// weighted by the distance from the edge, as a smooth function of the edge position.

@@ -5,15 +5,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "orthodrive/core/normal_matrix.hpp"
 
 namespace orthodrive {
 namespace {
 
-// A weak pull to the input keeps nodes without evidence determined: standard deviations of an OSM line and of a width
-// taken from a default, against weight 1 of a residual.
-constexpr double prior_offset_m = 2.0, prior_width_share = 0.3;
+// What is known without evidence, as standard deviations against weight 1 of a residual. OSM was traced from photos that
+// lie a few metres off: a whole way is shifted, and its nodes err around that. Likewise a way has a width, and its nodes
+// differ from that a little. So a hidden stretch takes the shift and the width of what is seen of its way.
+constexpr double way_shift_m = 4.0, node_shift_m = 1.5;
+constexpr double node_width_share = 0.1;
+constexpr double limit_weight = 10.0;          // 1/m
 constexpr double loss_scale = 3.0;             // of r_c: a third of a strip full of errors is an outlier already
 constexpr double label_error_length_m = 20.0;  // labels err in blobs of this size: errors of near segments are not independent
 
@@ -57,31 +61,79 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
   std::array<double, rows_per_segment> weight_{};
 };
 
+/// Angle between the segments a-b and b-c, signed, and its derivatives by the offsets of the three nodes.
+struct Turn {
+  double angle_rad = 0.0;
+  std::array<double, 3> by_offset{};
+};
+
+Turn turn_at(std::span<const Vec2, 3> p, std::span<const Vec2, 3> normal) {
+  const Vec2 v1 = p[1] - p[0], v2 = p[2] - p[1];
+  // d heading(v) = (v x dv) / |v|^2. Nodes nearly on top of each other must not blow it up.
+  const auto turn = [](Vec2 v, Vec2 dv) { return cross(v, dv) / std::max(dot(v, v), 1e-2); };
+  return {std::atan2(cross(v1, v2), dot(v1, v2)),
+          {turn(v1, normal[0]), -turn(v2, normal[1]) - turn(v1, normal[1]), turn(v2, normal[2])}};
+}
+
 /// r_a, eq. 3.8: the angle between two segments by the offsets of their three nodes. Signed, which makes it differentiable
 /// at zero; its square is the reference's.
 class AngleCost final : public ceres::SizedCostFunction<1, 1, 1, 1> {
  public:
-  AngleCost(const ChainNode& a, const ChainNode& b, const ChainNode& c, double weight)
-      : base_{a.base, b.base, c.base}, normal_{a.normal, b.normal, c.normal}, weight_(weight) {}
-
+  AngleCost(const std::array<const ChainNode*, 3>& nodes, double weight) : weight_(weight) {
+    for (int i = 0; i < 3; ++i) base_[i] = nodes[i]->base, normal_[i] = nodes[i]->normal;
+  }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     std::array<Vec2, 3> p;
     for (int i = 0; i < 3; ++i) p[i] = base_[i] + normal_[i] * *parameters[i];
-    const Vec2 v1 = p[1] - p[0], v2 = p[2] - p[1];
-    residuals[0] = weight_ * std::atan2(cross(v1, v2), dot(v1, v2));
-    if (jacobians) {
-      // d heading(v) = (v x dv) / |v|^2. Nodes nearly on top of each other must not blow it up.
-      const auto turn = [](Vec2 v, Vec2 dv) { return cross(v, dv) / std::max(dot(v, v), 1e-2); };
-      const std::array<double, 3> by{turn(v1, normal_[0]), -turn(v2, normal_[1]) - turn(v1, normal_[1]), turn(v2, normal_[2])};
-      for (int i = 0; i < 3; ++i)
-        if (jacobians[i]) jacobians[i][0] = weight_ * by[i];
-    }
+    const Turn turn = turn_at(p, normal_);
+    residuals[0] = weight_ * turn.angle_rad;
+    for (int i = 0; jacobians && i < 3; ++i)
+      if (jacobians[i]) jacobians[i][0] = weight_ * turn.by_offset[i];
     return true;
   }
 
  private:
   std::array<Vec2, 3> base_, normal_;
   double weight_;
+};
+
+/// r_k: how much the angle changes from one node to the next. Roads are built of arcs and clothoids: their curvature is
+/// constant or changes evenly.
+class CurvatureChangeCost final : public ceres::SizedCostFunction<1, 1, 1, 1, 1> {
+ public:
+  CurvatureChangeCost(const std::array<const ChainNode*, 4>& nodes, double weight) : weight_(weight) {
+    for (int i = 0; i < 4; ++i) base_[i] = nodes[i]->base, normal_[i] = nodes[i]->normal;
+  }
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    std::array<Vec2, 4> p;
+    for (int i = 0; i < 4; ++i) p[i] = base_[i] + normal_[i] * *parameters[i];
+    const std::span<const Vec2, 4> points(p), normals(normal_);
+    const Turn before = turn_at(points.first<3>(), normals.first<3>()), after = turn_at(points.last<3>(), normals.last<3>());
+    residuals[0] = weight_ * (after.angle_rad - before.angle_rad);
+    for (int i = 0; jacobians && i < 4; ++i)
+      if (jacobians[i]) jacobians[i][0] = weight_ * ((i > 0 ? after.by_offset[i - 1] : 0.0) - (i < 3 ? before.by_offset[i] : 0.0));
+    return true;
+  }
+
+ private:
+  std::array<Vec2, 4> base_, normal_;
+  double weight_;
+};
+
+/// An edge beyond its limit.
+class LimitCost final : public ceres::SizedCostFunction<1, 1, 1> {
+ public:
+  LimitCost(double side, double edge_m, double weight) : side_(side), edge_m_(edge_m), weight_(weight) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const double beyond_m = side_ * (*parameters[0] - edge_m_) + 0.5 * *parameters[1];
+    residuals[0] = weight_ * std::max(0.0, beyond_m);
+    if (jacobians && jacobians[0]) jacobians[0][0] = beyond_m > 0.0 ? weight_ * side_ : 0.0;
+    if (jacobians && jacobians[1]) jacobians[1][0] = beyond_m > 0.0 ? 0.5 * weight_ : 0.0;
+    return true;
+  }
+
+ private:
+  double side_, edge_m_, weight_;
 };
 
 /// r_w and r_o, eq. 3.9 and 3.10.
@@ -97,6 +149,32 @@ class DifferenceCost final : public ceres::SizedCostFunction<1, 1, 1> {
 
  private:
   double weight_;
+};
+
+/// weight * (offset - normal . shift)
+class ShiftCost final : public ceres::SizedCostFunction<1, 2, 1> {
+ public:
+  ShiftCost(Vec2 normal, double weight) : normal_(normal), weight_(weight) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    residuals[0] = weight_ * (*parameters[1] - dot(normal_, Vec2{parameters[0][0], parameters[0][1]}));
+    if (jacobians && jacobians[0]) jacobians[0][0] = -weight_ * normal_.x, jacobians[0][1] = -weight_ * normal_.y;
+    if (jacobians && jacobians[1]) jacobians[1][0] = weight_;
+    return true;
+  }
+
+ private:
+  Vec2 normal_;
+  double weight_;
+};
+
+/// The shift of a way, in x and y.
+class WayShiftCost final : public ceres::SizedCostFunction<2, 2> {
+ public:
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    for (int k = 0; k < 2; ++k) residuals[k] = parameters[0][k] / way_shift_m;
+    if (jacobians && jacobians[0]) jacobians[0][0] = jacobians[0][3] = 1.0 / way_shift_m, jacobians[0][1] = jacobians[0][2] = 0.0;
+    return true;
+  }
 };
 
 class PriorCost final : public ceres::SizedCostFunction<1, 1> {
@@ -153,7 +231,7 @@ void estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& parame
 }  // namespace
 
 ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const ChainShape& start,
-                   const RefineRoadsOptions& options) {
+                   const ChainCoupling& coupling, const RefineRoadsOptions& options) {
   ChainFit fit{.shape = start};
   const std::size_t count = chain.nodes.size(), last = count - 1;
   std::vector<double>&offset = fit.shape.offset_m, &width = fit.shape.width_m;
@@ -173,10 +251,30 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     problem.SetParameterUpperBound(&offset[i], 0, left_m);
     problem.SetParameterLowerBound(&width[i], 0, low);
     problem.SetParameterUpperBound(&width[i], 0, high);
-    problem.AddResidualBlock(new PriorCost(0.0, prior_offset_m), nullptr, &offset[i]);
-    problem.AddResidualBlock(new PriorCost(w0, prior_width_share * w0), nullptr, &width[i]);
     parameters.insert(parameters.end(), {&offset[i], &width[i]});
   }
+  // Errors of near nodes are not independent: each counts for its share of the length of a blob.
+  const double share = std::sqrt(std::min(1.0, options.spacing_m / label_error_length_m));
+  std::vector<double> way_width(chain.pieces.size());
+  std::vector<std::array<double, 2>> way_shift(chain.pieces.size());
+  for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
+    const ChainPiece& piece = chain.pieces[k];
+    const ChainNode& node = chain.nodes[piece.first];
+    for (std::size_t i = piece.first; i <= piece.last; ++i) way_width[k] += width[own(i)] / static_cast<double>(piece.last - piece.first + 1);
+    problem.AddResidualBlock(new PriorCost(node.input_width_m, node.width_sigma_m), nullptr, &way_width[k]);
+    problem.AddResidualBlock(new WayShiftCost, nullptr, way_shift[k].data());
+    for (std::size_t i = k == 0 ? piece.first : piece.first + 1; i <= piece.last; ++i) {  // a node between ways is of the first
+      if (own(i) != i) continue;
+      problem.AddResidualBlock(new DifferenceCost(share / (node_width_share * node.input_width_m)), nullptr, &way_width[k], &width[i]);
+      problem.AddResidualBlock(new ShiftCost(chain.nodes[i].normal, share / node_shift_m), nullptr, way_shift[k].data(), &offset[i]);
+    }
+  }
+  for (double& w : way_width) parameters.push_back(&w);
+  for (auto& shift : way_shift) parameters.push_back(shift.data());
+  for (const auto& [node, offset_m, sigma_m] : coupling.meetings)
+    problem.AddResidualBlock(new PriorCost(offset_m, sigma_m), nullptr, &offset[own(node)]);
+  for (const auto& [node, side, edge_m] : coupling.limits)
+    problem.AddResidualBlock(new LimitCost(side, edge_m, limit_weight), nullptr, &offset[own(node)], &width[own(node)]);
   std::vector<ceres::ResidualBlockId> class_blocks;
   double evidence_rows = 0.0;
   for (std::size_t i = 0; i < last; ++i) {
@@ -192,11 +290,24 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     problem.AddResidualBlock(new DifferenceCost(options.weight_width), nullptr, &width[a], &width[b]);
     problem.AddResidualBlock(new DifferenceCost(options.weight_offset), nullptr, &offset[a], &offset[b]);
   }
-  for (std::size_t i = chain.closed ? 0 : 1; i < last; ++i) {
-    const std::size_t before = i == 0 ? last - 1 : i - 1, after = own(i + 1);
-    if (before == after || before == i) continue;
-    problem.AddResidualBlock(new AngleCost(chain.nodes[before], chain.nodes[i], chain.nodes[after], options.weight_angle), nullptr,
-                             &offset[before], &offset[i], &offset[after]);
+  // Angles at inner nodes, all the way round where the chain is closed.
+  const std::size_t around = chain.closed ? last : count;
+  const auto node_at = [&](std::size_t i) { return i % around; };
+  const auto pointers = [&]<std::size_t N>(std::array<const ChainNode*, N>& nodes, std::array<double*, N>& offsets, std::size_t first) {
+    for (std::size_t k = 0; k < N; ++k) nodes[k] = &chain.nodes[node_at(first + k)], offsets[k] = &offset[node_at(first + k)];
+  };
+  const auto starts = [&](std::size_t n) { return around < n ? 0 : chain.closed ? around : around - n + 1; };
+  for (std::size_t i = 0; i < starts(3); ++i) {
+    std::array<const ChainNode*, 3> nodes;
+    std::array<double*, 3> offsets;
+    pointers(nodes, offsets, i);
+    problem.AddResidualBlock(new AngleCost(nodes, options.weight_angle), nullptr, offsets[0], offsets[1], offsets[2]);
+  }
+  for (std::size_t i = 0; i < starts(4); ++i) {
+    std::array<const ChainNode*, 4> nodes;
+    std::array<double*, 4> offsets;
+    pointers(nodes, offsets, i);
+    problem.AddResidualBlock(new CurvatureChangeCost(nodes, options.weight_curvature), nullptr, offsets[0], offsets[1], offsets[2], offsets[3]);
   }
 
   ceres::Solver::Options solver;
@@ -205,7 +316,7 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS, so no threads and no run to run differences
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = 1e-5;
+  solver.function_tolerance = 1e-7;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

@@ -11,6 +11,22 @@
 
 namespace orthodrive {
 
+/// What the roads around a chain ask of it, while they stand still.
+struct ChainCoupling {
+  struct Meeting {  ///< the line passes through a point that other roads pass through as well
+    std::size_t node = 0;
+    double offset_m = 0.0;  ///< of that point along the node's normal
+    double sigma_m = 0.0;
+  };
+  struct Limit {  ///< an edge stays on its side of a line between two parallel roads
+    std::size_t node = 0;
+    double side = 1.0;      ///< +1: the left edge, -1: the right one
+    double edge_m = 0.0;    ///< along the node's normal
+  };
+  std::vector<Meeting> meetings;
+  std::vector<Limit> limits;
+};
+
 struct ChainFit {
   ChainShape shape;
   std::vector<double> sigma_offset_m, sigma_width_m;
@@ -19,6 +35,6 @@ struct ChainFit {
 
 /// Levenberg-Marquardt from `start`. One thread, no randomness: the same result everywhere.
 [[nodiscard]] ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const ChainShape& start,
-                                 const RefineRoadsOptions& options);
+                                 const ChainCoupling& coupling, const RefineRoadsOptions& options);
 
 }  // namespace orthodrive

@@ -15,6 +15,7 @@ namespace {
 constexpr double along_weight = 0.2, end_weight = 0.5;
 // Two junctions d metres apart on one chain should move alike with weight 20 / d: a short link keeps its direction.
 constexpr double link_weight_m = 20.0;
+constexpr double meeting_sigma_m = 0.05;  // of a side road that ends; more for roads that count more
 
 struct Incidence {
   std::size_t chain = 0, node = 0;
@@ -61,9 +62,14 @@ class MoveAlikeCost final : public ceres::SizedCostFunction<2, 2, 2> {
 double smooth_decay(double x) { return x >= 1.0 ? 0.0 : 1.0 - x * x * (3.0 - 2.0 * x); }
 
 /// Where a junction lies on a chain.
-struct Stop {
+struct Incident {
   std::size_t node = 0;
   Junction* junction = nullptr;
+};
+/// Where a chain has to pass.
+struct Stop {
+  std::size_t node = 0;
+  Vec2 p;
 };
 
 std::map<std::int64_t, Junction> find_junctions(const std::vector<RoadChain>& chains) {
@@ -77,16 +83,30 @@ std::map<std::int64_t, Junction> find_junctions(const std::vector<RoadChain>& ch
   return junctions;
 }
 
-void place_junctions(const std::vector<RoadChain>& chains, const std::vector<Polyline>& lines,
-                     std::map<std::int64_t, Junction>& junctions, const std::vector<std::vector<Stop>>& stops) {
+std::vector<std::vector<Incident>> incidents_of(const std::vector<RoadChain>& chains, std::map<std::int64_t, Junction>& junctions) {
+  std::vector<std::vector<Incident>> stops(chains.size());
+  for (auto& [id, junction] : junctions)
+    for (const auto [c, i] : junction.incidences) stops[c].push_back({i, &junction});
+  for (auto& of_chain : stops)
+    std::sort(of_chain.begin(), of_chain.end(), [](const Incident& a, const Incident& b) { return a.node < b.node; });
+  return stops;
+}
+
+/// How much a chain's own line counts at a junction.
+double weight_at(const RoadChain& chain, std::size_t node) {
+  const bool passes = chain.closed || (node > 0 && node + 1 < chain.nodes.size());
+  return (1.0 + chain.rank) * (passes ? 1.0 : end_weight);
+}
+
+void solve_places(const std::vector<RoadChain>& chains, const std::vector<Polyline>& lines,
+                  std::map<std::int64_t, Junction>& junctions, const std::vector<std::vector<Incident>>& stops) {
   ceres::Problem problem;
   for (auto& [id, junction] : junctions) {
     for (const auto [c, i] : junction.incidences) {
       const Polyline& line = lines[c];
-      const bool closed = chains[c].closed, passes = closed || (i > 0 && i + 1 < line.size());
-      const Vec2 behind = i > 0 ? line[i - 1] : closed ? line[line.size() - 2] : line[i];
+      const Vec2 behind = i > 0 ? line[i - 1] : chains[c].closed ? line[line.size() - 2] : line[i];
       const Vec2 tangent = normalized(line[std::min(i + 1, line.size() - 1)] - behind);
-      const double weight = (1.0 + chains[c].rank) * (passes ? 1.0 : end_weight);
+      const double weight = weight_at(chains[c], i);
       problem.AddResidualBlock(new OnLineCost(line[i], left_normal(tangent), weight), nullptr, junction.p);
       problem.AddResidualBlock(new OnLineCost(line[i], tangent, along_weight * weight), nullptr, junction.p);
       junction.p[0] += line[i].x / static_cast<double>(junction.incidences.size());
@@ -95,7 +115,7 @@ void place_junctions(const std::vector<RoadChain>& chains, const std::vector<Pol
   }
   for (std::size_t c = 0; c < chains.size(); ++c)
     for (std::size_t k = 0; k + 1 < stops[c].size(); ++k) {
-      const Stop &a = stops[c][k], &b = stops[c][k + 1];
+      const Incident &a = stops[c][k], &b = stops[c][k + 1];
       const double apart_m = chains[c].nodes[b.node].s_m - chains[c].nodes[a.node].s_m;
       if (a.junction != b.junction)
         problem.AddResidualBlock(new MoveAlikeCost(lines[c][a.node] - lines[c][b.node], link_weight_m / std::max(1.0, apart_m)),
@@ -117,7 +137,7 @@ void bend_to_stops(const RoadChain& chain, const std::vector<Stop>& stops, doubl
   const auto s_of = [&](std::size_t k) { return chain.nodes[stops[k].node].s_m; };
   const Polyline fitted = line;
   for (std::size_t k = 0; k < stops.size(); ++k) {
-    const Vec2 move = Vec2{stops[k].junction->p[0], stops[k].junction->p[1]} - fitted[stops[k].node];
+    const Vec2 move = stops[k].p - fitted[stops[k].node];
     double behind_m = bend_m, ahead_m = bend_m;
     if (k > 0) behind_m = s_of(k) - s_of(k - 1);
     else if (chain.closed) behind_m = s_of(0) + total_m - s_of(stops.size() - 1);
@@ -130,23 +150,34 @@ void bend_to_stops(const RoadChain& chain, const std::vector<Stop>& stops, doubl
       line[i] = line[i] + move * smooth_decay(std::abs(d) / reach_m);
     }
   }
-  for (const Stop& stop : stops) line[stop.node] = {stop.junction->p[0], stop.junction->p[1]};
+  for (const Stop& stop : stops) line[stop.node] = stop.p;
   if (chain.closed) line.back() = line.front();
 }
 
 }  // namespace
 
-void join_junctions(const std::vector<RoadChain>& chains, std::vector<Polyline>& lines, const JoinOptions& options) {
+std::vector<JunctionPlace> place_junctions(const std::vector<RoadChain>& chains, const std::vector<Polyline>& lines) {
   std::map<std::int64_t, Junction> junctions = find_junctions(chains);
-  if (junctions.empty()) return;
-  std::vector<std::vector<Stop>> stops(chains.size());
-  for (auto& [id, junction] : junctions)
-    for (const auto [c, i] : junction.incidences) stops[c].push_back({i, &junction});
-  for (auto& of_chain : stops)
-    std::sort(of_chain.begin(), of_chain.end(), [](const Stop& a, const Stop& b) { return a.node < b.node; });
+  if (junctions.empty()) return {};
+  solve_places(chains, lines, junctions, incidents_of(chains, junctions));
+  std::vector<JunctionPlace> places;
+  for (const auto& [id, junction] : junctions) {
+    JunctionPlace& place = places.emplace_back(JunctionPlace{{junction.p[0], junction.p[1]}, {}});
+    // Who counts most gives way least.
+    for (const auto [c, i] : junction.incidences) place.passes.push_back({c, i, meeting_sigma_m * weight_at(chains[c], i)});
+  }
+  return places;
+}
 
-  place_junctions(chains, lines, junctions, stops);
-  for (std::size_t c = 0; c < chains.size(); ++c) bend_to_stops(chains[c], stops[c], options.bend_m, lines[c]);
+void bend_to_junctions(const std::vector<RoadChain>& chains, const std::vector<JunctionPlace>& places,
+                       std::vector<Polyline>& lines, double bend_m) {
+  std::vector<std::vector<Stop>> stops(chains.size());
+  for (const JunctionPlace& place : places)
+    for (const JunctionPlace::Pass& pass : place.passes) stops[pass.chain].push_back({pass.node, place.p});
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    std::sort(stops[c].begin(), stops[c].end(), [](const Stop& a, const Stop& b) { return a.node < b.node; });
+    bend_to_stops(chains[c], stops[c], bend_m, lines[c]);
+  }
 }
 
 }  // namespace orthodrive

@@ -9,6 +9,7 @@
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/fit_chain.hpp"
 #include "orthodrive/refine/join_junctions.hpp"
+#include "orthodrive/refine/parallel_roads.hpp"
 #include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
 
@@ -22,9 +23,9 @@ struct RefinedChain {
   std::vector<bool> road_near;  // one a segment
 };
 
-void check(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options) {
-  if (!(osm.crs == labels.crs))
-    throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition, labels.crs.definition));
+void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options) {
+  if (!(osm.crs == evidence.crs))
+    throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition, evidence.crs.definition));
   if (!(options.spacing_m > 0.0) || !(options.search_radius_m > 0.0) || !(options.strip_m > 0.0) ||
       !(options.min_width_factor > 0.0) || !(options.max_width_factor > options.min_width_factor))
     throw OptionError("refine: spacing, search radius, strip and width factors must be positive, the largest factor above the smallest");
@@ -35,17 +36,110 @@ void check(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOpti
   }
 }
 
-RefinedChain refine_chain(const RoadChain& chain, const LabelMap& labels, const RefineRoadsOptions& options) {
+/// The evidence straightened along a chain, as far as its roads may move. The search looks at strips wider than the fit's.
+CrossProfiles profiles_of(const RoadChain& chain, const RoadEvidence& evidence, const RefineRoadsOptions& options) {
   double widest_m = 0.0;
   for (const ChainNode& node : chain.nodes) widest_m = std::max(widest_m, node.input_width_m);
-  // The search looks at strips wider than those of the fit.
-  const double half_m = options.search_radius_m + 0.5 * options.max_width_factor * widest_m + 2.0 * options.strip_m;
-  const CrossProfiles profiles = sample_cross_profiles(chain, labels, half_m);
-  RefinedChain refined{.fit = fit_chain(chain, profiles, search_offsets(chain, profiles, options), options)};
-  for (std::size_t row = 0; row < profiles.road_near.size(); row += rows_per_segment)
-    refined.road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
-  return refined;
+  return sample_cross_profiles(chain, evidence,
+                               options.search_radius_m + 0.5 * options.max_width_factor * widest_m + 2.0 * options.strip_m);
 }
+
+Polyline line_of(const RoadChain& chain, const ChainShape& shape) {
+  Polyline line;
+  for (std::size_t i = 0; i < chain.nodes.size(); ++i) line.push_back(chain.nodes[i].base + chain.nodes[i].normal * shape.offset_m[i]);
+  return line;
+}
+
+/// All chains of a site with what the stages of the method know of them. Chains move one by one, in parallel, against what
+/// stands still around them; rounds bring them together. Profiles are made anew each time: kept, they would be most of the
+/// memory.
+class Refinement {
+ public:
+  Refinement(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options, Monitor* monitor)
+      : osm_(osm), evidence_(evidence), options_(options), monitor_(monitor),
+        chains_(build_chains(osm, {.spacing_m = options.spacing_m})) {
+    mask_evidence(chains_, osm);
+    neighbours_ = find_neighbours(chains_, osm);
+    shapes_.resize(chains_.size());
+    refined_.resize(chains_.size());
+  }
+
+  /// First guesses. Where two roads have chosen the same place, the one that has left its way for it chooses again.
+  void search() {
+    const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
+      CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
+      mask_neighbours(occupied, profiles);
+      return search_offsets(chains_[c], profiles, options_);
+    };
+    parallel_for(chains_.size(), options_.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
+                 [&](std::size_t done) { report(0, done); });
+    constexpr int sweeps = 2;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      std::vector<ChainShape> next = shapes_;
+      parallel_for(chains_.size(), options_.threads, [&](std::size_t c) {
+        const std::vector<Occupied> occupied = occupied_by_neighbours(c, neighbours_, shapes_);
+        if (std::ranges::any_of(occupied, [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
+          next[c] = search_chain(c, occupied);
+      });
+      shapes_ = std::move(next);
+    }
+  }
+
+  /// Fits every chain by itself, decides where roads meet by these lines, which nothing has bent yet, and fits once more: now
+  /// chains pass through their junctions and keep to their side of neighbours.
+  void fit() {
+    fit_chains(1, std::vector<ChainCoupling>(chains_.size()));
+    junctions_ = place_junctions(chains_, lines());
+    std::vector<ChainCoupling> couplings(chains_.size());
+    for (const JunctionPlace& place : junctions_)
+      for (const auto& [chain, node, sigma_m] : place.passes) {
+        const ChainNode& at = chains_[chain].nodes[node];
+        couplings[chain].meetings.push_back({node, dot(place.p - at.base, at.normal), sigma_m});
+      }
+    for (std::size_t c = 0; c < chains_.size(); ++c) couplings[c].limits = limits_of(occupied_by_neighbours(c, neighbours_, shapes_));
+    fit_chains(2, couplings);
+  }
+
+  [[nodiscard]] RefineRoadsResult result() const;
+
+ private:
+  static constexpr double tolerated_overlap_m = 0.5;
+
+  [[nodiscard]] std::vector<Polyline> lines() const {
+    std::vector<Polyline> lines;
+    for (std::size_t c = 0; c < chains_.size(); ++c) lines.push_back(line_of(chains_[c], shapes_[c]));
+    return lines;
+  }
+  void fit_chains(int phase, const std::vector<ChainCoupling>& couplings) {
+    parallel_for(
+        chains_.size(), options_.threads,
+        [&](std::size_t c) {
+          if (phase > 1 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
+          CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
+          mask_neighbours(occupied_by_neighbours(c, neighbours_, shapes_), profiles);
+          refined_[c].fit = fit_chain(chains_[c], profiles, shapes_[c], couplings[c], options_);
+          refined_[c].road_near.clear();
+          for (std::size_t row = 0; row < profiles.road_near.size(); row += rows_per_segment)
+            refined_[c].road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
+        },
+        [&](std::size_t done) { report(phase, done); });
+    for (std::size_t c = 0; c < chains_.size(); ++c) shapes_[c] = refined_[c].fit.shape;
+  }
+  void report(int phase, std::size_t done) const {
+    constexpr double phases = 3.0;
+    if (monitor_) monitor_->progress((phase + static_cast<double>(done) / static_cast<double>(chains_.size())) / phases, "refine");
+  }
+
+  const RoadNetwork& osm_;
+  const RoadEvidence& evidence_;
+  const RefineRoadsOptions& options_;
+  Monitor* monitor_;
+  std::vector<RoadChain> chains_;
+  std::vector<std::vector<Neighbour>> neighbours_;
+  std::vector<JunctionPlace> junctions_;
+  std::vector<ChainShape> shapes_;
+  std::vector<RefinedChain> refined_;
+};
 
 /// Long stretches where the labels show no road although they should: tunnels are not expected to be seen.
 void report_unseen(const RoadChain& chain, const RefinedChain& refined, const RoadNetwork& osm, Findings& findings) {
@@ -86,45 +180,42 @@ RoadPath pack_path(const RoadPath& input, const RoadChain& chain, const ChainPie
   return path;
 }
 
-}  // namespace
-
-RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options, Monitor* monitor) {
-  check(osm, labels, options);
-  std::vector<RoadChain> chains = build_chains(osm, {.spacing_m = options.spacing_m});
-  mask_evidence(chains, osm);
-
-  std::vector<RefinedChain> refined(chains.size());
-  parallel_for(
-      chains.size(), options.threads, [&](std::size_t c) { refined[c] = refine_chain(chains[c], labels, options); },
-      [&](std::size_t done) {
-        if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(chains.size()), "refine");
-      });
-
-  std::vector<Polyline> lines(chains.size());
-  for (std::size_t c = 0; c < chains.size(); ++c)
-    for (std::size_t i = 0; i < chains[c].nodes.size(); ++i)
-      lines[c].push_back(chains[c].nodes[i].base + chains[c].nodes[i].normal * refined[c].fit.shape.offset_m[i]);
-  join_junctions(chains, lines);
-
-  RefineRoadsResult result{.roads = {.crs = osm.crs, .paths = std::vector<RoadPath>(osm.paths.size())}};
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    const ChainFit& fit = refined[c].fit;
+RefineRoadsResult Refinement::result() const {
+  std::vector<Polyline> lines = this->lines();
+  bend_to_junctions(chains_, junctions_, lines);
+  RefineRoadsResult result{.roads = {.crs = osm_.crs, .paths = std::vector<RoadPath>(osm_.paths.size())}};
+  for (std::size_t c = 0; c < chains_.size(); ++c) {
+    const ChainFit& fit = refined_[c].fit;
     result.solve.converged = result.solve.converged && fit.solve.converged;
     result.solve.iterations = std::max(result.solve.iterations, fit.solve.iterations);
     result.solve.cost_before += fit.solve.cost_before;
     result.solve.cost_after += fit.solve.cost_after;
-    report_unseen(chains[c], refined[c], osm, result.findings);
+    report_unseen(chains_[c], refined_[c], osm_, result.findings);
     if (!fit.solve.converged) {
-      const ChainPiece& piece = chains[c].pieces.front();
+      const ChainPiece& piece = chains_[c].pieces.front();
       const Vec2 middle = lines[c][lines[c].size() / 2];
       result.findings.push_back({Severity::info, "refine.not_converged",
-                                 fmt::format("way {}: no convergence after {} iterations", osm.paths[piece.path].osm_id, fit.solve.iterations),
+                                 fmt::format("way {}: no convergence after {} iterations", osm_.paths[piece.path].osm_id, fit.solve.iterations),
                                  middle.x, middle.y});
     }
-    for (const ChainPiece& piece : chains[c].pieces)
-      result.roads.paths[piece.path] = pack_path(osm.paths[piece.path], chains[c], piece, fit, lines[c]);
+    for (const ChainPiece& piece : chains_[c].pieces)
+      result.roads.paths[piece.path] = pack_path(osm_.paths[piece.path], chains_[c], piece, fit, lines[c]);
   }
   return result;
+}
+
+}  // namespace
+
+RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options, Monitor* monitor) {
+  check(osm, evidence, options);
+  Refinement refinement(osm, evidence, options, monitor);
+  refinement.search();
+  refinement.fit();
+  return refinement.result();
+}
+
+RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options, Monitor* monitor) {
+  return refine_roads(osm, road_evidence(labels), options, monitor);
 }
 
 }  // namespace orthodrive

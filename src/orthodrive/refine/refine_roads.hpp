@@ -20,8 +20,9 @@ struct RefineRoadsOptions {
   double min_width_factor = 0.5;   ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
   double weight_class = 10.0;      ///< w_c
-  double weight_angle = 60.0;      ///< w_a, 1/rad
-  double weight_width = 20.0;      ///< w_w, 1/m
+  double weight_angle = 20.0;      ///< w_a, 1/rad
+  double weight_curvature = 150.0; ///< w_k, 1/rad, of the change of the angle from node to node
+  double weight_width = 40.0;      ///< w_w, 1/m
   double weight_offset = 0.2;      ///< w_o, 1/m
   int max_iterations = 60;
   int threads = 0;                 ///< 0 = all cores; the result does not depend on it
@@ -33,8 +34,11 @@ struct RefineRoadsResult {
   Findings findings;  ///< "refine.no_road_seen", "refine.not_converged"
 };
 
-/// `osm` and `labels` share one CRS (throws OptionError). Paths outside the labels keep the OSM line.
+/// `osm` and `evidence` share one CRS (throws OptionError). Paths outside the evidence keep the OSM line.
 /// Time and memory are linear in the length of the roads.
+[[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
+                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr);
+/// The same with labels that are taken for sure.
 [[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels,
                                              const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr);
 

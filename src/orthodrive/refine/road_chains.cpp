@@ -51,6 +51,17 @@ Vec2 point_along(std::span<const Vec2> line, std::span<const double> s, double a
   return line[i] + (line[i + 1] - line[i]) * (length > 0.0 ? std::clamp((at - s[i]) / length, 0.0, 1.0) : 0.0);
 }
 
+/// Standard deviation of an input width as a share of it. Measured on hand-made carriageways: default widths err by a fifth
+/// to a third; tags are of the carriageway in most cases, of the lanes alone or with pavements in some.
+double width_sigma_share(WidthSource source) {
+  switch (source) {
+    case WidthSource::tag: return 0.1;
+    case WidthSource::lanes: return 0.2;
+    case WidthSource::highway: break;
+  }
+  return 0.3;
+}
+
 RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std::int64_t, int>& incidences,
                    const ChainOptions& options) {
   RoadChain chain{.closed = walk.closed, .pieces = walk.pieces};
@@ -61,11 +72,13 @@ RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std:
   for (ChainPiece& piece : chain.pieces) {
     const RoadPath& path = osm.paths[piece.path];
     chain.rank = std::max(chain.rank, road_rank(path.highway));
+    const double sigma_share = width_sigma_share(path.width_source);
     std::vector<RoadNode> nodes = path.nodes;
     if (piece.reversed) std::reverse(nodes.begin(), nodes.end());
     piece.first = chain.nodes.empty() ? 0 : chain.nodes.size() - 1;
     if (chain.nodes.empty()) chain.nodes.push_back({.base = nodes.front().p, .osm_node = nodes.front().osm_node,
-                                                    .input_width_m = nodes.front().width_m});
+                                                    .input_width_m = nodes.front().width_m,
+                                                    .width_sigma_m = sigma_share * nodes.front().width_m});
     append(nodes.front().p);
     for (std::size_t begin = 0; begin + 1 < nodes.size();) {  // from kept node to kept node
       std::size_t end = begin + 1;
@@ -77,7 +90,8 @@ RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std:
       for (int step = 1; step <= steps; ++step)
         chain.nodes.push_back({.base = point_along(part, s, s.back() * step / steps, false),
                                .osm_node = step == steps ? nodes[end].osm_node : 0,
-                               .input_width_m = nodes[begin].width_m});
+                               .input_width_m = nodes[begin].width_m,
+                               .width_sigma_m = sigma_share * nodes[begin].width_m});
       begin = end;
     }
     piece.last = chain.nodes.size() - 1;

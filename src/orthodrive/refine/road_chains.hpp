@@ -15,6 +15,7 @@ struct ChainNode {
   std::int64_t osm_node = 0;   ///< kept where paths meet or end
   double s_m = 0.0;            ///< along the OSM line
   double input_width_m = 0.0;
+  double width_sigma_m = 0.0;  ///< standard deviation of the input width, by where it comes from
   double evidence = 1.0;       ///< 0..1: how much the labels count between this node and the next
 };
 

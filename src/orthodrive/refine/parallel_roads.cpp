@@ -1,0 +1,162 @@
+#include "orthodrive/refine/parallel_roads.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+namespace orthodrive {
+namespace {
+
+constexpr double reach_m = 25.0;           // two roads of 9 m, both 8 m off
+constexpr double nearest_m = 3.0;          // OSM lines closer than that are one road that splits
+constexpr double least_alignment = 0.9397; // cos 20 degrees, as the no-overlap constraint of Mattyus et al. 2015
+constexpr double junction_m = 40.0;        // roads that split run into each other for about so far
+constexpr double watched_gap_m = 1.0;      // edges further apart need no limit
+
+struct Segment {
+  std::uint32_t chain = 0, segment = 0;
+};
+
+/// Segments of all chains by cells of the reach.
+class SegmentGrid {
+ public:
+  explicit SegmentGrid(const std::vector<RoadChain>& chains) {
+    for (std::size_t c = 0; c < chains.size(); ++c)
+      for (std::size_t i = 0; i + 1 < chains[c].nodes.size(); ++i) {
+        const Vec2 middle = 0.5 * (chains[c].nodes[i].base + chains[c].nodes[i + 1].base);
+        cells_[key(cell(middle.x), cell(middle.y))].push_back({static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
+      }
+  }
+  template <typename Visit>
+  void near(Vec2 p, const Visit& visit) const {
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto it = cells_.find(key(cell(p.x) + dx, cell(p.y) + dy));
+        if (it == cells_.end()) continue;
+        for (const Segment& segment : it->second) visit(segment);
+      }
+  }
+
+ private:
+  static std::int64_t cell(double x) { return static_cast<std::int64_t>(std::floor(x / (1.5 * reach_m))); }
+  static std::uint64_t key(std::int64_t x, std::int64_t y) {
+    return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL ^ static_cast<std::uint64_t>(y);
+  }
+  std::unordered_map<std::uint64_t, std::vector<Segment>> cells_;  // looked up by key only
+};
+
+/// Layer of every segment of a chain.
+std::vector<int> layers_of(const RoadChain& chain, const RoadNetwork& osm) {
+  std::vector<int> layers(chain.nodes.size(), 0);
+  for (const ChainPiece& piece : chain.pieces)
+    for (std::size_t i = piece.first; i < piece.last; ++i) layers[i] = osm.paths[piece.path].layer;
+  if (layers.size() > 1) layers.back() = layers[layers.size() - 2];
+  return layers;
+}
+
+/// Places along a chain of the OSM nodes that it shares with others.
+using Meetings = std::vector<std::map<std::int64_t, double>>;
+
+bool meet_near(const Meetings& meetings, std::size_t a, double s_a_m, std::size_t b, double s_b_m) {
+  for (const auto& [id, s_m] : meetings[a]) {
+    if (std::abs(s_m - s_a_m) > junction_m) continue;
+    const auto other = meetings[b].find(id);
+    if (other != meetings[b].end() && std::abs(other->second - s_b_m) <= junction_m) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::vector<Neighbour>> find_neighbours(const std::vector<RoadChain>& chains, const RoadNetwork& osm) {
+  const SegmentGrid grid(chains);
+  std::vector<std::vector<int>> layers;
+  Meetings meetings(chains.size());
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    layers.push_back(layers_of(chains[c], osm));
+    for (const ChainNode& node : chains[c].nodes)
+      if (node.osm_node > 0) meetings[c].emplace(node.osm_node, node.s_m);
+  }
+  std::vector<std::vector<Neighbour>> neighbours(chains.size());
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (std::size_t i = 0; i < chains[c].nodes.size(); ++i) {
+      const ChainNode& node = chains[c].nodes[i];
+      std::optional<Neighbour> left, right;
+      grid.near(node.base, [&](const Segment& at) {
+        if (at.chain == c || layers[at.chain][at.segment] != layers[c][i]) return;
+        const ChainNode &a = chains[at.chain].nodes[at.segment], &b = chains[at.chain].nodes[at.segment + 1];
+        const Vec2 along = b.base - a.base;
+        const double across = cross(along, node.normal);  // 0 where the other line runs along the normal
+        if (across == 0.0) return;
+        const double fraction = cross(node.base - a.base, node.normal) / across;
+        if (fraction < 0.0 || fraction >= 1.0) return;
+        const double t = dot(a.base + along * fraction - node.base, node.normal);
+        const double alignment = dot(normalized(a.normal + (b.normal - a.normal) * fraction), node.normal);
+        if (std::abs(t) > reach_m || std::abs(t) < nearest_m || std::abs(alignment) < least_alignment) return;
+        if (meet_near(meetings, c, node.s_m, at.chain, a.s_m)) return;
+        std::optional<Neighbour>& nearest = t > 0.0 ? left : right;
+        if (!nearest || std::abs(t) < std::abs(nearest->base_m)) nearest = Neighbour{i, at.chain, at.segment, fraction, t, alignment};
+      });
+      for (const auto& found : {left, right})
+        if (found) neighbours[c].push_back(*found);
+    }
+  return neighbours;
+}
+
+std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vector<std::vector<Neighbour>>& neighbours,
+                                             const std::vector<ChainShape>& shapes) {
+  std::vector<Occupied> occupied;
+  if (neighbours[chain].empty()) return occupied;
+  std::map<std::size_t, double> usual_m;  // median offset of a chain
+  const auto strays_m = [&](std::size_t c, double offset_m) {
+    const auto [it, fresh] = usual_m.try_emplace(c, 0.0);
+    if (fresh) {
+      std::vector<double> offsets = shapes[c].offset_m;
+      const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
+      std::nth_element(offsets.begin(), middle, offsets.end());
+      it->second = *middle;
+    }
+    return std::abs(offset_m - it->second);
+  };
+  const ChainShape& own = shapes[chain];
+  for (const Neighbour& n : neighbours[chain]) {
+    const auto value = [&](const std::vector<double>& of_nodes) {
+      return of_nodes[n.segment] + n.fraction * (of_nodes[n.segment + 1] - of_nodes[n.segment]);
+    };
+    const double side = n.base_m > 0.0 ? 1.0 : -1.0, offset_m = value(shapes[n.chain].offset_m);
+    const double edge_m = n.base_m + n.alignment * offset_m - side * 0.5 * value(shapes[n.chain].width_m);
+    const double overlap_m = side * (own.offset_m[n.node] - edge_m) + 0.5 * own.width_m[n.node];
+    const double own_strays_m = strays_m(chain, own.offset_m[n.node]), other_strays_m = strays_m(n.chain, offset_m);
+    occupied.push_back({n.node, side, edge_m, overlap_m,
+                        own_strays_m > other_strays_m || (own_strays_m == other_strays_m && chain > n.chain)});
+  }
+  return occupied;
+}
+
+void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profiles) {
+  const std::size_t cells = static_cast<std::size_t>(profiles.cells);
+  for (const auto& [node, side, edge_m, overlap_m, yields] : occupied) {
+    const double border_m = edge_m + (yields ? 0.0 : side * 0.5 * std::max(0.0, overlap_m));
+    for (std::size_t row = node * rows_per_segment; row < std::min((node + 1) * rows_per_segment, profiles.evidence.size()); ++row) {
+      for (std::size_t k = 0; k < cells; ++k) {
+        const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
+        if (side * (t - border_m) <= 0.0) continue;
+        profiles.false_positive[row * cells + k] = 0.0F;
+        profiles.false_negative[row * cells + k] = 1.0F;
+      }
+      profiles.look_again(row);
+    }
+  }
+}
+
+std::vector<ChainCoupling::Limit> limits_of(const std::vector<Occupied>& occupied) {
+  std::vector<ChainCoupling::Limit> limits;
+  for (const Occupied& o : occupied)
+    if (o.overlap_m > -watched_gap_m) limits.push_back({o.node, o.side, o.edge_m + o.side * 0.5 * o.overlap_m});
+  return limits;
+}
+
+}  // namespace orthodrive
