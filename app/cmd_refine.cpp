@@ -18,7 +18,7 @@ namespace orthodrive::app {
 namespace {
 
 struct RefineCommand {
-  std::filesystem::path osm, labels, out;
+  std::filesystem::path osm, labels, road_probability, out;
   std::string method = "default", weights = "1+2";
   RefineRoadsOptions options;
 };
@@ -49,10 +49,14 @@ void run(const RefineCommand& command, const Context& context) {
   const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels));
   RefineRoadsOptions options = command.options;
   options.threads = context.threads;
+  const auto evidence = [&] {
+    return command.road_probability.empty() ? road_evidence(labels)
+                                            : road_evidence(labels, io::read_confidence(command.road_probability));
+  };
   const RefineRoadsResult result =
       command.method == "nlo"
           ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
-          : refine_roads(osm, labels, options, context.monitor);
+          : refine_roads(osm, evidence(), options, context.monitor);
   io::write_roads(command.out, result.roads);
 
   double offset_m = 0.0;
@@ -71,6 +75,8 @@ void add_refine(CLI::App& app, Context& context) {
   CLI::App* cmd = app.add_subcommand("refine", "Move OSM roads onto the road seen in the labels and measure their width.");
   cmd->add_option("--osm", command->osm, "OSM roads (.osm, .osm.pbf)")->required();
   cmd->add_option("--labels", command->labels, "label map of `orthodrive segment`: gives area and CRS")->required();
+  cmd->add_option("--road-probability", command->road_probability,
+                  "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is");
   cmd->add_option("-o,--output", command->out, "refined roads (GeoPackage)")->required();
   cmd->add_option("--method", command->method, "default, or nlo: the reference's, to compare with")
       ->check(CLI::IsMember({"default", "nlo"}))->capture_default_str();

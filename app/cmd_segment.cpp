@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SegmentCommand {
-  fs::path photo, labels, confidence;
+  fs::path photo, labels, confidence, road_probability;
   std::string model = "default";
   bool crf = false;
   int crf_iterations = 0;  ///< 0: the model's
@@ -42,17 +42,21 @@ void run(SegmentCommand& command, const Context& context) {
   const PhotoSource photo = io::open_photo(command.photo, site_of(command.photo), {.threads = context.threads});
   const GridFrame frame = label_frame(photo.frame, model);
   io::RasterStream labels = io::stream_labels(command.labels, photo.crs, frame, model.classes);
-  std::optional<io::RasterStream> confidence;
+  std::optional<io::RasterStream> confidence, road_probability;
   if (!command.confidence.empty()) confidence.emplace(io::stream_confidence(command.confidence, photo.crs, frame));
+  if (!command.road_probability.empty())
+    road_probability.emplace(io::stream_confidence(command.road_probability, photo.crs, frame));
   const SegmentSummary summary = segment_mosaic(
       photo, model,
-      [&](const PixelBox& box, const Raster<std::uint8_t>& label, const Raster<std::uint8_t>& probability) {
-        labels.write(box, label);
-        if (confidence) confidence->write(box, probability);
+      [&](const PixelBox& box, const LabelledPixels& pixels) {
+        labels.write(box, pixels.labels);
+        if (confidence) confidence->write(box, pixels.confidence);
+        if (road_probability) road_probability->write(box, pixels.road_probability);
       },
       command.options, context.monitor);
   labels.finish();
   if (confidence) confidence->finish();
+  if (road_probability) road_probability->finish();
   for (const Finding& finding : summary.findings) context.monitor->info(finding.message);
 }
 
@@ -64,6 +68,8 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_option("photo", command->photo, "orthophoto, any georeferenced raster GDAL reads")->required();
   cmd->add_option("-o,--output", command->labels, "label map (palette GeoTIFF with class table)")->required();
   cmd->add_option("--confidence", command->confidence, "also write the probability of each label (GeoTIFF, 0..255)");
+  cmd->add_option("--road-probability", command->road_probability,
+                  "also write the probability of road, whatever the label (GeoTIFF, 0..255): for `refine`");
   cmd->add_option("--model", command->model, "name in the models folder or a .safetensors file")->capture_default_str();
   cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
   cmd->add_option("--crf-iterations", command->crf_iterations, "mean-field iterations; 0: as trained")->check(CLI::Range(0, 100));

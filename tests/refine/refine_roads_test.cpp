@@ -160,7 +160,7 @@ TEST(RefineRoads, hidden_stretches_have_the_width_of_what_is_seen_of_the_road) {
 TEST(RefineRoads, tagged_widths_count_more_than_those_of_the_class) {
   RoadScene scene = make_scene(400.0);
   add_way(scene, 1, map_line(straight(at(20, 200), at(380, 200)), {}, 5.0));
-  add_truth(scene, straight(at(20, 200), at(80, 200)), 6.0);  // hardly anything is seen of it
+  add_truth(scene, straight(at(20, 200), at(44, 200)), 6.0);  // hardly anything is seen of it
   const auto width_of = [&](WidthSource source) {
     scene.osm.paths[0].width_source = source;
     return refine_roads(scene.osm, scene.labels).roads.paths[0].nodes[150].width_m;
@@ -190,6 +190,36 @@ TEST(RefineRoads, curvature_changes_smoothly) {
   }
   // The clothoids change by 1 / 80 m over 60 m, 0.0004 from node to node; pixels of half a metre do the rest.
   EXPECT_LT(largest_jump, 0.002);
+}
+
+TEST(RoadEvidence, is_the_expected_cost_of_a_pixel) {
+  RoadScene scene = make_scene(2.0);  // 4 x 4 px of grass
+  scene.labels.labels.at(1, 0) = label_road;
+  scene.labels.labels.at(2, 0) = label_parking;
+  scene.labels.labels.at(3, 0) = label_nodata;
+  const RoadEvidence sure = road_evidence(scene.labels);
+  EXPECT_EQ(sure.outside.data[0], 0);
+  EXPECT_EQ(sure.inside.data[0], 255);
+  EXPECT_EQ(sure.outside.data[1], 255);
+  EXPECT_EQ(sure.inside.data[1], 0);
+  EXPECT_EQ(sure.outside.data[2], 0);
+  EXPECT_EQ(sure.inside.data[2], 51);
+  EXPECT_EQ(sure.outside.data[3], 0);
+  EXPECT_EQ(sure.inside.data[3], 0);
+
+  ConfidenceMap road{scene.labels.crs, scene.labels.frame, Raster<std::uint8_t>(4, 4)};
+  road.confidence.data[0] = 51, road.confidence.data[1] = 204, road.confidence.data[2] = 102, road.confidence.data[3] = 0;
+  const RoadEvidence soft = road_evidence(scene.labels, road);
+  EXPECT_EQ(soft.outside.data[0], 51);
+  EXPECT_EQ(soft.inside.data[0], 204);
+  EXPECT_EQ(soft.outside.data[1], 204);
+  EXPECT_EQ(soft.inside.data[1], 51);
+  EXPECT_EQ(soft.outside.data[2], 102);
+  EXPECT_EQ(soft.inside.data[2], 31);
+  EXPECT_EQ(soft.outside.data[3], 0);
+  EXPECT_EQ(soft.inside.data[3], 0);
+  road.frame.west_m += 0.5;
+  EXPECT_THROW((void)road_evidence(scene.labels, road), OptionError);
 }
 
 /// Coverage of pixels by a straight road, as probabilities of a network that is sure of what it sees.

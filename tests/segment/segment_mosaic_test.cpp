@@ -72,11 +72,15 @@ TEST(SegmentMosaic, boxes_come_in_order_and_cover_the_frame_once) {
   PixelBox before{-1, 0, 0, 0};
   const SegmentSummary summary = segment_mosaic(
       source_of(photo), shipped_model(),
-      [&](const PixelBox& box, const Raster<std::uint8_t>& labels, const Raster<std::uint8_t>& confidence) {
+      [&](const PixelBox& box, const LabelledPixels& pixels) {
         EXPECT_TRUE(box.row > before.row || (box.row == before.row && box.col > before.col));
         before = box;
-        ASSERT_EQ(std::pair(labels.width, labels.height), std::pair(box.width, box.height));
-        ASSERT_EQ(confidence.data.size(), labels.data.size());
+        ASSERT_EQ(std::pair(pixels.labels.width, pixels.labels.height), std::pair(box.width, box.height));
+        ASSERT_EQ(pixels.confidence.data.size(), pixels.labels.data.size());
+        for (std::size_t i = 0; i < pixels.labels.data.size(); ++i) {
+          const int label = pixels.labels.data[i], road = pixels.road_probability.data[i], sure = pixels.confidence.data[i];
+          ASSERT_TRUE(label == label_nodata ? road == 0 : label == 1 ? road == sure : road + sure <= 256) << "both are rounded";
+        }
         for (int row = 0; row < box.height; ++row)
           for (int col = 0; col < box.width; ++col)
             ++seen.at(static_cast<int>(box.col) + col, static_cast<int>(box.row) + row);
@@ -89,7 +93,7 @@ TEST(SegmentMosaic, boxes_come_in_order_and_cover_the_frame_once) {
 
 TEST(SegmentMosaic, what_fails_in_reading_or_writing_ends_the_run_whatever_waits) {
   const Photo photo = painted_photo(400, 200, 0.5);
-  const LabelSink full_disk = [](const PixelBox& box, const auto&, const auto&) {
+  const LabelSink full_disk = [](const PixelBox& box, const LabelledPixels&) {
     if (box.col > 0) throw Error("labels.tif: disk full");
   };
   const SegmentOptions options{.window_px = 66, .threads = 3};

@@ -26,6 +26,13 @@ struct LabelMap {
   ClassTable classes;
 };
 
+/// A probability for every pixel, 0..255 = 0..1: of the winning class, of road.
+struct ConfidenceMap {
+  Crs crs;
+  GridFrame frame;
+  Raster<std::uint8_t> confidence;
+};
+
 /// What the photo says about roads: the expected class cost (class_table.hpp) of a pixel just outside a road and of one
 /// inside it, 0..255 = 0..1. Both 0 where nothing is known.
 struct RoadEvidence {
@@ -35,13 +42,9 @@ struct RoadEvidence {
 };
 /// Of labels that are taken for sure.
 [[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels);
-
-/// Probability of the winning class, 0..255 = 0..1.
-struct ConfidenceMap {
-  Crs crs;
-  GridFrame frame;
-  Raster<std::uint8_t> confidence;
-};
+/// With the probability of road on the grid of the labels (throws OptionError for another): what is no road has the costs of
+/// its label, or of ground where the label is road.
+[[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels, const ConfidenceMap& road_probability);
 
 /// Heights at pixel centres in metres, NaN where there is none (nodata).
 struct HeightGrid {

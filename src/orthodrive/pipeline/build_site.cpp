@@ -155,30 +155,33 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                               static_cast<double>(result.stages.back().peak_memory_bytes) / 1e6));
   };
 
-  stage("segment", {sources.hashes["photo"], sources.hashes["model"], site.crf}, {"labels.tif", "confidence.tif"}, [&] {
+  stage("segment", {sources.hashes["photo"], sources.hashes["model"], site.crf}, {"labels.tif", "confidence.tif", "road_probability.tif"}, [&] {
     // The photo streams: other stages hold it in memory, this one never does.
     const PhotoSource source = io::open_photo(site.photo, site.frame, {.threads = options.threads});
     const GridFrame frame = label_frame(source.frame, sources.model);
     io::RasterStream label_stream = io::stream_labels(out_dir / "labels.tif", source.crs, frame, sources.model.classes),
-                     confidence_stream = io::stream_confidence(out_dir / "confidence.tif", source.crs, frame);
+                     confidence_stream = io::stream_confidence(out_dir / "confidence.tif", source.crs, frame),
+                     road_stream = io::stream_confidence(out_dir / "road_probability.tif", source.crs, frame);
     const SegmentSummary segmented = segment_mosaic(
         source, sources.model,
-        [&](const PixelBox& box, const Raster<std::uint8_t>& label, const Raster<std::uint8_t>& confidence) {
-          label_stream.write(box, label);
-          confidence_stream.write(box, confidence);
+        [&](const PixelBox& box, const LabelledPixels& pixels) {
+          label_stream.write(box, pixels.labels);
+          confidence_stream.write(box, pixels.confidence);
+          road_stream.write(box, pixels.road_probability);
         },
         {.threads = options.threads, .crf = site.crf ? sources.model.crf : std::nullopt}, monitor);
     if (segmented.labelled_pixels == 0)
       throw InputError(site.photo.string(), "has no data in the area (nodata, alpha or mask); take another photo or area");
     label_stream.finish();
     confidence_stream.finish();
+    road_stream.finish();
     return StageOutcome{{{"photo_gsd_m", source.frame.gsd_m}, {"gsd_m", frame.gsd_m},
                          {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
                         segmented.findings};
   });
 
   stage("refine", {sources.hashes["osm"]}, {".orthodrive/refined.gpkg"}, [&] {
-    const RefineRoadsResult refined = refine_roads(sources.osm, labels(), {.threads = options.threads}, monitor);
+    const RefineRoadsResult refined = refine_roads(sources.osm, road_evidence(labels(), io::read_confidence(out_dir / "road_probability.tif")), {.threads = options.threads}, monitor);
     io::write_roads(refined_file, refined.roads);
     return StageOutcome{{{"ways", refined.roads.paths.size()},
                          {"mean_abs_offset_m", mean_over_nodes(refined.roads, [](const RoadNode& n) { return std::abs(n.offset_m); })},

@@ -72,27 +72,38 @@ std::vector<PixelBox> plan_cores(const GridFrame& frame, int core_px) {
 }
 
 struct Decision {
-  Raster<std::uint8_t> labels, confidence;
+  LabelledPixels pixels;
   std::int64_t labelled_pixels = 0;
 };
 
 /// `core` is what to decide, `seen` where `valid` and `probabilities` lie, both in label pixels.
 Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::uint8_t>& valid,
-                const Raster<float>& probabilities) {
-  Decision decision{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata),
-                    Raster<std::uint8_t>(core.width, core.height), 0};
+                const Raster<float>& probabilities, const std::vector<std::size_t>& road_classes) {
+  const Raster<std::uint8_t> nothing(core.width, core.height);
+  Decision decision{{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata), nothing, nothing}, 0};
   if (probabilities.empty()) return decision;
   const int left = static_cast<int>(core.col - seen.col), top = static_cast<int>(core.row - seen.row);
+  const auto byte_of = [](float p) { return static_cast<std::uint8_t>(std::lround(std::min(p, 1.0F) * 255.0F)); };
   for (int row = 0; row < core.height; ++row)
     for (int col = 0; col < core.width; ++col) {
       if (!valid.at(left + col, top + row)) continue;
       const float* p = &probabilities.at(left + col, top + row);
       const float* best = std::max_element(p, p + probabilities.channels);
-      decision.labels.at(col, row) = static_cast<std::uint8_t>(best - p);
-      decision.confidence.at(col, row) = static_cast<std::uint8_t>(std::lround(*best * 255.0F));
+      float road = 0.0F;
+      for (const std::size_t c : road_classes) road += p[c];
+      decision.pixels.labels.at(col, row) = static_cast<std::uint8_t>(best - p);
+      decision.pixels.confidence.at(col, row) = byte_of(*best);
+      decision.pixels.road_probability.at(col, row) = byte_of(road);
       ++decision.labelled_pixels;
     }
   return decision;
+}
+
+std::vector<std::size_t> road_classes_of(const ClassTable& table) {
+  std::vector<std::size_t> classes;
+  for (std::size_t c = 0; c < table.classes.size(); ++c)
+    if (table.classes[c].role == Role::road) classes.push_back(c);
+  return classes;
 }
 
 bool shows_photo(const Raster<std::uint8_t>& valid, const PixelBox& seen, const PixelBox& core) {
@@ -134,14 +145,14 @@ struct Sources {
 };
 
 Decision classify_core(const Sources& sources, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
-                       const PixelBox& core) {
+                       const std::vector<std::size_t>& road_classes, const PixelBox& core) {
   const int factor = sources.factor;
   const PixelBox predicted = intersection(core.grown(crf_margin_px(crf)), pixels_of(sources.photo.frame)),
                  seen = predicted.grown(network.margin_px());
   const PhotoWindow window = sources.photo.read(seen);
   const PixelBox fine_core = scaled(core, factor), fine_box = scaled(predicted, factor);
   const PhotoWindow fine = sources.fine ? sources.fine->read(fine_box) : part_of(window, seen, predicted);
-  if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, {});
+  if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, {}, road_classes);
   Raster<float> scores(fine_box.width, fine_box.height, network.class_count());
   network.predict(window.rgb.data.data(), predicted, factor, scores.data.data());
   if (crf) {
@@ -149,7 +160,7 @@ Decision classify_core(const Sources& sources, const InferenceNetwork& network, 
   } else {
     softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
   }
-  return decide(fine_core, fine_box, fine.valid, scores);
+  return decide(fine_core, fine_box, fine.valid, scores, road_classes);
 }
 
 /// Runs ATen on one thread in every worker while it lives: we parallelise over windows, and sums inside a
@@ -207,6 +218,7 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
     throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
                                   options.crf->parameters.classes, model.network->class_count()));
   }
+  const std::vector<std::size_t> road_classes = road_classes_of(model.classes);
   const SingleThreadedTorch single_threaded;
   const SingleThreadedBlas single_threaded_blas;
   const ReuseTensorMemory reuse_memory;
@@ -214,14 +226,14 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
   OrderedDelivery<Decision> delivery(ahead, [&](std::size_t index, const Decision& decision) {
     summary.labelled_pixels += decision.labelled_pixels;
-    sink(scaled(cores[index], factor), decision.labels, decision.confidence);
+    sink(scaled(cores[index], factor), decision.pixels);
   });
   const auto classify = [&](std::size_t index) {
     if (monitor && monitor->cancelled()) delivery.stop();
     if (!delivery.wait_for_room(index)) return;
     try {
       const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-      delivery.hand_over(index, classify_core(sources, *model.network, options.crf, cores[index]));
+      delivery.hand_over(index, classify_core(sources, *model.network, options.crf, road_classes, cores[index]));
     } catch (...) {
       delivery.stop();
       throw;
@@ -240,7 +252,8 @@ SegmentResult segment_mosaic(const Photo& photo, const SegmentModel& model, cons
   const GridFrame frame = label_frame(photo.frame, model);
   SegmentResult result{
       .labels = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height, 1, label_nodata), model.classes},
-      .confidence = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height)}};
+      .confidence = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height)},
+      .road_probability = {photo.crs, frame, Raster<std::uint8_t>(frame.width, frame.height)}};
   const auto keep = [](Raster<std::uint8_t>& whole, const PixelBox& box, const Raster<std::uint8_t>& part) {
     for (int row = 0; row < box.height; ++row)
       std::memcpy(&whole.at(static_cast<int>(box.col), static_cast<int>(box.row) + row), &part.at(0, row),
@@ -248,9 +261,10 @@ SegmentResult segment_mosaic(const Photo& photo, const SegmentModel& model, cons
   };
   const SegmentSummary summary = segment_mosaic(
       source_of(photo), model,
-      [&](const PixelBox& box, const Raster<std::uint8_t>& labels, const Raster<std::uint8_t>& confidence) {
-        keep(result.labels.labels, box, labels);
-        keep(result.confidence.confidence, box, confidence);
+      [&](const PixelBox& box, const LabelledPixels& pixels) {
+        keep(result.labels.labels, box, pixels.labels);
+        keep(result.confidence.confidence, box, pixels.confidence);
+        keep(result.road_probability.confidence, box, pixels.road_probability);
       },
       options, monitor);
   result.findings = summary.findings;

@@ -19,10 +19,15 @@ struct SegmentOptions {
   std::optional<CrfModel> crf;  ///< refines the probabilities before they are decided; none: the network alone
 };
 
-/// Takes the labels (label_nodata without photo) and their probability (0..255 = 0..1) of one box. The boxes come row
-/// by row, west to east, cover the frame once, and are handed over one at a time, from changing threads.
-using LabelSink = std::function<void(const PixelBox& box, const Raster<std::uint8_t>& labels,
-                                     const Raster<std::uint8_t>& confidence)>;
+/// What is decided about the pixels of a box; probabilities are 0..255 = 0..1.
+struct LabelledPixels {
+  Raster<std::uint8_t> labels;            ///< label_nodata without photo
+  Raster<std::uint8_t> confidence;        ///< probability of the label
+  Raster<std::uint8_t> road_probability;  ///< of all classes with the role road
+};
+/// Takes one box after the other: row by row, west to east, they cover the frame once, and are handed over one at a time,
+/// from changing threads.
+using LabelSink = std::function<void(const PixelBox& box, const LabelledPixels& pixels)>;
 
 struct SegmentSummary {
   GridFrame frame;                   ///< of the labels
@@ -44,6 +49,7 @@ struct SegmentSummary {
 struct SegmentResult {
   LabelMap labels;           ///< on label_frame()
   ConfidenceMap confidence;  ///< probability of that label
+  ConfidenceMap road_probability;
   Findings findings;
 };
 
