@@ -40,7 +40,7 @@ Polyline line_of(const NloPath& path, const std::vector<double>& offset_m) {
   return line;
 }
 
-/// What join_junctions knows of a path: a chain of one piece.
+/// What joining junctions needs of a path: a chain of one piece.
 RoadChain chain_of(const NloPath& path, const RoadPath& way, std::size_t index) {
   RoadChain chain{.closed = path.closed,
                   .rank = road_rank(way.highway),
@@ -107,7 +107,7 @@ RefineRoadsResult refine_roads_nlo(const RoadNetwork& osm, const LabelMap& label
   if (options.filter_and_join) {
     std::vector<RoadChain> chains;
     for (std::size_t p = 0; p < count; ++p) chains.push_back(chain_of(paths[p], osm.paths[p], p));
-    join_junctions(chains, lines);
+    bend_to_junctions(chains, place_junctions(chains, lines), lines);
   }
 
   RefineRoadsResult result{.roads = {.crs = osm.crs}};
