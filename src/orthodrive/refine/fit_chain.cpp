@@ -12,13 +12,7 @@
 namespace orthodrive {
 namespace {
 
-// What is known without evidence, as standard deviations against weight 1 of a residual. OSM was traced from photos that
-// lie a few metres off: a whole way is shifted, and its nodes err around that. Likewise a way has a width, and its nodes
-// differ from that a little. So a hidden stretch takes the shift and the width of what is seen of its way.
-constexpr double way_shift_m = 4.0, node_shift_m = 1.5;
-constexpr double node_width_share = 0.1;
 constexpr double limit_weight = 10.0;          // 1/m
-constexpr double loss_scale = 3.0;             // of r_c: a third of a strip full of errors is an outlier already
 constexpr double label_error_length_m = 20.0;  // labels err in blobs of this size: errors of near segments are not independent
 
 /// r_c, eq. 3.3: left and right context strip, left and right boundary strip of a segment.
@@ -170,11 +164,15 @@ class ShiftCost final : public ceres::SizedCostFunction<1, 2, 1> {
 /// The shift of a way, in x and y.
 class WayShiftCost final : public ceres::SizedCostFunction<2, 2> {
  public:
+  explicit WayShiftCost(double weight) : weight_(weight) {}
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    for (int k = 0; k < 2; ++k) residuals[k] = parameters[0][k] / way_shift_m;
-    if (jacobians && jacobians[0]) jacobians[0][0] = jacobians[0][3] = 1.0 / way_shift_m, jacobians[0][1] = jacobians[0][2] = 0.0;
+    for (int k = 0; k < 2; ++k) residuals[k] = weight_ * parameters[0][k];
+    if (jacobians && jacobians[0]) jacobians[0][0] = jacobians[0][3] = weight_, jacobians[0][1] = jacobians[0][2] = 0.0;
     return true;
   }
+
+ private:
+  double weight_;
 };
 
 class PriorCost final : public ceres::SizedCostFunction<1, 1> {
@@ -233,6 +231,7 @@ void estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& parame
 ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const ChainShape& start,
                    const ChainCoupling& coupling, const RefineRoadsOptions& options) {
   ChainFit fit{.shape = start};
+  const RefineWeights& weights = options.weights;
   const std::size_t count = chain.nodes.size(), last = count - 1;
   std::vector<double>&offset = fit.shape.offset_m, &width = fit.shape.width_m;
   const auto own = [&](std::size_t i) { return chain.closed && i == last ? 0 : i; };  // a closed chain's last node is its first
@@ -253,7 +252,9 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     problem.SetParameterUpperBound(&width[i], 0, high);
     parameters.insert(parameters.end(), {&offset[i], &width[i]});
   }
-  // Errors of near nodes are not independent: each counts for its share of the length of a blob.
+  // A whole way is shifted, and its nodes err around that. Likewise a way has a width, and its nodes differ from that a
+  // little. So a hidden stretch takes the shift and the width of what is seen of its way. Errors of near nodes are not
+  // independent: each counts for its share of the length of a blob.
   const double share = std::sqrt(std::min(1.0, options.spacing_m / label_error_length_m));
   std::vector<double> way_width(chain.pieces.size());
   std::vector<std::array<double, 2>> way_shift(chain.pieces.size());
@@ -261,12 +262,12 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     const ChainPiece& piece = chain.pieces[k];
     const ChainNode& node = chain.nodes[piece.first];
     for (std::size_t i = piece.first; i <= piece.last; ++i) way_width[k] += width[own(i)] / static_cast<double>(piece.last - piece.first + 1);
-    problem.AddResidualBlock(new PriorCost(node.input_width_m, node.width_sigma_m), nullptr, &way_width[k]);
-    problem.AddResidualBlock(new WayShiftCost, nullptr, way_shift[k].data());
+    problem.AddResidualBlock(new PriorCost(node.input_width_m, weights.input_width * node.width_sigma_m), nullptr, &way_width[k]);
+    problem.AddResidualBlock(new WayShiftCost(1.0 / weights.way_shift_m), nullptr, way_shift[k].data());
     for (std::size_t i = k == 0 ? piece.first : piece.first + 1; i <= piece.last; ++i) {  // a node between ways is of the first
       if (own(i) != i) continue;
-      problem.AddResidualBlock(new DifferenceCost(share / (node_width_share * node.input_width_m)), nullptr, &way_width[k], &width[i]);
-      problem.AddResidualBlock(new ShiftCost(chain.nodes[i].normal, share / node_shift_m), nullptr, way_shift[k].data(), &offset[i]);
+      problem.AddResidualBlock(new DifferenceCost(share / (weights.node_width_share * node.input_width_m)), nullptr, &way_width[k], &width[i]);
+      problem.AddResidualBlock(new ShiftCost(chain.nodes[i].normal, share / weights.node_shift_m), nullptr, way_shift[k].data(), &offset[i]);
     }
   }
   for (double& w : way_width) parameters.push_back(&w);
@@ -283,12 +284,12 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     double evidence = 0.0;
     for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles.evidence[i * rows_per_segment + r];
     if (evidence > 0.0) {
-      class_blocks.push_back(problem.AddResidualBlock(new ClassificationCost(strips, profiles, i, options.weight_class),
-                                                      new ceres::CauchyLoss(loss_scale), &offset[a], &width[a], &offset[b], &width[b]));
+      class_blocks.push_back(problem.AddResidualBlock(new ClassificationCost(strips, profiles, i, weights.evidence),
+                                                      new ceres::CauchyLoss(weights.loss_scale), &offset[a], &width[a], &offset[b], &width[b]));
       evidence_rows += evidence;
     }
-    problem.AddResidualBlock(new DifferenceCost(options.weight_width), nullptr, &width[a], &width[b]);
-    problem.AddResidualBlock(new DifferenceCost(options.weight_offset), nullptr, &offset[a], &offset[b]);
+    problem.AddResidualBlock(new DifferenceCost(weights.width), nullptr, &width[a], &width[b]);
+    problem.AddResidualBlock(new DifferenceCost(weights.offset), nullptr, &offset[a], &offset[b]);
   }
   // Angles at inner nodes, all the way round where the chain is closed.
   const std::size_t around = chain.closed ? last : count;
@@ -301,13 +302,13 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     std::array<const ChainNode*, 3> nodes;
     std::array<double*, 3> offsets;
     pointers(nodes, offsets, i);
-    problem.AddResidualBlock(new AngleCost(nodes, options.weight_angle), nullptr, offsets[0], offsets[1], offsets[2]);
+    problem.AddResidualBlock(new AngleCost(nodes, weights.angle), nullptr, offsets[0], offsets[1], offsets[2]);
   }
   for (std::size_t i = 0; i < starts(4); ++i) {
     std::array<const ChainNode*, 4> nodes;
     std::array<double*, 4> offsets;
     pointers(nodes, offsets, i);
-    problem.AddResidualBlock(new CurvatureChangeCost(nodes, options.weight_curvature), nullptr, offsets[0], offsets[1], offsets[2], offsets[3]);
+    problem.AddResidualBlock(new CurvatureChangeCost(nodes, weights.curvature), nullptr, offsets[0], offsets[1], offsets[2], offsets[3]);
   }
 
   ceres::Solver::Options solver;
@@ -325,7 +326,7 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
                summary.initial_cost, summary.final_cost};
 
   // Even perfect labels leave an edge uncertain by the quantisation of their pixels.
-  const double floor_residual = options.weight_class / options.strip_m * 2.0 * profiles.step_m / std::sqrt(12.0);
+  const double floor_residual = weights.evidence / options.strip_m * 2.0 * profiles.step_m / std::sqrt(12.0);
   std::vector<double> sigma;
   estimate_sigmas(problem, parameters, class_blocks, evidence_rows, floor_residual, options.spacing_m, sigma);
   fit.sigma_offset_m.resize(count), fit.sigma_width_m.resize(count);

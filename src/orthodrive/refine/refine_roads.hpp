@@ -13,17 +13,30 @@
 
 namespace orthodrive {
 
+/// How much each kind of knowledge counts. What is known without evidence is told as standard deviations.
+struct RefineWeights {
+  double evidence = 10.0;          ///< w_c, of the mean class cost in a strip
+  double loss_scale = 3.0;         ///< of the Cauchy loss of w_c: residuals beyond are outliers
+  double angle = 20.0;             ///< w_a, 1/rad
+  double curvature = 150.0;        ///< w_k, 1/rad, of the change of the angle from node to node
+  double width = 40.0;             ///< w_w, 1/m
+  double offset = 0.2;             ///< w_o, 1/m
+  double way_shift_m = 4.0;        ///< sigma of the shift of a whole way: OSM was traced from photos that lie elsewhere
+  double node_shift_m = 1.5;       ///< sigma of a node's offset around the shift of its way
+  double node_width_share = 0.1;   ///< sigma of a node's width around the width of its way, as a share of it
+  double input_width = 1.0;        ///< factor on the sigma of the input's width (road_chains.hpp)
+  double search_step = 0.15;       ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
+  double search_offset_m = 4.0;    ///< of the search: so much offset costs as much as one metre misclassified
+  double search_width_share = 0.4; ///< of the search: so much change of the width likewise
+};
+
 struct RefineRoadsOptions {
   double spacing_m = 2.0;          ///< paths are resampled to about this distance
   double search_radius_m = 8.0;    ///< largest offset to each side of the OSM line
   double strip_m = 1.5;            ///< width of the context and boundary strips: three pixels of the labels
   double min_width_factor = 0.5;   ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
-  double weight_class = 10.0;      ///< w_c
-  double weight_angle = 20.0;      ///< w_a, 1/rad
-  double weight_curvature = 150.0; ///< w_k, 1/rad, of the change of the angle from node to node
-  double weight_width = 40.0;      ///< w_w, 1/m
-  double weight_offset = 0.2;      ///< w_o, 1/m
+  RefineWeights weights;
   int max_iterations = 60;
   int threads = 0;                 ///< 0 = all cores; the result does not depend on it
 };

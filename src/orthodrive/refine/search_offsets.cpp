@@ -10,9 +10,6 @@ namespace {
 constexpr double offset_step_m = 0.5;
 constexpr int width_levels = 13;      // between the smallest and the largest width factor
 constexpr double context_m = 2.0;     // road in such a strip beside the road counts as missed
-constexpr double step_cost = 0.15;    // of going to a neighbouring level from one segment to the next, in metres
-// Pull to the input. One metre of misclassified width outweighs 4 m of offset and 40 % of width.
-constexpr double prior_offset_m = 4.0, prior_width_share = 0.4;
 
 struct Levels {
   int offsets = 0;  // odd: the middle one is 0
@@ -64,6 +61,7 @@ std::vector<double> running_mean(const std::vector<double>& values) {
 }  // namespace
 
 ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles, const RefineRoadsOptions& options) {
+  const RefineWeights& weights = options.weights;
   const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
                       (options.max_width_factor - options.min_width_factor) / (width_levels - 1)};
   const std::size_t segments = chain.nodes.size() - 1;
@@ -72,8 +70,8 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
   std::vector<double> total(states, 0.0), next(states), cost(states);
   std::vector<double> prior(states);
   for (int state = 0; state < states; ++state)
-    prior[state] = std::pow(levels.offset_m(state) / prior_offset_m, 2) +
-                   std::pow((levels.width_factor(state) - 1.0) / prior_width_share, 2);
+    prior[state] = std::pow(levels.offset_m(state) / weights.search_offset_m, 2) +
+                   std::pow((levels.width_factor(state) - 1.0) / weights.search_width_share, 2);
 
   for (std::size_t segment = 0; segment < segments; ++segment) {
     // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
@@ -92,7 +90,7 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
         for (int d = -1; d <= 1; ++d)
           for (int e = -1; e <= 1; ++e) {
             if (o + d < 0 || o + d >= levels.offsets || w + e < 0 || w + e >= width_levels) continue;
-            const double candidate = total[state + d * width_levels + e] + step_cost * (std::abs(d) + std::abs(e));
+            const double candidate = total[state + d * width_levels + e] + weights.search_step * (std::abs(d) + std::abs(e));
             if (candidate < best) best = candidate, step = static_cast<std::uint8_t>(3 * (d + 1) + e + 1);
           }
         next[state] = best + cost[state];
