@@ -211,9 +211,9 @@ TEST(RoadEvidence, is_the_expected_cost_of_a_pixel) {
   road.confidence.data[0] = 51, road.confidence.data[1] = 204, road.confidence.data[2] = 102, road.confidence.data[3] = 0;
   const RoadEvidence soft = road_evidence(scene.labels, road);
   EXPECT_EQ(soft.outside.data[0], 51);
-  EXPECT_EQ(soft.inside.data[0], 204);
+  EXPECT_EQ(soft.inside.data[0], 153);  // 0.75 * 0.8
   EXPECT_EQ(soft.outside.data[1], 204);
-  EXPECT_EQ(soft.inside.data[1], 51);
+  EXPECT_EQ(soft.inside.data[1], 38);
   EXPECT_EQ(soft.outside.data[2], 102);
   EXPECT_EQ(soft.inside.data[2], 31);
   EXPECT_EQ(soft.outside.data[3], 0);

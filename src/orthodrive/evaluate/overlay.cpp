@@ -34,13 +34,13 @@ class Geos {
       if (polygon.outer.size() >= 3) parts.push_back(valid_polygon(polygon, origin).release());
     const Ptr all = own(GEOSGeom_createCollection_r(context_, GEOS_GEOMETRYCOLLECTION, parts.data(),
                                                     static_cast<unsigned>(parts.size())));
-    return own(GEOSUnaryUnionPrec_r(context_, all.get(), grid_m));
+    return areas(own(GEOSUnaryUnionPrec_r(context_, all.get(), grid_m)));
   }
   [[nodiscard]] Ptr intersection(const Ptr& a, const Ptr& b) const {
-    return own(GEOSIntersectionPrec_r(context_, a.get(), b.get(), grid_m));
+    return areas(own(GEOSIntersectionPrec_r(context_, a.get(), b.get(), grid_m)));
   }
   [[nodiscard]] Ptr difference(const Ptr& a, const Ptr& b) const {
-    return own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m));
+    return areas(own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m)));
   }
   /// The polygons of any geometry; lines and points that an overlay leaves behind are none.
   [[nodiscard]] MultiPolygon polygons_of(const Ptr& geometry, Vec2 origin) const {
@@ -86,6 +86,23 @@ class Geos {
   [[nodiscard]] Ptr own(GEOSGeometry* geometry) const {
     if (!geometry) throw Error("polygon overlay: " + message_);
     return Ptr(geometry, Delete{context_});
+  }
+  /// Lines and points that a collapsed part leaves behind are dropped: GEOS overlays no mixture.
+  [[nodiscard]] Ptr areas(Ptr geometry) const {
+    if (GEOSGeomTypeId_r(context_, geometry.get()) != GEOS_GEOMETRYCOLLECTION) return geometry;
+    std::vector<GEOSGeometry*> polygons;
+    clone_polygons(polygons, geometry.get());
+    return own(GEOSGeom_createCollection_r(context_, GEOS_MULTIPOLYGON, polygons.data(),
+                                           static_cast<unsigned>(polygons.size())));
+  }
+  void clone_polygons(std::vector<GEOSGeometry*>& polygons, const GEOSGeometry* geometry) const {
+    const int type = GEOSGeomTypeId_r(context_, geometry);
+    if (type == GEOS_POLYGON) {
+      polygons.push_back(GEOSGeom_clone_r(context_, geometry));
+    } else if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION) {
+      for (int i = 0; i < GEOSGetNumGeometries_r(context_, geometry); ++i)
+        clone_polygons(polygons, GEOSGetGeometryN_r(context_, geometry, i));
+    }
   }
   [[nodiscard]] GEOSGeometry* ring(const Ring& ring, Vec2 origin) const {
     const auto n = static_cast<unsigned>(ring.size());

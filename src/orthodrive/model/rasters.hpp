@@ -42,8 +42,8 @@ struct RoadEvidence {
 };
 /// Of labels that are taken for sure.
 [[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels);
-/// With the probability of road on the grid of the labels (throws OptionError for another): what is no road has the costs of
-/// its label, or of ground where the label is road.
+/// With the probability of road on the grid of the labels (throws OptionError for another), which tells how sure a pixel is;
+/// the classes' own costs count for those that may be road (parking) only.
 [[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels, const ConfidenceMap& road_probability);
 
 /// Heights at pixel centres in metres, NaN where there is none (nodata).

@@ -8,7 +8,9 @@ namespace orthodrive {
 namespace {
 
 constexpr double step_over_gsd = 0.5;  // two cells a pixel
-constexpr double road_near_m = 1.0;    // so much road in a row says that a road is there
+// A road is there where a strip of this width has this share of road. Traces of road all over a row say nothing: an edge
+// would be put where trees, which hide roads, begin.
+constexpr double road_near_m = 2.0, road_near_share = 0.4;
 
 /// Bilinear between pixel centres; pixels outside the raster are 0.
 struct Corners {
@@ -41,7 +43,14 @@ float value_at(const Raster<std::uint8_t>& raster, const Corners& corners) {
 
 void CrossProfiles::look_again(std::size_t row) {
   const std::span<const float> costs = positive_row(row);
-  road_near[row] = std::accumulate(costs.begin(), costs.end(), 0.0) * step_m >= road_near_m;
+  const auto window = static_cast<std::ptrdiff_t>(std::max(1.0, road_near_m / step_m));
+  double sum = 0.0, most = 0.0;
+  for (std::ptrdiff_t k = 0; k < std::ssize(costs); ++k) {
+    sum += costs[static_cast<std::size_t>(k)];
+    if (k >= window) sum -= costs[static_cast<std::size_t>(k - window)];
+    most = std::max(most, sum);
+  }
+  road_near[row] = most >= road_near_share * static_cast<double>(window);
   evidence[row] = road_near[row] ? chain_evidence[row] : 0.0F;
 }
 

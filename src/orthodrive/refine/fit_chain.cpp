@@ -145,12 +145,12 @@ class DifferenceCost final : public ceres::SizedCostFunction<1, 1, 1> {
   double weight_;
 };
 
-/// weight * (offset - normal . shift)
+/// weight * (offset - expected offset - normal . shift)
 class ShiftCost final : public ceres::SizedCostFunction<1, 2, 1> {
  public:
-  ShiftCost(Vec2 normal, double weight) : normal_(normal), weight_(weight) {}
+  ShiftCost(Vec2 normal, double expected_m, double weight) : normal_(normal), expected_m_(expected_m), weight_(weight) {}
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    residuals[0] = weight_ * (*parameters[1] - dot(normal_, Vec2{parameters[0][0], parameters[0][1]}));
+    residuals[0] = weight_ * (*parameters[1] - expected_m_ - dot(normal_, Vec2{parameters[0][0], parameters[0][1]}));
     if (jacobians && jacobians[0]) jacobians[0][0] = -weight_ * normal_.x, jacobians[0][1] = -weight_ * normal_.y;
     if (jacobians && jacobians[1]) jacobians[1][0] = weight_;
     return true;
@@ -158,10 +158,10 @@ class ShiftCost final : public ceres::SizedCostFunction<1, 2, 1> {
 
  private:
   Vec2 normal_;
-  double weight_;
+  double expected_m_, weight_;
 };
 
-/// The shift of a way, in x and y.
+/// The shift of a way, in x and y, beyond that of the map around it.
 class WayShiftCost final : public ceres::SizedCostFunction<2, 2> {
  public:
   explicit WayShiftCost(double weight) : weight_(weight) {}
@@ -256,6 +256,7 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   // little. So a hidden stretch takes the shift and the width of what is seen of its way. Errors of near nodes are not
   // independent: each counts for its share of the length of a blob.
   const double share = std::sqrt(std::min(1.0, options.spacing_m / label_error_length_m));
+  const auto expected_at = [&](std::size_t i) { return coupling.expected.empty() ? ExpectedOffset{} : coupling.expected[i]; };
   std::vector<double> way_width(chain.pieces.size());
   std::vector<std::array<double, 2>> way_shift(chain.pieces.size());
   for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
@@ -263,11 +264,14 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     const ChainNode& node = chain.nodes[piece.first];
     for (std::size_t i = piece.first; i <= piece.last; ++i) way_width[k] += width[own(i)] / static_cast<double>(piece.last - piece.first + 1);
     problem.AddResidualBlock(new PriorCost(node.input_width_m, weights.input_width * node.width_sigma_m), nullptr, &way_width[k]);
-    problem.AddResidualBlock(new WayShiftCost(1.0 / weights.way_shift_m), nullptr, way_shift[k].data());
+    double map_variance_m2 = 0.0;  // what is not known of the map's shift is left to the way
+    for (std::size_t i = piece.first; i <= piece.last; ++i)
+      map_variance_m2 += std::pow(expected_at(i).sigma_m, 2) / static_cast<double>(piece.last - piece.first + 1);
+    problem.AddResidualBlock(new WayShiftCost(1.0 / std::sqrt(std::pow(weights.way_shift_m, 2) + map_variance_m2)), nullptr, way_shift[k].data());
     for (std::size_t i = k == 0 ? piece.first : piece.first + 1; i <= piece.last; ++i) {  // a node between ways is of the first
       if (own(i) != i) continue;
       problem.AddResidualBlock(new DifferenceCost(share / (weights.node_width_share * node.input_width_m)), nullptr, &way_width[k], &width[i]);
-      problem.AddResidualBlock(new ShiftCost(chain.nodes[i].normal, share / weights.node_shift_m), nullptr, way_shift[k].data(), &offset[i]);
+      problem.AddResidualBlock(new ShiftCost(chain.nodes[i].normal, expected_at(i).offset_m, share / weights.node_shift_m), nullptr, way_shift[k].data(), &offset[i]);
     }
   }
   for (double& w : way_width) parameters.push_back(&w);

@@ -23,6 +23,7 @@ struct ChainCoupling {
     double side = 1.0;      ///< +1: the left edge, -1: the right one
     double edge_m = 0.0;    ///< along the node's normal
   };
+  std::vector<ExpectedOffset> expected;  ///< one a node, from the shift of the map around (shift_field.hpp); empty: 0
   std::vector<Meeting> meetings;
   std::vector<Limit> limits;
 };

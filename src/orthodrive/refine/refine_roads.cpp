@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -12,6 +13,7 @@
 #include "orthodrive/refine/parallel_roads.hpp"
 #include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
+#include "orthodrive/refine/shift_field.hpp"
 
 namespace orthodrive {
 namespace {
@@ -62,42 +64,33 @@ class Refinement {
     neighbours_ = find_neighbours(chains_, osm);
     shapes_.resize(chains_.size());
     refined_.resize(chains_.size());
+    expected_.resize(chains_.size());
   }
 
-  /// First guesses. Where two roads have chosen the same place, the one that has left its way for it chooses again.
+  /// First guesses: each chain by itself finds the road it lies on, which tells the shift of the map around every place; then
+  /// each looks again near there. So what is hidden, or stands beside a better looking yard, follows the roads around it.
   void search() {
-    const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
-      CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
-      mask_neighbours(occupied, profiles);
-      return search_offsets(chains_[c], profiles, options_);
-    };
-    parallel_for(chains_.size(), options_.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
-                 [&](std::size_t done) { report(0, done); });
-    constexpr int sweeps = 2;
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
-      std::vector<ChainShape> next = shapes_;
-      parallel_for(chains_.size(), options_.threads, [&](std::size_t c) {
-        const std::vector<Occupied> occupied = occupied_by_neighbours(c, neighbours_, shapes_);
-        if (std::ranges::any_of(occupied, [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
-          next[c] = search_chain(c, occupied);
-      });
-      shapes_ = std::move(next);
-    }
+    RefineWeights wide = options_.weights;
+    wide.search_offset_m = options_.weights.map_shift_m;
+    search_chains(0, wide);
+    learn_shift();
+    search_chains(1, options_.weights);
   }
 
   /// Fits every chain by itself, decides where roads meet by these lines, which nothing has bent yet, and fits once more: now
   /// chains pass through their junctions and keep to their side of neighbours.
   void fit() {
-    fit_chains(1, std::vector<ChainCoupling>(chains_.size()));
-    junctions_ = place_junctions(chains_, lines());
     std::vector<ChainCoupling> couplings(chains_.size());
+    for (std::size_t c = 0; c < chains_.size(); ++c) couplings[c].expected = expected_[c];
+    fit_chains(2, couplings);
+    junctions_ = place_junctions(chains_, lines());
     for (const JunctionPlace& place : junctions_)
       for (const auto& [chain, node, sigma_m] : place.passes) {
         const ChainNode& at = chains_[chain].nodes[node];
         couplings[chain].meetings.push_back({node, dot(place.p - at.base, at.normal), sigma_m});
       }
     for (std::size_t c = 0; c < chains_.size(); ++c) couplings[c].limits = limits_of(occupied_by_neighbours(c, neighbours_, shapes_));
-    fit_chains(2, couplings);
+    fit_chains(3, couplings);
   }
 
   [[nodiscard]] RefineRoadsResult result() const;
@@ -105,6 +98,65 @@ class Refinement {
  private:
   static constexpr double tolerated_overlap_m = 0.5;
 
+  /// Where two roads have chosen the same place, the one that has left its way for it chooses again.
+  void search_chains(int phase, const RefineWeights& weights) {
+    RefineRoadsOptions options = options_;
+    options.weights = weights;
+    const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
+      CrossProfiles profiles = profiles_of(chains_[c], evidence_, options);
+      mask_neighbours(occupied, profiles);
+      keep_road_near(c, profiles);
+      return search_offsets(chains_[c], profiles, expected_[c], options);
+    };
+    parallel_for(chains_.size(), options.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
+                 [&](std::size_t done) { report(phase, done); });
+    constexpr int sweeps = 2;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      std::vector<ChainShape> next = shapes_;
+      parallel_for(chains_.size(), options.threads, [&](std::size_t c) {
+        const std::vector<Occupied> occupied = occupied_by_neighbours(c, neighbours_, shapes_);
+        if (std::ranges::any_of(occupied, [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
+          next[c] = search_chain(c, occupied);
+      });
+      shapes_ = std::move(next);
+    }
+  }
+  void keep_road_near(std::size_t c, const CrossProfiles& profiles) {
+    refined_[c].road_near.clear();
+    for (std::size_t row = 0; row < profiles.road_near.size(); row += rows_per_segment)
+      refined_[c].road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
+  }
+  /// What the roads around say about the shift of the map, from what the chains have found by themselves.
+  void learn_shift() {
+    constexpr std::size_t sample_nodes = 5, place_nodes = 10;
+    std::vector<ShiftSample> samples;
+    std::vector<Vec2> places;
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      const std::vector<ChainNode>& nodes = chains_[c].nodes;
+      for (std::size_t i = 0; i + 1 < nodes.size(); i += sample_nodes)
+        if (refined_[c].road_near[i] && nodes[i].evidence > 0.0)
+          samples.push_back({nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i], nodes[i].evidence});
+      for (std::size_t i = 0; i < nodes.size(); i += place_nodes) places.push_back(nodes[i].base);
+      places.push_back(nodes.back().base);
+    }
+    const std::vector<Shift> shifts = shift_at(places, samples, options_.threads, {.prior_m = options_.weights.map_shift_m});
+    for (std::size_t c = 0, first = 0; c < chains_.size(); ++c) {
+      const std::vector<ChainNode>& nodes = chains_[c].nodes;
+      const std::size_t last = (nodes.size() + place_nodes - 1) / place_nodes;  // the place of the last node
+      expected_[c].clear();
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const std::size_t k = std::min(i / place_nodes, last - 1);
+        const std::size_t begin = k * place_nodes, end = std::min(begin + place_nodes, nodes.size() - 1);
+        const double f = end > begin ? static_cast<double>(i - begin) / static_cast<double>(end - begin) : 0.0;
+        const Shift &a = shifts[first + k], &b = shifts[first + k + 1];
+        const auto mean = [f](auto x, auto y) { return x * (1.0 - f) + y * f; };
+        const Vec2 n = nodes[i].normal;
+        const double variance_m2 = n.x * n.x * mean(a.xx_m2, b.xx_m2) + 2.0 * n.x * n.y * mean(a.xy_m2, b.xy_m2) + n.y * n.y * mean(a.yy_m2, b.yy_m2);
+        expected_[c].push_back({dot(n, mean(a.shift_m, b.shift_m)), std::sqrt(variance_m2)});
+      }
+      first += last + 1;
+    }
+  }
   [[nodiscard]] std::vector<Polyline> lines() const {
     std::vector<Polyline> lines;
     for (std::size_t c = 0; c < chains_.size(); ++c) lines.push_back(line_of(chains_[c], shapes_[c]));
@@ -114,19 +166,17 @@ class Refinement {
     parallel_for(
         chains_.size(), options_.threads,
         [&](std::size_t c) {
-          if (phase > 1 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
+          if (phase > 2 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
           CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
           mask_neighbours(occupied_by_neighbours(c, neighbours_, shapes_), profiles);
           refined_[c].fit = fit_chain(chains_[c], profiles, shapes_[c], couplings[c], options_);
-          refined_[c].road_near.clear();
-          for (std::size_t row = 0; row < profiles.road_near.size(); row += rows_per_segment)
-            refined_[c].road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
+          keep_road_near(c, profiles);
         },
         [&](std::size_t done) { report(phase, done); });
     for (std::size_t c = 0; c < chains_.size(); ++c) shapes_[c] = refined_[c].fit.shape;
   }
   void report(int phase, std::size_t done) const {
-    constexpr double phases = 3.0;
+    constexpr double phases = 4.0;
     if (monitor_) monitor_->progress((phase + static_cast<double>(done) / static_cast<double>(chains_.size())) / phases, "refine");
   }
 
@@ -137,6 +187,7 @@ class Refinement {
   std::vector<RoadChain> chains_;
   std::vector<std::vector<Neighbour>> neighbours_;
   std::vector<JunctionPlace> junctions_;
+  std::vector<std::vector<ExpectedOffset>> expected_;  // one a node
   std::vector<ChainShape> shapes_;
   std::vector<RefinedChain> refined_;
 };

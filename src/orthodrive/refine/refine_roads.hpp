@@ -15,19 +15,20 @@ namespace orthodrive {
 
 /// How much each kind of knowledge counts. What is known without evidence is told as standard deviations.
 struct RefineWeights {
-  double evidence = 10.0;          ///< w_c, of the mean class cost in a strip
+  double evidence = 4.0;           ///< w_c, of the mean class cost in a strip
   double loss_scale = 3.0;         ///< of the Cauchy loss of w_c: residuals beyond are outliers
-  double angle = 20.0;             ///< w_a, 1/rad
-  double curvature = 150.0;        ///< w_k, 1/rad, of the change of the angle from node to node
-  double width = 40.0;             ///< w_w, 1/m
-  double offset = 0.2;             ///< w_o, 1/m
-  double way_shift_m = 4.0;        ///< sigma of the shift of a whole way: OSM was traced from photos that lie elsewhere
-  double node_shift_m = 1.5;       ///< sigma of a node's offset around the shift of its way
-  double node_width_share = 0.1;   ///< sigma of a node's width around the width of its way, as a share of it
-  double input_width = 1.0;        ///< factor on the sigma of the input's width (road_chains.hpp)
-  double search_step = 0.15;       ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
-  double search_offset_m = 4.0;    ///< of the search: so much offset costs as much as one metre misclassified
-  double search_width_share = 0.4; ///< of the search: so much change of the width likewise
+  double angle = 11.0;             ///< w_a, 1/rad
+  double curvature = 37.0;         ///< w_k, 1/rad, of the change of the angle from node to node
+  double width = 12.0;             ///< w_w, 1/m
+  double offset = 0.07;            ///< w_o, 1/m
+  double map_shift_m = 4.0;        ///< sigma of the shift of the map: OSM was traced from photos that lie elsewhere
+  double way_shift_m = 0.3;        ///< sigma of the shift of a way beyond that of the map around it
+  double node_shift_m = 0.4;       ///< sigma of a node's offset around the shift of its way
+  double node_width_share = 0.015; ///< sigma of a node's width around the width of its way, as a share of it
+  double input_width = 0.15;       ///< factor on the sigma of the input's width (road_chains.hpp)
+  double search_step = 0.1;        ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
+  double search_offset_m = 0.8;    ///< of the search: so much offset costs as much as one metre misclassified
+  double search_width_share = 1.0; ///< of the search: so much change of the width likewise
 };
 
 struct RefineRoadsOptions {

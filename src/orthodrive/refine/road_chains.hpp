@@ -19,6 +19,11 @@ struct ChainNode {
   double evidence = 1.0;       ///< 0..1: how much the labels count between this node and the next
 };
 
+/// What the roads around a node say about its offset.
+struct ExpectedOffset {
+  double offset_m = 0.0, sigma_m = 0.0;
+};
+
 /// A path, or a part of a chain that is a path, in the chain's direction or against it.
 struct ChainPiece {
   std::size_t path = 0;

@@ -60,7 +60,8 @@ std::vector<double> running_mean(const std::vector<double>& values) {
 
 }  // namespace
 
-ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles, const RefineRoadsOptions& options) {
+ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
+                          const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options) {
   const RefineWeights& weights = options.weights;
   const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
                       (options.max_width_factor - options.min_width_factor) / (width_levels - 1)};
@@ -68,16 +69,19 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
   const int states = levels.states();
   std::vector<std::uint8_t> came_from(segments * static_cast<std::size_t>(states));
   std::vector<double> total(states, 0.0), next(states), cost(states);
-  std::vector<double> prior(states);
+  std::vector<double> width_prior(states);
   for (int state = 0; state < states; ++state)
-    prior[state] = std::pow(levels.offset_m(state) / weights.search_offset_m, 2) +
-                   std::pow((levels.width_factor(state) - 1.0) / weights.search_width_share, 2);
+    width_prior[state] = std::pow((levels.width_factor(state) - 1.0) / weights.search_width_share, 2);
 
   for (std::size_t segment = 0; segment < segments; ++segment) {
     // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
     float evidence = 0.0F;
     for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
-    for (int state = 0; state < states; ++state) cost[state] = (0.02 + 0.98 * evidence) * prior[state];
+    const ExpectedOffset expected_here = expected.empty() ? ExpectedOffset{} : expected[segment];
+    const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected_here.sigma_m, 2);
+    for (int state = 0; state < states; ++state)
+      cost[state] = (0.02 + 0.98 * evidence) *
+                    (std::pow(levels.offset_m(state) - expected_here.offset_m, 2) / offset_scale_m2 + width_prior[state]);
     for (std::size_t r = 0; r < rows_per_segment; ++r) {
       const std::size_t row = segment * rows_per_segment + r;
       if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, chain.nodes[segment].input_width_m, levels, cost);

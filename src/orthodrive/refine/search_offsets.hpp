@@ -15,7 +15,9 @@ struct ChainShape {
 };
 
 /// Viterbi search over offset x width with small steps between segments. The cost of a segment is the misclassified
-/// width in metres: non-road inside the road, road in a strip beside it; plus a weak pull to the input.
-[[nodiscard]] ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles, const RefineRoadsOptions& options);
+/// width in metres: non-road inside the road, road in a strip beside it; plus a weak pull to the input's width and to the
+/// expected offset of each node (empty: 0).
+[[nodiscard]] ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
+                                        const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options);
 
 }  // namespace orthodrive
