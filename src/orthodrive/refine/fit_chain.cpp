@@ -12,8 +12,13 @@
 namespace orthodrive {
 namespace {
 
-constexpr double limit_weight = 10.0;          // 1/m
-constexpr double label_error_length_m = 20.0;  // labels err in blobs of this size: errors of near segments are not independent
+constexpr double limit_weight = 10.0;  // 1/m
+// Labels err in blobs of this length: errors of near segments are not independent.
+constexpr double label_error_length_m = 30.0;
+// Systematic error of an edge as a share of the width of what is misclassified beside it. As label_error_length_m, it makes
+// the stated standard deviations fit the errors on synthetic sites and on the hand-drawn carriageways alike.
+constexpr double edge_bias_share = 0.7;
+constexpr double unseen_width_share = 0.05;  // by which a hidden stretch may differ from the rest of its way
 
 /// r_c, eq. 3.3: left and right context strip, left and right boundary strip of a segment.
 class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> {
@@ -27,7 +32,8 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     using enum StripCosts::Strip;
     constexpr std::array strips{context_left, context_right, boundary_left, boundary_right};
-    const double offset_a = *parameters[0], width_a = *parameters[1], offset_b = *parameters[2], width_b = *parameters[3];
+    const double offset_a = *parameters[0], width_a = *parameters[1], offset_b = *parameters[2],
+                 width_b = *parameters[3];
     std::fill_n(residuals, 4, 0.0);
     for (int p = 0; jacobians && p < 4; ++p)
       if (jacobians[p]) std::fill_n(jacobians[p], 4, 0.0);
@@ -69,8 +75,8 @@ Turn turn_at(std::span<const Vec2, 3> p, std::span<const Vec2, 3> normal) {
           {turn(v1, normal[0]), -turn(v2, normal[1]) - turn(v1, normal[1]), turn(v2, normal[2])}};
 }
 
-/// r_a, eq. 3.8: the angle between two segments by the offsets of their three nodes. Signed, which makes it differentiable
-/// at zero; its square is the reference's.
+/// r_a, eq. 3.8: the angle between two segments by the offsets of their three nodes. Signed, which makes it
+/// differentiable at zero; its square is the reference's.
 class AngleCost final : public ceres::SizedCostFunction<1, 1, 1, 1> {
  public:
   AngleCost(const std::array<const ChainNode*, 3>& nodes, double weight) : weight_(weight) {
@@ -102,10 +108,12 @@ class CurvatureChangeCost final : public ceres::SizedCostFunction<1, 1, 1, 1, 1>
     std::array<Vec2, 4> p;
     for (int i = 0; i < 4; ++i) p[i] = base_[i] + normal_[i] * *parameters[i];
     const std::span<const Vec2, 4> points(p), normals(normal_);
-    const Turn before = turn_at(points.first<3>(), normals.first<3>()), after = turn_at(points.last<3>(), normals.last<3>());
+    const Turn before = turn_at(points.first<3>(), normals.first<3>()),
+               after = turn_at(points.last<3>(), normals.last<3>());
     residuals[0] = weight_ * (after.angle_rad - before.angle_rad);
     for (int i = 0; jacobians && i < 4; ++i)
-      if (jacobians[i]) jacobians[i][0] = weight_ * ((i > 0 ? after.by_offset[i - 1] : 0.0) - (i < 3 ? before.by_offset[i] : 0.0));
+      if (jacobians[i])
+        jacobians[i][0] = weight_ * ((i > 0 ? after.by_offset[i - 1] : 0.0) - (i < 3 ? before.by_offset[i] : 0.0));
     return true;
   }
 
@@ -148,7 +156,8 @@ class DifferenceCost final : public ceres::SizedCostFunction<1, 1, 1> {
 /// weight * (offset - expected offset - normal . shift)
 class ShiftCost final : public ceres::SizedCostFunction<1, 2, 1> {
  public:
-  ShiftCost(Vec2 normal, double expected_m, double weight) : normal_(normal), expected_m_(expected_m), weight_(weight) {}
+  ShiftCost(Vec2 normal, double expected_m, double weight)
+      : normal_(normal), expected_m_(expected_m), weight_(weight) {}
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     residuals[0] = weight_ * (*parameters[1] - expected_m_ - dot(normal_, Vec2{parameters[0][0], parameters[0][1]}));
     if (jacobians && jacobians[0]) jacobians[0][0] = -weight_ * normal_.x, jacobians[0][1] = -weight_ * normal_.y;
@@ -198,32 +207,57 @@ OffsetBounds offset_bounds(const RoadChain& chain, std::size_t i, double search_
   OffsetBounds bounds{-search_radius_m, search_radius_m};
   for (std::size_t k = i > 0 ? i - 1 : 0; k < std::min(i + 1, chain.nodes.size() - 1); ++k) {
     const ChainNode &a = chain.nodes[k], &b = chain.nodes[k + 1];
-    const double turn = std::atan2(cross(a.normal, b.normal), dot(a.normal, b.normal)), run_m = std::max(0.1, distance(a.base, b.base));
+    const double turn = std::atan2(cross(a.normal, b.normal), dot(a.normal, b.normal)),
+                 run_m = std::max(0.1, distance(a.base, b.base));
     if (turn > 0.0) bounds.left_m = std::min(bounds.left_m, (1.0 - least_stretch) * run_m / turn);
     if (turn < 0.0) bounds.right_m = std::max(bounds.right_m, (1.0 - least_stretch) * run_m / turn);
   }
   return bounds;
 }
 
-/// Standard deviations from the normal matrix, scaled by the residual variance of the classification costs.
-void estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& parameters,
-                     const std::vector<ceres::ResidualBlockId>& class_blocks, double evidence_rows, double floor_residual,
-                     double spacing_m, std::vector<double>& sigma) {
-  ceres::Problem::EvaluateOptions class_only;
-  class_only.residual_blocks = class_blocks;
-  std::vector<double> residuals;
-  if (!class_blocks.empty()) problem.Evaluate(class_only, nullptr, &residuals, nullptr, nullptr);
-  double sum = 0.0;
-  for (const double r : residuals) sum += r * r;
-  // Each segment with evidence measures two edges.
-  const double variance = std::max(floor_residual * floor_residual, evidence_rows > 0.0 ? sum / evidence_rows : 0.0) *
-                          std::max(1.0, label_error_length_m / spacing_m);
-  ceres::Problem::EvaluateOptions all;
-  all.parameter_blocks = parameters;
+/// Residual blocks by what their weight is: `scaled` ones are only known against each other, `priors` have the weight 1
+/// / sigma.
+struct Blocks {
+  std::vector<ceres::ResidualBlockId> classes;  // also in `scaled`
+  std::vector<ceres::ResidualBlockId> scaled, priors;
+};
+
+struct Sigmas {
+  std::vector<double> of_parameters;
+  double class_residual = 0.0;  ///< root mean square, outliers as they are
+};
+
+/// Standard deviations from the normal matrix; the variance of what is scaled comes from the residuals of the classes.
+Sigmas estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& parameters, const Blocks& blocks,
+                       double evidence_rows, double floor_residual, double spacing_m) {
+  ceres::Problem::EvaluateOptions evaluate;
+  const auto class_residual = [&](bool robust) {
+    if (blocks.classes.empty()) return 0.0;
+    std::vector<double> residuals;
+    evaluate.residual_blocks = blocks.classes;
+    evaluate.apply_loss_function = robust;
+    problem.Evaluate(evaluate, nullptr, &residuals, nullptr, nullptr);
+    double sum = 0.0;
+    for (const double r : residuals) sum += r * r;
+    return std::sqrt(sum / evidence_rows);  // each segment with evidence measures two edges
+  };
+  Sigmas sigmas{.class_residual = class_residual(false)};
+  const double variance =
+      std::pow(std::max(floor_residual, class_residual(true)), 2) * std::max(1.0, label_error_length_m / spacing_m);
+  evaluate.residual_blocks = blocks.scaled;
+  evaluate.residual_blocks.insert(evaluate.residual_blocks.end(), blocks.priors.begin(), blocks.priors.end());
+  evaluate.parameter_blocks = parameters;
   ceres::CRSMatrix jacobian;
-  problem.Evaluate(all, nullptr, nullptr, nullptr, &jacobian);
-  sigma = inverse_normal_diagonal({jacobian.num_cols, std::move(jacobian.rows), std::move(jacobian.cols), std::move(jacobian.values)});
-  for (double& s : sigma) s = std::sqrt(s * variance);
+  problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &jacobian);
+  std::size_t scaled_rows = 0;
+  for (const ceres::ResidualBlockId block : blocks.scaled)
+    scaled_rows += static_cast<std::size_t>(problem.GetCostFunctionForResidualBlock(block)->num_residuals());
+  const auto scaled_values = static_cast<std::size_t>(jacobian.rows[scaled_rows]);
+  for (std::size_t k = 0; k < scaled_values; ++k) jacobian.values[k] /= std::sqrt(variance);
+  sigmas.of_parameters = inverse_normal_diagonal(
+      {jacobian.num_cols, std::move(jacobian.rows), std::move(jacobian.cols), std::move(jacobian.values)});
+  for (double& s : sigmas.of_parameters) s = std::sqrt(s);
+  return sigmas;
 }
 
 }  // namespace
@@ -234,13 +268,16 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   const RefineWeights& weights = options.weights;
   const std::size_t count = chain.nodes.size(), last = count - 1;
   std::vector<double>&offset = fit.shape.offset_m, &width = fit.shape.width_m;
-  const auto own = [&](std::size_t i) { return chain.closed && i == last ? 0 : i; };  // a closed chain's last node is its first
+  const auto own = [&](std::size_t i) {
+    return chain.closed && i == last ? 0 : i;
+  };  // a closed chain's last node is its first
   const StripCosts strips(profiles, options.strip_m);
 
   ceres::Problem problem;
   std::vector<double*> parameters;
   for (std::size_t i = 0; i < count - (chain.closed ? 1 : 0); ++i) {
-    const double w0 = chain.nodes[i].input_width_m, low = options.min_width_factor * w0, high = options.max_width_factor * w0;
+    const double w0 = chain.nodes[i].input_width_m, low = options.min_width_factor * w0,
+                 high = options.max_width_factor * w0;
     const auto [right_m, left_m] = offset_bounds(chain, i, options.search_radius_m);
     offset[i] = std::clamp(offset[i], right_m, left_m);
     width[i] = std::clamp(width[i], low, high);
@@ -256,31 +293,43 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   // little. So a hidden stretch takes the shift and the width of what is seen of its way. Errors of near nodes are not
   // independent: each counts for its share of the length of a blob.
   const double share = std::sqrt(std::min(1.0, options.spacing_m / label_error_length_m));
-  const auto expected_at = [&](std::size_t i) { return coupling.expected.empty() ? ExpectedOffset{} : coupling.expected[i]; };
+  Blocks blocks;
+  const auto expected_at = [&](std::size_t i) {
+    return coupling.expected.empty() ? ExpectedOffset{} : coupling.expected[i];
+  };
   std::vector<double> way_width(chain.pieces.size());
   std::vector<std::array<double, 2>> way_shift(chain.pieces.size());
   for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
     const ChainPiece& piece = chain.pieces[k];
     const ChainNode& node = chain.nodes[piece.first];
-    for (std::size_t i = piece.first; i <= piece.last; ++i) way_width[k] += width[own(i)] / static_cast<double>(piece.last - piece.first + 1);
-    problem.AddResidualBlock(new PriorCost(node.input_width_m, weights.input_width * node.width_sigma_m), nullptr, &way_width[k]);
+    for (std::size_t i = piece.first; i <= piece.last; ++i)
+      way_width[k] += width[own(i)] / static_cast<double>(piece.last - piece.first + 1);
+    blocks.priors.push_back(problem.AddResidualBlock(
+        new PriorCost(node.input_width_m, weights.input_width * node.width_sigma_m), nullptr, &way_width[k]));
     double map_variance_m2 = 0.0;  // what is not known of the map's shift is left to the way
     for (std::size_t i = piece.first; i <= piece.last; ++i)
       map_variance_m2 += std::pow(expected_at(i).sigma_m, 2) / static_cast<double>(piece.last - piece.first + 1);
-    problem.AddResidualBlock(new WayShiftCost(1.0 / std::sqrt(std::pow(weights.way_shift_m, 2) + map_variance_m2)), nullptr, way_shift[k].data());
-    for (std::size_t i = k == 0 ? piece.first : piece.first + 1; i <= piece.last; ++i) {  // a node between ways is of the first
+    blocks.priors.push_back(
+        problem.AddResidualBlock(new WayShiftCost(1.0 / std::sqrt(std::pow(weights.way_shift_m, 2) + map_variance_m2)),
+                                 nullptr, way_shift[k].data()));
+    for (std::size_t i = k == 0 ? piece.first : piece.first + 1; i <= piece.last;
+         ++i) {  // a node between ways is of the first
       if (own(i) != i) continue;
-      problem.AddResidualBlock(new DifferenceCost(share / (weights.node_width_share * node.input_width_m)), nullptr, &way_width[k], &width[i]);
-      problem.AddResidualBlock(new ShiftCost(chain.nodes[i].normal, expected_at(i).offset_m, share / weights.node_shift_m), nullptr, way_shift[k].data(), &offset[i]);
+      blocks.priors.push_back(
+          problem.AddResidualBlock(new DifferenceCost(share / (weights.node_width_share * node.input_width_m)), nullptr,
+                                   &way_width[k], &width[i]));
+      blocks.priors.push_back(problem.AddResidualBlock(
+          new ShiftCost(chain.nodes[i].normal, expected_at(i).offset_m, share / weights.node_shift_m), nullptr,
+          way_shift[k].data(), &offset[i]));
     }
   }
   for (double& w : way_width) parameters.push_back(&w);
   for (auto& shift : way_shift) parameters.push_back(shift.data());
   for (const auto& [node, offset_m, sigma_m] : coupling.meetings)
-    problem.AddResidualBlock(new PriorCost(offset_m, sigma_m), nullptr, &offset[own(node)]);
+    blocks.priors.push_back(problem.AddResidualBlock(new PriorCost(offset_m, sigma_m), nullptr, &offset[own(node)]));
   for (const auto& [node, side, edge_m] : coupling.limits)
-    problem.AddResidualBlock(new LimitCost(side, edge_m, limit_weight), nullptr, &offset[own(node)], &width[own(node)]);
-  std::vector<ceres::ResidualBlockId> class_blocks;
+    blocks.priors.push_back(problem.AddResidualBlock(new LimitCost(side, edge_m, limit_weight), nullptr,
+                                                     &offset[own(node)], &width[own(node)]));
   double evidence_rows = 0.0;
   for (std::size_t i = 0; i < last; ++i) {
     const std::size_t a = own(i), b = own(i + 1);
@@ -288,38 +337,45 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
     double evidence = 0.0;
     for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles.evidence[i * rows_per_segment + r];
     if (evidence > 0.0) {
-      class_blocks.push_back(problem.AddResidualBlock(new ClassificationCost(strips, profiles, i, weights.evidence),
-                                                      new ceres::CauchyLoss(weights.loss_scale), &offset[a], &width[a], &offset[b], &width[b]));
+      blocks.classes.push_back(problem.AddResidualBlock(new ClassificationCost(strips, profiles, i, weights.evidence),
+                                                        new ceres::CauchyLoss(weights.loss_scale), &offset[a],
+                                                        &width[a], &offset[b], &width[b]));
       evidence_rows += evidence;
     }
-    problem.AddResidualBlock(new DifferenceCost(weights.width), nullptr, &width[a], &width[b]);
-    problem.AddResidualBlock(new DifferenceCost(weights.offset), nullptr, &offset[a], &offset[b]);
+    blocks.scaled.push_back(problem.AddResidualBlock(new DifferenceCost(weights.width), nullptr, &width[a], &width[b]));
+    blocks.scaled.push_back(
+        problem.AddResidualBlock(new DifferenceCost(weights.offset), nullptr, &offset[a], &offset[b]));
   }
   // Angles at inner nodes, all the way round where the chain is closed.
   const std::size_t around = chain.closed ? last : count;
   const auto node_at = [&](std::size_t i) { return i % around; };
-  const auto pointers = [&]<std::size_t N>(std::array<const ChainNode*, N>& nodes, std::array<double*, N>& offsets, std::size_t first) {
-    for (std::size_t k = 0; k < N; ++k) nodes[k] = &chain.nodes[node_at(first + k)], offsets[k] = &offset[node_at(first + k)];
+  const auto pointers = [&]<std::size_t N>(std::array<const ChainNode*, N>& nodes, std::array<double*, N>& offsets,
+                                           std::size_t first) {
+    for (std::size_t k = 0; k < N; ++k)
+      nodes[k] = &chain.nodes[node_at(first + k)], offsets[k] = &offset[node_at(first + k)];
   };
   const auto starts = [&](std::size_t n) { return around < n ? 0 : chain.closed ? around : around - n + 1; };
   for (std::size_t i = 0; i < starts(3); ++i) {
     std::array<const ChainNode*, 3> nodes;
     std::array<double*, 3> offsets;
     pointers(nodes, offsets, i);
-    problem.AddResidualBlock(new AngleCost(nodes, weights.angle), nullptr, offsets[0], offsets[1], offsets[2]);
+    blocks.scaled.push_back(
+        problem.AddResidualBlock(new AngleCost(nodes, weights.angle), nullptr, offsets[0], offsets[1], offsets[2]));
   }
   for (std::size_t i = 0; i < starts(4); ++i) {
     std::array<const ChainNode*, 4> nodes;
     std::array<double*, 4> offsets;
     pointers(nodes, offsets, i);
-    problem.AddResidualBlock(new CurvatureChangeCost(nodes, weights.curvature), nullptr, offsets[0], offsets[1], offsets[2], offsets[3]);
+    blocks.scaled.push_back(problem.AddResidualBlock(new CurvatureChangeCost(nodes, weights.curvature), nullptr,
+                                                     offsets[0], offsets[1], offsets[2], offsets[3]));
   }
 
   ceres::Solver::Options solver;
   solver.minimizer_type = ceres::TRUST_REGION;
   solver.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS, so no threads and no run to run differences
+  solver.sparse_linear_algebra_library_type =
+      ceres::EIGEN_SPARSE;  // no BLAS, so no threads and no run to run differences
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-7;
   solver.num_threads = 1;
@@ -331,10 +387,18 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
 
   // Even perfect labels leave an edge uncertain by the quantisation of their pixels.
   const double floor_residual = weights.evidence / options.strip_m * 2.0 * profiles.step_m / std::sqrt(12.0);
-  std::vector<double> sigma;
-  estimate_sigmas(problem, parameters, class_blocks, evidence_rows, floor_residual, options.spacing_m, sigma);
+  blocks.scaled.insert(blocks.scaled.end(), blocks.classes.begin(), blocks.classes.end());
+  const Sigmas sigmas = estimate_sigmas(problem, parameters, blocks, evidence_rows, floor_residual, options.spacing_m);
+  // What the labels take for the edge (kerb, shoulder, parked cars) is wrong along a whole road, which no number of
+  // nodes averages out. It goes with how much of the strips beside the edges is misclassified.
+  const double edge_bias_m = edge_bias_share * options.strip_m * sigmas.class_residual / weights.evidence;
+  const auto seen = [&](std::size_t i) { return profiles.evidence[std::min(i, last - 1) * rows_per_segment] > 0.0F; };
   fit.sigma_offset_m.resize(count), fit.sigma_width_m.resize(count);
-  for (std::size_t i = 0; i < count; ++i) fit.sigma_offset_m[i] = sigma[2 * own(i)], fit.sigma_width_m[i] = sigma[2 * own(i) + 1];
+  for (std::size_t i = 0; i < count; ++i) {
+    fit.sigma_offset_m[i] = sigmas.of_parameters[2 * own(i)];
+    const double unseen_m = seen(i) ? 0.0 : unseen_width_share * width[own(i)];
+    fit.sigma_width_m[i] = std::hypot(sigmas.of_parameters[2 * own(i) + 1], std::sqrt(2.0) * edge_bias_m, unseen_m);
+  }
   if (chain.closed) offset[last] = offset[0], width[last] = width[0];
   return fit;
 }

@@ -27,38 +27,47 @@ struct RefinedChain {
 
 void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options) {
   if (!(osm.crs == evidence.crs))
-    throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition, evidence.crs.definition));
+    throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition,
+                                  evidence.crs.definition));
   if (!(options.spacing_m > 0.0) || !(options.search_radius_m > 0.0) || !(options.strip_m > 0.0) ||
       !(options.min_width_factor > 0.0) || !(options.max_width_factor > options.min_width_factor))
-    throw OptionError("refine: spacing, search radius, strip and width factors must be positive, the largest factor above the smallest");
+    throw OptionError(
+        "refine: spacing, search radius, strip and width factors must be positive, the largest factor above the "
+        "smallest");
   for (const RoadPath& path : osm.paths) {
     if (path.nodes.size() < 2) throw OptionError(fmt::format("refine: way {} has fewer than two nodes", path.osm_id));
     for (const RoadNode& node : path.nodes)
-      if (!(node.width_m > 0.0)) throw OptionError(fmt::format("refine: way {} has no width, set default_width_m", path.osm_id));
+      if (!(node.width_m > 0.0))
+        throw OptionError(fmt::format("refine: way {} has no width, set default_width_m", path.osm_id));
   }
 }
 
-/// The evidence straightened along a chain, as far as its roads may move. The search looks at strips wider than the fit's.
+/// The evidence straightened along a chain, as far as its roads may move. The search looks at strips wider than the
+/// fit's.
 CrossProfiles profiles_of(const RoadChain& chain, const RoadEvidence& evidence, const RefineRoadsOptions& options) {
   double widest_m = 0.0;
   for (const ChainNode& node : chain.nodes) widest_m = std::max(widest_m, node.input_width_m);
-  return sample_cross_profiles(chain, evidence,
-                               options.search_radius_m + 0.5 * options.max_width_factor * widest_m + 2.0 * options.strip_m);
+  return sample_cross_profiles(
+      chain, evidence, options.search_radius_m + 0.5 * options.max_width_factor * widest_m + 2.0 * options.strip_m);
 }
 
 Polyline line_of(const RoadChain& chain, const ChainShape& shape) {
   Polyline line;
-  for (std::size_t i = 0; i < chain.nodes.size(); ++i) line.push_back(chain.nodes[i].base + chain.nodes[i].normal * shape.offset_m[i]);
+  for (std::size_t i = 0; i < chain.nodes.size(); ++i)
+    line.push_back(chain.nodes[i].base + chain.nodes[i].normal * shape.offset_m[i]);
   return line;
 }
 
-/// All chains of a site with what the stages of the method know of them. Chains move one by one, in parallel, against what
-/// stands still around them; rounds bring them together. Profiles are made anew each time: kept, they would be most of the
-/// memory.
+/// All chains of a site with what the stages of the method know of them. Chains move one by one, in parallel, against
+/// what stands still around them; rounds bring them together. Profiles are made anew each time: kept, they would be
+/// most of the memory.
 class Refinement {
  public:
   Refinement(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options, Monitor* monitor)
-      : osm_(osm), evidence_(evidence), options_(options), monitor_(monitor),
+      : osm_(osm),
+        evidence_(evidence),
+        options_(options),
+        monitor_(monitor),
         chains_(build_chains(osm, {.spacing_m = options.spacing_m})) {
     mask_evidence(chains_, osm);
     neighbours_ = find_neighbours(chains_, osm);
@@ -67,8 +76,9 @@ class Refinement {
     expected_.resize(chains_.size());
   }
 
-  /// First guesses: each chain by itself finds the road it lies on, which tells the shift of the map around every place; then
-  /// each looks again near there. So what is hidden, or stands beside a better looking yard, follows the roads around it.
+  /// First guesses: each chain by itself finds the road it lies on, which tells the shift of the map around every
+  /// place; then each looks again near there. So what is hidden, or stands beside a better looking yard, follows the
+  /// roads around it.
   void search() {
     RefineWeights wide = options_.weights;
     wide.search_offset_m = options_.weights.map_shift_m;
@@ -77,8 +87,8 @@ class Refinement {
     search_chains(1, options_.weights);
   }
 
-  /// Fits every chain by itself, decides where roads meet by these lines, which nothing has bent yet, and fits once more: now
-  /// chains pass through their junctions and keep to their side of neighbours.
+  /// Fits every chain by itself, decides where roads meet by these lines, which nothing has bent yet, and fits once
+  /// more: now chains pass through their junctions and keep to their side of neighbours.
   void fit() {
     std::vector<ChainCoupling> couplings(chains_.size());
     for (std::size_t c = 0; c < chains_.size(); ++c) couplings[c].expected = expected_[c];
@@ -89,7 +99,8 @@ class Refinement {
         const ChainNode& at = chains_[chain].nodes[node];
         couplings[chain].meetings.push_back({node, dot(place.p - at.base, at.normal), sigma_m});
       }
-    for (std::size_t c = 0; c < chains_.size(); ++c) couplings[c].limits = limits_of(occupied_by_neighbours(c, neighbours_, shapes_));
+    for (std::size_t c = 0; c < chains_.size(); ++c)
+      couplings[c].limits = limits_of(occupied_by_neighbours(c, neighbours_, shapes_));
     fit_chains(3, couplings);
   }
 
@@ -108,14 +119,16 @@ class Refinement {
       keep_road_near(c, profiles);
       return search_offsets(chains_[c], profiles, expected_[c], options);
     };
-    parallel_for(chains_.size(), options.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
-                 [&](std::size_t done) { report(phase, done); });
+    parallel_for(
+        chains_.size(), options.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
+        [&](std::size_t done) { report(phase, done); });
     constexpr int sweeps = 2;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       std::vector<ChainShape> next = shapes_;
       parallel_for(chains_.size(), options.threads, [&](std::size_t c) {
         const std::vector<Occupied> occupied = occupied_by_neighbours(c, neighbours_, shapes_);
-        if (std::ranges::any_of(occupied, [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
+        if (std::ranges::any_of(occupied,
+                                [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
           next[c] = search_chain(c, occupied);
       });
       shapes_ = std::move(next);
@@ -139,7 +152,8 @@ class Refinement {
       for (std::size_t i = 0; i < nodes.size(); i += place_nodes) places.push_back(nodes[i].base);
       places.push_back(nodes.back().base);
     }
-    const std::vector<Shift> shifts = shift_at(places, samples, options_.threads, {.prior_m = options_.weights.map_shift_m});
+    const std::vector<Shift> shifts =
+        shift_at(places, samples, options_.threads, {.prior_m = options_.weights.map_shift_m});
     for (std::size_t c = 0, first = 0; c < chains_.size(); ++c) {
       const std::vector<ChainNode>& nodes = chains_[c].nodes;
       const std::size_t last = (nodes.size() + place_nodes - 1) / place_nodes;  // the place of the last node
@@ -151,7 +165,8 @@ class Refinement {
         const Shift &a = shifts[first + k], &b = shifts[first + k + 1];
         const auto mean = [f](auto x, auto y) { return x * (1.0 - f) + y * f; };
         const Vec2 n = nodes[i].normal;
-        const double variance_m2 = n.x * n.x * mean(a.xx_m2, b.xx_m2) + 2.0 * n.x * n.y * mean(a.xy_m2, b.xy_m2) + n.y * n.y * mean(a.yy_m2, b.yy_m2);
+        const double variance_m2 = n.x * n.x * mean(a.xx_m2, b.xx_m2) + 2.0 * n.x * n.y * mean(a.xy_m2, b.xy_m2) +
+                                   n.y * n.y * mean(a.yy_m2, b.yy_m2);
         expected_[c].push_back({dot(n, mean(a.shift_m, b.shift_m)), std::sqrt(variance_m2)});
       }
       first += last + 1;
@@ -177,7 +192,8 @@ class Refinement {
   }
   void report(int phase, std::size_t done) const {
     constexpr double phases = 4.0;
-    if (monitor_) monitor_->progress((phase + static_cast<double>(done) / static_cast<double>(chains_.size())) / phases, "refine");
+    if (monitor_)
+      monitor_->progress((phase + static_cast<double>(done) / static_cast<double>(chains_.size())) / phases, "refine");
   }
 
   const RoadNetwork& osm_;
@@ -203,17 +219,19 @@ void report_unseen(const RoadChain& chain, const RefinedChain& refined, const Ro
       const double length = chain.nodes[end].s_m - chain.nodes[begin].s_m;
       const Vec2 middle = chain.nodes[(begin + end) / 2].base;
       if (length >= unseen_finding_m)
-        findings.push_back({Severity::warning, "refine.no_road_seen",
-                            fmt::format("way {}: the labels show no road over {:.0f} m, kept near the OSM line with the default width",
-                                        osm.paths[piece.path].osm_id, length),
-                            middle.x, middle.y});
+        findings.push_back(
+            {Severity::warning, "refine.no_road_seen",
+             fmt::format("way {}: the labels show no road over {:.0f} m, kept near the OSM line with the default width",
+                         osm.paths[piece.path].osm_id, length),
+             middle.x, middle.y});
       begin = end;
     }
   }
 }
 
 /// The path of a piece of a chain, in the path's own direction.
-RoadPath pack_path(const RoadPath& input, const RoadChain& chain, const ChainPiece& piece, const ChainFit& fit, const Polyline& line) {
+RoadPath pack_path(const RoadPath& input, const RoadChain& chain, const ChainPiece& piece, const ChainFit& fit,
+                   const Polyline& line) {
   RoadPath path = input;
   path.nodes.clear();
   for (std::size_t i = piece.first; i <= piece.last; ++i) {
@@ -246,7 +264,8 @@ RefineRoadsResult Refinement::result() const {
       const ChainPiece& piece = chains_[c].pieces.front();
       const Vec2 middle = lines[c][lines[c].size() / 2];
       result.findings.push_back({Severity::info, "refine.not_converged",
-                                 fmt::format("way {}: no convergence after {} iterations", osm_.paths[piece.path].osm_id, fit.solve.iterations),
+                                 fmt::format("way {}: no convergence after {} iterations",
+                                             osm_.paths[piece.path].osm_id, fit.solve.iterations),
                                  middle.x, middle.y});
     }
     for (const ChainPiece& piece : chains_[c].pieces)
@@ -257,7 +276,8 @@ RefineRoadsResult Refinement::result() const {
 
 }  // namespace
 
-RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options, Monitor* monitor) {
+RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,
+                               Monitor* monitor) {
   check(osm, evidence, options);
   Refinement refinement(osm, evidence, options, monitor);
   refinement.search();
@@ -265,7 +285,8 @@ RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evide
   return refinement.result();
 }
 
-RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options, Monitor* monitor) {
+RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options,
+                               Monitor* monitor) {
   return refine_roads(osm, road_evidence(labels), options, monitor);
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 // Moves OSM centre lines onto the road seen in the labels and measures the carriageway width.
 //
-// After the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.3: per node an
-// offset along the normal of the path and a width; residuals r_c, r_a, r_w, r_o; Levenberg-Marquardt. What differs from
-// it and why is told in docs/roads.md.
+// After the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.3: per node
+// an offset along the normal of the path and a width; residuals r_c, r_a, r_w, r_o; Levenberg-Marquardt. What differs
+// from it and why is told in docs/roads.md.
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
@@ -15,31 +15,31 @@ namespace orthodrive {
 
 /// How much each kind of knowledge counts. What is known without evidence is told as standard deviations.
 struct RefineWeights {
-  double evidence = 4.0;           ///< w_c, of the mean class cost in a strip
-  double loss_scale = 3.0;         ///< of the Cauchy loss of w_c: residuals beyond are outliers
-  double angle = 11.0;             ///< w_a, 1/rad
-  double curvature = 37.0;         ///< w_k, 1/rad, of the change of the angle from node to node
-  double width = 12.0;             ///< w_w, 1/m
-  double offset = 0.07;            ///< w_o, 1/m
-  double map_shift_m = 4.0;        ///< sigma of the shift of the map: OSM was traced from photos that lie elsewhere
-  double way_shift_m = 0.3;        ///< sigma of the shift of a way beyond that of the map around it
-  double node_shift_m = 0.4;       ///< sigma of a node's offset around the shift of its way
-  double node_width_share = 0.015; ///< sigma of a node's width around the width of its way, as a share of it
-  double input_width = 0.15;       ///< factor on the sigma of the input's width (road_chains.hpp)
-  double search_step = 0.1;        ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
-  double search_offset_m = 0.8;    ///< of the search: so much offset costs as much as one metre misclassified
-  double search_width_share = 1.0; ///< of the search: so much change of the width likewise
+  double evidence = 20.0;           ///< w_c, of the mean class cost in a strip
+  double loss_scale = 1.5;          ///< of the Cauchy loss of w_c: residuals beyond are outliers
+  double angle = 10.0;              ///< w_a, 1/rad
+  double curvature = 80.0;          ///< w_k, 1/rad, of the change of the angle from node to node
+  double width = 25.0;              ///< w_w, 1/m
+  double offset = 0.3;              ///< w_o, 1/m
+  double map_shift_m = 5.0;         ///< sigma of the shift of the map: OSM was traced from photos that lie elsewhere
+  double way_shift_m = 0.3;         ///< sigma of the shift of a way beyond that of the map around it
+  double node_shift_m = 0.5;        ///< sigma of a node's offset around the shift of its way
+  double node_width_share = 0.013;  ///< sigma of a node's width around the width of its way, as a share of it
+  double input_width = 0.2;         ///< factor on the sigma of the input's width (road_chains.hpp)
+  double search_step = 0.2;  ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
+  double search_offset_m = 3.0;     ///< of the search: so much offset costs as much as one metre misclassified
+  double search_width_share = 0.5;  ///< of the search: so much change of the width likewise
 };
 
 struct RefineRoadsOptions {
-  double spacing_m = 2.0;          ///< paths are resampled to about this distance
-  double search_radius_m = 8.0;    ///< largest offset to each side of the OSM line
-  double strip_m = 1.5;            ///< width of the context and boundary strips: three pixels of the labels
-  double min_width_factor = 0.5;   ///< bounds of the width, times the input's width
+  double spacing_m = 2.0;         ///< paths are resampled to about this distance
+  double search_radius_m = 8.0;   ///< largest offset to each side of the OSM line
+  double strip_m = 1.5;           ///< width of the context and boundary strips: three pixels of the labels
+  double min_width_factor = 0.5;  ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
   RefineWeights weights;
   int max_iterations = 60;
-  int threads = 0;                 ///< 0 = all cores; the result does not depend on it
+  int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 struct RefineRoadsResult {

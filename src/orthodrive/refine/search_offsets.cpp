@@ -8,8 +8,8 @@ namespace orthodrive {
 namespace {
 
 constexpr double offset_step_m = 0.5;
-constexpr int width_levels = 13;      // between the smallest and the largest width factor
-constexpr double context_m = 2.0;     // road in such a strip beside the road counts as missed
+constexpr int width_levels = 13;   // between the smallest and the largest width factor
+constexpr double context_m = 2.0;  // road in such a strip beside the road counts as missed
 
 struct Levels {
   int offsets = 0;  // odd: the middle one is 0
@@ -33,14 +33,15 @@ void add_row_cost(const CrossProfiles& profiles, std::size_t row, double input_w
   const auto positive = running_sums(profiles.positive_row(row), profiles.step_m);
   const auto negative = running_sums(profiles.negative_row(row), profiles.step_m);
   const auto knot = [&](double t) {
-    return static_cast<std::size_t>(std::clamp<long>(std::lround((t + profiles.half_m) / profiles.step_m), 0, profiles.cells));
+    return static_cast<std::size_t>(
+        std::clamp<long>(std::lround((t + profiles.half_m) / profiles.step_m), 0, profiles.cells));
   };
   const double share = profiles.evidence[row] / static_cast<double>(rows_per_segment);
   for (int state = 0; state < levels.states(); ++state) {
     const double offset = levels.offset_m(state), half = 0.5 * levels.width_factor(state) * input_width_m;
     const std::size_t right = knot(offset - half), left = knot(offset + half);
-    cost[state] += share * (negative[left] - negative[right] + positive[knot(offset + half + context_m)] - positive[left] +
-                            positive[right] - positive[knot(offset - half - context_m)]);
+    cost[state] += share * (negative[left] - negative[right] + positive[knot(offset + half + context_m)] -
+                            positive[left] + positive[right] - positive[knot(offset - half - context_m)]);
   }
 }
 
@@ -76,12 +77,14 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
   for (std::size_t segment = 0; segment < segments; ++segment) {
     // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
     float evidence = 0.0F;
-    for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
+    for (std::size_t r = 0; r < rows_per_segment; ++r)
+      evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
     const ExpectedOffset expected_here = expected.empty() ? ExpectedOffset{} : expected[segment];
     const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected_here.sigma_m, 2);
     for (int state = 0; state < states; ++state)
-      cost[state] = (0.02 + 0.98 * evidence) *
-                    (std::pow(levels.offset_m(state) - expected_here.offset_m, 2) / offset_scale_m2 + width_prior[state]);
+      cost[state] =
+          (0.02 + 0.98 * evidence) *
+          (std::pow(levels.offset_m(state) - expected_here.offset_m, 2) / offset_scale_m2 + width_prior[state]);
     for (std::size_t r = 0; r < rows_per_segment; ++r) {
       const std::size_t row = segment * rows_per_segment + r;
       if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, chain.nodes[segment].input_width_m, levels, cost);
@@ -94,7 +97,8 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
         for (int d = -1; d <= 1; ++d)
           for (int e = -1; e <= 1; ++e) {
             if (o + d < 0 || o + d >= levels.offsets || w + e < 0 || w + e >= width_levels) continue;
-            const double candidate = total[state + d * width_levels + e] + weights.search_step * (std::abs(d) + std::abs(e));
+            const double candidate =
+                total[state + d * width_levels + e] + weights.search_step * (std::abs(d) + std::abs(e));
             if (candidate < best) best = candidate, step = static_cast<std::uint8_t>(3 * (d + 1) + e + 1);
           }
         next[state] = best + cost[state];
@@ -113,7 +117,8 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
   for (std::size_t i = 0; i < chain.nodes.size(); ++i) {  // a node lies between two segments
     const int before = best[i == 0 ? 0 : i - 1], after = best[std::min(i, segments - 1)];
     shape.offset_m.push_back(0.5 * (levels.offset_m(before) + levels.offset_m(after)));
-    shape.width_m.push_back(0.5 * (levels.width_factor(before) + levels.width_factor(after)) * chain.nodes[i].input_width_m);
+    shape.width_m.push_back(0.5 * (levels.width_factor(before) + levels.width_factor(after)) *
+                            chain.nodes[i].input_width_m);
   }
   shape.offset_m = running_mean(shape.offset_m);
   shape.width_m = running_mean(shape.width_m);

@@ -26,7 +26,10 @@ struct Normal {
   }
   [[nodiscard]] Shift solve() const {
     const double determinant = xx * yy - xy * xy;
-    return {{(yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant}, yy / determinant, -xy / determinant, xx / determinant};
+    return {{(yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant},
+            yy / determinant,
+            -xy / determinant,
+            xx / determinant};
   }
 };
 
@@ -51,10 +54,12 @@ Shift fit_shift(const std::vector<Weighted>& near, const ShiftFieldOptions& opti
 
 }  // namespace
 
-std::vector<Shift> shift_at(const std::vector<Vec2>& places, const std::vector<ShiftSample>& samples, int threads, const ShiftFieldOptions& options) {
+std::vector<Shift> shift_at(const std::vector<Vec2>& places, const std::vector<ShiftSample>& samples, int threads,
+                            const ShiftFieldOptions& options) {
   const double cell_m = reach_sigmas * options.reach_m;
   const auto cell_of = [&](Vec2 p) {
-    return Cell{static_cast<std::int64_t>(std::floor(p.x / cell_m)), static_cast<std::int64_t>(std::floor(p.y / cell_m))};
+    return Cell{static_cast<std::int64_t>(std::floor(p.x / cell_m)),
+                static_cast<std::int64_t>(std::floor(p.y / cell_m))};
   };
   std::map<Cell, std::vector<const ShiftSample*>> cells;
   for (const ShiftSample& sample : samples) cells[cell_of(sample.p)].push_back(&sample);
@@ -67,7 +72,8 @@ std::vector<Shift> shift_at(const std::vector<Vec2>& places, const std::vector<S
         if (const auto found = cells.find({x, y}); found != cells.end())
           for (const ShiftSample* sample : found->second)
             if (const double d = distance(sample->p, places[i]) / options.reach_m; d <= reach_sigmas)
-              near.push_back({sample, sample->weight * std::exp(-0.5 * d * d) / (options.sample_sigma_m * options.sample_sigma_m)});
+              near.push_back({sample, sample->weight * std::exp(-0.5 * d * d) /
+                                          (options.sample_sigma_m * options.sample_sigma_m)});
     shifts[i] = fit_shift(near, options);
   });
   return shifts;
