@@ -22,7 +22,7 @@ namespace orthodrive::app {
 namespace {
 constexpr int jpeg_quality = 85;  // visible artefacts, as in photos from map services
 
-std::string quoted(std::string_view text) {
+std::string toml_text(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -33,7 +33,7 @@ std::string quoted(std::string_view text) {
 
 std::string site_toml(const SynthSite& site) {
   std::string attribution;
-  for (const std::string& text : site.attribution) attribution += (attribution.empty() ? "" : ", ") + quoted(text);
+  for (const std::string& text : site.attribution) attribution += (attribution.empty() ? "" : ", ") + toml_text(text);
   const Box2& b = site.bounds;
   return fmt::format(
       "# A synthetic site with exact truth, made by `orthodrive synth`.\n"
@@ -43,10 +43,10 @@ std::string site_toml(const SynthSite& site) {
       "{}"
       "[attribution]\ntext = [{}]\n\n"
       "[truth]\ndir = \"truth\"\n",
-      quoted(site.name), site.crs.definition, b.min_x, b.min_y, b.max_x, b.max_y,
+      toml_text(site.name), site.crs.definition, b.min_x, b.min_y, b.max_x, b.max_y,
       site.circuit_name.empty()
           ? std::string()
-          : fmt::format("[drive]\nroute = {}  # name of a closed way\n\n", quoted(site.circuit_name)),
+          : fmt::format("[drive]\nroute = {}  # name of a closed way\n\n", toml_text(site.circuit_name)),
       attribution);
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/terrain.hpp"
 #include "synth/site_helpers.hpp"
@@ -268,9 +269,7 @@ TEST_P(PresetSites, bare_earth_is_the_road) {
   for (const RoadPath& path : s.roads.paths) {
     if (path.highway != "motorway" && path.name != "Circuit") continue;
     for (const RoadNode& node : path.nodes) {
-      const Vec2 q = s.true_dtm.frame.pixel_from_world(node.p);
-      EXPECT_NEAR(s.true_dtm.height_m.at(static_cast<int>(q.x), static_cast<int>(q.y)), node.z_m, 0.1)
-          << path.osm_id << " at " << node.s_m;
+      EXPECT_NEAR(sample_bilinear(s.true_dtm, node.p), node.z_m, 0.05) << path.osm_id << " at " << node.s_m;
       ++compared;
     }
   }

@@ -191,6 +191,8 @@ RoadNetwork true_roads(const SitePlan& plan, const Terrain& terrain, const std::
     }
     put(way.stops.back().s_m, way.stops.back().osm_node);
     if (path.nodes.size() < 2) continue;
+    if (path.nodes.front().osm_node != 0 && path.nodes.front().osm_node == path.nodes.back().osm_node)
+      path.nodes.back().p = path.nodes.front().p;  // closed: the same to the last bit
     const double start = path.nodes.front().s_m;
     for (RoadNode& node : path.nodes) node.s_m -= start;
     roads.paths.push_back(std::move(path));

@@ -7,8 +7,10 @@
 
 namespace orthodrive::synth {
 namespace {
-constexpr double grid_m = 10.0, reach_m = 150.0;
-constexpr double noise_m = 0.35;  // whole metres err by 0.29 m (1 / sqrt 12); the rest is the surveyor's own
+constexpr double grid_m = 10.0, reach_m = 250.0;
+// Web height services answer from coarse cells: the heights of the Red Bull Ring are level for 250 m, then jump by up to
+// 29 m within 13 m. Whole metres (0.29 m) are the least of it.
+constexpr double noise_m = 6.0;
 
 double covariance(double square_m2, double variance) {
   return variance * std::exp(-0.5 * square_m2 / (reach_m * reach_m));

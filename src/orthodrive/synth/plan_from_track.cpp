@@ -76,10 +76,11 @@ Vec2 across(const Alignment& edge, double s, Vec2 p, Vec2 direction) {
   return evaluate(edge, s).p;
 }
 
-/// Middle line and width of the strip between the edges. The edges stand across the surveyed line; across the middle
-/// line, which runs a little askew to it, they are found by iteration.
+/// Middle line and width of the strip between the edges, which stand across the surveyed line. Across the middle line,
+/// which runs a little askew to it, they are found by iteration, at four stations a row: in the tightest hairpins rows
+/// are as far apart as the inner edge's radius.
 void lay_carriageway(const std::vector<TrackRow>& rows, Vec2 world_from_local, PlannedRoad& road) {
-  std::vector<Vec2> points, left, right, middle;
+  std::vector<Vec2> points, left, right;
   for (const TrackRow& row : rows) points.push_back(row.p - world_from_local);
   const Alignment surveyed = spline_through(points, true);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -87,17 +88,25 @@ void lay_carriageway(const std::vector<TrackRow>& rows, Vec2 world_from_local, P
     const Vec2 normal{-std::sin(heading), std::cos(heading)};
     left.push_back(points[i] + normal * rows[i].left_m);
     right.push_back(points[i] - normal * rows[i].right_m);
-    middle.push_back((left.back() + right.back()) * 0.5);
   }
   const Alignment left_edge = spline_through(left, true), right_edge = spline_through(right, true);
-  std::vector<double> width_m(rows.size());
-  for (int iteration = 0; iteration < 8; ++iteration) {
+  constexpr std::size_t stations = 4;
+  const auto station_s = [](const Alignment& edge, std::size_t i) {
+    const double part = static_cast<double>(i % stations) / stations;
+    return edge.curve.s_m[i / stations] * (1.0 - part) + edge.curve.s_m[i / stations + 1] * part;
+  };
+  std::vector<Vec2> middle;
+  for (std::size_t i = 0; i < stations * rows.size(); ++i)
+    middle.push_back(
+        (evaluate(left_edge, station_s(left_edge, i)).p + evaluate(right_edge, station_s(right_edge, i)).p) * 0.5);
+  std::vector<double> width_m(middle.size());
+  for (int iteration = 0; iteration < 6; ++iteration) {
     road.alignment = spline_through(middle, true);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t i = 0; i < middle.size(); ++i) {
       const AlignmentPoint q = evaluate(road.alignment, road.alignment.curve.s_m[i]);
       const Vec2 direction{std::cos(q.heading_rad), std::sin(q.heading_rad)};
-      const Vec2 l = across(left_edge, left_edge.curve.s_m[i], q.p, direction),
-                 r = across(right_edge, right_edge.curve.s_m[i], q.p, direction);
+      const Vec2 l = across(left_edge, station_s(left_edge, i), q.p, direction),
+                 r = across(right_edge, station_s(right_edge, i), q.p, direction);
       middle[i] = (l + r) * 0.5;
       width_m[i] = distance(l, r);
     }
