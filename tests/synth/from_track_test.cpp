@@ -40,37 +40,6 @@ std::string csv_of(const std::vector<TrackRow>& track) {
   return text;
 }
 
-/// Greatest distance of the given edges from the edges of the plan, and of the plan's edges at the rows from the given.
-double worst_edge_m(const std::vector<TrackRow>& rows, const SitePlan& plan) {
-  const PlannedRoad& road = plan.roads[0];
-  Polyline left, right;
-  const int count = static_cast<int>(road.alignment.length_m / 0.2);
-  for (int i = 0; i <= count; ++i) {
-    const double s = road.alignment.length_m * i / count;
-    const AlignmentPoint q = evaluate(road.alignment, s);
-    const Vec2 normal{-std::sin(q.heading_rad), std::cos(q.heading_rad)};
-    left.push_back(q.p + normal * (0.5 * road.width_at(s)) + plan.world_from_local);
-    right.push_back(q.p - normal * (0.5 * road.width_at(s)) + plan.world_from_local);
-  }
-  std::vector<Vec2> points;
-  for (const TrackRow& row : rows) points.push_back(row.p);
-  const Alignment surveyed = spline_through(points, true);
-  double worst = 0.0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double heading = evaluate(surveyed, surveyed.curve.s_m[i]).heading_rad;
-    const Vec2 normal{-std::sin(heading), std::cos(heading)};
-    worst = std::max({worst, project_onto(left, rows[i].p + normal * rows[i].left_m).distance_m,
-                      project_onto(right, rows[i].p - normal * rows[i].right_m).distance_m});
-  }
-  return worst;
-}
-
-double lap_m(const SynthSite& site) {
-  double sum = 0.0;
-  for (const RoadPath& path : site.roads.paths) sum += path.nodes.back().s_m;
-  return sum;
-}
-
 TEST(ParseTrack, reads_columns_by_name) {
   const std::vector<TrackRow> track = bean(), read = parse_track(csv_of(track), "t.csv");
   ASSERT_EQ(read.size(), track.size());
@@ -167,12 +136,37 @@ TEST(SplineAlignment, passes_the_points_and_is_curvature_continuous_in_its_own_l
 TEST(FromTrack, carriageway_lies_between_the_given_edges) {
   const TrackSources sources{.rows = bean(), .file = "t.csv"};
   const SitePlan plan = plan_from_track(sources, 1);
-  EXPECT_LT(worst_edge_m(sources.rows, plan), 0.02);
+  EXPECT_LT(measure_track(sources.rows, make_site(plan, {.gsd_m = 2.0}).roads).edge_most_m, 0.02);
   EXPECT_TRUE(plan.roads[0].alignment.closed);
   // The line is the middle of the edges, not the surveyed line: where left and right differ it is off by half of that.
   const Vec2 p = sources.rows[26].p - plan.world_from_local;
   const AlignmentPoint q = evaluate(plan.roads[0].alignment, nearest_s(plan.roads[0].alignment, p));
   EXPECT_NEAR(distance(q.p, p), 0.5 * std::abs(sources.rows[26].left_m - sources.rows[26].right_m), 0.02);
+}
+
+TEST(MeasureTrack, sees_a_circle_that_was_moved) {
+  RoadPath circle;
+  constexpr int n = 1000;
+  for (int i = 0; i <= n; ++i) {
+    const double a = 2.0 * pi * i / n;
+    circle.nodes.push_back(
+        {.p = place + Vec2{100.0 * std::cos(a), 100.0 * std::sin(a)}, .s_m = 100.0 * a, .width_m = 12.0});
+  }
+  const RoadNetwork truth{.paths = {circle}};
+  std::vector<TrackRow> rows;
+  for (int i = 0; i < 120; ++i) {
+    const double a = 2.0 * pi * i / 120;
+    rows.push_back({place + Vec2{99.0 * std::cos(a), 99.0 * std::sin(a)}, 7.0, 5.0});
+  }
+  const TrackErrors none = measure_track(rows, truth);
+  EXPECT_NEAR(none.lap_m, 2.0 * pi * 100.0, 1e-9);
+  EXPECT_LT(none.edge_mean_m, 1e-3);
+  EXPECT_LT(none.edge_most_m, 0.02);  // at the seam a path's normal is that of one segment
+  for (TrackRow& row : rows) row.p.x += 0.3;
+  const TrackErrors moved = measure_track(rows, truth);  // by 0.3 |cos a|
+  EXPECT_NEAR(moved.edge_mean_m, 0.3 * 2.0 / pi, 2e-3);
+  EXPECT_NEAR(moved.edge_most_m, 0.3, 2e-3);
+  EXPECT_EQ(measure_track(rows, {}).lap_m, 0.0);
 }
 
 TEST(FromTrack, site_is_painted_like_the_presets) {
@@ -231,8 +225,9 @@ TEST(FromTrack, given_ways_are_kept_and_the_truth_has_their_ids_and_direction) {
       for (const RoadNode& node : path.nodes) EXPECT_LT(std::abs(node.offset_m), 2.5);
     }
     EXPECT_LT(distance(site.roads.paths[0].nodes.back().p, site.roads.paths[1].nodes.front().p), 1e-8);
-    EXPECT_NEAR(lap_m(site), plan.roads[0].alignment.length_m, 1e-6);
-    EXPECT_LT(worst_edge_m(sources.rows, plan), 0.02);
+    const TrackErrors errors = measure_track(sources.rows, site.roads);
+    EXPECT_NEAR(errors.lap_m, plan.roads[0].alignment.length_m, 1e-6);
+    EXPECT_LT(errors.edge_most_m, 0.02);
   }
 }
 
@@ -262,10 +257,12 @@ TEST(RedBullRing, edges_lap_length_and_heights) {
                        .osm = io::read_osm(folder / "osm_way_red_bull_ring.osm", {"EPSG:32633"}),
                        .heights = parse_heights(text("elevation_zaggyai.csv"), "heights")};
   const SitePlan plan = plan_from_track(sources, 7);
-  EXPECT_LT(worst_edge_m(sources.rows, plan), 0.02);
+  const TrackErrors errors = measure_track(sources.rows, make_site(plan, {.gsd_m = 2.0}).roads);
+  EXPECT_LT(errors.edge_mean_m, 0.01);
+  EXPECT_LT(errors.edge_p95_m, 0.02);
+  EXPECT_LT(errors.edge_most_m, 0.2);  // inside of a hairpin whose edge has a radius of 2 m
+  EXPECT_NEAR(errors.lap_m, 4318.0, 0.002 * 4318.0);
   const double length_m = plan.roads[0].alignment.length_m;
-  RecordProperty("lap_m", fmt::format("{:.2f}", length_m));
-  EXPECT_NEAR(length_m, 4318.0, 0.002 * 4318.0);
   ASSERT_TRUE(plan.osm);
   ASSERT_EQ(plan.osm->ways.size(), 2u);
   EXPECT_EQ(plan.osm->ways[0].osm_id, 84416553);

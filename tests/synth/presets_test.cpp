@@ -28,7 +28,7 @@ Beside beside(const Alignment& a, Vec2 p) {
 }
 
 double surface_z(const SitePlan& plan, const Terrain& terrain, std::size_t road, double s, double offset_m) {
-  const double k = evaluate(plan.roads[road].alignment, s).curvature_1pm;
+  const double k = design_curvature_1pm(plan.roads[road].alignment, s);
   return terrain.profiles[road].z(s) + offset_m * std::tan(banking_rad(plan.roads[road], k));
 }
 
@@ -133,6 +133,21 @@ TEST_P(CircuitPlans, access_road_clears_the_track_and_heights_are_smooth) {
   EXPECT_GT(clearance_m(plan, terrain, plan.bridges[0]), least_clearance_m);
   expect_smooth_heights(plan, terrain, 0.13);
   expect_ties_hold(plan, terrain);
+}
+
+TEST_P(CircuitPlans, buildings_stand_beside_the_roads) {
+  for (std::uint64_t seed = GetParam().seed; seed < GetParam().seed + 40; seed += 8) {
+    const SitePlan other = plan_circuit(GetParam().size_m, seed);
+    EXPECT_GE(other.buildings.size(), 2u);
+    for (const House& house : other.buildings) {
+      const Ring corners = rectangle(house.center, house.heading_rad, house.half_length_m, house.half_width_m);
+      for (const PlannedRoad& road : other.roads)
+        for (const Vec2 p : sample(road.alignment, 2.0)) {
+          EXPECT_FALSE(contains(Polygon{corners, {}}, p)) << "seed " << seed << ", " << road.highway;
+          for (const Vec2 c : corners) ASSERT_GT(distance(p, c), 0.5 * road.width_m + 1.0) << "seed " << seed;
+        }
+    }
+  }
 }
 
 TEST_P(CircuitPlans, pit_lane_leaves_and_joins_the_straight_the_way_the_track_runs) {

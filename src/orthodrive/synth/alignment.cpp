@@ -97,6 +97,21 @@ AlignmentPoint evaluate(const Alignment& alignment, double s_m) {
   return evaluate(e, std::min(s - e.s_m, e.length_m));
 }
 
+double design_curvature_1pm(const Alignment& alignment, double s_m) {
+  if (!alignment.elements.empty()) return evaluate(alignment, s_m).curvature_1pm;
+  constexpr int steps = 8;  // 5 m: a hairpin turns by less than half a circle in one
+  constexpr double half_m = 20.0;
+  const double begin = alignment.closed ? s_m - half_m : std::max(0.0, s_m - half_m),
+               end = alignment.closed ? s_m + half_m : std::min(alignment.length_m, s_m + half_m);
+  double turn = 0.0, heading = evaluate(alignment, begin).heading_rad;
+  for (int i = 1; i <= steps; ++i) {
+    const double next = evaluate(alignment, begin + (end - begin) * i / steps).heading_rad;
+    turn += wrapped(next - heading);
+    heading = next;
+  }
+  return turn / (end - begin);
+}
+
 Alignment round_corners(const std::vector<Corner>& corners, bool closed) {
   const std::size_t n = corners.size();
   assert(n >= (closed ? 3u : 2u));

@@ -179,7 +179,7 @@ RoadNetwork true_roads(const SitePlan& plan, const Terrain& terrain, const std::
       node.offset_m = dot(q.p - project_onto(osm_line, q.p).point, left);
       node.z_m = terrain.profiles[way.road].z(s);
       node.gradient = terrain.profiles[way.road].gradient(s);
-      node.banking = banking_rad(road, q.curvature_1pm);
+      node.banking = banking_rad(road, design_curvature_1pm(road.alignment, s));
       node.banking_source = "truth";
       path.nodes.push_back(node);
     };

@@ -90,6 +90,13 @@ SitePlan plan_circuit(double size_m, std::uint64_t seed) {
                    .alignment = round_corners({{straight.at(mid - half_paddock, paddock_road_m), 0.0},
                                                {straight.at(mid + half_paddock, paddock_road_m), 0.0}},
                                               false)});
+  // From the paddock past the garages to the pit lane.
+  const double gate_m = mid + 0.93 * half_paddock;
+  const Vec2 gate = straight.at(gate_m, paddock_road_m);
+  planner.add(
+      {.highway = "service",
+       .width_m = 2.0 * paddock_half_m,
+       .alignment = round_corners({{gate, 0.0}, {planner.nearest_point(1, straight.at(gate_m, pit_m)), 0.0}}, false)});
   // From outside over the circuit to the paddock.
   const std::size_t access = planner.add(planner.street(
       "unclassified", "Ringstrasse",

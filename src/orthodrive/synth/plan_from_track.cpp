@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "orthodrive/core/error.hpp"
@@ -80,16 +81,10 @@ Vec2 across(const Alignment& edge, double s, Vec2 p, Vec2 direction) {
 /// which runs a little askew to it, they are found by iteration, at four stations a row: in the tightest hairpins rows
 /// are as far apart as the inner edge's radius.
 void lay_carriageway(const std::vector<TrackRow>& rows, Vec2 world_from_local, PlannedRoad& road) {
-  std::vector<Vec2> points, left, right;
-  for (const TrackRow& row : rows) points.push_back(row.p - world_from_local);
-  const Alignment surveyed = spline_through(points, true);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double heading = evaluate(surveyed, surveyed.curve.s_m[i]).heading_rad;
-    const Vec2 normal{-std::sin(heading), std::cos(heading)};
-    left.push_back(points[i] + normal * rows[i].left_m);
-    right.push_back(points[i] - normal * rows[i].right_m);
-  }
-  const Alignment left_edge = spline_through(left, true), right_edge = spline_through(right, true);
+  TrackEdges edges = track_edges(rows);
+  for (std::vector<Vec2>* side : {&edges.left, &edges.right})
+    for (Vec2& p : *side) p = p - world_from_local;
+  const Alignment left_edge = spline_through(edges.left, true), right_edge = spline_through(edges.right, true);
   constexpr std::size_t stations = 4;
   const auto station_s = [](const Alignment& edge, std::size_t i) {
     const double part = static_cast<double>(i % stations) / stations;
@@ -137,6 +132,47 @@ GivenOsm place_ways(const std::vector<OsmWay>& loop, const std::map<std::int64_t
   return osm;
 }
 }  // namespace
+
+TrackEdges track_edges(const std::vector<TrackRow>& rows) {
+  std::vector<Vec2> points;
+  for (const TrackRow& row : rows) points.push_back(row.p);
+  const Alignment surveyed = spline_through(points, true);
+  TrackEdges edges;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double heading = evaluate(surveyed, surveyed.curve.s_m[i]).heading_rad;
+    const Vec2 normal{-std::sin(heading), std::cos(heading)};
+    edges.left.push_back(rows[i].p + normal * rows[i].left_m);
+    edges.right.push_back(rows[i].p - normal * rows[i].right_m);
+  }
+  return edges;
+}
+
+TrackErrors measure_track(const std::vector<TrackRow>& rows, const RoadNetwork& truth) {
+  TrackErrors errors;
+  std::vector<Polyline> sides;
+  for (const RoadPath& path : truth.paths) {
+    if (path.nodes.empty()) continue;
+    errors.lap_m += path.nodes.back().s_m;
+    const Ring ring = surface_ring(path);  // one side, then the other side backwards
+    const auto half = ring.begin() + static_cast<long>(path.nodes.size());
+    sides.emplace_back(ring.begin(), half);
+    sides.emplace_back(half, ring.end());
+  }
+  if (sides.empty()) return errors;
+  const TrackEdges edges = track_edges(rows);
+  std::vector<double> off_m;
+  for (const std::vector<Vec2>* side : {&edges.left, &edges.right})
+    for (const Vec2 p : *side) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const Polyline& line : sides) nearest = std::min(nearest, project_onto(line, p).distance_m);
+      off_m.push_back(nearest);
+    }
+  std::sort(off_m.begin(), off_m.end());
+  for (const double off : off_m) errors.edge_mean_m += off / static_cast<double>(off_m.size());
+  errors.edge_p95_m = off_m[off_m.size() * 95 / 100];
+  errors.edge_most_m = off_m.back();
+  return errors;
+}
 
 SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed) {
   std::vector<TrackRow> rows = sources.rows;

@@ -66,12 +66,18 @@ Alignment slip_road(const Alignment& main, double s_bridge, const Head& head, co
   const double sign = exit ? -1.0 : 1.0;
   constexpr double flat_slope = 0.09;  // 5 degrees
   const Vec2 nose = beside(main, s_bridge + sign * sizes.reach_m, 0.0);
-  const Vec2 bend = beside(main, s_bridge + sign * (sizes.reach_m - sizes.taper_m), flat_slope * sizes.taper_m);
   // The last corner stands so that the slip road meets the secondary road across.
   const double last_m = std::max(50.0, 0.16 * sizes.reach_m) + head.ring_radius_m;
   const Vec2 away = normalized(beside(main, s_bridge + sign * 100.0, 0.0) - beside(main, s_bridge, 0.0));
   const Vec2 last = head.p + away * last_m;
-  std::vector<Corner> corners{{nose, 0.0}, {bend, 260.0}, {last, 90.0}, {head.end_from(last), 0.0}};
+  std::vector<Corner> corners{{nose, 0.0}};
+  // Along the carriageway, bent as it is: one leg would cut its bend and leave at twice the angle or never. The last
+  // leg is long, the bend at its end needs it.
+  for (const double share : {0.2, 0.4, 1.0}) {
+    const double away_m = sizes.taper_m * share;
+    corners.push_back({beside(main, s_bridge + sign * (sizes.reach_m - away_m), flat_slope * away_m), 260.0});
+  }
+  corners.insert(corners.end(), {{last, 90.0}, {head.end_from(last), 0.0}});
   if (!exit) std::reverse(corners.begin(), corners.end());
   return round_corners(corners, false);
 }
@@ -213,6 +219,9 @@ SitePlan plan_junction(double size_m, std::uint64_t seed) {
 
   for (const Slip& slip : slips) add_verges(plan, slip.road, 10.0);
   for (const std::size_t m : main) add_verges(plan, m, 18.0);
+  if (roundabouts)  // grass in the middle
+    for (const Head& head : heads)
+      plan.areas.push_back({{sample(circle(head.p, ring_radius_m), 2.0), {}}, Cover::meadow, false});
   const Alignment axis_line = round_corners(axis, false);
   plan.areas.push_back(
       {{strip_along(axis_line, 0.0, axis_line.length_m, -0.3, 0.3), {}}, Cover::paved, false});  // wall

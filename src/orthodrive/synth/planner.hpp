@@ -28,8 +28,11 @@ class Planner {
   }
   /// A point of another road near (u, v), to start or end a branch there.
   [[nodiscard]] Vec2 branch_point(std::size_t road, double u, double v) const {
+    return nearest_point(road, place(u, v));
+  }
+  [[nodiscard]] Vec2 nearest_point(std::size_t road, Vec2 p) const {
     const Alignment& a = plan_.roads[road].alignment;
-    return evaluate(a, nearest_s(a, place(u, v))).p;
+    return evaluate(a, nearest_s(a, p)).p;
   }
   std::size_t add(PlannedRoad road) {
     plan_.roads.push_back(std::move(road));

@@ -182,7 +182,8 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       if (edge <= 0.0f)
         cover = Cover::road;
       else if (highway == "raceway") {
-        if (edge < kerb_m && std::abs(place.banking) > kerb_banking_rad && scene.road_count.at(col, row) < 2)
+        if (edge < kerb_m && place.road == source.plan.circuit && std::abs(place.banking) > kerb_banking_rad &&
+            scene.road_count.at(col, row) < 2)
           cover = Cover::kerb;
         else if (edge < verge_m && cover == Cover::field)
           cover = Cover::meadow;

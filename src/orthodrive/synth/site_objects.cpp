@@ -125,6 +125,12 @@ class Placer {
     });
   }
 
+  [[nodiscard]] bool near_car(Vec2 p) const {
+    constexpr double two_lorries_m = 9.0;
+    return std::any_of(objects_.cars.begin(), objects_.cars.end(),
+                       [&](const Car& car) { return distance(car.center, p) < two_lorries_m; });
+  }
+
   /// A wobbly disc.
   Ring blob(Vec2 center, double radius) {
     const double p1 = random_.uniform(0.0, 2 * pi), p2 = random_.uniform(0.0, 2 * pi),
@@ -168,7 +174,7 @@ class Placer {
     const int count = static_cast<int>(8.0 * std::min(1.0, plan_.size_m / 1000.0)) + 2;
     for (int i = 0; i < count; ++i) {
       const PlannedRoad& road = plan_.roads[random_.below(plan_.roads.size())];
-      if (is_fast(road)) continue;
+      if (is_fast(road) || road.roundabout) continue;
       const AlignmentPoint q = evaluate(road.alignment, random_.uniform(0.1, 0.9) * road.alignment.length_m);
       const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5),
                    bend = random_.uniform(-0.01, 0.01);
@@ -406,7 +412,9 @@ class Placer {
       if (road.highway == "motorway")  // strip of 0.75 m, then lanes of 3.75 m from left to right
         t = 0.5 * road.width_m - 0.75 -
             3.75 * (0.5 + static_cast<double>(random_.below(static_cast<std::uint64_t>(road.lanes))));
-      add_car(q.p + left_normal(unit(q.heading_rad)) * t, q.heading_rad);
+      const Vec2 p = q.p + left_normal(unit(q.heading_rad)) * t;
+      if (plan_.surroundings == Surroundings::country && near_car(p)) continue;  // where roads run into each other
+      add_car(p, q.heading_rad);
     }
     if (road.highway != "residential") return;
     for (const double side : {1.0, -1.0})  // parked at the kerb

@@ -172,7 +172,8 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
     const double weight = tie.on_surface ? 100.0 : 5.0;
     for (std::size_t i = 0; i < knots.s_m[tie.road].size(); ++i) {
       const double s = knots.s_m[tie.road][i];
-      if (s < tie.s_begin_m || s > tie.s_end_m) continue;
+      // One knot beyond both ends: the spline between the last tied knot and a free one may not leave the surface.
+      if (s < tie.s_begin_m - knot_spacing_m || s > tie.s_end_m + knot_spacing_m) continue;
       const Vec2 p = evaluate(road.alignment, s).p;
       const double s_main = std::clamp(nearest_s(main.alignment, p), 0.0, main.alignment.length_m);
       const auto& all = knots.s_m[tie.main];
@@ -181,7 +182,8 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
       const double part = (s_main - all[k - 1]) / (all[k] - all[k - 1]);
       const AlignmentPoint q = evaluate(main.alignment, s_main);
       const double offset_m = cross({std::cos(q.heading_rad), std::sin(q.heading_rad)}, p - q.p);
-      const double rise_m = tie.on_surface ? offset_m * std::tan(banking_rad(main, q.curvature_1pm)) : 0.0;
+      const double rise_m =
+          tie.on_surface ? offset_m * std::tan(banking_rad(main, design_curvature_1pm(main.alignment, s_main))) : 0.0;
       rows.push_back({{knots.unknown[tie.road][i], knots.unknown[tie.main][k - 1], knots.unknown[tie.main][k]},
                       {weight, -weight * (1.0 - part), -weight * part},
                       weight * rise_m});
@@ -246,7 +248,7 @@ std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrai
       const double s = road.alignment.length_m * i / count;
       const AlignmentPoint q = evaluate(road.alignment, s);
       samples.push_back({q.p, static_cast<float>(s), static_cast<float>(terrain.profiles[r].z(s)),
-                         static_cast<float>(banking_rad(road, q.curvature_1pm)),
+                         static_cast<float>(banking_rad(road, design_curvature_1pm(road.alignment, s))),
                          static_cast<float>(0.5 * road.width_at(s)), static_cast<std::uint16_t>(r),
                          on_bridge(plan, r, s), i == count});
     }

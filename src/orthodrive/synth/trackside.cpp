@@ -5,7 +5,7 @@
 
 namespace orthodrive::synth {
 namespace {
-constexpr double step_m = 4.0;
+constexpr double step_m = 2.0;           // hairpins have radii of 12 m
 constexpr double bend_radius_m = 220.0;  // bends wider than that are driven flat out: no run-off area
 
 Vec2 left_of(const AlignmentPoint& q) { return {-std::sin(q.heading_rad), std::cos(q.heading_rad)}; }
@@ -19,7 +19,7 @@ struct Bend {
 std::vector<Bend> find_bends(const Alignment& a) {
   std::vector<Bend> bends;
   for (double s = 0.0; s < a.length_m; s += step_m) {
-    const double k = evaluate(a, s).curvature_1pm;
+    const double k = design_curvature_1pm(a, s);
     if (std::abs(k) < 1.0 / bend_radius_m) continue;
     const double side = k > 0.0 ? -1.0 : 1.0;
     if (!bends.empty() && bends.back().side == side && s - bends.back().s_end_m < 25.0)
@@ -31,24 +31,29 @@ std::vector<Bend> find_bends(const Alignment& a) {
   return bends;
 }
 
-/// Strip on the outer side whose width swells and fades; ends before the road turns tightly the other way.
-Ring run_off(const PlannedRoad& road, const Bend& bend, double near_m, double width_m) {
+/// Strip on the outer side between two distances from the edge of the road, plus shares that swell and fade along it;
+/// ends before the road turns tightly the other way.
+struct RunOff {
+  double near_m = 0.0, near_swell_m = 0.0, width_m = 0.0;
+};
+Ring run_off(const PlannedRoad& road, const Bend& bend, const RunOff& strip) {
   const Alignment& a = road.alignment;
   double begin = bend.s_begin_m - 20.0, end = bend.s_end_m + 60.0;
   const double limit = a.closed ? 1e9 : a.length_m;
   begin = a.closed ? begin : std::max(0.0, begin), end = std::min(end, limit);
   for (double s = bend.s_end_m; s < end; s += step_m)
-    if (evaluate(a, s).curvature_1pm * -bend.side < -1.0 / 120.0) end = s;
+    if (design_curvature_1pm(a, s) * -bend.side < -1.0 / 120.0) end = s;
   for (double s = bend.s_begin_m; s > begin; s -= step_m)
-    if (evaluate(a, s).curvature_1pm * -bend.side < -1.0 / 120.0) begin = s;
+    if (design_curvature_1pm(a, s) * -bend.side < -1.0 / 120.0) begin = s;
   Ring inner, outer;
   const int count = std::max(4, static_cast<int>((end - begin) / step_m));
   for (int i = 0; i <= count; ++i) {
     const double s = begin + (end - begin) * i / count, swell = std::sin(3.14159265358979 * i / count);
     const AlignmentPoint q = evaluate(a, s);
-    const double edge_m = 0.5 * road.width_at(std::fmod(s + a.length_m, a.length_m)) + near_m;
+    const double edge_m =
+        0.5 * road.width_at(std::fmod(s + a.length_m, a.length_m)) + strip.near_m + strip.near_swell_m * swell;
     inner.push_back(q.p + left_of(q) * (bend.side * edge_m));
-    outer.push_back(q.p + left_of(q) * (bend.side * (edge_m + width_m * swell)));
+    outer.push_back(q.p + left_of(q) * (bend.side * (edge_m + strip.width_m * swell)));
   }
   inner.insert(inner.end(), outer.rbegin(), outer.rend());
   return inner;
@@ -85,8 +90,13 @@ void add_run_off(SitePlan& plan, std::size_t road_index, Random& random) {
   for (const Bend& bend : find_bends(a)) {
     const double width_m = random.uniform(10.0, 22.0);
     const bool apron = random.uniform() < 0.4;
-    if (apron) plan.areas.push_back({{run_off(road, bend, -1.0, 0.55 * width_m + 1.0), {}}, Cover::paved, false});
-    plan.areas.push_back({{run_off(road, bend, apron ? 0.55 * width_m : 4.0, width_m), {}}, Cover::gravel_trap, false});
+    if (!apron) {
+      plan.areas.push_back({{run_off(road, bend, {4.0, 0.0, width_m}), {}}, Cover::gravel_trap, false});
+      continue;
+    }
+    // The apron begins under the kerb; gravel follows where it ends.
+    plan.areas.push_back({{run_off(road, bend, {-1.0, 0.0, 0.55 * width_m + 1.0}), {}}, Cover::paved, false});
+    plan.areas.push_back({{run_off(road, bend, {-1.0, 0.55 * width_m + 1.0, width_m}), {}}, Cover::gravel_trap, false});
   }
 }
 
@@ -107,11 +117,16 @@ void add_stands(SitePlan& plan, std::size_t road_index, int count, Random& rando
                       0.0,
                       RoofShape::flat,
                       {0.74f, 0.75f, 0.77f}};
-    const Ring ring = rectangle(stand.center, stand.heading_rad, half_length_m + 2.0, 8.0);
-    const bool in_site = std::all_of(ring.begin(), ring.end(), [&](Vec2 p) {
+    // Places all over it: between corners 80 m apart there is room for a road.
+    std::vector<Vec2> places;
+    for (double along_m = -half_length_m - 2.0; along_m <= half_length_m + 2.0; along_m += 2.0)
+      for (const double across_m : {-8.0, 0.0, 8.0})
+        places.push_back(stand.center + Vec2{std::cos(q.heading_rad), std::sin(q.heading_rad)} * along_m +
+                         left_of(q) * across_m);
+    const bool in_site = std::all_of(places.begin(), places.end(), [&](Vec2 p) {
       return p.x > 5.0 && p.y > 5.0 && p.x < plan.size_m - 5.0 && p.y < plan.size_m - 5.0;
     });
-    const bool free = std::all_of(ring.begin(), ring.end(), [&](Vec2 p) {
+    const bool free = std::all_of(places.begin(), places.end(), [&](Vec2 p) {
       return std::none_of(lines.begin(), lines.end(),
                           [&](const Polyline& line) { return project_onto(line, p).distance_m < 18.0; }) &&
              std::none_of(plan.areas.begin(), plan.areas.end(),
