@@ -8,8 +8,8 @@
 namespace orthodrive::synth {
 namespace {
 constexpr double grid_m = 10.0, reach_m = 250.0;
-// Web height services answer from coarse cells: the heights of the Red Bull Ring are level for 250 m, then jump by up to
-// 29 m within 13 m. Whole metres (0.29 m) are the least of it.
+// Web height services answer from coarse cells: the heights of the Red Bull Ring are level for 250 m, then jump by up
+// to 29 m within 13 m. Whole metres (0.29 m) are the least of it.
 constexpr double noise_m = 6.0;
 
 double covariance(double square_m2, double variance) {

@@ -16,8 +16,9 @@ struct HeightField {
 };
 
 /// Gaussian process regression (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, alg. 2.1) about
-/// the plane that fits best, with exp(-d^2 / 2 l^2), l = 250 m, and a noise of 6 m: heights from the web come from coarse
-/// cells and jump. Far from all points the ground is the plane. O(n^3) in the number of points, which may lie on each other.
+/// the plane that fits best, with exp(-d^2 / 2 l^2), l = 250 m, and a noise of 6 m: heights from the web come from
+/// coarse cells and jump. Far from all points the ground is the plane. O(n^3) in the number of points, which may lie on
+/// each other.
 [[nodiscard]] HeightField fit_heights(const std::vector<Vec3>& points, const Box2& box);
 
 }  // namespace orthodrive::synth
