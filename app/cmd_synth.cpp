@@ -150,7 +150,7 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --from-track track.csv --track-osm track.osm -o sites/track\n"
-      "Needs 0.65 GB of memory for 1 km2 at 0.2 m.");
+      "Needs 0.8 GB of memory for 1 km2 at 0.2 m.");
   cmd->callback([arguments, &context] {
     arguments->options.threads = context.threads;
     const SynthSite site = arguments->track.empty()

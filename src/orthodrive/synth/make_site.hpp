@@ -51,8 +51,8 @@ struct SynthSite {
   std::vector<std::string> attribution{"Synthetic site made by orthodrive synth, no rights reserved"};
 };
 
-/// Builds, paints and measures what a plan says (its size, not the options'). Takes 10 s and 0.65 GB for 1 km2 at 0.2 m
-/// on one core. Throws OptionError.
+/// Builds, paints and measures what a plan says (its size, not the options'). Takes 11 - 14 s of one core and 0.8 GB
+/// for 1 km2 at 0.2 m. Throws OptionError.
 [[nodiscard]] SynthSite make_site(const synth::SitePlan& plan, const SynthOptions& options, Monitor* monitor = nullptr);
 
 enum class Preset : std::uint8_t { village, circuit, junction };
