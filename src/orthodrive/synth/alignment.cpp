@@ -21,6 +21,32 @@ constexpr double edge_share = 0.46;
 
 Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
+/// Length of the curve between two parameters inside one piece; Gauss-Legendre over the speed.
+double piece_length_m(const SplineCurve& curve, double from, double to) {
+  const auto speed = [&](double u) { return std::hypot(curve.x.slope(u), curve.y.slope(u)); };
+  const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  double sum = 0.0;
+  for (std::size_t j = 0; j < nodes.size(); ++j)
+    sum += weights[j] * (speed(middle - half * nodes[j]) + speed(middle + half * nodes[j]));
+  return sum * half;
+}
+
+AlignmentPoint evaluate(const SplineCurve& curve, double s_m) {
+  const auto it = std::upper_bound(curve.s_m.begin(), curve.s_m.end(), s_m);
+  const std::size_t i =
+      std::min(static_cast<std::size_t>(std::max<long>(0, it - curve.s_m.begin() - 1)), curve.s_m.size() - 2);
+  const double begin = curve.x.knots[i], end = curve.x.knots[i + 1];
+  double u = begin + (end - begin) * (s_m - curve.s_m[i]) / (curve.s_m[i + 1] - curve.s_m[i]);
+  for (int k = 0; k < 6; ++k) {  // Newton; the speed is near 1, so the start is within millimetres
+    const double step =
+        (s_m - curve.s_m[i] - piece_length_m(curve, begin, u)) / std::hypot(curve.x.slope(u), curve.y.slope(u));
+    u = std::clamp(u + step, begin, end);
+    if (std::abs(step) < 1e-11) break;
+  }
+  const Vec2 d{curve.x.slope(u), curve.y.slope(u)}, dd{curve.x.bend(u), curve.y.bend(u)};
+  return {{curve.x.at(u), curve.y.at(u)}, std::atan2(d.y, d.x), cross(d, dd) / std::pow(length(d), 3.0)};
+}
+
 double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 /// Clothoid, arc, clothoid that turn by `deflection` with the arc's radius 1, starting at the origin along x.
@@ -57,17 +83,33 @@ AlignmentPoint evaluate(const AlignmentElement& e, double ds_m) {
 }
 
 AlignmentPoint evaluate(const Alignment& alignment, double s_m) {
-  assert(!alignment.elements.empty());
+  assert(!alignment.elements.empty() || alignment.curve.s_m.size() >= 2);
   double s = s_m;
   if (alignment.closed) {
     s = std::fmod(s, alignment.length_m);
     if (s < 0.0) s += alignment.length_m;
   }
   s = std::clamp(s, 0.0, alignment.length_m);
+  if (alignment.elements.empty()) return evaluate(alignment.curve, s);
   auto it = std::upper_bound(alignment.elements.begin(), alignment.elements.end(), s,
                              [](double value, const AlignmentElement& e) { return value < e.s_m; });
   const AlignmentElement& e = it == alignment.elements.begin() ? *it : *std::prev(it);
   return evaluate(e, std::min(s - e.s_m, e.length_m));
+}
+
+double design_curvature_1pm(const Alignment& alignment, double s_m) {
+  if (!alignment.elements.empty()) return evaluate(alignment, s_m).curvature_1pm;
+  constexpr int steps = 8;  // 5 m: a hairpin turns by less than half a circle in one
+  constexpr double half_m = 20.0;
+  const double begin = alignment.closed ? s_m - half_m : std::max(0.0, s_m - half_m),
+               end = alignment.closed ? s_m + half_m : std::min(alignment.length_m, s_m + half_m);
+  double turn = 0.0, heading = evaluate(alignment, begin).heading_rad;
+  for (int i = 1; i <= steps; ++i) {
+    const double next = evaluate(alignment, begin + (end - begin) * i / steps).heading_rad;
+    turn += wrapped(next - heading);
+    heading = next;
+  }
+  return turn / (end - begin);
 }
 
 Alignment round_corners(const std::vector<Corner>& corners, bool closed) {
@@ -116,6 +158,32 @@ Alignment round_corners(const std::vector<Corner>& corners, bool closed) {
       append(e);
     }
   }
+  return alignment;
+}
+
+Alignment circle(Vec2 center, double radius_m) {
+  const double k = 1.0 / radius_m, length_m = 2.0 * std::numbers::pi * radius_m;
+  return {.elements = {{.length_m = length_m,
+                        .start = center + Vec2{radius_m, 0.0},
+                        .heading_rad = 0.5 * std::numbers::pi,
+                        .k_begin_1pm = k,
+                        .k_end_1pm = k}},
+          .length_m = length_m,
+          .closed = true};
+}
+
+Alignment spline_through(std::vector<Vec2> points, bool closed) {
+  assert(points.size() >= 3);
+  if (closed) points.push_back(points.front());
+  std::vector<double> x, y;
+  for (const Vec2 p : points) x.push_back(p.x), y.push_back(p.y);
+  const std::vector<double> chord_m = arc_lengths_m(points);
+  Alignment alignment{.closed = closed};
+  SplineCurve& curve = alignment.curve;
+  curve = {make_spline(chord_m, std::move(x), closed), make_spline(chord_m, std::move(y), closed), {0.0}};
+  for (std::size_t i = 0; i + 1 < chord_m.size(); ++i)
+    curve.s_m.push_back(curve.s_m.back() + piece_length_m(curve, chord_m[i], chord_m[i + 1]));
+  alignment.length_m = curve.s_m.back();
   return alignment;
 }
 

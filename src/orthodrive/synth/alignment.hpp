@@ -1,10 +1,12 @@
 #pragma once
 // Exact road geometry: straights, arcs and Euler spirals as one kind of element whose curvature is linear in s.
+// Surveyed lines, which were not built of such elements, are cubic splines through their points.
 
 #include <vector>
 
 #include "orthodrive/geo/polyline.hpp"
 #include "orthodrive/geo/vec.hpp"
+#include "orthodrive/synth/spline.hpp"
 
 namespace orthodrive::synth {
 
@@ -17,9 +19,16 @@ struct AlignmentElement {
   double k_begin_1pm = 0.0, k_end_1pm = 0.0;
 };
 
+/// Splines of both coordinates over the chord length; s of the knots along the curve itself.
+struct SplineCurve {
+  Spline x, y;
+  std::vector<double> s_m;
+};
+
 /// G2 continuous: position, heading and curvature agree where elements meet (and at the seam of a closed one).
 struct Alignment {
-  std::vector<AlignmentElement> elements;
+  std::vector<AlignmentElement> elements;  ///< empty when `curve` is the line
+  SplineCurve curve;
   double length_m = 0.0;
   bool closed = false;
 };
@@ -35,6 +44,10 @@ struct AlignmentPoint {
 /// Clamped to the ends; closed alignments wrap around.
 [[nodiscard]] AlignmentPoint evaluate(const Alignment& alignment, double s_m);
 
+/// The curvature that a road is banked for. Designed alignments: their own. Surveyed ones: the mean over 40 m, because
+/// lines through points 5 m apart that are right to a decimetre wiggle (at the Red Bull Ring by 0.02 / m in 5 m).
+[[nodiscard]] double design_curvature_1pm(const Alignment& alignment, double s_m);
+
 /// A corner of the tangent polygon and the radius of the arc that rounds it.
 struct Corner {
   Vec2 p;
@@ -44,6 +57,12 @@ struct Corner {
 /// Radii grow until the clothoids have 12 m and shrink where the tangents are too short. Open: the line starts at the
 /// first and ends at the last corner.
 [[nodiscard]] Alignment round_corners(const std::vector<Corner>& corners, bool closed);
+
+/// The circle around a place, counter-clockwise, from its easternmost point on.
+[[nodiscard]] Alignment circle(Vec2 center, double radius_m);
+/// Cubic spline through points by chord length. Closed: the first point is not repeated. Needs three points, none of
+/// them twice in a row.
+[[nodiscard]] Alignment spline_through(std::vector<Vec2> points, bool closed);
 
 /// Points every `step_m` or a little less, ends included.
 [[nodiscard]] Polyline sample(const Alignment& alignment, double step_m);

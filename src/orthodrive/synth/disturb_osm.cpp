@@ -46,14 +46,24 @@ std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridg
   if (!road.name.empty()) tags["name"] = road.name;
   if (road.oneway) tags["oneway"] = "yes";
   if (bridge) tags["bridge"] = "yes", tags["layer"] = "1";
-  if (random.uniform() < lanes_tag_share) tags["lanes"] = fmt::format("{}", road.lanes);
-  if (random.uniform() < width_tag_share) tags["width"] = fmt::format("{:.1f}", 0.5 * std::round(2.0 * road.width_m));
+  if (road.roundabout) tags["junction"] = "roundabout";
+  if (random.uniform() < lanes_tag_share || road.lanes_tagged) tags["lanes"] = fmt::format("{}", road.lanes);
+  if (random.uniform() < width_tag_share)
+    tags["width"] = fmt::format("{:.1f}", 0.5 * std::round(2.0 * road.width_at(0.0)));
   return tags;
 }
 }  // namespace
 
-std::vector<PlannedWay> plan_ways(const VillagePlan& plan) {
+std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
   std::vector<PlannedWay> ways;
+  if (plan.osm) {
+    for (const GivenOsm::Way& given : plan.osm->ways)
+      ways.push_back({.osm_id = given.osm_id,
+                      .s_begin_m = given.s_begin_m,
+                      .s_end_m = given.s_end_m,
+                      .stops = {{given.s_begin_m, given.first_node}, {given.s_end_m, given.last_node}}});
+    return ways;
+  }
   std::int64_t next_node = static_cast<std::int64_t>(plan.junctions.size()) + 1;  // junction j has node j + 1
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     const PlannedRoad& road = plan.roads[r];
@@ -86,7 +96,7 @@ std::vector<PlannedWay> plan_ways(const VillagePlan& plan) {
   return ways;
 }
 
-OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways, const VillageObjects& objects,
+OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, const SiteObjects& objects,
                     const DisturbOptions& options) {
   const DisplacementField field(options);
   Random random(derive_seed(options.seed, 6));
@@ -139,7 +149,7 @@ OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways
   return osm;
 }
 
-RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways,
+RoadNetwork true_roads(const SitePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways,
                        const OsmData& osm) {
   std::map<std::int64_t, Vec2> osm_nodes;
   for (const OsmNode& node : osm.nodes) osm_nodes.emplace(node.id, node.p);
@@ -157,16 +167,19 @@ RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const st
                   .layer = way.bridge ? 1 : 0,
                   .bridge = way.bridge,
                   .oneway = road.oneway ? Oneway::forward : Oneway::no,
-                  .lanes = tags.contains("lanes") ? road.lanes : 0};
-    const auto put = [&](double s, std::int64_t osm_node) {
+                  .lanes = tags.contains("lanes") ? road.lanes : 0,
+                  .roundabout = road.roundabout};
+    const auto put = [&](double s_way, std::int64_t osm_node) {
+      const bool beyond_seam = road.alignment.closed && s_way > road.alignment.length_m;
+      const double s = beyond_seam ? s_way - road.alignment.length_m : s_way;
       const AlignmentPoint q = evaluate(road.alignment, s);
       if (!site.contains(q.p)) return;
-      RoadNode node{.p = q.p, .osm_node = osm_node, .s_m = s, .width_m = road.width_m};
+      RoadNode node{.p = q.p, .osm_node = osm_node, .s_m = s_way, .width_m = road.width_at(s)};
       const Vec2 left{-std::sin(q.heading_rad), std::cos(q.heading_rad)};
       node.offset_m = dot(q.p - project_onto(osm_line, q.p).point, left);
       node.z_m = terrain.profiles[way.road].z(s);
       node.gradient = terrain.profiles[way.road].gradient(s);
-      node.banking = banking_rad(road, q.curvature_1pm);
+      node.banking = banking_rad(road, design_curvature_1pm(road.alignment, s));
       node.banking_source = "truth";
       path.nodes.push_back(node);
     };
@@ -178,6 +191,8 @@ RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain, const st
     }
     put(way.stops.back().s_m, way.stops.back().osm_node);
     if (path.nodes.size() < 2) continue;
+    if (path.nodes.front().osm_node != 0 && path.nodes.front().osm_node == path.nodes.back().osm_node)
+      path.nodes.back().p = path.nodes.front().p;  // closed: the same to the last bit
     const double start = path.nodes.front().s_m;
     for (RoadNode& node : path.nodes) node.s_m -= start;
     roads.paths.push_back(std::move(path));

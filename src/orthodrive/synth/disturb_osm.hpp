@@ -5,8 +5,8 @@
 
 #include "orthodrive/model/osm_data.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/synth/site_objects.hpp"
 #include "orthodrive/synth/terrain.hpp"
-#include "orthodrive/synth/village_objects.hpp"
 
 namespace orthodrive::synth {
 
@@ -22,20 +22,20 @@ struct PlannedWay {
   };
   std::vector<Stop> stops;  ///< both ends and the junctions between, ascending; ids are shared with other ways
 };
-[[nodiscard]] std::vector<PlannedWay> plan_ways(const VillagePlan& plan);
+[[nodiscard]] std::vector<PlannedWay> plan_ways(const SitePlan& plan);
 
 struct DisturbOptions {
   double offset_min_m = 0.0, offset_max_m = 0.0;
   std::uint64_t seed = 0;
 };
-/// OSM of the village in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 15 - 40 m
+/// OSM of the site in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 15 - 40 m
 /// apart (closer in bends), few width and lanes tags; junctions shared. Buildings and areas are moved by a third of
 /// that.
-[[nodiscard]] OsmData disturb_osm(const VillagePlan& plan, const std::vector<PlannedWay>& ways,
-                                  const VillageObjects& objects, const DisturbOptions& options);
+[[nodiscard]] OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, const SiteObjects& objects,
+                                  const DisturbOptions& options);
 
 /// The exact roads inside [0, size]^2 with a node a metre, in local metres.
-[[nodiscard]] RoadNetwork true_roads(const VillagePlan& plan, const Terrain& terrain,
-                                     const std::vector<PlannedWay>& ways, const OsmData& osm);
+[[nodiscard]] RoadNetwork true_roads(const SitePlan& plan, const Terrain& terrain, const std::vector<PlannedWay>& ways,
+                                     const OsmData& osm);
 
 }  // namespace orthodrive::synth

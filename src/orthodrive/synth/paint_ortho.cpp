@@ -10,6 +10,8 @@
 
 namespace orthodrive::synth {
 namespace {
+constexpr double motorway_strip_m = 0.75, motorway_lane_m = 3.75;  // RAA 2008: edge strip at the median, lane
+
 Rgb operator+(const Rgb& a, const Rgb& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 Rgb operator*(const Rgb& a, float k) { return {a[0] * k, a[1] * k, a[2] * k}; }
 Rgb mix(const Rgb& a, const Rgb& b, float t) { return a * (1.0f - t) + b * t; }
@@ -196,7 +198,13 @@ class Painter {
         return {tone, tone * 0.985f, tone * 0.96f};
       }
       case Cover::parking:
-        return parking(p);
+        return parking(source_.objects.areas[detail].polygon.outer, p);
+      case Cover::gravel_trap: {
+        const float tone = 0.66f + 0.05f * fractal(p, 1.2, 34, 3) + 0.03f * noise(p, 12.0, 35);
+        return {tone, tone * 0.94f, tone * 0.82f};
+      }
+      case Cover::kerb:
+        return kerb(col, row, p);
       case Cover::pool:
         return Rgb{0.36f, 0.66f, 0.74f} * (1.0f + 0.05f * noise(p, 0.8, 33));
       case Cover::water: {
@@ -205,6 +213,15 @@ class Painter {
       }
     }
     return grey(0.5f);
+  }
+
+  /// Red and white in turn, along the road that it edges.
+  [[nodiscard]] Rgb kerb(int col, int row, Vec2 p) const {
+    const auto segment = static_cast<std::size_t>(scene_.road_segment.at(col, row));
+    const RoadSample &a = source_.road_samples[segment], &b = source_.road_samples[segment + 1];
+    const double along = a.s_m + dot(p - a.p, normalized(b.p - a.p));
+    const bool red = std::fmod(along + 1000.0, 3.0) < 1.5;
+    return (red ? Rgb{0.66f, 0.18f, 0.16f} : Rgb{0.84f, 0.83f, 0.80f}) * (1.0f + 0.08f * noise(p, 0.6, 36));
   }
 
   /// `hue` < 0 lush, > 0 dry; `care` 1 = even lawn, 0 = patchy.
@@ -264,8 +281,7 @@ class Painter {
     return {value * 1.005f, value, value * 0.985f};
   }
 
-  [[nodiscard]] Rgb parking(Vec2 p) const {
-    const Ring& c = source_.plan.parking.outer;
+  [[nodiscard]] Rgb parking(const Ring& c, Vec2 p) const {
     const Vec2 along = normalized(c[1] - c[0]), inward = normalized(c[3] - c[0]);
     const double s = dot(p - c[0], along), d = dot(p - c[0], inward), depth = distance(c[0], c[3]);
     Rgb color = asphalt(p, mood_.asphalt + 0.05f);
@@ -293,8 +309,9 @@ class Painter {
       tone *= 0.90f + 0.16f * unit_hash(patch_s, patch_t, seed_ + 74);
     if (bridge) tone += 0.05f;
     // Wheel tracks are polished lighter, oil darkens the middle of the lane.
-    const double lane = plan.oneway || plan.lanes < 2 ? 0.0 : 0.25 * plan.width_m;
-    const auto from_lane = static_cast<float>(std::abs(std::abs(t) - lane));
+    const double lane = plan.oneway || plan.lanes < 2 ? 0.0 : 0.25 * plan.width_at(s);
+    const auto from_lane =
+        static_cast<float>(plan.highway == "motorway" ? from_motorway_lane(plan, t) : std::abs(std::abs(t) - lane));
     tone *= 1.0f + 0.025f * std::exp(-8.0f * (from_lane - 0.8f) * (from_lane - 0.8f)) -
             0.03f * std::exp(-6.0f * from_lane * from_lane);
     Rgb color = asphalt({p.x, p.y}, tone);
@@ -306,21 +323,42 @@ class Painter {
     return mix(color, {0.93f, 0.93f, 0.91f}, std::clamp(paint, 0.0f, 1.0f));
   }
 
+  [[nodiscard]] static double from_motorway_lane(const PlannedRoad& road, double t) {
+    const double from_left = 0.5 * road.width_m - motorway_strip_m - t;
+    const int lane = std::clamp(static_cast<int>(std::floor(from_left / motorway_lane_m)), 0, road.lanes - 1);
+    return std::abs(from_left - (lane + 0.5) * motorway_lane_m);
+  }
+
   /// Share of the pixel that is road paint.
   [[nodiscard]] float marking(const PlannedRoad& road, double s, double t, int col, int row) const {
-    if (road.highway != "secondary" && road.highway != "tertiary") return 0.0f;
+    const bool motorway = road.highway == "motorway", track = road.highway == "raceway",
+               link = road.highway == "motorway_link";
+    if (road.highway != "secondary" && road.highway != "tertiary" && !motorway && !track && !link) return 0.0f;
     const bool junction = scene_.road_count.at(col, row) > 1;
-    if (junction && road.highway == "tertiary" && &road != &source_.plan.roads[circuit_road]) return 0.0f;
+    const bool circuit = source_.plan.circuit && &road == &source_.plan.roads[*source_.plan.circuit];
+    if (junction && road.highway == "tertiary" && !circuit) return 0.0f;
+    if (junction && (link || road.roundabout)) return 0.0f;
     const double pixel = scene_.frame.gsd_m;
     const auto line = [&](double offset, double width) {
       return static_cast<float>(
           std::clamp((0.5 * (width + pixel) - std::abs(t - offset)) / pixel, 0.0, std::min(1.0, width / pixel)));
     };
     const double period = road.highway == "secondary" ? 12.0 : 9.0;
+    const auto dashed = [&](double every_m, double dash_m) { return s - every_m * std::floor(s / every_m) < dash_m; };
     float paint = 0.0f;
-    if (s - period * std::floor(s / period) < period / 3.0) paint = line(0.0, 0.13);
+    if (motorway) {  // strip, lanes, shoulder from left to right; where a slip road joins, the shoulder's line is
+                     // broken
+      const double left = 0.5 * road.width_m - motorway_strip_m;
+      paint = line(left, 0.15);
+      for (int lane = 1; lane < road.lanes; ++lane)
+        if (dashed(18.0, 6.0)) paint = std::max(paint, line(left - lane * motorway_lane_m, 0.15));
+      if (!junction || dashed(6.0, 3.0)) paint = std::max(paint, line(left - road.lanes * motorway_lane_m, 0.3));
+      return paint;
+    }
+    if (track && circuit && s < 1.0) return 0.9f;  // start and finish
+    if (!track && !link && !road.roundabout && dashed(period, period / 3.0)) paint = line(0.0, 0.13);
     if (!junction) {
-      const double edge = 0.5 * road.width_m - 0.25;
+      const double edge = 0.5 * road.width_at(s) - 0.25;
       paint = std::max({paint, line(edge, 0.15), line(-edge, 0.15)});
     }
     return paint;

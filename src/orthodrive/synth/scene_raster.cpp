@@ -12,13 +12,25 @@ constexpr int band_rows = 64;
 constexpr double road_reach_m = 6.0;  // beyond its edge a road changes nothing
 constexpr float far_from_roads_m = 9.0f;
 constexpr float corner_rounding_m = 7.0f;
-constexpr double deck_edge_m = 0.4;  // parapet of a bridge, outside the carriageway
+constexpr double deck_edge_m = 0.4;                        // parapet of a bridge, outside the carriageway
+constexpr float kerb_m = 1.2f, kerb_banking_rad = 0.013f;  // kerbs where a circuit bends: R below some 220 m
 constexpr float walk_m = 1.6f, shoulder_m = 0.6f, verge_m = 2.2f;
 
 /// Minimum of two distances that rounds the corner between them (Quilez, polynomial smooth minimum).
 float smooth_min(float a, float b, float k) {
   const float h = std::max(k - std::abs(a - b), 0.0f) / k;
   return std::min(a, b) - h * h * k * 0.25f;
+}
+
+/// Corners are rounded where roads meet across, not where a slip road leaves at a few degrees: rounding its gore would
+/// pave tens of metres beyond the nose, and both outer edges.
+float rounding_m(const SceneSource& source, std::int32_t segment_a, std::int32_t segment_b) {
+  const auto direction = [&](std::int32_t segment) {
+    const auto i = static_cast<std::size_t>(segment);
+    return normalized(source.road_samples[i + 1].p - source.road_samples[i].p);
+  };
+  const auto sine = static_cast<float>(std::abs(cross(direction(segment_a), direction(segment_b))));
+  return std::max(0.2f, corner_rounding_m * smoothstep(0.15f, 0.9f, sine));
 }
 
 /// Long narrow parcels: the Voronoi cells of a jittered grid in a turned and stretched frame.
@@ -60,7 +72,7 @@ void paint_covers(const SceneSource& source, const Band& band, SceneRaster& scen
       }
     });
   };
-  fill({sample(source.plan.roads[circuit_road].alignment, 4.0), {}}, Cover::meadow, 0);
+  if (source.plan.circuit) fill({sample(source.plan.roads[*source.plan.circuit].alignment, 4.0), {}}, Cover::meadow, 0);
   for (std::size_t i = 0; i < source.objects.areas.size(); ++i)
     fill(source.objects.areas[i].polygon, source.objects.areas[i].cover, static_cast<std::uint16_t>(i));
   for (int row = band.first; row < band.first + band.rows; ++row)
@@ -78,10 +90,11 @@ double edge_distance(const RoadSample& a, const RoadSample& b, bool first, bool 
   const Vec2 d = b.p - a.p;
   const double n = length(d), along = dot(p - a.p, d) / n, across = std::abs(cross(d, p - a.p)) / n;
   const double overshoot = std::max(-along, along - n);
-  if (overshoot <= 0.0) return across - a.half_width_m;
-  if ((first && along < 0.0) || (last && along > n)) return std::max(across - a.half_width_m, beyond_end * overshoot);
+  const double half_m = a.half_width_m + std::clamp(along / n, 0.0, 1.0) * (b.half_width_m - a.half_width_m);
+  if (overshoot <= 0.0) return across - half_m;
+  if ((first && along < 0.0) || (last && along > n)) return std::max(across - half_m, beyond_end * overshoot);
   if (overshoot > joint_m) return far_from_roads_m;
-  return std::hypot(across, overshoot) - a.half_width_m;
+  return std::hypot(across, overshoot) - half_m;
 }
 
 void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene) {
@@ -150,8 +163,11 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
           edge = n.edge_m, segment = n.segment, scene.road_count.at(col, row) = 1;
           continue;
         }
+        const std::int32_t under = segment;
         if (n.edge_m < 0.0f || n.edge_m < edge) segment = n.segment;
-        edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, corner_rounding_m);
+        const float rounding =
+            source.plan.round_corners_by_angle && under >= 0 ? rounding_m(source, under, n.segment) : corner_rounding_m;
+        edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, rounding);
         if (n.edge_m < 0.3f) ++scene.road_count.at(col, row);
       }
   }
@@ -161,10 +177,17 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       if (segment < 0) continue;
       const float edge = scene.road_edge_m.at(col, row);
       Cover& cover = scene.cover.at(col, row);
-      const std::string& highway = source.plan.roads[samples[static_cast<std::size_t>(segment)].road].highway;
+      const RoadSample& place = samples[static_cast<std::size_t>(segment)];
+      const std::string& highway = source.plan.roads[place.road].highway;
       if (edge <= 0.0f)
         cover = Cover::road;
-      else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking)
+      else if (highway == "raceway") {
+        if (edge < kerb_m && place.road == source.plan.circuit && std::abs(place.banking) > kerb_banking_rad &&
+            scene.road_count.at(col, row) < 2)
+          cover = Cover::kerb;
+        else if (edge < verge_m && cover == Cover::field)
+          cover = Cover::meadow;
+      } else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking)
         continue;
       else if (edge < walk_m && highway == "residential")
         cover = Cover::sidewalk;
@@ -295,6 +318,7 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
         return road;
       case Cover::parking:
       case Cover::paved:
+      case Cover::kerb:
         return parking;
       case Cover::water:
       case Cover::pool:
@@ -311,6 +335,7 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
         return vegetation;
       case Cover::garden_bed:
       case Cover::gravel:
+      case Cover::gravel_trap:
       case Cover::sidewalk:
         return ground;
     }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "orthodrive/geo/raster.hpp"
+#include "orthodrive/synth/site_objects.hpp"
 #include "orthodrive/synth/terrain.hpp"
-#include "orthodrive/synth/village_objects.hpp"
 
 namespace orthodrive::synth {
 
@@ -16,9 +16,9 @@ constexpr int crop_count = 6;
 
 /// What the pixels are made from. All in local metres.
 struct SceneSource {
-  const VillagePlan& plan;
+  const SitePlan& plan;
   const std::vector<RoadSample>& road_samples;
-  const VillageObjects& objects;
+  const SiteObjects& objects;
   const BareEarth& earth;
   const GridFrame& earth_frame;
   std::uint32_t seed = 0;
@@ -39,7 +39,7 @@ struct SceneRaster {
 struct ObjectCounts {
   std::int32_t houses = 0, trees = 0, cars = 0;
 };
-[[nodiscard]] inline ObjectCounts counts_of(const VillageObjects& o) {
+[[nodiscard]] inline ObjectCounts counts_of(const SiteObjects& o) {
   return {static_cast<std::int32_t>(o.houses.size()), static_cast<std::int32_t>(o.trees.size()),
           static_cast<std::int32_t>(o.cars.size())};
 }

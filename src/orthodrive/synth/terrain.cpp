@@ -14,7 +14,7 @@ namespace {
 constexpr double knot_spacing_m = 4.0;
 constexpr double max_clearance_m = 40.0;
 
-Hills make_hills(double size_m, Random& random) {
+Hills make_hills(double size_m, double relief, Random& random) {
   Hills hills;
   hills.base_m = random.uniform(280.0, 620.0);
   for (int i = 0; i < 18; ++i) {
@@ -30,7 +30,7 @@ Hills make_hills(double size_m, Random& random) {
       const double z = hills.height_m({size_m * i / 20.0, size_m * j / 20.0});
       low = std::min(low, z), high = std::max(high, z);
     }
-  const double relief_m = random.uniform(28.0, 60.0) * std::min(1.0, size_m / 1000.0);
+  const double relief_m = random.uniform(28.0, 60.0) * std::min(1.0, size_m / 1000.0) * relief;
   for (Hills::Wave& wave : hills.waves) wave.amplitude_m *= relief_m / (high - low);
   return hills;
 }
@@ -79,39 +79,6 @@ std::vector<double> solve_least_squares(const std::vector<Row>& rows, std::vecto
   return x;
 }
 
-/// Second derivatives of the natural cubic spline (Thomas algorithm).
-std::vector<double> natural_spline(const std::vector<double>& s, const std::vector<double>& z) {
-  const std::size_t n = s.size();
-  std::vector<double> second(n, 0.0), upper(n, 0.0), value(n, 0.0);
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    const double h0 = s[i] - s[i - 1], h1 = s[i + 1] - s[i];
-    const double rhs = 6.0 * ((z[i + 1] - z[i]) / h1 - (z[i] - z[i - 1]) / h0);
-    const double pivot = 2.0 * (h0 + h1) - h0 * upper[i - 1];
-    upper[i] = h1 / pivot, value[i] = (rhs - h0 * value[i - 1]) / pivot;
-  }
-  for (std::size_t i = n - 1; i-- > 1;) second[i] = value[i] - upper[i] * second[i + 1];
-  return second;
-}
-
-Profile make_profile(std::vector<double> s, std::vector<double> z, bool closed) {
-  if (!closed) {
-    std::vector<double> second = natural_spline(s, z);
-    return {std::move(s), std::move(z), std::move(second)};
-  }
-  // Periodic by repetition: the influence of the ends fades by 0.27 a knot.
-  const std::size_t wrap = std::min<std::size_t>(40, s.size() - 1), n = s.size();
-  const double length = s.back();
-  std::vector<double> s_long, z_long;
-  for (std::size_t i = n - 1 - wrap; i + 1 < n; ++i) s_long.push_back(s[i] - length), z_long.push_back(z[i]);
-  s_long.insert(s_long.end(), s.begin(), s.end());
-  z_long.insert(z_long.end(), z.begin(), z.end());
-  for (std::size_t i = 1; i <= wrap; ++i) s_long.push_back(s[i] + length), z_long.push_back(z[i]);
-  const std::vector<double> second = natural_spline(s_long, z_long);
-  return {std::move(s),
-          std::move(z),
-          {second.begin() + static_cast<long>(wrap), second.begin() + static_cast<long>(wrap + n)}};
-}
-
 /// Knots of all roads; those of one junction share an unknown.
 struct KnotSystem {
   std::vector<std::vector<double>> s_m;           // by road
@@ -119,15 +86,17 @@ struct KnotSystem {
   std::size_t unknowns = 0;
 };
 
-KnotSystem make_knots(const VillagePlan& plan) {
+KnotSystem make_knots(const SitePlan& plan) {
   KnotSystem knots;
   std::vector<std::vector<double>> breaks(plan.roads.size());
   for (std::size_t r = 0; r < plan.roads.size(); ++r) breaks[r] = {0.0, plan.roads[r].alignment.length_m};
   for (const PlannedJunction& junction : plan.junctions)
     for (const PlannedJunction::Arm& arm : junction.arms) breaks[arm.road].push_back(arm.s_m);
   for (const PlannedBridge& bridge : plan.bridges) {
-    breaks[bridge.over].push_back(bridge.s_over_m);
-    breaks[bridge.under].push_back(bridge.s_under_m);
+    for (const PlannedBridge::Below& below : bridge.under) {
+      breaks[bridge.over].push_back(below.s_over_m);
+      breaks[below.road].push_back(below.s_m);
+    }
   }
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     std::sort(breaks[r].begin(), breaks[r].end());
@@ -158,7 +127,7 @@ KnotSystem make_knots(const VillagePlan& plan) {
 }
 
 /// Smoothing spline through the terrain: sum ds (z - g)^2 + l^4 sum ds z''^2, junctions shared, bridges lifted.
-std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills) {
+std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
   const KnotSystem knots = make_knots(plan);
   std::vector<Row> rows;
   std::vector<double> start(knots.unknowns, 0.0);
@@ -167,8 +136,11 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
     const auto& u = knots.unknown[r];
     const Alignment& alignment = plan.roads[r].alignment;
     // How far the road irons out the terrain: a wavelength of 2 pi l is halved.
-    const double stiffness_m =
-        (surface_priority(plan, r) >= 10 ? 50.0 : 32.0) * std::clamp(plan.size_m / 600.0, 0.8, 1.0);
+    const bool smooth = surface_priority(plan, r) >= 10 || plan.roads[r].highway == "raceway";
+    const double stiffness_m = (plan.roads[r].highway == "motorway" ? 80.0
+                                : smooth                            ? 50.0
+                                                                    : 32.0) *
+                               std::clamp(plan.size_m / 600.0, 0.8, 1.0);
     const std::size_t n = s.size();
     for (std::size_t i = 0; i + (alignment.closed ? 1 : 0) < n; ++i) {
       const double h0 = i > 0 ? s[i] - s[i - 1] : s[n - 1] - s[n - 2], h1 = i + 1 < n ? s[i + 1] - s[i] : 0.0;
@@ -190,16 +162,39 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
           .unknown[road][static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s - 1e-6) - all.begin())];
     };
     constexpr double stiff = 300.0;  // against weights near 2 of the terrain: holds the rise to millimetres
-    const std::size_t over = unknown_at(bridge.over, bridge.s_over_m),
-                      under = unknown_at(bridge.under, bridge.s_under_m);
-    rows.push_back({{over, under, under}, {stiff, -stiff, 0.0}, stiff * bridge_rise_m});
+    for (const PlannedBridge::Below& below : bridge.under) {
+      const std::size_t over = unknown_at(bridge.over, below.s_over_m), under = unknown_at(below.road, below.s_m);
+      rows.push_back({{over, under, under}, {stiff, -stiff, 0.0}, stiff * bridge_rise_m});
+    }
+  }
+  for (const PlannedTie& tie : plan.ties) {
+    const PlannedRoad &road = plan.roads[tie.road], &main = plan.roads[tie.main];
+    const double weight = tie.on_surface ? 100.0 : 5.0;
+    for (std::size_t i = 0; i < knots.s_m[tie.road].size(); ++i) {
+      const double s = knots.s_m[tie.road][i];
+      // One knot beyond both ends: the spline between the last tied knot and a free one may not leave the surface.
+      if (s < tie.s_begin_m - knot_spacing_m || s > tie.s_end_m + knot_spacing_m) continue;
+      const Vec2 p = evaluate(road.alignment, s).p;
+      const double s_main = std::clamp(nearest_s(main.alignment, p), 0.0, main.alignment.length_m);
+      const auto& all = knots.s_m[tie.main];
+      const std::size_t k = std::min(
+          static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), s_main) - all.begin()), all.size() - 1);
+      const double part = (s_main - all[k - 1]) / (all[k] - all[k - 1]);
+      const AlignmentPoint q = evaluate(main.alignment, s_main);
+      const double offset_m = cross({std::cos(q.heading_rad), std::sin(q.heading_rad)}, p - q.p);
+      const double rise_m =
+          tie.on_surface ? offset_m * std::tan(banking_rad(main, design_curvature_1pm(main.alignment, s_main))) : 0.0;
+      rows.push_back({{knots.unknown[tie.road][i], knots.unknown[tie.main][k - 1], knots.unknown[tie.main][k]},
+                      {weight, -weight * (1.0 - part), -weight * part},
+                      weight * rise_m});
+    }
   }
   const std::vector<double> z = solve_least_squares(rows, std::move(start));
   std::vector<Profile> profiles;
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     std::vector<double> heights;
     for (const std::size_t u : knots.unknown[r]) heights.push_back(z[u]);
-    profiles.push_back(make_profile(knots.s_m[r], std::move(heights), plan.roads[r].alignment.closed));
+    profiles.push_back(Profile{make_spline(knots.s_m[r], std::move(heights), plan.roads[r].alignment.closed)});
   }
   return profiles;
 }
@@ -207,40 +202,29 @@ std::vector<Profile> solve_profiles(const VillagePlan& plan, const Hills& hills)
 double steepest(const std::vector<Profile>& profiles) {
   double steepest = 0.0;
   for (const Profile& profile : profiles)
-    for (double s = 0.0; s <= profile.s_m.back(); s += 2.0)
+    for (double s = 0.0; s <= profile.spline.knots.back(); s += 2.0)
       steepest = std::max(steepest, std::abs(profile.gradient(s)));
   return steepest;
 }
 
-std::size_t interval(const std::vector<double>& s_m, double s) {
-  const auto it = std::upper_bound(s_m.begin(), s_m.end(), s);
-  return std::min(static_cast<std::size_t>(std::max<long>(0, it - s_m.begin() - 1)), s_m.size() - 2);
-}
 }  // namespace
 
 double Hills::height_m(Vec2 p) const {
+  if (surveyed) return surveyed->at(p);
   double z = base_m;
   for (const Wave& w : waves) z += w.amplitude_m * std::cos(w.kx_1pm * p.x + w.ky_1pm * p.y + w.phase_rad);
   return z;
 }
 
-double Profile::z(double s) const {
-  const std::size_t i = interval(s_m, s);
-  const double h = s_m[i + 1] - s_m[i], a = (s_m[i + 1] - s) / h, b = 1.0 - a;
-  return a * z_m[i] + b * z_m[i + 1] +
-         ((a * a * a - a) * z_ss_1pm[i] + (b * b * b - b) * z_ss_1pm[i + 1]) * h * h / 6.0;
-}
-
-double Profile::gradient(double s) const {
-  const std::size_t i = interval(s_m, s);
-  const double h = s_m[i + 1] - s_m[i], a = (s_m[i + 1] - s) / h, b = 1.0 - a;
-  return (z_m[i + 1] - z_m[i]) / h +
-         ((3.0 * b * b - 1.0) * z_ss_1pm[i + 1] - (3.0 * a * a - 1.0) * z_ss_1pm[i]) * h / 6.0;
-}
-
-Terrain make_terrain(const VillagePlan& plan, std::uint64_t seed) {
+Terrain make_terrain(const SitePlan& plan, std::uint64_t seed) {
   Random random(derive_seed(seed, 2));
-  Terrain terrain{make_hills(plan.size_m, random), {}};
+  Terrain terrain{make_hills(plan.size_m, plan.relief, random), {}};
+  if (!plan.heights.empty()) {
+    constexpr double margin_m = 100.0;  // the terrain models reach beyond the site
+    terrain.hills.surveyed = fit_heights(plan.heights, Box2{0.0, 0.0, plan.size_m, plan.size_m}.grown(margin_m));
+    terrain.profiles = solve_profiles(plan, terrain.hills);
+    return terrain;
+  }
   for (int attempt = 0; attempt < 12; ++attempt) {
     terrain.profiles = solve_profiles(plan, terrain.hills);
     if (steepest(terrain.profiles) <= max_gradient) break;
@@ -251,11 +235,11 @@ Terrain make_terrain(const VillagePlan& plan, std::uint64_t seed) {
 
 double banking_rad(const PlannedRoad& road, double curvature_1pm) {
   // The outer side is raised, by up to 5 % on roads built for speed. tanh keeps it smooth where it saturates.
-  const double most = road.highway == "service" ? 0.0 : road.highway == "residential" ? 0.02 : 0.05;
+  const double most = road.highway == "service" || road.roundabout ? 0.0 : road.highway == "residential" ? 0.02 : 0.05;
   return -std::atan(most * std::tanh(curvature_1pm * 60.0));
 }
 
-std::vector<RoadSample> sample_roads(const VillagePlan& plan, const Terrain& terrain, double step_m) {
+std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrain, double step_m) {
   std::vector<RoadSample> samples;
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     const PlannedRoad& road = plan.roads[r];
@@ -264,14 +248,15 @@ std::vector<RoadSample> sample_roads(const VillagePlan& plan, const Terrain& ter
       const double s = road.alignment.length_m * i / count;
       const AlignmentPoint q = evaluate(road.alignment, s);
       samples.push_back({q.p, static_cast<float>(s), static_cast<float>(terrain.profiles[r].z(s)),
-                         static_cast<float>(banking_rad(road, q.curvature_1pm)), static_cast<float>(0.5 * road.width_m),
-                         static_cast<std::uint16_t>(r), on_bridge(plan, r, s), i == count});
+                         static_cast<float>(banking_rad(road, design_curvature_1pm(road.alignment, s))),
+                         static_cast<float>(0.5 * road.width_at(s)), static_cast<std::uint16_t>(r),
+                         on_bridge(plan, r, s), i == count});
     }
   }
   return samples;
 }
 
-BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads) {
+BareEarth make_bare_earth(const SitePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads) {
   BareEarth earth{Raster<float>(frame.width, frame.height),
                   Raster<float>(frame.width, frame.height, 1, static_cast<float>(max_clearance_m))};
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 2.0);
@@ -315,7 +300,7 @@ BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const
                               static_cast<std::size_t>(col)];
             if (distance_m < best.distance_m)
               best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m),
-                      a.banking + t * (b.banking - a.banking), a.half_width_m};
+                      a.banking + t * (b.banking - a.banking), a.half_width_m + t * (b.half_width_m - a.half_width_m)};
           }
       }
       for (int row = first; row < end; ++row)

@@ -2,28 +2,32 @@
 // Hills, road profiles cut and filled into them, and the bare earth that results.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "orthodrive/geo/raster.hpp"
-#include "orthodrive/synth/village_plan.hpp"
+#include "orthodrive/synth/height_field.hpp"
+#include "orthodrive/synth/site_plan.hpp"
+#include "orthodrive/synth/spline.hpp"
 
 namespace orthodrive::synth {
 
-/// A sum of cosine waves: smooth, band limited, the same at every place for the same seed.
+/// A sum of cosine waves: smooth, band limited, the same at every place for the same seed. Or surveyed ground.
 struct Hills {
   struct Wave {
     double kx_1pm = 0.0, ky_1pm = 0.0, phase_rad = 0.0, amplitude_m = 0.0;
   };
   double base_m = 0.0;
   std::vector<Wave> waves;
+  std::optional<HeightField> surveyed;  ///< instead of the waves
   [[nodiscard]] double height_m(Vec2 p_local) const;
 };
 
 /// Height along a road: a natural (closed roads: periodic) cubic spline, so C2.
 struct Profile {
-  std::vector<double> s_m, z_m, z_ss_1pm;  ///< knots, heights, second derivatives
-  [[nodiscard]] double z(double s) const;
-  [[nodiscard]] double gradient(double s) const;
+  Spline spline;
+  [[nodiscard]] double z(double s) const { return spline.at(s); }
+  [[nodiscard]] double gradient(double s) const { return spline.slope(s); }
 };
 
 struct Terrain {
@@ -35,8 +39,9 @@ struct Terrain {
 constexpr double bridge_rise_m = 6.2;
 constexpr double max_gradient = 0.10;
 
-/// Hills with a relief of 20 - 60 m (less for sites below 1 km), lowered until every road stays below max_gradient.
-[[nodiscard]] Terrain make_terrain(const VillagePlan& plan, std::uint64_t seed);
+/// Hills with a relief of 20 - 60 m (less for sites below 1 km and for plans that say so), lowered until every road
+/// stays below max_gradient; or the ground of the plan's surveyed heights as it is.
+[[nodiscard]] Terrain make_terrain(const SitePlan& plan, std::uint64_t seed);
 
 /// Superelevation from curvature, rad, positive = left side higher.
 [[nodiscard]] double banking_rad(const PlannedRoad& road, double curvature_1pm);
@@ -49,14 +54,14 @@ struct RoadSample {
   bool bridge = false;
   bool last = false;  ///< no segment from here to the next sample
 };
-[[nodiscard]] std::vector<RoadSample> sample_roads(const VillagePlan& plan, const Terrain& terrain, double step_m);
+[[nodiscard]] std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrain, double step_m);
 
 struct BareEarth {
   Raster<float> height_m;     ///< hills with road beds; bridges left out
   Raster<float> clearance_m;  ///< distance to the edge of the nearest carriageway, negative inside, at most 40
 };
 /// `frame` in local metres.
-[[nodiscard]] BareEarth make_bare_earth(const VillagePlan& plan, const Terrain& terrain, const GridFrame& frame,
+[[nodiscard]] BareEarth make_bare_earth(const SitePlan& plan, const Terrain& terrain, const GridFrame& frame,
                                         int threads);
 
 }  // namespace orthodrive::synth

@@ -1,4 +1,4 @@
-#include "orthodrive/synth/make_village.hpp"
+#include "orthodrive/synth/make_site.hpp"
 
 #include <fmt/format.h>
 
@@ -9,25 +9,22 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/synth/disturb_osm.hpp"
 #include "orthodrive/synth/paint_ortho.hpp"
+#include "orthodrive/synth/plan_presets.hpp"
 
 namespace orthodrive {
 namespace {
 using namespace synth;
 
-// Near Salzburg. A multiple of every usual GSD, so that all grids share their corners.
-constexpr Vec2 world_from_local{460000.0, 5270000.0};
 constexpr double dtm_margin_m = 60.0;
 
-void check(const VillageOptions& o) {
-  if (!(o.size_m >= 200.0 && o.size_m <= 4000.0) || std::fmod(o.size_m, 10.0) != 0.0)
-    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 200 and 4000", o.size_m));
+void check(const SynthOptions& o) {
   if (!(o.gsd_m >= 0.05 && o.gsd_m <= 2.0)) throw OptionError(fmt::format("gsd is {} m, need 0.05 to 2", o.gsd_m));
   if (!(o.osm_offset_min_m >= 0.0 && o.osm_offset_min_m <= o.osm_offset_max_m && o.osm_offset_max_m <= 20.0))
     throw OptionError(
         fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
 }
 
-GridFrame to_world(GridFrame frame) {
+GridFrame moved(GridFrame frame, Vec2 world_from_local) {
   frame.west_m += world_from_local.x, frame.north_m += world_from_local.y;
   return frame;
 }
@@ -76,26 +73,27 @@ std::vector<SynthSurface> make_surfaces(const RoadNetwork& roads, const Raster<s
 }
 }  // namespace
 
-SynthSite make_village(const VillageOptions& options, Monitor* monitor) {
+SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* monitor) {
   check(options);
   const auto report = [&](double fraction) {
     if (monitor) monitor->progress(fraction, "synth");
   };
   SynthSite site;
-  site.name = fmt::format("Village {}", options.seed);
+  site.name = plan.osm ? plan.name : fmt::format("{} {}", plan.name, options.seed);
   site.crs = {"EPSG:32633"};
-  const double size = options.size_m;
+  const double size = plan.size_m;
+  const Vec2 world_from_local = plan.world_from_local;
+  const auto to_world = [&](const GridFrame& frame) { return moved(frame, world_from_local); };
   site.bounds = {world_from_local.x, world_from_local.y, world_from_local.x + size, world_from_local.y + size};
+  if (plan.circuit) site.circuit_name = plan.roads[*plan.circuit].name;
 
-  const VillagePlan plan = plan_village(size, options.seed);
-  site.circuit_name = plan.roads[circuit_road].name;
   const Terrain terrain = make_terrain(plan, options.seed);
   const int earth_px = static_cast<int>(size + 2.0 * dtm_margin_m);
   const GridFrame earth_frame{-dtm_margin_m, size + dtm_margin_m, 1.0, earth_px, earth_px};
   BareEarth earth = make_bare_earth(plan, terrain, earth_frame, options.threads);
   report(0.15);
 
-  const VillageObjects objects = place_objects(plan, earth.clearance_m, earth_frame, options.seed);
+  const SiteObjects objects = place_objects(plan, earth.clearance_m, earth_frame, options.seed);
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 1.0);
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));
   const GridFrame photo_frame{0.0, size, options.gsd_m, photo_px, photo_px};
@@ -115,7 +113,9 @@ SynthSite make_village(const VillageOptions& options, Monitor* monitor) {
   site.dtm_10m = noisy_dtm(site.true_dtm, 10, options.dtm_10m_sigma_m, derive_seed(options.seed, 9));
 
   const std::vector<PlannedWay> ways = plan_ways(plan);
-  site.osm = disturb_osm(plan, ways, objects, {options.osm_offset_min_m, options.osm_offset_max_m, options.seed});
+  site.osm = plan.osm
+                 ? plan.osm->data
+                 : disturb_osm(plan, ways, objects, {options.osm_offset_min_m, options.osm_offset_max_m, options.seed});
   site.roads = true_roads(plan, terrain, ways, site.osm);
   for (OsmNode& node : site.osm.nodes) node.p = node.p + world_from_local;
   for (RoadPath& path : site.roads.paths)
@@ -124,6 +124,18 @@ SynthSite make_village(const VillageOptions& options, Monitor* monitor) {
   site.surfaces = make_surfaces(site.roads, site.labels.labels, site.labels.frame);
   report(1.0);
   return site;
+}
+
+SynthSite make_preset(Preset preset, const SynthOptions& o, Monitor* monitor) {
+  switch (preset) {
+    case Preset::village:
+      return make_site(plan_village(o.size_m, o.seed), o, monitor);
+    case Preset::circuit:
+      return make_site(plan_circuit(o.size_m, o.seed), o, monitor);
+    case Preset::junction:
+      return make_site(plan_junction(o.size_m, o.seed), o, monitor);
+  }
+  throw OptionError("no such preset");
 }
 
 }  // namespace orthodrive

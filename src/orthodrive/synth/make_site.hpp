@@ -1,6 +1,6 @@
 #pragma once
 // A synthetic site with exact truth: what a real site would deliver (photo, OSM, terrain models) and what no real site
-// has (the roads as they are). docs/synth.md describes what is in it.
+// has (the roads as they are). docs/synth.md describes what is in it. Plans: plan_presets.hpp, plan_from_track.hpp.
 
 #include <cstdint>
 #include <string>
@@ -13,8 +13,12 @@
 
 namespace orthodrive {
 
-struct VillageOptions {
-  double size_m = 1000.0;  ///< edge of the square site, a multiple of 10 m, 200 - 4000
+namespace synth {
+struct SitePlan;
+}
+
+struct SynthOptions {
+  double size_m = 1000.0;  ///< edge of the square site, a multiple of 10 m; of the presets, a track brings its own
   double gsd_m = 0.2;      ///< of the photo and the labels
   std::uint64_t seed = 7;
   double osm_offset_min_m = 1.4;  ///< OSM lies at least so far from the truth (in any direction) ...
@@ -43,10 +47,16 @@ struct SynthSite {
   OsmData osm;                         ///< disturbed: roads, buildings, woods, water, parking
   RoadNetwork roads;                   ///< truth, a node a metre: width, z, gradient, banking, offset from the OSM line
   std::vector<SynthSurface> surfaces;  ///< one a path of `roads`
-  std::string circuit_name;            ///< of the closed way
+  std::string circuit_name;            ///< of the closed way to drive on; empty: there is none
+  std::vector<std::string> attribution{"Synthetic site made by orthodrive synth, no rights reserved"};
 };
 
-/// Takes 10 s and 0.65 GB for 1 km2 at 0.2 m on one core. Throws OptionError for sizes it cannot fill.
-[[nodiscard]] SynthSite make_village(const VillageOptions& options = {}, Monitor* monitor = nullptr);
+/// Builds, paints and measures what a plan says (its size, not the options'). Takes 11 - 14 s of one core and 0.8 GB
+/// for 1 km2 at 0.2 m. Throws OptionError.
+[[nodiscard]] SynthSite make_site(const synth::SitePlan& plan, const SynthOptions& options, Monitor* monitor = nullptr);
+
+enum class Preset : std::uint8_t { village, circuit, junction };
+/// A site of that kind: plan and site in one call. Throws OptionError for sizes it cannot fill.
+[[nodiscard]] SynthSite make_preset(Preset preset, const SynthOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

@@ -1,68 +1,16 @@
-#include "orthodrive/synth/village_plan.hpp"
+#include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "orthodrive/core/random.hpp"
-#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/synth/plan_presets.hpp"
+#include "orthodrive/synth/planner.hpp"
 
 namespace orthodrive::synth {
 namespace {
 constexpr double streets_from_size_m = 450.0;  // below, streets of 5 m width would touch each other
 constexpr double overhang = 0.06;              // roads that leave the site go on by this share of its size
-
-/// Builds the plan in the unit square, turned and mirrored by seed.
-class Planner {
- public:
-  Planner(double size_m, std::uint64_t seed)
-      : random_(derive_seed(seed, 1)),
-        quarter_turns_(static_cast<int>(random_.below(4))),
-        mirrored_(random_.below(2) == 1) {
-    plan_.size_m = size_m;
-  }
-
-  [[nodiscard]] Vec2 place(double u, double v) const {
-    Vec2 p{mirrored_ ? 0.5 - u : u - 0.5, v - 0.5};
-    for (int i = 0; i < quarter_turns_; ++i) p = left_normal(p);
-    return (p + Vec2{0.5, 0.5}) * plan_.size_m;
-  }
-  [[nodiscard]] Vec2 jittered(double u, double v) {
-    const double du = random_.uniform(-0.012, 0.012), dv = random_.uniform(-0.012, 0.012);
-    return place(u + du, v + dv);
-  }
-  /// A point of another road near (u, v), to start or end a branch there.
-  [[nodiscard]] Vec2 branch_point(std::size_t road, double u, double v) const {
-    const Alignment& a = plan_.roads[road].alignment;
-    return evaluate(a, nearest_s(a, place(u, v))).p;
-  }
-  std::size_t add(PlannedRoad road) {
-    plan_.roads.push_back(std::move(road));
-    return plan_.roads.size() - 1;
-  }
-  [[nodiscard]] Corner corner(double u, double v, double min_radius_m, double max_radius_m) {
-    const Vec2 p = jittered(u, v);
-    return {p, random_.uniform(min_radius_m, max_radius_m)};
-  }
-  /// True widths differ from the defaults of untagged ways by 8 to 20 %, to either side.
-  [[nodiscard]] double true_width_m(const std::string& highway, int lanes, bool oneway) {
-    const double share = random_.uniform(0.08, 0.20) * (random_.below(2) == 0 ? -1.0 : 1.0);
-    return default_width_m(highway, lanes, oneway ? Oneway::forward : Oneway::no) * (1.0 + share);
-  }
-  PlannedRoad street(const std::string& highway, const std::string& name, const std::vector<Corner>& corners) {
-    return {.highway = highway,
-            .name = name,
-            .width_m = true_width_m(highway, 0, false),
-            .alignment = round_corners(corners, false)};
-  }
-
-  VillagePlan plan_;
-  Random random_;
-
- private:
-  int quarter_turns_;
-  bool mirrored_;
-};
 
 std::size_t add_circuit(Planner& planner) {
   constexpr int corners = 10;  // even, so that straights face each other north and south, where the spine crosses
@@ -80,52 +28,11 @@ std::size_t add_circuit(Planner& planner) {
                       .alignment = round_corners(ring, true)});
 }
 
-/// The crossings of all pairs of roads and the ends of branches become junctions; the spine's first crossing with the
-/// circuit becomes the bridge.
-void find_junctions(VillagePlan& plan, std::size_t spine) {
-  const auto add_arm = [&](Vec2 p, PlannedJunction::Arm arm) {
-    auto it = std::find_if(plan.junctions.begin(), plan.junctions.end(),
-                           [&](const PlannedJunction& j) { return distance(j.p, p) < 2.0; });
-    if (it == plan.junctions.end()) it = plan.junctions.insert(it, {.p = p});
-    const bool known = std::any_of(it->arms.begin(), it->arms.end(), [&](const PlannedJunction::Arm& a) {
-      return a.road == arm.road && std::abs(a.s_m - arm.s_m) < 5.0;
-    });
-    if (!known) it->arms.push_back(arm);
-  };
-  const auto& roads = plan.roads;
-  for (std::size_t b = 0; b < roads.size(); ++b)
-    for (std::size_t a = 0; a < roads.size(); ++a) {  // ends of b on a
-      if (a == b || roads[b].alignment.closed) continue;
-      for (const double s : {0.0, roads[b].alignment.length_m}) {
-        const Vec2 p = evaluate(roads[b].alignment, s).p;
-        const double on_a = nearest_s(roads[a].alignment, p);
-        if (distance(evaluate(roads[a].alignment, on_a).p, p) > 1e-6) continue;
-        add_arm(p, {a, on_a});
-        add_arm(p, {b, s});
-      }
-    }
-  for (std::size_t b = 1; b < roads.size(); ++b)
-    for (std::size_t a = 0; a < b; ++a)
-      for (const AlignmentCrossing& c : crossings(roads[a].alignment, roads[b].alignment)) {
-        const AlignmentPoint pa = evaluate(roads[a].alignment, c.s_a_m), pb = evaluate(roads[b].alignment, c.s_b_m);
-        const bool bridge = b == spine && a == circuit_road && plan.bridges.empty();
-        if (!bridge) {
-          add_arm(pa.p, {a, c.s_a_m});
-          add_arm(pa.p, {b, c.s_b_m});
-          continue;
-        }
-        const double sine = std::abs(std::sin(pa.heading_rad - pb.heading_rad)), cosine = std::sqrt(1.0 - sine * sine);
-        plan.bridges.push_back(
-            {.over = b,
-             .under = a,
-             .s_over_m = c.s_b_m,
-             .s_under_m = c.s_a_m,
-             .half_length_m = (0.5 * roads[a].width_m + 0.5 * roads[b].width_m * cosine) / sine + 5.0});
-      }
-}
 }  // namespace
 
-VillagePlan plan_village(double size_m, std::uint64_t seed) {
+SitePlan plan_village(double size_m, std::uint64_t seed) {
+  if (!(size_m >= 200.0 && size_m <= 4000.0) || std::fmod(size_m, 10.0) != 0.0)
+    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 200 and 4000", size_m));
   Planner planner(size_m, seed);
   const auto corner = [&](double u, double v, double r0, double r1) { return planner.corner(u, v, r0, r1); };
   const std::size_t circuit = add_circuit(planner);
@@ -161,8 +68,10 @@ VillagePlan plan_village(double size_m, std::uint64_t seed) {
                                                                    false)});
   {
     const double gap = 0.5 * planner.plan_.roads[lane].width_m / size_m, depth = 17.0 / size_m;
-    planner.plan_.parking.outer = {planner.place(0.42 - gap, 0.322), planner.place(0.42 - gap, 0.388),
-                                   planner.place(0.42 - gap - depth, 0.388), planner.place(0.42 - gap - depth, 0.322)};
+    planner.plan_.parkings = {
+        Polygon{{planner.place(0.42 - gap, 0.322), planner.place(0.42 - gap, 0.388),
+                 planner.place(0.42 - gap - depth, 0.388), planner.place(0.42 - gap - depth, 0.322)},
+                {}}};
   }
   planner.add(planner.street(
       "unclassified", "Feldweg",
@@ -192,18 +101,14 @@ VillagePlan plan_village(double size_m, std::uint64_t seed) {
         "service", "",
         {{planner.branch_point(circuit, 0.80, 0.42), 0.0}, corner(0.86, 0.40, 15, 30), corner(0.91, 0.33, 0, 1)}));
   }
-  find_junctions(planner.plan_, spine);
-  return std::move(planner.plan_);
-}
-
-int surface_priority(const VillagePlan& plan, std::size_t road) {
-  return 2 * road_rank(plan.roads[road].highway) + (road == circuit_road ? 1 : 0);
-}
-
-bool on_bridge(const VillagePlan& plan, std::size_t road, double s_m) {
-  return std::any_of(plan.bridges.begin(), plan.bridges.end(), [&](const PlannedBridge& b) {
-    return b.over == road && std::abs(s_m - b.s_over_m) <= b.half_length_m;
+  SitePlan plan = std::move(planner.plan_);
+  plan.name = "Village", plan.circuit = circuit;
+  // The spine's first crossing with the circuit is the bridge.
+  find_junctions(plan, [&](std::size_t a, std::size_t b) -> std::optional<std::size_t> {
+    if (a == circuit && b == spine && plan.bridges.empty()) return spine;
+    return std::nullopt;
   });
+  return plan;
 }
 
 }  // namespace orthodrive::synth

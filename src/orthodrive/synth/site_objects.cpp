@@ -1,4 +1,4 @@
-#include "orthodrive/synth/village_objects.hpp"
+#include "orthodrive/synth/site_objects.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +12,6 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
-
-Ring rectangle(Vec2 center, double heading, double half_length, double half_width) {
-  const Vec2 u = unit(heading) * half_length, v = left_normal(unit(heading)) * half_width;
-  return {center - u - v, center + u - v, center + u + v, center - u + v};
-}
 
 /// Tiles in the reds and browns of Central Europe, slate and sheet metal in greys; each with its own tint.
 Rgb roof_color(Random& random) {
@@ -49,21 +44,44 @@ Rgb car_color(Random& random) {
 
 class Placer {
  public:
-  Placer(const VillagePlan& plan, const Raster<float>& clearance, const GridFrame& frame, std::uint64_t seed)
+  Placer(const SitePlan& plan, const Raster<float>& clearance, const GridFrame& frame, std::uint64_t seed)
       : plan_(plan),
         clearance_(clearance),
         frame_(frame),
         random_(derive_seed(seed, 3)),
-        circuit_{sample(plan.roads[circuit_road].alignment, 4.0), {}} {}
+        circuit_{plan.circuit ? sample(plan.roads[*plan.circuit].alignment, 4.0) : Ring{}, {}} {
+    for (const PlannedRoad& road : plan.roads)
+      if (is_fast(road)) fast_.push_back({sample(road.alignment, 10.0), 0.5 * road.width_at(0.0)});
+  }
 
-  VillageObjects run() {
+  SiteObjects village() {
     place_woods_and_pond();
     place_paths();
-    place_parking();
+    place_parking(plan_.parkings.front());
+    place_shop(plan_.parkings.front().outer);
     for (std::size_t r = 0; r < plan_.roads.size(); ++r) place_lots(r);
     grow_woods();
     plant_orchards();
     for (std::size_t r = 0; r < plan_.roads.size(); ++r) place_roadside_trees(r), place_traffic(r);
+    scatter_trees();
+    return std::move(objects_);
+  }
+
+  /// Woods and fields, what the plan itself lays out, a farm here and there; nothing grows beside fast roads.
+  SiteObjects country() {
+    place_woods_and_pond();
+    place_paths();
+    objects_.areas.insert(objects_.areas.end(), plan_.areas.begin(), plan_.areas.end());
+    objects_.houses = plan_.buildings;
+    for (const Polygon& lot : plan_.parkings) place_parking(lot);
+    for (std::size_t r = 0; r < plan_.roads.size(); ++r)
+      if (!is_fast(plan_.roads[r]) && plan_.roads[r].highway != "service" && !plan_.roads[r].roundabout) place_lots(r);
+    grow_woods();
+    plant_orchards();
+    for (std::size_t r = 0; r < plan_.roads.size(); ++r) {
+      if (!is_fast(plan_.roads[r]) && !plan_.roads[r].roundabout) place_roadside_trees(r);
+      if (plan_.roads[r].highway != "raceway") place_traffic(r);
+    }
     scatter_trees();
     return std::move(objects_);
   }
@@ -79,6 +97,19 @@ class Placer {
           std::min(clearance_m, distance(p, evaluate(plan_.roads[b.over].alignment, b.s_over_m).p) - b.half_length_m);
     return clearance_m;
   }
+  /// Nearer to a fast road than its verge and the crown allow.
+  [[nodiscard]] bool in_verge_of_fast_road(Vec2 p, double radius_m) const {
+    constexpr double verge_m = 5.0;
+    return std::any_of(fast_.begin(), fast_.end(), [&](const FastRoad& road) {
+      return project_onto(road.line, p).distance_m < road.half_width_m + 1.3 * radius_m + verge_m;
+    });
+  }
+  /// On ground that is kept free: run-off areas, paved areas of the plan.
+  [[nodiscard]] bool on_paved_or_gravel(Vec2 p) const {
+    return std::any_of(plan_.areas.begin(), plan_.areas.end(), [&](const Area& area) {
+      return (area.cover == Cover::gravel_trap || area.cover == Cover::paved) && contains(area.polygon, p);
+    });
+  }
   [[nodiscard]] bool in_site(Vec2 p, double margin) const {
     return p.x > margin && p.y > margin && p.x < plan_.size_m - margin && p.y < plan_.size_m - margin;
   }
@@ -92,6 +123,12 @@ class Placer {
       const Vec2 d = p - h.center, u = unit(h.heading_rad);
       return std::abs(dot(d, u)) < h.half_length_m + margin && std::abs(cross(u, d)) < h.half_width_m + margin;
     });
+  }
+
+  [[nodiscard]] bool near_car(Vec2 p) const {
+    constexpr double two_lorries_m = 9.0;
+    return std::any_of(objects_.cars.begin(), objects_.cars.end(),
+                       [&](const Car& car) { return distance(car.center, p) < two_lorries_m; });
   }
 
   /// A wobbly disc.
@@ -137,6 +174,7 @@ class Placer {
     const int count = static_cast<int>(8.0 * std::min(1.0, plan_.size_m / 1000.0)) + 2;
     for (int i = 0; i < count; ++i) {
       const PlannedRoad& road = plan_.roads[random_.below(plan_.roads.size())];
+      if (is_fast(road) || road.roundabout) continue;
       const AlignmentPoint q = evaluate(road.alignment, random_.uniform(0.1, 0.9) * road.alignment.length_m);
       const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5),
                    bend = random_.uniform(-0.01, 0.01);
@@ -168,9 +206,9 @@ class Placer {
     }
   }
 
-  void place_parking() {
-    const Ring& corners = plan_.parking.outer;
-    objects_.areas.push_back({plan_.parking, Cover::parking, true});
+  void place_parking(const Polygon& lot) {
+    const Ring& corners = lot.outer;
+    objects_.areas.push_back({lot, Cover::parking, true});
     const Vec2 along = normalized(corners[1] - corners[0]), inward = normalized(corners[3] - corners[0]);
     const double length_m = distance(corners[0], corners[1]), depth_m = distance(corners[0], corners[3]);
     constexpr double bay_m = 2.5, bay_depth_m = 5.0;
@@ -179,7 +217,11 @@ class Placer {
         if (random_.uniform() < 0.55)
           add_car(corners[0] + along * s + inward * (row_m + random_.uniform(-0.25, 0.25)),
                   std::atan2(inward.y, inward.x));
-    // A shop with a flat roof on the other side of the service road.
+  }
+
+  /// A shop with a flat roof on the other side of the service road.
+  void place_shop(const Ring& corners) {
+    const Vec2 along = normalized(corners[1] - corners[0]), inward = normalized(corners[3] - corners[0]);
     const Vec2 middle = (corners[0] + corners[1]) * 0.5;
     for (double half = 16.0; half > 5.0; half -= 1.0) {
       const House shop{
@@ -218,7 +260,7 @@ class Placer {
         const AlignmentPoint q = evaluate(road.alignment, s + 0.5 * lot_m);
         if (random_.uniform() < share && contains(circuit_, q.p + left_normal(unit(q.heading_rad)) * (side * 20.0)))
           place_lot(q, side, lot_m, 0.5 * road.width_m);
-        else if (r != circuit_road && random_.uniform() < 0.3 * share)
+        else if (r != plan_.circuit && random_.uniform() < 0.3 * share)
           place_lot(q, side, lot_m, 0.5 * road.width_m);
         s += lot_m;
       }
@@ -245,11 +287,13 @@ class Placer {
       house.heading_rad += 0.5 * pi;
     }
     const Ring ring = outline(house);
-    const bool fits =
-        in_site(house_center, 12.0) &&
-        std::all_of(ring.begin(), ring.end(),
-                    [&](Vec2 p) { return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p); }) &&
-        clearance(house_center) > 6.0 && !near_house(house_center, 6.0);
+    const bool fits = in_site(house_center, 12.0) &&
+                      std::all_of(ring.begin(), ring.end(),
+                                  [&](Vec2 p) {
+                                    return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p) &&
+                                           !in_verge_of_fast_road(p, 12.0) && !on_paved_or_gravel(p);
+                                  }) &&
+                      clearance(house_center) > 6.0 && !near_house(house_center, 6.0);
     if (!fits) return;
 
     const Vec2 lot_center = q.p + outward * (walk_m + 0.5 * depth_m);
@@ -311,7 +355,8 @@ class Placer {
 
   /// A tree unless it stands in a house, on water, on a parking area or nearer to a road than `min_clearance_m`.
   void add_tree(Vec2 p, double radius, double min_clearance_m, double height) {
-    if (!in_site(p, -5.0) || clearance(p) < min_clearance_m || near_house(p, 0.6 * radius) || on_water_or_parking(p))
+    if (!in_site(p, -5.0) || clearance(p) < min_clearance_m || near_house(p, 0.6 * radius) || on_water_or_parking(p) ||
+        in_verge_of_fast_road(p, radius) || on_paved_or_gravel(p))
       return;
     const bool conifer = random_.uniform() < 0.2;
     objects_.trees.push_back({p, conifer ? 0.8 * radius : radius,
@@ -363,8 +408,13 @@ class Placer {
     for (double s = random_.uniform(0.0, spacing_m); s < road.alignment.length_m;
          s += random_.uniform(0.3, 1.7) * spacing_m) {
       const AlignmentPoint q = evaluate(road.alignment, s);
-      const double t = road.oneway ? 0.0 : (random_.below(2) ? 0.25 : -0.25) * road.width_m;
-      add_car(q.p + left_normal(unit(q.heading_rad)) * t, q.heading_rad);
+      double t = road.oneway ? 0.0 : (random_.below(2) ? 0.25 : -0.25) * road.width_m;
+      if (road.highway == "motorway")  // strip of 0.75 m, then lanes of 3.75 m from left to right
+        t = 0.5 * road.width_m - 0.75 -
+            3.75 * (0.5 + static_cast<double>(random_.below(static_cast<std::uint64_t>(road.lanes))));
+      const Vec2 p = q.p + left_normal(unit(q.heading_rad)) * t;
+      if (plan_.surroundings == Surroundings::country && near_car(p)) continue;  // where roads run into each other
+      add_car(p, q.heading_rad);
     }
     if (road.highway != "residential") return;
     for (const double side : {1.0, -1.0})  // parked at the kerb
@@ -375,12 +425,17 @@ class Placer {
       }
   }
 
-  const VillagePlan& plan_;
+  struct FastRoad {
+    Polyline line;
+    double half_width_m = 0.0;
+  };
+  const SitePlan& plan_;
   const Raster<float>& clearance_;
   const GridFrame& frame_;
   Random random_;
   Polygon circuit_;
-  VillageObjects objects_;
+  std::vector<FastRoad> fast_;
+  SiteObjects objects_;
 };
 }  // namespace
 
@@ -388,9 +443,10 @@ Ring outline(const House& house) {
   return rectangle(house.center, house.heading_rad, house.half_length_m, house.half_width_m);
 }
 
-VillageObjects place_objects(const VillagePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
-                             std::uint64_t seed) {
-  return Placer(plan, clearance_m, frame, seed).run();
+SiteObjects place_objects(const SitePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
+                          std::uint64_t seed) {
+  Placer placer(plan, clearance_m, frame, seed);
+  return plan.surroundings == Surroundings::village ? placer.village() : placer.country();
 }
 
 }  // namespace orthodrive::synth

@@ -1,0 +1,237 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/synth/plan_presets.hpp"
+#include "orthodrive/synth/planner.hpp"
+#include "orthodrive/synth/trackside.hpp"
+
+namespace orthodrive::synth {
+namespace {
+constexpr double strip_m = 0.75, lane_m = 3.75;  // RAA 2008: edge strip at the median, lane
+constexpr double ring_radius_m = 17.0;           // of a roundabout's centre line: 40 m across with 7 m of carriageway
+
+/// Metres from the middle of the site, turned by seed. Never mirrored: traffic keeps right.
+struct Frame {
+  Vec2 center;
+  double turn_rad = 0.0;
+  [[nodiscard]] Vec2 at(double x, double y) const {
+    const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+    return center + Vec2{c * x - s * y, s * x + c * y};
+  }
+};
+
+/// The tangent polygon moved to the left; radii change so that arcs stay concentric.
+std::vector<Corner> moved_left(const std::vector<Corner>& corners, double by_m) {
+  std::vector<Corner> moved;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 in = normalized(corners[i].p - corners[i > 0 ? i - 1 : 0].p);
+    const Vec2 out = normalized(corners[std::min(i + 1, corners.size() - 1)].p - corners[i].p);
+    if (i == 0 || i + 1 == corners.size()) {
+      moved.push_back({corners[i].p + left_normal(i == 0 ? out : in) * by_m, corners[i].radius_m});
+      continue;
+    }
+    const Vec2 bisector = normalized(left_normal(in) + left_normal(out));
+    const double turn = cross(in, out) > 0.0 ? 1.0 : -1.0;
+    moved.push_back(
+        {corners[i].p + bisector * (by_m / dot(bisector, left_normal(in))), corners[i].radius_m - turn * by_m});
+  }
+  return moved;
+}
+
+/// A place relative to a road: along it and to its right.
+Vec2 beside(const Alignment& a, double s_m, double right_m) {
+  const AlignmentPoint q = evaluate(a, s_m);
+  return q.p - Vec2{-std::sin(q.heading_rad), std::cos(q.heading_rad)} * right_m;
+}
+
+/// Where a slip road meets the secondary road: a T junction, or a roundabout whose ring it ends on.
+struct Head {
+  Vec2 p;
+  double ring_radius_m = 0.0;
+  [[nodiscard]] Vec2 end_from(Vec2 corner) const { return p + normalized(corner - p) * ring_radius_m; }
+};
+
+struct Sizes {
+  double reach_m = 0.0;  ///< from the bridge to where slip roads leave the motorway
+  double taper_m = 0.0;  ///< length of the flat first leg
+  double head_m = 0.0;   ///< from the motorway to the heads
+};
+
+/// Exit (from the carriageway to the head) or entry (from the head to the carriageway), on the right of `main`.
+Alignment slip_road(const Alignment& main, double s_bridge, const Head& head, const Sizes& sizes, bool exit) {
+  const double sign = exit ? -1.0 : 1.0;
+  constexpr double flat_slope = 0.09;  // 5 degrees
+  const Vec2 nose = beside(main, s_bridge + sign * sizes.reach_m, 0.0);
+  // The last corner stands so that the slip road meets the secondary road across.
+  const double last_m = std::max(50.0, 0.16 * sizes.reach_m) + head.ring_radius_m;
+  const Vec2 away = normalized(beside(main, s_bridge + sign * 100.0, 0.0) - beside(main, s_bridge, 0.0));
+  const Vec2 last = head.p + away * last_m;
+  std::vector<Corner> corners{{nose, 0.0}};
+  // Along the carriageway, bent as it is: one leg would cut its bend and leave at twice the angle or never. The last
+  // leg is long, the bend at its end needs it.
+  for (const double share : {0.2, 0.4, 1.0}) {
+    const double away_m = sizes.taper_m * share;
+    corners.push_back({beside(main, s_bridge + sign * (sizes.reach_m - away_m), flat_slope * away_m), 260.0});
+  }
+  corners.insert(corners.end(), {{last, 90.0}, {head.end_from(last), 0.0}});
+  if (!exit) std::reverse(corners.begin(), corners.end());
+  return round_corners(corners, false);
+}
+
+/// The stretches of a slip road on and off its carriageway. On it: their surfaces overlap.
+void add_ties(SitePlan& plan, std::size_t slip, std::size_t main, bool exit) {
+  const Alignment &a = plan.roads[slip].alignment, &m = plan.roads[main].alignment;
+  const double apart_m = 0.5 * (plan.roads[slip].width_m + plan.roads[main].width_m) + 1.0;
+  double on_m = 0.0;
+  for (; on_m < 0.5 * a.length_m; on_m += 2.0) {
+    const Vec2 p = evaluate(a, exit ? on_m : a.length_m - on_m).p;
+    if (distance(p, evaluate(m, nearest_s(m, p)).p) > apart_m) break;
+  }
+  if (exit)
+    plan.ties.push_back({slip, main, 0.0, on_m, true});
+  else
+    plan.ties.push_back({slip, main, a.length_m - on_m, a.length_m, true});
+}
+}  // namespace
+
+SitePlan plan_junction(double size_m, std::uint64_t seed) {
+  if (!(size_m >= 500.0 && size_m <= 4000.0) || std::fmod(size_m, 10.0) != 0.0)
+    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 500 and 4000", size_m));
+  Planner planner(size_m, seed);
+  Random& random = planner.random_;
+  const Frame frame{{0.5 * size_m, 0.5 * size_m},
+                    0.5 * std::numbers::pi * static_cast<double>(random.below(4)) + random.uniform(-0.3, 0.3)};
+  const bool roundabouts = random.below(2) == 1;
+  const auto wobble = [&](double share) { return random.uniform(-share, share) * size_m; };
+
+  // Motorway: two carriageways on both sides of an axis.
+  const int lanes = 2 + static_cast<int>(random.below(2));
+  const double shoulder_m = random.uniform(2.0, 3.4), width_m = strip_m + lanes * lane_m + shoulder_m,
+               median_m = random.uniform(3.5, 6.0), apart_m = 0.5 * (median_m + width_m);
+  const std::vector<Corner> axis{{frame.at(-0.9 * size_m, wobble(0.06)), 0.0},
+                                 {frame.at(-0.32 * size_m, wobble(0.025)), random.uniform(0.7, 1.1) * size_m},
+                                 {frame.at(0.32 * size_m, wobble(0.025)), random.uniform(0.7, 1.1) * size_m},
+                                 {frame.at(0.9 * size_m, wobble(0.06)), 0.0}};
+  std::vector<Corner> back = moved_left(axis, apart_m);
+  std::reverse(back.begin(), back.end());
+  const auto carriageway = [&](const std::vector<Corner>& corners) {
+    return planner.add({.highway = "motorway",
+                        .name = "A 9",
+                        .width_m = width_m,
+                        .lanes = lanes,
+                        .oneway = true,
+                        .alignment = round_corners(corners, false),
+                        .lanes_tagged = true});
+  };
+  const std::size_t main[2] = {carriageway(moved_left(axis, -apart_m)), carriageway(back)};
+
+  // The secondary road: straight over the motorway, bends beyond the heads.
+  const double lean = random.uniform(-0.18, 0.18);
+  const auto across = [&](double y) { return frame.at(lean * y, y); };
+  const double far_bend = random.uniform(0.2, 0.3) * (random.below(2) ? 1.0 : -1.0);
+  const double bend_m = 0.31 * size_m, bend_radius_m = 0.22 * size_m;
+  const auto beyond = [&](double sign) {
+    return frame.at(sign * (lean * bend_m + far_bend * 0.5 * size_m), sign * 0.85 * size_m);
+  };
+  const Sizes sizes{std::min(420.0, 0.38 * size_m), std::min(140.0, 0.15 * size_m),
+                    std::max(66.0, std::min(100.0, 0.09 * size_m))};
+  const Alignment straight = round_corners({{across(-bend_m), 0.0}, {across(bend_m), 0.0}}, false);
+  double s_bridge[2], head_s[2];
+  Head heads[2];
+  for (int i = 0; i < 2; ++i) {
+    const AlignmentCrossing c = crossings(planner.plan_.roads[main[i]].alignment, straight).front();
+    s_bridge[i] = c.s_a_m;
+    head_s[i] = c.s_b_m + (i == 0 ? -1.0 : 1.0) * (sizes.head_m + 0.5 * width_m);
+    heads[i] = {evaluate(straight, head_s[i]).p, roundabouts ? ring_radius_m : 0.0};
+  }
+  const double secondary_m = planner.true_width_m("secondary", 0, false);
+  const auto secondary = [&](const std::vector<Corner>& corners) {
+    return planner.add({.highway = "secondary",
+                        .name = "Landesstrasse",
+                        .width_m = secondary_m,
+                        .alignment = round_corners(corners, false)});
+  };
+  std::size_t over = 0;  // the piece with the bridge
+  if (roundabouts) {
+    over = secondary({{heads[0].end_from(heads[1].p), 0.0}, {heads[1].end_from(heads[0].p), 0.0}});
+    for (int i = 0; i < 2; ++i) {
+      const double sign = i == 0 ? -1.0 : 1.0;
+      secondary({{heads[i].end_from(across(sign * bend_m)), 0.0},
+                 {across(sign * bend_m), bend_radius_m},
+                 {beyond(sign), 0.0}});
+      planner.add({.highway = "secondary",
+                   .name = i == 0 ? "Kreisel Sued" : "Kreisel Nord",
+                   .width_m = random.uniform(6.6, 7.6),
+                   .lanes = 1,
+                   .oneway = true,
+                   .alignment = circle(heads[i].p, ring_radius_m),
+                   .roundabout = true});
+    }
+  } else {
+    over = secondary(
+        {{beyond(-1.0), 0.0}, {across(-bend_m), bend_radius_m}, {across(bend_m), bend_radius_m}, {beyond(1.0), 0.0}});
+  }
+  const double slip_m = random.uniform(5.8, 7.0);
+  struct Slip {
+    std::size_t road, main;
+    bool exit;
+  };
+  std::vector<Slip> slips;
+  for (int i = 0; i < 2; ++i)
+    for (const bool exit : {true, false})
+      slips.push_back({planner.add({.highway = "motorway_link",
+                                    .width_m = slip_m,
+                                    .lanes = 1,
+                                    .oneway = true,
+                                    .alignment = slip_road(planner.plan_.roads[main[i]].alignment, s_bridge[i],
+                                                           heads[i], sizes, exit),
+                                    .lanes_tagged = true}),
+                       main[i], exit});
+  // A lane to a farm on each side, from the secondary road beyond the heads, and a commuters' car park on one.
+  const double lane_side = random.below(2) ? 1.0 : -1.0;
+  std::size_t farm_lane = 0;
+  for (const double sign : {-1.0, 1.0}) {
+    const std::size_t from = roundabouts ? over + (sign < 0.0 ? 1 : 3) : over;
+    const Alignment& a = planner.plan_.roads[from].alignment;
+    const Vec2 begin = evaluate(a, nearest_s(a, across(sign * (bend_m + 0.03 * size_m)))).p;
+    const double side = sign * lane_side;
+    farm_lane = planner.add(
+        planner.street("unclassified", sign < 0.0 ? "Hofweg" : "Waldweg",
+                       {{begin, 0.0},
+                        {frame.at(side * 0.16 * size_m, sign * (bend_m + 0.06 * size_m)), random.uniform(40.0, 90.0)},
+                        {frame.at(side * 0.30 * size_m, sign * (bend_m + 0.02 * size_m)), random.uniform(60.0, 120.0)},
+                        {frame.at(side * 0.80 * size_m, sign * (bend_m + 0.10 * size_m)), 0.0}}));
+  }
+
+  SitePlan plan = std::move(planner.plan_);
+  plan.name = "Junction", plan.surroundings = Surroundings::country, plan.relief = 0.35;
+  plan.round_corners_by_angle = true;
+  find_junctions(plan, [&](std::size_t a, std::size_t b) -> std::optional<std::size_t> {
+    if (b == over && plan.roads[a].highway == "motorway") return over;
+    return std::nullopt;
+  });
+  plan.ties.push_back({main[1], main[0], 0.0, plan.roads[main[1]].alignment.length_m, false});
+  for (const Slip& slip : slips) add_ties(plan, slip.road, slip.main, slip.exit);
+
+  for (const Slip& slip : slips) add_verges(plan, slip.road, 10.0);
+  for (const std::size_t m : main) add_verges(plan, m, 18.0);
+  if (roundabouts)  // grass in the middle
+    for (const Head& head : heads)
+      plan.areas.push_back({{sample(circle(head.p, ring_radius_m), 2.0), {}}, Cover::meadow, false});
+  const Alignment axis_line = round_corners(axis, false);
+  plan.areas.push_back(
+      {{strip_along(axis_line, 0.0, axis_line.length_m, -0.3, 0.3), {}}, Cover::paved, false});  // wall
+  const PlannedRoad& lane = plan.roads[farm_lane];
+  const AlignmentPoint q = evaluate(lane.alignment, 0.07 * size_m);
+  const Vec2 along{std::cos(q.heading_rad), std::sin(q.heading_rad)}, outward = left_normal(along) * (-lane_side);
+  const Vec2 corner = q.p + outward * (0.5 * lane.width_m);
+  plan.parkings.push_back(
+      {{corner, corner + along * 40.0, corner + along * 40.0 + outward * 17.0, corner + outward * 17.0}, {}});
+  return plan;
+}
+
+}  // namespace orthodrive::synth

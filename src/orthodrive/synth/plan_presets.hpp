@@ -1,0 +1,22 @@
+#pragma once
+// The kinds of site: size and seed in, plan out. All throw OptionError for sizes that they cannot fill.
+
+#include <cstdint>
+
+#include "orthodrive/synth/site_plan.hpp"
+
+namespace orthodrive::synth {
+
+/// A village: a circuit (road 0), a main road, a spine that bridges the circuit and crosses it at grade, streets, dead
+/// ends, a one-way service loop at a parking area. 200 - 4000 m; below 450 m only the larger roads.
+[[nodiscard]] SitePlan plan_village(double size_m, std::uint64_t seed);
+
+/// A motor-racing circuit (road 0, raceway, about three times the site's edge long) with pit lane, paddock, run-off
+/// areas, a service road round it and an access road on a bridge over it. 500 - 4000 m.
+[[nodiscard]] SitePlan plan_circuit(double size_m, std::uint64_t seed);
+
+/// A diamond interchange: the two carriageways of a motorway (roads 0 and 1), a secondary road on a bridge over them,
+/// four slip roads that end at T junctions or at roundabouts, by seed. 500 - 4000 m.
+[[nodiscard]] SitePlan plan_junction(double size_m, std::uint64_t seed);
+
+}  // namespace orthodrive::synth

@@ -1,0 +1,38 @@
+#pragma once
+// What stands and grows on a synthetic site: houses with their lots, trees, cars, fields, woods, a pond.
+
+#include <cstdint>
+#include <vector>
+
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/geo/raster.hpp"
+#include "orthodrive/synth/site_plan.hpp"
+
+namespace orthodrive::synth {
+
+struct Tree {
+  Vec2 center;
+  double radius_m = 0.0, height_m = 0.0;
+  bool conifer = false;
+};
+
+struct Car {
+  Vec2 center;
+  double heading_rad = 0.0, half_length_m = 2.2, half_width_m = 0.9, height_m = 1.5;
+  Rgb color{};
+};
+
+struct SiteObjects {
+  std::vector<House> houses;
+  std::vector<Tree> trees;
+  std::vector<Car> cars;
+  std::vector<Area> areas;
+};
+
+[[nodiscard]] Ring outline(const House& house);
+
+/// `clearance_m` on `frame` (local metres): distance to the nearest carriageway.
+[[nodiscard]] SiteObjects place_objects(const SitePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
+                                        std::uint64_t seed);
+
+}  // namespace orthodrive::synth

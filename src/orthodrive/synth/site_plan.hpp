@@ -1,0 +1,146 @@
+#pragma once
+// The plan of a synthetic site: exact roads, where they meet, where one crosses over another, what lies between them.
+// Everything in synth/ works in local metres east and north of the site's south-west corner; make_site moves the
+// results into the site CRS.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/model/osm_data.hpp"
+#include "orthodrive/synth/alignment.hpp"
+#include "orthodrive/synth/spline.hpp"
+
+namespace orthodrive::synth {
+
+using Rgb = std::array<float, 3>;  ///< 0..1, as displayed
+
+/// What covers the ground of an area; later areas lie on earlier ones, roads on all.
+enum class Cover : std::uint8_t {
+  field,
+  meadow,
+  lawn,
+  garden_bed,
+  forest_floor,
+  paved,
+  parking,
+  gravel,
+  water,
+  pool,
+  road,
+  verge,
+  sidewalk,
+  gravel_trap,
+  kerb
+};
+
+struct Area {
+  Polygon polygon;
+  Cover cover = Cover::lawn;
+  bool mapped = false;  ///< appears in the OSM file
+};
+
+enum class RoofShape : std::uint8_t { gable, flat };
+
+struct House {
+  Vec2 center;
+  double heading_rad = 0.0;                                                   ///< of the ridge
+  double half_length_m = 0.0, half_width_m = 0.0, eave_m = 0.0, pitch = 0.0;  ///< pitch = rise over run
+  RoofShape roof = RoofShape::gable;
+  Rgb color{};
+};
+
+struct PlannedRoad {
+  std::string highway, name;
+  double width_m = 0.0;  ///< of the carriageway where `width_along` has no knots
+  int lanes = 2;
+  bool oneway = false;
+  Alignment alignment;
+  bool roundabout = false;
+  bool lanes_tagged = false;  ///< always, not only by chance
+  Spline width_along;         ///< of the carriageway, over s
+  [[nodiscard]] double width_at(double s_m) const { return width_along.knots.empty() ? width_m : width_along.at(s_m); }
+};
+
+struct PlannedJunction {
+  struct Arm {
+    std::size_t road = 0;
+    double s_m = 0.0;
+  };
+  Vec2 p;
+  std::vector<Arm> arms;
+};
+
+/// One deck, over one road or over both carriageways of one.
+struct PlannedBridge {
+  struct Below {
+    std::size_t road = 0;
+    double s_m = 0.0, s_over_m = 0.0;  ///< of the crossing along the lower and along the upper road
+  };
+  std::size_t over = 0;        ///< road
+  double s_over_m = 0.0;       ///< middle of the deck
+  double half_length_m = 0.0;  ///< of the deck, along the upper road
+  std::vector<Below> under;
+};
+
+/// A stretch of a road whose height follows another road beside it: slip roads in the carriageway that they leave, the
+/// two carriageways of a motorway.
+struct PlannedTie {
+  std::size_t road = 0, main = 0;
+  double s_begin_m = 0.0, s_end_m = 0.0;  ///< along `road`
+  bool on_surface = false;                ///< on the very surface of `main`, its banking included; else about as high
+};
+
+/// How the land looks away from the roads.
+enum class Surroundings : std::uint8_t { village, country };
+
+/// Ways that were given, not made: OSM as it is, with the stretch of a road that each way is.
+struct GivenOsm {
+  struct Way {
+    std::int64_t osm_id = 0;
+    std::int64_t first_node = 0, last_node = 0;
+    double s_begin_m = 0.0, s_end_m = 0.0;  ///< along road 0; the end may lie beyond the seam (s > length)
+  };
+  OsmData data;  ///< local metres
+  std::vector<Way> ways;
+};
+
+struct SitePlan {
+  double size_m = 0.0;
+  std::string name;  ///< of the site, without the seed
+  std::vector<PlannedRoad> roads;
+  std::vector<PlannedJunction> junctions;
+  std::vector<PlannedBridge> bridges;
+  std::vector<PlannedTie> ties;
+  std::vector<Polygon> parkings;  ///< four corners each: along the road, then away from it
+  std::vector<Area> areas;        ///< what the plan lays out itself: run-off areas, verges
+  std::vector<House> buildings;
+  std::optional<std::size_t> circuit;  ///< the closed road to drive on; its inside is a meadow
+  Surroundings surroundings = Surroundings::village;
+  double relief = 1.0;                  ///< of the hills
+  bool round_corners_by_angle = false;  ///< else all corners alike: right where roads meet at 45 degrees and more
+  Vec2 world_from_local{460000.0, 5270000.0};  ///< near Salzburg. A multiple of 10 m, so that all grids share corners
+  std::vector<Vec3> heights;                   ///< surveyed ground; empty: hills are made up
+  std::optional<GivenOsm> osm;                 ///< else OSM is the plan, disturbed
+};
+
+/// Of the crossing roads a and b (indices): the one that is on a bridge, if any.
+using BridgeRule = std::function<std::optional<std::size_t>(std::size_t a, std::size_t b)>;
+/// Finds, on the exact curves, where roads end on others and where they cross: junctions and bridges.
+void find_junctions(SitePlan& plan, const BridgeRule& rule);
+
+/// Which road's surface is on top where two overlap at grade: larger wins.
+[[nodiscard]] int surface_priority(const SitePlan& plan, std::size_t road);
+/// True on the deck of a bridge.
+[[nodiscard]] bool on_bridge(const SitePlan& plan, std::size_t road, double s_m);
+/// Built for speed: nothing grows or stands near it.
+[[nodiscard]] bool is_fast(const PlannedRoad& road);
+
+/// Corners counter-clockwise.
+[[nodiscard]] Ring rectangle(Vec2 center, double heading_rad, double half_length_m, double half_width_m);
+
+}  // namespace orthodrive::synth

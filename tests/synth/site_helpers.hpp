@@ -1,0 +1,87 @@
+#pragma once
+// What several tests of synthetic sites need.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "orthodrive/core/hash.hpp"
+#include "orthodrive/synth/make_site.hpp"
+#include "orthodrive/synth/site_plan.hpp"
+
+namespace orthodrive::synth {
+
+template <typename T>
+std::string bytes(const std::vector<T>& data) {
+  return {reinterpret_cast<const char*>(data.data()), data.size() * sizeof(T)};
+}
+
+/// Everything a site holds, in one hash.
+inline std::string fingerprint(const SynthSite& site) {
+  std::string all = bytes(site.photo.rgb.data) + bytes(site.labels.labels.data) + bytes(site.dtm_1m.height_m.data) +
+                    bytes(site.dtm_10m.height_m.data) + bytes(site.true_dtm.height_m.data);
+  const auto add = [&all](const auto& value) { all.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  for (const OsmNode& node : site.osm.nodes) add(node.id), add(node.p);
+  for (const OsmWay& way : site.osm.ways) {
+    add(way.id), all += bytes(way.nodes);
+    for (const auto& [key, value] : way.tags) all += key + "=" + value + ";";
+  }
+  for (const RoadPath& path : site.roads.paths)
+    for (const RoadNode& n : path.nodes)
+      for (const double v : {n.p.x, n.p.y, n.s_m, n.offset_m, n.width_m, n.z_m, n.gradient, n.banking}) add(v);
+  for (const SynthSurface& surface : site.surfaces) add(surface.visibility);
+  return hash_bytes(all);
+}
+
+/// Position, heading and curvature agree where elements meet.
+inline void expect_continuous(const PlannedRoad& road) {
+  const Alignment& a = road.alignment;
+  const std::size_t joints = a.closed ? a.elements.size() : a.elements.size() - 1;
+  for (std::size_t i = 0; i < joints; ++i) {
+    const AlignmentPoint end = evaluate(a.elements[i], a.elements[i].length_m);
+    const AlignmentElement& next = a.elements[(i + 1) % a.elements.size()];
+    ASSERT_LT(distance(end.p, next.start), 1e-7) << road.name;
+    ASSERT_NEAR(std::sin(0.5 * (end.heading_rad - next.heading_rad)), 0.0, 1e-9) << road.name;
+    ASSERT_NEAR(end.curvature_1pm, next.k_begin_1pm, 1e-12) << road.name;
+    ASSERT_GE(a.elements[i].length_m, 0.0) << road.name;
+  }
+}
+
+/// Arms of a junction lie on each other; returns how many groups of roads junctions connect.
+inline std::size_t expect_arms_meet(const SitePlan& plan) {
+  std::vector<std::size_t> group(plan.roads.size());
+  for (std::size_t i = 0; i < group.size(); ++i) group[i] = i;
+  for (const PlannedJunction& junction : plan.junctions) {
+    EXPECT_GE(junction.arms.size(), 2u);
+    for (const PlannedJunction::Arm& arm : junction.arms) {
+      EXPECT_LT(distance(evaluate(plan.roads[arm.road].alignment, arm.s_m).p, junction.p), 1e-6);
+      const std::size_t from = group[arm.road], to = group[junction.arms[0].road];
+      std::replace(group.begin(), group.end(), from, to);
+    }
+  }
+  return std::set<std::size_t>(group.begin(), group.end()).size();
+}
+
+/// Share of the pixels labelled road that lie outside all surfaces, and of surface pixels that are neither road nor
+/// under a crown; on the site's own grid.
+struct Agreement {
+  double outside = 0.0, wrong = 0.0;
+};
+inline Agreement compare_labels(const SynthSite& site) {
+  const Raster<std::uint8_t>& labels = site.labels.labels;
+  Raster<std::uint8_t> covered(labels.width, labels.height);
+  for (const SynthSurface& surface : site.surfaces)
+    fill_polygon(covered, site.labels.frame, surface.polygon, std::uint8_t{1});
+  double road = 0.0, outside = 0.0, surface = 0.0, wrong = 0.0;
+  for (std::size_t i = 0; i < labels.data.size(); ++i) {
+    const bool is_road = labels.data[i] == 1, hidden = labels.data[i] == 4;
+    road += is_road ? 1.0 : 0.0, outside += is_road && covered.data[i] == 0 ? 1.0 : 0.0;
+    surface += covered.data[i], wrong += covered.data[i] != 0 && !is_road && !hidden ? 1.0 : 0.0;
+  }
+  return {outside / road, wrong / surface};
+}
+
+}  // namespace orthodrive::synth
