@@ -85,6 +85,8 @@ void add_evaluate(CLI::App& app, Context&) {
       "sigma_coverage: share of the offsets (and widths) within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
       "width_variance_m2: of the width along a path, mean over the paths. largest_curvature_jump: 1/m, over 4 m of a "
       "path, with its place; mean_per_m: mean over the paths.\n"
+      "edge_m: of both edges there. length_m: of our lines inside the area.\n"
+      "surface_iou_of_known_ways (with --before): without ways that ran along no truth line before refinement.\n"
       "moved_away (with --before): share of the places on truth lines from which the road is further away than "
       "before.\n"
       "Examples:\n  orthodrive evaluate roads out/roads.gpkg site/truth\n"

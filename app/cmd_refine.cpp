@@ -54,7 +54,8 @@ void run(const RefineCommand& command, const Context& context) {
                                             : road_evidence(labels, io::read_confidence(command.road_probability));
   };
   const RefineRoadsResult result =
-      command.method == "nlo"
+      command.method == "none" ? RefineRoadsResult{.roads = osm}
+      : command.method == "nlo"
           ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
           : refine_roads(osm, evidence(), options, context.monitor);
   io::write_roads(command.out, result.roads);
@@ -78,8 +79,8 @@ void add_refine(CLI::App& app, Context& context) {
   cmd->add_option("--road-probability", command->road_probability,
                   "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is");
   cmd->add_option("-o,--output", command->out, "refined roads (GeoPackage)")->required();
-  cmd->add_option("--method", command->method, "default, or nlo: the reference's, to compare with")
-      ->check(CLI::IsMember({"default", "nlo"}))->capture_default_str();
+  cmd->add_option("--method", command->method, "default; to compare with: nlo, the reference's, or none, the OSM roads as they are")
+      ->check(CLI::IsMember({"default", "nlo", "none"}))->capture_default_str();
   cmd->add_option("--weights", command->weights, "of nlo: the reference's weight set 1, 2, or one after the other")
       ->check(CLI::IsMember({"1", "2", "1+2"}))->capture_default_str();
   RefineRoadsOptions& o = command->options;

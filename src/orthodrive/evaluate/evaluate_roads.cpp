@@ -122,6 +122,46 @@ class MoveCount {
 };
 }  // namespace
 
+namespace {
+double length_inside_m(const Polyline& line, const ScoreRegion& region) {
+  double length = 0.0;
+  for (std::size_t i = 0; i + 1 < line.size(); ++i)
+    if (region.contains(0.5 * (line[i] + line[i + 1]))) length += distance(line[i], line[i + 1]);
+  return length;
+}
+
+/// Our ways that run along truth lines before they are refined, by at least half of what lies in the region.
+RoadNetwork known_ways(const RoadNetwork& roads, const RoadNetwork& before, const RoadTruth& truth,
+                       const ScoreRegion& region) {
+  constexpr double reach_m = 6.0, step_m = 2.0;
+  RoadNetwork lines;
+  for (const TruthLine& line : truth.lines) {
+    RoadPath& path = lines.paths.emplace_back();
+    for (const Vec2 p : line.line) path.nodes.push_back({.p = p});
+  }
+  const evaluate::LineIndex index(lines);
+  std::map<std::pair<std::int64_t, int>, std::pair<std::size_t, std::size_t>> counts;  // places inside, places along a line
+  for (const RoadPath& way : before.paths) {
+    auto& [inside, along] = counts[{way.osm_id, way.part}];
+    const Polyline line = centerline(way);
+    const std::vector<double> s = arc_lengths_m(line);
+    for (std::size_t i = 0; i + 1 < line.size(); ++i)
+      for (double at = 0.5 * step_m; at < s[i + 1] - s[i]; at += step_m) {
+        const Vec2 direction = normalized(line[i + 1] - line[i]), p = line[i] + at * direction;
+        if (!region.contains(p)) continue;
+        ++inside;
+        along += index.find({.p = p, .direction = direction, .reach_m = reach_m}) ? 1 : 0;
+      }
+  }
+  RoadNetwork known{.crs = roads.crs, .paths = {}};
+  for (const RoadPath& path : roads.paths) {
+    const auto found = counts.find({path.osm_id, path.part});
+    if (found == counts.end() || 2 * found->second.second >= found->second.first) known.paths.push_back(path);
+  }
+  return known;
+}
+}  // namespace
+
 RoadTruth road_truth(const RoadNetwork& roads, const Crs& crs) {
   RoadNetwork moved = roads;
   if (roads.crs != crs) {
@@ -144,7 +184,7 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
       options.before ? std::optional<evaluate::LineIndex>(*options.before) : std::nullopt;
   const TruthWidths widths(truth);
   MoveCount moves;
-  std::vector<double> offsets, width_errors;
+  std::vector<double> offsets, width_errors, edge_errors;
   SigmaCount offset_sigma, width_sigma;
   RoadScores scores;
   for (std::size_t l = 0; l < truth.lines.size(); ++l) {
@@ -174,6 +214,7 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
       if (const auto width = widths.at(line, segment, fraction, p, direction)) {
         width_errors.push_back(evaluate::interpolate(roads, *road, &RoadNode::width_m) - *width);
         place.width_error_m = width_errors.back();
+        for (const double side : {0.5, -0.5}) edge_errors.push_back(road->offset_m + side * width_errors.back());
         width_sigma.add(width_errors.back(), nearest.sigma_width_m);
       }
     }
@@ -184,6 +225,9 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
           : evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), options.region).iou();
   scores.offset_m = summarize(offsets);
   scores.width_m = summarize(width_errors);
+  scores.edge_m = summarize(edge_errors);
+  for (const RoadPath& path : roads.paths) scores.length_m += length_inside_m(centerline(path), options.region);
+  for (const TruthLine& line : truth.lines) scores.truth_length_m += length_inside_m(line.line, options.region);
   scores.offset_sigma = offset_sigma.coverage();
   scores.width_sigma = width_sigma.coverage();
   scores.matched_share =
@@ -191,6 +235,12 @@ RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, cons
   scores.width_variance_m2 = evaluate::width_variance_m2(roads, options.region);
   scores.curvature_jump = evaluate::largest_curvature_jump(roads, options.region, options.step_m);
   if (options.before) scores.moved_away = moves.moved_away();
+  scores.surface_iou_of_known_ways =
+      options.before && !truth.surfaces.empty()
+          ? evaluate::overlap_areas(surface_polygons(known_ways(roads, *options.before, truth, options.region)),
+                                    surface_polygons(truth), options.region)
+                .iou()
+          : nan;
   return scores;
 }
 

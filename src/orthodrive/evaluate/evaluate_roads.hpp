@@ -60,6 +60,11 @@ struct RoadScores {
   double surface_iou = 0.0;  ///< NaN without surfaces on both sides
   ErrorSummary offset_m;     ///< from each truth line across to the nearest road line, positive to its left
   ErrorSummary width_m;      ///< at the same places
+  ErrorSummary edge_m;       ///< of the left and the right edge there, by offset and width
+  double length_m = 0.0, truth_length_m = 0.0;  ///< of our lines and of the truth's, inside the area
+  /// surface_iou without our ways that the truth does not know: those that, before refinement, ran along truth lines (within
+  /// 6 m and 30 degrees) for less than half of their length. NaN without EvaluateRoadsOptions::before.
+  double surface_iou_of_known_ways = 0.0;
   SigmaCoverage offset_sigma, width_sigma;
   std::size_t samples = 0;              ///< places on truth lines that were asked
   double matched_share = 0.0;           ///< of them with a road within reach

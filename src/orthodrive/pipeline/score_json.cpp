@@ -109,6 +109,9 @@ ScoreJson to_json(const RoadScores& scores) {
   ScoreJson json = {{"surface_iou", scores.surface_iou},
                     {"offset_m", to_json(scores.offset_m)},
                     {"width_m", to_json(scores.width_m)},
+                    {"edge_m", to_json(scores.edge_m)},
+                    {"length_m", scores.length_m},
+                    {"truth_length_m", scores.truth_length_m},
                     {"sigma_coverage", coverage},
                     {"matched_share", scores.matched_share},
                     {"samples", scores.samples},
@@ -118,6 +121,8 @@ ScoreJson to_json(const RoadScores& scores) {
     ScoreJson& where = json["largest_curvature_jump"];
     where["osm_id"] = jump.osm_id, where["x_m"] = jump.where.x, where["y_m"] = jump.where.y;
   }
+  if (!std::isnan(scores.surface_iou_of_known_ways))
+    json["surface_iou_of_known_ways"] = scores.surface_iou_of_known_ways;
   if (const auto& moved = scores.moved_away)
     json["moved_away"] = {
         {"share", moved->share}, {"share_by_more_than_0_3_m", moved->share_by_more_than_0_3_m}, {"n", moved->n}};
