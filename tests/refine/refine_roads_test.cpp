@@ -147,6 +147,23 @@ TEST(RefineRoads, dual_carriageways_do_not_collapse_onto_the_one_that_is_seen) {
   for (const RoadNode& node : result.roads.paths[0].nodes) EXPECT_GT(node.p.y - 0.5 * node.width_m, at(0, 199).y);
 }
 
+TEST(RefineRoads, slip_roads_merge_without_pushing_the_carriageway_aside) {
+  // The slip road comes in at 4 degrees: for 120 m both are one surface in the labels. OSM lies 2 m too far north.
+  RoadScene scene = make_scene(500.0);
+  add_truth(scene, straight(at(20, 200), at(480, 200)), 8.0);
+  add_truth(scene, straight(at(20, 176), at(363, 200)), 5.0);
+  const Vec2 off{0.0, 2.0};
+  const auto node = [&](Vec2 p, std::int64_t id) { return RoadNode{.p = p + off, .osm_node = id, .width_m = 7.0}; };
+  add_way(scene, 1, {node(at(20, 200), 0), node(at(363, 200), 9), node(at(480, 200), 0)}, "motorway");
+  add_way(scene, 2, {node(at(20, 176), 0), node(at(363, 200), 9)}, "motorway_link");
+  const auto result = refine_roads(scene.osm, scene.labels);
+  for (const int k : {0, 1}) {
+    const RoadError after = print("refined", compare(result.roads.paths[k], scene.truth[k]));
+    EXPECT_LT(after.mean_offset_m, 0.2);
+    EXPECT_LT(after.max_offset_m, 1.0);
+  }
+}
+
 TEST(RefineRoads, hidden_stretches_have_the_width_of_what_is_seen_of_the_road) {
   RoadScene scene = make_scene(600.0);
   add_truth(scene, straight(at(20, 200), at(580, 200)), 8.0);

@@ -6,15 +6,17 @@
 #include <map>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 
 namespace orthodrive {
 namespace {
 
-constexpr double reach_m = 25.0;           // two roads of 9 m, both 8 m off
-constexpr double nearest_m = 3.0;          // OSM lines closer than that are one road that splits
-constexpr double least_alignment = 0.9397; // cos 20 degrees, as the no-overlap constraint of Mattyus et al. 2015
-constexpr double junction_m = 40.0;        // roads that split run into each other for about so far
-constexpr double watched_gap_m = 1.0;      // edges further apart need no limit
+constexpr double reach_m = 25.0;            // two roads of 9 m, both 8 m off
+constexpr double nearest_m = 3.0;           // OSM lines closer than that are one road that splits
+constexpr double least_alignment = 0.9397;  // cos 20 degrees, as the no-overlap constraint of Mattyus et al. 2015
+constexpr double junction_m = 40.0;         // roads that split run into each other for about so far
+constexpr double merge_m = 300.0;           // slip roads run beside the carriageway they join for at most so long
+constexpr double watched_gap_m = 1.0;       // edges further apart need no limit
 
 struct Segment {
   std::uint32_t chain = 0, segment = 0;
@@ -27,7 +29,8 @@ class SegmentGrid {
     for (std::size_t c = 0; c < chains.size(); ++c)
       for (std::size_t i = 0; i + 1 < chains[c].nodes.size(); ++i) {
         const Vec2 middle = 0.5 * (chains[c].nodes[i].base + chains[c].nodes[i + 1].base);
-        cells_[key(cell(middle.x), cell(middle.y))].push_back({static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
+        cells_[key(cell(middle.x), cell(middle.y))].push_back(
+            {static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
       }
   }
   template <typename Visit>
@@ -60,45 +63,97 @@ std::vector<int> layers_of(const RoadChain& chain, const RoadNetwork& osm) {
 /// Places along a chain of the OSM nodes that it shares with others.
 using Meetings = std::vector<std::map<std::int64_t, double>>;
 
-bool meet_near(const Meetings& meetings, std::size_t a, double s_a_m, std::size_t b, double s_b_m) {
+bool meet_near(const Meetings& meetings, std::size_t a, double s_a_m, std::size_t b, double s_b_m, double reach) {
   for (const auto& [id, s_m] : meetings[a]) {
-    if (std::abs(s_m - s_a_m) > junction_m) continue;
+    if (std::abs(s_m - s_a_m) > reach) continue;
     const auto other = meetings[b].find(id);
-    if (other != meetings[b].end() && std::abs(other->second - s_b_m) <= junction_m) return true;
+    if (other != meetings[b].end() && std::abs(other->second - s_b_m) <= reach) return true;
   }
   return false;
 }
 
+/// All chains with what finds those that run beside each other.
+class ParallelRoads {
+ public:
+  ParallelRoads(const std::vector<RoadChain>& chains, const RoadNetwork& osm)
+      : chains_(chains), grid_(chains), meetings_(chains.size()) {
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      layers_.push_back(layers_of(chains[c], osm));
+      for (const ChainNode& node : chains[c].nodes)
+        if (node.osm_node > 0) meetings_[c].emplace(node.osm_node, node.s_m);
+    }
+  }
+
+  /// Calls visit(neighbour, merges) for every other line that the normal of a node meets, within 20 degrees.
+  template <typename Visit>
+  void beside(std::size_t c, std::size_t i, const Visit& visit) const {
+    const ChainNode& node = chains_[c].nodes[i];
+    grid_.near(node.base, [&](const Segment& at) {
+      if (at.chain == c || layers_[at.chain][at.segment] != layers_[c][i]) return;
+      const ChainNode &a = chains_[at.chain].nodes[at.segment], &b = chains_[at.chain].nodes[at.segment + 1];
+      const Vec2 along = b.base - a.base;
+      const double across = cross(along, node.normal);  // 0 where the other line runs along the normal
+      if (across == 0.0) return;
+      const double fraction = cross(node.base - a.base, node.normal) / across;
+      if (fraction < 0.0 || fraction >= 1.0) return;
+      const double t = dot(a.base + along * fraction - node.base, node.normal);
+      const double alignment = dot(normalized(a.normal + (b.normal - a.normal) * fraction), node.normal);
+      if (std::abs(t) > reach_m || std::abs(alignment) < least_alignment) return;
+      const bool overlap = std::abs(t) < 0.5 * (node.input_width_m + a.input_width_m);
+      const bool merges = meet_near(meetings_, c, node.s_m, at.chain, a.s_m, overlap ? merge_m : junction_m);
+      visit(Neighbour{i, at.chain, at.segment, fraction, t, alignment}, merges);
+    });
+  }
+
+ private:
+  const std::vector<RoadChain>& chains_;
+  SegmentGrid grid_;
+  std::vector<std::vector<int>> layers_;
+  Meetings meetings_;
+};
+
 }  // namespace
 
-std::vector<std::vector<Neighbour>> find_neighbours(const std::vector<RoadChain>& chains, const RoadNetwork& osm) {
-  const SegmentGrid grid(chains);
-  std::vector<std::vector<int>> layers;
-  Meetings meetings(chains.size());
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    layers.push_back(layers_of(chains[c], osm));
-    for (const ChainNode& node : chains[c].nodes)
-      if (node.osm_node > 0) meetings[c].emplace(node.osm_node, node.s_m);
+std::vector<std::vector<Merging>> find_merging(const std::vector<RoadChain>& chains, const RoadNetwork& osm) {
+  const ParallelRoads parallel(chains, osm);
+  std::vector<std::vector<Merging>> merging(chains.size());
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (std::size_t i = 0; i + 1 < chains[c].nodes.size(); ++i)
+      parallel.beside(c, i, [&](const Neighbour& other, bool merges) {
+        const double widths_m =
+            chains[c].nodes[i].input_width_m + chains[other.chain].nodes[other.segment].input_width_m;
+        if (merges && std::abs(other.base_m) < 0.5 * widths_m)
+          merging[c].push_back({i, other.base_m > 0.0 ? 1.0 : -1.0});
+      });
+  return merging;
+}
+
+void silence_merging(const std::vector<Merging>& merging, const std::vector<ExpectedOffset>& expected,
+                     CrossProfiles& profiles) {
+  const std::size_t cells = static_cast<std::size_t>(profiles.cells);
+  for (const auto& [node, side] : merging) {
+    const double middle_m = expected.empty() ? 0.0 : expected[node].offset_m;
+    for (std::size_t row = node * rows_per_segment; row < (node + 1) * rows_per_segment; ++row) {
+      for (std::size_t k = 0; k < cells; ++k) {
+        const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
+        if (side * (t - middle_m) > 0.0)
+          profiles.false_positive[row * cells + k] = profiles.false_negative[row * cells + k] = 0.0F;
+      }
+      profiles.look_again(row);
+    }
   }
+}
+
+std::vector<std::vector<Neighbour>> find_neighbours(const std::vector<RoadChain>& chains, const RoadNetwork& osm) {
+  const ParallelRoads parallel(chains, osm);
   std::vector<std::vector<Neighbour>> neighbours(chains.size());
   for (std::size_t c = 0; c < chains.size(); ++c)
     for (std::size_t i = 0; i < chains[c].nodes.size(); ++i) {
-      const ChainNode& node = chains[c].nodes[i];
       std::optional<Neighbour> left, right;
-      grid.near(node.base, [&](const Segment& at) {
-        if (at.chain == c || layers[at.chain][at.segment] != layers[c][i]) return;
-        const ChainNode &a = chains[at.chain].nodes[at.segment], &b = chains[at.chain].nodes[at.segment + 1];
-        const Vec2 along = b.base - a.base;
-        const double across = cross(along, node.normal);  // 0 where the other line runs along the normal
-        if (across == 0.0) return;
-        const double fraction = cross(node.base - a.base, node.normal) / across;
-        if (fraction < 0.0 || fraction >= 1.0) return;
-        const double t = dot(a.base + along * fraction - node.base, node.normal);
-        const double alignment = dot(normalized(a.normal + (b.normal - a.normal) * fraction), node.normal);
-        if (std::abs(t) > reach_m || std::abs(t) < nearest_m || std::abs(alignment) < least_alignment) return;
-        if (meet_near(meetings, c, node.s_m, at.chain, a.s_m)) return;
-        std::optional<Neighbour>& nearest = t > 0.0 ? left : right;
-        if (!nearest || std::abs(t) < std::abs(nearest->base_m)) nearest = Neighbour{i, at.chain, at.segment, fraction, t, alignment};
+      parallel.beside(c, i, [&](const Neighbour& other, bool merges) {
+        if (merges || std::abs(other.base_m) < nearest_m) return;
+        std::optional<Neighbour>& nearest = other.base_m > 0.0 ? left : right;
+        if (!nearest || std::abs(other.base_m) < std::abs(nearest->base_m)) nearest = other;
       });
       for (const auto& found : {left, right})
         if (found) neighbours[c].push_back(*found);
@@ -140,7 +195,8 @@ void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profi
   const std::size_t cells = static_cast<std::size_t>(profiles.cells);
   for (const auto& [node, side, edge_m, overlap_m, yields] : occupied) {
     const double border_m = edge_m + (yields ? 0.0 : side * 0.5 * std::max(0.0, overlap_m));
-    for (std::size_t row = node * rows_per_segment; row < std::min((node + 1) * rows_per_segment, profiles.evidence.size()); ++row) {
+    for (std::size_t row = node * rows_per_segment;
+         row < std::min((node + 1) * rows_per_segment, profiles.evidence.size()); ++row) {
       for (std::size_t k = 0; k < cells; ++k) {
         const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
         if (side * (t - border_m) <= 0.0) continue;

@@ -17,12 +17,27 @@ struct Neighbour {
   std::size_t chain = 0, segment = 0;  ///< the other one, and the node before the place
   double fraction = 0.0;               ///< 0..1 along that segment
   double base_m = 0.0;                 ///< of the other OSM line along the node's normal, positive to the left
-  double alignment = 1.0;              ///< dot product of both normals: near +1, or -1 where they run against each other
+  double alignment = 1.0;  ///< dot product of both normals: near +1, or -1 where they run against each other
 };
 
-/// For every chain the nearest other one to the left and to the right of each node, where both run within 20 degrees of each
-/// other, on the same layer, and not next to a junction of both. Linear in the number of nodes.
-[[nodiscard]] std::vector<std::vector<Neighbour>> find_neighbours(const std::vector<RoadChain>& chains, const RoadNetwork& osm);
+/// For every chain the nearest other one to the left and to the right of each node, where both run within 20 degrees of
+/// each other, on the same layer, and not where they part or merge. Linear in the number of nodes.
+[[nodiscard]] std::vector<std::vector<Neighbour>> find_neighbours(const std::vector<RoadChain>& chains,
+                                                                  const RoadNetwork& osm);
+
+/// Between this node and the next another road runs to the left (side +1) or right (-1), so near that both overlap on
+/// the map: a slip road and the carriageway that it joins or leaves.
+struct Merging {
+  std::size_t node = 0;
+  double side = 1.0;
+};
+[[nodiscard]] std::vector<std::vector<Merging>> find_merging(const std::vector<RoadChain>& chains,
+                                                             const RoadNetwork& osm);
+
+/// The labels show merging roads as one surface: takes what lies on the other's side of the expected line out of the
+/// evidence, so that the edges on the far sides and the widths of both ways tell where they are.
+void silence_merging(const std::vector<Merging>& merging, const std::vector<ExpectedOffset>& expected,
+                     CrossProfiles& profiles);
 
 /// From where on another road lies, beyond edge_m along a node's normal, to its left (side +1) or right (-1).
 struct Occupied {
@@ -32,11 +47,12 @@ struct Occupied {
   double overlap_m = 0.0;  ///< how far the chain's own edge is beyond the other one's: below 0 where they are apart
   bool yields = false;     ///< where both claim the same road, the chain that has left its own way for it yields
 };
-[[nodiscard]] std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vector<std::vector<Neighbour>>& neighbours,
+[[nodiscard]] std::vector<Occupied> occupied_by_neighbours(std::size_t chain,
+                                                           const std::vector<std::vector<Neighbour>>& neighbours,
                                                            const std::vector<ChainShape>& shapes);
 
-/// Takes what lies beyond the edges of neighbours out of the evidence: no road of this chain. Where it overlaps a neighbour
-/// and does not yield, the border lies half way between both edges.
+/// Takes what lies beyond the edges of neighbours out of the evidence: no road of this chain. Where it overlaps a
+/// neighbour and does not yield, the border lies half way between both edges.
 void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profiles);
 
 /// Borders between a chain and its neighbours, half way between their edges, where they are near.

@@ -70,6 +70,7 @@ class Refinement {
         monitor_(monitor),
         chains_(build_chains(osm, {.spacing_m = options.spacing_m})) {
     mask_evidence(chains_, osm);
+    merging_ = find_merging(chains_, osm);
     neighbours_ = find_neighbours(chains_, osm);
     shapes_.resize(chains_.size());
     refined_.resize(chains_.size());
@@ -115,6 +116,7 @@ class Refinement {
     options.weights = weights;
     const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
       CrossProfiles profiles = profiles_of(chains_[c], evidence_, options);
+      silence_merging(merging_[c], expected_[c], profiles);
       mask_neighbours(occupied, profiles);
       keep_road_near(c, profiles);
       return search_offsets(chains_[c], profiles, expected_[c], options);
@@ -183,6 +185,7 @@ class Refinement {
         [&](std::size_t c) {
           if (phase > 2 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
           CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
+          silence_merging(merging_[c], expected_[c], profiles);
           mask_neighbours(occupied_by_neighbours(c, neighbours_, shapes_), profiles);
           refined_[c].fit = fit_chain(chains_[c], profiles, shapes_[c], couplings[c], options_);
           keep_road_near(c, profiles);
@@ -202,6 +205,7 @@ class Refinement {
   Monitor* monitor_;
   std::vector<RoadChain> chains_;
   std::vector<std::vector<Neighbour>> neighbours_;
+  std::vector<std::vector<Merging>> merging_;
   std::vector<JunctionPlace> junctions_;
   std::vector<std::vector<ExpectedOffset>> expected_;  // one a node
   std::vector<ChainShape> shapes_;
