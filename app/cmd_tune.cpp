@@ -4,9 +4,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "commands.hpp"
 #include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
 #include "orthodrive/pipeline/tune_refine.hpp"
 
 namespace orthodrive::app {
@@ -21,6 +23,10 @@ void run(const TuneCommand& command, const Context& context) {
   SearchWeightsOptions options = command.options;
   options.threads = context.threads;
   const TuneSites sites = read_tune_sites(command.sites, context.monitor);
+  std::error_code failed;  // told before the search, which takes minutes
+  std::filesystem::create_directories(command.out, failed);
+  if (!std::filesystem::is_directory(command.out))
+    throw OptionError(fmt::format("{}: cannot make this folder; give another -o", command.out.string()));
   const TuneResult result = tune_refine(sites, options, context.monitor);
   write_text_file(command.out / "weights.toml", to_weights_file(result));
   write_text_file(command.out / "report.json", to_json(result).dump(1) + "\n");

@@ -263,6 +263,10 @@ TEST(TuneCommand, writes_weights_that_refine_takes) {
   EXPECT_EQ(report["trials"], 4);
   EXPECT_THAT(tune.out, HasSubstr(report["verdict"].get<std::string>()));
 
+  const ToolRun no_folder = run_tool({"tune", scratch / "sites.toml", "-o", scratch / "sites.toml", "--trials", "0"});
+  EXPECT_EQ(no_folder.exit_code, 2);
+  EXPECT_THAT(no_folder.err, HasSubstr("cannot make this folder"));
+
   const auto refined = [&](const Arguments& more) {
     Arguments arguments{"-q",       "refine",
                         "--osm",    scratch / "left/roads.osm",
