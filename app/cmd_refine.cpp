@@ -11,6 +11,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/refine/nlo_roads.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 
@@ -18,7 +19,7 @@ namespace orthodrive::app {
 namespace {
 
 struct RefineCommand {
-  std::filesystem::path osm, labels, road_probability, out;
+  std::filesystem::path osm, labels, road_probability, weights_file, out;
   std::string method = "default", weights = "1+2";
   RefineRoadsOptions options;
 };
@@ -30,34 +31,19 @@ std::vector<NloPass> nlo_passes(const std::string& weights) {
   return passes;
 }
 
-/// The hull of the labels that are not nodata: where there is a photo.
-SiteFrame labelled_site(const std::filesystem::path& file, const LabelMap& map) {
-  std::vector<Vec2> outline;
-  for (int row = 0; row < map.frame.height; ++row) {
-    int first = map.frame.width, last = -1;
-    for (int col = 0; col < map.frame.width; ++col)
-      if (map.labels.at(col, row) != label_nodata) first = std::min(first, col), last = col;
-    for (const int y : {row, row + 1})
-      if (last >= 0) outline.push_back(map.frame.world_from_pixel(first, y)), outline.push_back(map.frame.world_from_pixel(last + 1, y));
-  }
-  if (outline.empty()) throw InputError(file.string(), "has no label but nodata; segment a photo of the area");
-  return {map.crs, {convex_hull(std::move(outline)), {}}};
-}
-
 void run(const RefineCommand& command, const Context& context) {
-  const LabelMap labels = io::read_labels(command.labels);
-  const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels));
+  if (command.method != "default" && !command.weights_file.empty())
+    throw OptionError("--weights-file holds weights of the default method; leave out --method");
   RefineRoadsOptions options = command.options;
   options.threads = context.threads;
-  const auto evidence = [&] {
-    return command.road_probability.empty() ? road_evidence(labels)
-                                            : road_evidence(labels, io::read_confidence(command.road_probability));
-  };
+  if (!command.weights_file.empty()) options.weights = read_refine_weights(command.weights_file);
+  const LabelMap labels = io::read_labels(command.labels);
+  const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels));
   const RefineRoadsResult result =
       command.method == "none" ? RefineRoadsResult{.roads = osm}
       : command.method == "nlo"
           ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
-          : refine_roads(osm, evidence(), options, context.monitor);
+          : refine_roads(osm, read_evidence(labels, command.road_probability), options, context.monitor);
   io::write_roads(command.out, result.roads);
 
   double offset_m = 0.0;
@@ -83,6 +69,8 @@ void add_refine(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"default", "nlo", "none"}))->capture_default_str();
   cmd->add_option("--weights", command->weights, "of nlo: the reference's weight set 1, 2, or one after the other")
       ->check(CLI::IsMember({"1", "2", "1+2"}))->capture_default_str();
+  cmd->add_option("--weights-file", command->weights_file,
+                  "of default: TOML file of weights, as `orthodrive tune` writes it; default: the shipped ones");
   RefineRoadsOptions& o = command->options;
   cmd->add_option("--search-radius", o.search_radius_m, "of default: largest offset from the OSM line, m")
       ->check(CLI::Range(1.0, 50.0))->capture_default_str();

@@ -25,5 +25,6 @@ void add_drive(CLI::App& app, Context& context);
 void add_build(CLI::App& app, Context& context);
 void add_view(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
+void add_tune(CLI::App& app, Context& context);
 
 }  // namespace orthodrive::app

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   add_drive(app, context);
   add_view(app, context);
   add_evaluate(app, context);
+  add_tune(app, context);
 
   try {
     app.parse(argc, argv);

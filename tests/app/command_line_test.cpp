@@ -9,7 +9,7 @@ using testing::AnyOf;
 using testing::HasSubstr;
 
 const std::vector<std::string> commands{"build",   "synth", "train", "segment", "refine",  "elevate",
-                                        "network", "scene", "drive", "view",    "evaluate"};
+                                        "network", "scene", "drive", "view",    "evaluate", "tune"};
 
 TEST(CommandLine, help_lists_all_commands) {
   const ToolRun run = run_tool({"--help"});
@@ -72,6 +72,7 @@ TEST(CommandLine, missing_input_is_one_line_naming_the_file_and_writes_nothing) 
       {"train", missing + ".toml", "-o", out + ".d"},
       {"segment", missing + ".tif", "-o", out},
       {"refine", "--osm", missing + ".osm", "--labels", missing + ".tif", "-o", out},
+      {"tune", missing + ".toml", "-o", out + ".d"},
       {"elevate", "--roads", missing + ".gpkg", "--dtm", missing + ".tif", "-o", out},
       {"network", "--roads", missing + ".gpkg", "-o", out},
       {"scene", "--network", missing + ".xodr", "--labels", missing + ".tif", "--photo", missing + ".tif", "--dtm",

@@ -117,6 +117,19 @@ TEST(EvaluateRoads, area_and_ignore_limit_all_numbers) {
   EXPECT_NEAR(right.surface_iou, 1.0 / 3.0, 1e-6);
 }
 
+TEST(EvaluateRoads, a_road_that_only_touches_the_area_has_no_share_in_the_score) {
+  // Its edge lies on the area's: in common they have a line, which no further overlay takes.
+  const RoadNetwork truth = network({path_along(straight(10, 50, 90, 50), 6.0)});
+  RoadNetwork roads = truth;
+  roads.paths.push_back(path_along(straight(103, 10, 103, 90), 6.0, 2));
+  const auto square = [](double size_m) {
+    return Polygon{{origin, origin + Vec2{size_m, 0}, origin + Vec2{size_m, size_m}, origin + Vec2{0, size_m}}, {}};
+  };
+  const ScoreRegion region{MultiPolygon{square(100)}, MultiPolygon{square(5)}};
+  EXPECT_NEAR(score(roads, truth, {.region = region}).surface_iou, 1.0, 1e-9);
+  EXPECT_TRUE(surface_errors(roads, road_truth(truth, utm33), region).false_positive.empty());
+}
+
 TEST(EvaluateRoads, sigma_coverage_of_honest_and_of_vain_sigmas) {
   const RoadNetwork truth = network({path_along(straight(0, 0, 4000, 0, 2000), 6.0)});
   RoadPath noisy = path_along(straight(0, 0, 4000, 0, 2000), 6.0);

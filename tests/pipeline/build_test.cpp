@@ -95,6 +95,18 @@ TEST_F(Build, the_reference_s_refinement_gives_other_roads_for_each_set_of_weigh
   EXPECT_LT(ours["moved_away"]["share_by_more_than_0_3_m"], 0.1);
 }
 
+TEST_F(Build, refines_with_the_weights_that_the_site_names) {
+  fs::copy(folder / "first", folder / "weighted", fs::copy_options::recursive);
+  write_bytes(folder / "site" / "weights.toml", "search_offset_m = 0.01\nway_shift_m = 0.1\nnode_shift_m = 0.1\n");
+  ASSERT_EQ(build("weighted", {"--set", "refine.weights=weights.toml"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("weighted"), std::vector<std::string>{"segment"});
+  const auto offset_m = [](const char* out) {
+    const json run = json::parse(bytes_of(folder / out / "run.json"));
+    return run.at("stages").at(1).at("numbers").at("mean_abs_offset_m").get<double>();
+  };
+  EXPECT_LT(offset_m("weighted"), 0.5 * offset_m("first")) << "these weights hold the roads where OSM has them";
+}
+
 TEST_F(Build, the_crf_decides_the_labels_where_a_site_asks_for_it) {
   fs::copy(folder / "first", folder / "crf", fs::copy_options::recursive);
   ASSERT_EQ(build("crf", {"--set", "segment.crf=true"}).exit_code, 0);
@@ -122,6 +134,7 @@ TEST_F(Build, bad_sources_are_one_line_and_leave_the_result_untouched) {
                                                                                      {"sources.osm=nowhere.osm", "nowhere.osm"},
                                                                                      {"sources.dtm=nowhere.tif", "nowhere.tif"},
                                                                                      {"segment.model=nowhere", "nowhere"},
+                                                                                     {"refine.weights=nowhere.toml", "nowhere.toml"},
                                                                                      {"area.bounds=[0, 0, 100, 100]", "roads.osm"}}) {
     const ToolRun run = build("first", {"--set", change, "--quiet"});
     EXPECT_EQ(run.exit_code, 1) << change;

@@ -34,15 +34,15 @@ class Geos {
       if (polygon.outer.size() >= 3) parts.push_back(valid_polygon(polygon, origin).release());
     const Ptr all = own(GEOSGeom_createCollection_r(context_, GEOS_GEOMETRYCOLLECTION, parts.data(),
                                                     static_cast<unsigned>(parts.size())));
-    return areas(own(GEOSUnaryUnionPrec_r(context_, all.get(), grid_m)));
+    return polygonal(own(GEOSUnaryUnionPrec_r(context_, all.get(), grid_m)));
   }
   [[nodiscard]] Ptr intersection(const Ptr& a, const Ptr& b) const {
-    return areas(own(GEOSIntersectionPrec_r(context_, a.get(), b.get(), grid_m)));
+    return polygonal(own(GEOSIntersectionPrec_r(context_, a.get(), b.get(), grid_m)));
   }
   [[nodiscard]] Ptr difference(const Ptr& a, const Ptr& b) const {
-    return areas(own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m)));
+    return polygonal(own(GEOSDifferencePrec_r(context_, a.get(), b.get(), grid_m)));
   }
-  /// The polygons of any geometry; lines and points that an overlay leaves behind are none.
+  /// The polygons of any geometry.
   [[nodiscard]] MultiPolygon polygons_of(const Ptr& geometry, Vec2 origin) const {
     MultiPolygon all;
     append_polygons(all, geometry.get(), origin);
@@ -59,6 +59,22 @@ class Geos {
   }
 
  private:
+  /// Where polygons only touch, an overlay leaves lines and points; beside polygons the next overlay refuses them.
+  [[nodiscard]] Ptr polygonal(Ptr geometry) const {
+    const int type = GEOSGeomTypeId_r(context_, geometry.get());
+    if (type == GEOS_POLYGON || type == GEOS_MULTIPOLYGON) return geometry;
+    std::vector<GEOSGeometry*> parts;
+    append_parts(parts, geometry.get());
+    return own(
+        GEOSGeom_createCollection_r(context_, GEOS_MULTIPOLYGON, parts.data(), static_cast<unsigned>(parts.size())));
+  }
+  void append_parts(std::vector<GEOSGeometry*>& parts, const GEOSGeometry* geometry) const {
+    const int type = GEOSGeomTypeId_r(context_, geometry);
+    if (type == GEOS_POLYGON) parts.push_back(own(GEOSGeom_clone_r(context_, geometry)).release());
+    if (type != GEOS_MULTIPOLYGON && type != GEOS_GEOMETRYCOLLECTION) return;
+    for (int i = 0; i < GEOSGetNumGeometries_r(context_, geometry); ++i)
+      append_parts(parts, GEOSGetGeometryN_r(context_, geometry, i));
+  }
   void append_polygons(MultiPolygon& all, const GEOSGeometry* geometry, Vec2 origin) const {
     const int type = GEOSGeomTypeId_r(context_, geometry);
     if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION) {
@@ -87,23 +103,6 @@ class Geos {
     if (!geometry) throw Error("polygon overlay: " + message_);
     return Ptr(geometry, Delete{context_});
   }
-  /// Lines and points that a collapsed part leaves behind are dropped: GEOS overlays no mixture.
-  [[nodiscard]] Ptr areas(Ptr geometry) const {
-    if (GEOSGeomTypeId_r(context_, geometry.get()) != GEOS_GEOMETRYCOLLECTION) return geometry;
-    std::vector<GEOSGeometry*> polygons;
-    clone_polygons(polygons, geometry.get());
-    return own(GEOSGeom_createCollection_r(context_, GEOS_MULTIPOLYGON, polygons.data(),
-                                           static_cast<unsigned>(polygons.size())));
-  }
-  void clone_polygons(std::vector<GEOSGeometry*>& polygons, const GEOSGeometry* geometry) const {
-    const int type = GEOSGeomTypeId_r(context_, geometry);
-    if (type == GEOS_POLYGON) {
-      polygons.push_back(GEOSGeom_clone_r(context_, geometry));
-    } else if (type == GEOS_MULTIPOLYGON || type == GEOS_GEOMETRYCOLLECTION) {
-      for (int i = 0; i < GEOSGetNumGeometries_r(context_, geometry); ++i)
-        clone_polygons(polygons, GEOSGetGeometryN_r(context_, geometry, i));
-    }
-  }
   [[nodiscard]] GEOSGeometry* ring(const Ring& ring, Vec2 origin) const {
     const auto n = static_cast<unsigned>(ring.size());
     GEOSCoordSequence* points = GEOSCoordSeq_create_r(context_, n + 1, 2);
@@ -120,7 +119,7 @@ class Geos {
     Ptr made = own(GEOSGeom_createPolygon_r(context_, ring(polygon.outer, origin), holes.data(),
                                             static_cast<unsigned>(holes.size())));
     if (GEOSisValid_r(context_, made.get()) == 1) return made;
-    return own(GEOSMakeValid_r(context_, made.get()));
+    return polygonal(own(GEOSMakeValid_r(context_, made.get())));
   }
 
   std::string message_;

@@ -20,6 +20,7 @@
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/network/build_network.hpp"
 #include "orthodrive/pipeline/pictures.hpp"
+#include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/pipeline/report.hpp"
 #include "orthodrive/pipeline/score.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
@@ -36,6 +37,7 @@ struct Sources {
   RoadNetwork osm;
   std::vector<HeightGrid> dtms;
   SegmentModel model;
+  RefineWeights refine_weights;
   json hashes = json::object();
 };
 
@@ -78,6 +80,10 @@ Sources open_sources(const Site& site) {
   for (const fs::path& file : site.osm) add("osm", file);
   for (const fs::path& file : site.dtm) add_raster("dtm", file);
   add("model", model_file);
+  if (!site.refine_weights.empty()) {
+    sources.refine_weights = read_refine_weights(site.refine_weights);
+    add("refine_weights", site.refine_weights);
+  }
   return sources;
 }
 
@@ -180,8 +186,9 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         segmented.findings};
   });
 
-  stage("refine", {sources.hashes["osm"]}, {".orthodrive/refined.gpkg"}, [&] {
-    const RefineRoadsResult refined = refine_roads(sources.osm, road_evidence(labels(), io::read_confidence(out_dir / "road_probability.tif")), {.threads = options.threads}, monitor);
+  stage("refine", {sources.hashes["osm"], sources.hashes.value("refine_weights", json())}, {".orthodrive/refined.gpkg"}, [&] {
+    const RefineRoadsResult refined = refine_roads(sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
+                                                   {.weights = sources.refine_weights, .threads = options.threads}, monitor);
     io::write_roads(refined_file, refined.roads);
     return StageOutcome{{{"ways", refined.roads.paths.size()},
                          {"mean_abs_offset_m", mean_over_nodes(refined.roads, [](const RoadNode& n) { return std::abs(n.offset_m); })},

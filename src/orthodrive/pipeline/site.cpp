@@ -45,10 +45,11 @@ void apply_override(toml::table& table, const std::string& text) {
 
 void check_keys(const toml::table& table, const std::string& where) {
   static const std::map<std::string, std::vector<std::string>> known{
-      {"", {"name", "area", "sources", "segment", "elevate", "drive", "attribution", "truth"}},
+      {"", {"name", "area", "sources", "segment", "refine", "elevate", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
       {"sources", {"photo", "osm", "dtm"}},
       {"segment", {"model", "crf"}},
+      {"refine", {"weights"}},
       {"elevate", {"sampling"}},
       {"drive", {"route"}},
       {"attribution", {"text"}},
@@ -162,6 +163,8 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.attribution = texts(table, path, "attribution", "text");
   site.model = text(table, path, "segment", "model", site.model);
   site.crf = flag(table, path, "segment", "crf", site.crf);
+  const std::string weights = text(table, path, "refine", "weights", "");
+  if (!weights.empty()) site.refine_weights = located(weights);
   site.dtm_sampling = text(table, path, "elevate", "sampling", site.dtm_sampling);
   if (site.dtm_sampling != "bilinear" && site.dtm_sampling != "cubic")
     throw OptionError(path.string() + ": elevate.sampling must be bilinear or cubic");

@@ -19,6 +19,7 @@ struct Site {
   std::vector<std::string> attribution;
   std::string model = "default";             ///< name or file of the segmentation network
   bool crf = false;                          ///< refine the labels by the model's CRF
+  std::filesystem::path refine_weights;      ///< file of `orthodrive tune`; empty: the shipped weights
   std::string dtm_sampling = "cubic";        ///< bilinear | cubic
   std::string route = "auto";                ///< closed way to drive: its name, or "auto"
 };

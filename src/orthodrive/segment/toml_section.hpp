@@ -1,5 +1,5 @@
 #pragma once
-// Reading tables of a TOML file with the line of whatever is wrong. For the .cpp files of this folder.
+// Reading tables of a TOML file with the line of whatever is wrong. For the .cpp files of this folder and of pipeline.
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
