@@ -67,7 +67,9 @@ std::string entry(const std::string& name, const std::string& more = "") {
 }
 
 /// Keeps every road where OSM has it, whatever the labels say.
-RefineWeights stubborn() { return {.evidence = 0.5, .way_shift_m = 0.1, .node_shift_m = 0.1, .search_offset_m = 0.02}; }
+RefineWeights stubborn() {
+  return {.evidence = 0.5, .map_shift_m = 0.15, .way_shift_m = 0.1, .node_shift_m = 0.1, .search_offset_m = 0.02};
+}
 
 Polygon box(double west, double south, double east, double north) {
   return {{at(west, south), at(east, south), at(east, north), at(west, north)}, {}};
