@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "commands.hpp"
+#include "photo_site.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
@@ -19,16 +20,6 @@ struct SegmentCommand {
   SegmentOptions options;
 };
 
-/// All that the photo shows, in the UTM zone of its centre.
-SiteFrame site_of(const fs::path& photo) {
-  const io::RasterInfo info = io::raster_info(photo);
-  const Box2 box = bounds_of(info.outline_lonlat.outer);
-  SiteFrame site{utm_crs(0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)), {}};
-  const CoordinateTransform transform({"EPSG:4326"}, site.crs);
-  for (const Vec2 p : info.outline_lonlat.outer) site.area.outer.push_back(transform.target_from_source(p));
-  return site;
-}
-
 void run(SegmentCommand& command, const Context& context) {
   command.options.threads = context.threads;
   const fs::path model_file = io::find_model(command.model);
@@ -39,7 +30,7 @@ void run(SegmentCommand& command, const Context& context) {
     command.options.crf = model.crf ? *model.crf : reference_crf(static_cast<int>(model.classes.classes.size()));
     if (command.crf_iterations > 0) command.options.crf->parameters.iterations = command.crf_iterations;
   }
-  const PhotoSource photo = io::open_photo(command.photo, site_of(command.photo), {.threads = context.threads});
+  const PhotoSource photo = io::open_photo(command.photo, site_of_photo(command.photo), {.threads = context.threads});
   const GridFrame frame = label_frame(photo.frame, model);
   io::RasterStream labels = io::stream_labels(command.labels, photo.crs, frame, model.classes);
   std::optional<io::RasterStream> confidence, road_probability;

@@ -17,6 +17,7 @@ struct Context {
 void add_synth(CLI::App& app, Context& context);
 void add_train(CLI::App& app, Context& context);
 void add_segment(CLI::App& app, Context& context);
+void add_forests(CLI::App& app, Context& context);
 void add_refine(CLI::App& app, Context& context);
 void add_elevate(CLI::App& app, Context& context);
 void add_network(CLI::App& app, Context& context);

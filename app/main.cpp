@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   add_synth(app, context);
   add_train(app, context);
   add_segment(app, context);
+  add_forests(app, context);
   add_refine(app, context);
   add_elevate(app, context);
   add_network(app, context);

@@ -444,7 +444,7 @@ TEST(MrfRoads, from_photo_to_road) {
   add_way(scene, 1, map_line(scene.truth[0].line, {.offset_m = [](double) { return -3.0; }}, 5.5));
   const Photo photo = paint_photo(scene.labels, 32);
   const PhotoSource source = source_of(photo);
-  const auto result = refine_roads_mrf(scene.osm, photo_evidence(source, forests), quick());
+  const auto result = refine_roads_mrf(scene.osm, mrf_photo_evidence(source, forests), quick());
   const RoadError before = compare(scene.osm.paths[0], scene.truth[0]),
                   after = compare(result.roads.paths[0], scene.truth[0]);
   std::printf("photo: offset %.2f -> %.2f m, width %.2f -> %.2f m\n", before.mean_offset_m, after.mean_offset_m,

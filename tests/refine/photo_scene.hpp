@@ -2,7 +2,7 @@
 // Photos of exact little scenes: every class its colour, with noise of its own roughness.
 
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/refine/road_evidence.hpp"
+#include "orthodrive/refine/mrf_evidence.hpp"
 #include "orthodrive/refine/road_forest.hpp"
 #include "refine/road_scene.hpp"
 
@@ -47,11 +47,11 @@ inline RoadScene make_photo_scene(double size_m, double gsd_m = 0.4) {
 }
 
 /// Evidence that is never wrong: road is road, and edges are where the road ends. nodata is not valid.
-inline RoadEvidenceSource exact_evidence(const LabelMap& labels) {
+inline MrfEvidenceSource exact_evidence(const LabelMap& labels) {
   const int reach = static_cast<int>(2.0 / labels.frame.gsd_m);
   return {labels.crs, labels.frame, 2.0, [&labels, reach](const PixelBox& box) {
             const auto raster = [&] { return Raster<std::uint8_t>(box.width, box.height); };
-            RoadEvidence evidence{raster(), raster(), raster(), raster()};
+            MrfEvidence evidence{raster(), raster(), raster(), raster()};
             const auto road_at = [&](int col, int row) {
               return labels.labels.inside(col, row) && labels.labels.at(col, row) == label_road;
             };

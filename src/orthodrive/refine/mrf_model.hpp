@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
-#include "orthodrive/refine/road_evidence.hpp"
+#include "orthodrive/refine/mrf_evidence.hpp"
 
 namespace orthodrive {
 

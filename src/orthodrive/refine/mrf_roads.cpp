@@ -18,7 +18,7 @@ namespace {
 constexpr double min_seen = 0.5;           // share of a site's strip with a photo, below which it has no evidence
 constexpr double unseen_finding_m = 20.0;  // shorter stretches without a photo are not worth a finding
 
-void check(const RoadNetwork& osm, const RoadEvidenceSource& evidence, const MrfRoadsOptions& options) {
+void check(const RoadNetwork& osm, const MrfEvidenceSource& evidence, const MrfRoadsOptions& options) {
   if (!(osm.crs == evidence.crs))
     throw OptionError(fmt::format("mrf: roads are in {} but the photo in {}, need one CRS", osm.crs.definition,
                                   evidence.crs.definition));
@@ -122,7 +122,7 @@ MultiPolygon surface_of(const RoadPath& path, std::span<const SegmentRectangle> 
 
 }  // namespace
 
-MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const RoadEvidenceSource& evidence,
+MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const MrfEvidenceSource& evidence,
                                   const MrfRoadsOptions& options, Monitor* monitor) {
   check(osm, evidence, options);
   MrfRoadsProblem problem{
@@ -201,7 +201,7 @@ MrfRoadsResult solve_mrf_roads(const MrfRoadsProblem& problem, const MrfRoadsOpt
   return result;
 }
 
-MrfRoadsResult refine_roads_mrf(const RoadNetwork& osm, const RoadEvidenceSource& evidence,
+MrfRoadsResult refine_roads_mrf(const RoadNetwork& osm, const MrfEvidenceSource& evidence,
                                 const MrfRoadsOptions& options, Monitor* monitor) {
   check(options.weights);
   return solve_mrf_roads(prepare_mrf_roads(osm, evidence, options, monitor), options, monitor);

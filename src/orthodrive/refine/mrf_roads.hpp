@@ -10,7 +10,7 @@
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/refine/mrf_model.hpp"
 #include "orthodrive/refine/road_chains.hpp"
-#include "orthodrive/refine/road_evidence.hpp"
+#include "orthodrive/refine/mrf_evidence.hpp"
 
 namespace orthodrive {
 
@@ -47,7 +47,7 @@ struct MrfRoadsResult {
 /// `osm` and the evidence share one CRS (throws OptionError, as for options out of range and ways without nodes or
 /// width). Where there is no evidence (nodata, tunnels, mouths of other roads) a road runs on from its neighbours
 /// towards OSM. Reads the evidence once, around the roads only; time and memory are linear in their length.
-[[nodiscard]] MrfRoadsResult refine_roads_mrf(const RoadNetwork& osm, const RoadEvidenceSource& evidence,
+[[nodiscard]] MrfRoadsResult refine_roads_mrf(const RoadNetwork& osm, const MrfEvidenceSource& evidence,
                                               const MrfRoadsOptions& options = {}, Monitor* monitor = nullptr);
 
 /// The same in two steps, for those who try many weights on one photo: reading the photo takes nearly all of the time.
@@ -57,7 +57,7 @@ struct MrfRoadsProblem {
   MrfProblem mrf;  ///< one chain of sites a RoadChain, one site between two of its nodes
   Findings findings;
 };
-[[nodiscard]] MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const RoadEvidenceSource& evidence,
+[[nodiscard]] MrfRoadsProblem prepare_mrf_roads(const RoadNetwork& osm, const MrfEvidenceSource& evidence,
                                                 const MrfRoadsOptions& options = {}, Monitor* monitor = nullptr);
 /// Of the options only weights, max_sweeps, polygons, simplify_m and threads may differ from those prepared with.
 [[nodiscard]] MrfRoadsResult solve_mrf_roads(const MrfRoadsProblem& problem, const MrfRoadsOptions& options = {},

@@ -113,6 +113,21 @@ std::vector<float> draw(const std::vector<float>& rows, std::size_t count, Rando
   return drawn;
 }
 
+/// What the road forest learns as no road: `near_share` of it beside roads, the rest from anywhere else. Pavements are the
+/// smallest part of a map and the likest to a road: drawn with all else they would hardly be seen.
+std::vector<float> no_road(const Rows& rows, const RoadForestOptions& options) {
+  const auto count = [&](Kind kind) { return rows[kind].size() / superpixel_features; };
+  const std::size_t wanted =
+      std::min({count(road), count(near_context) + count(far_context), static_cast<std::size_t>(options.max_samples)});
+  const auto share = static_cast<std::size_t>(std::lround(options.near_share * static_cast<double>(wanted)));
+  const std::size_t far = std::min(count(far_context), wanted - std::min(share, count(near_context)));
+  Random random(derive_seed(options.seed, 3));
+  std::vector<float> drawn = draw(rows[near_context], wanted - far, random);
+  const std::vector<float> others = draw(rows[far_context], far, random);
+  drawn.insert(drawn.end(), others.begin(), others.end());
+  return drawn;
+}
+
 /// Class 1 against class 0, as many of each.
 cv::Ptr<cv::ml::RTrees> train(const std::vector<float>& yes, const std::vector<float>& no,
                               const RoadForestOptions& options, std::uint64_t seed) {
@@ -140,10 +155,11 @@ cv::Ptr<cv::ml::RTrees> train(const std::vector<float>& yes, const std::vector<f
 
 void check(std::span<const RoadForestSample> samples, const RoadForestOptions& options) {
   if (options.trees < 1 || options.max_depth < 1 || options.max_samples < 1 || !(options.superpixels.size_m > 0.0) ||
-      options.superpixels.iterations < 1 || !(options.superpixels.texture_m > 0.0) || !(options.purity > 0.5))
+      options.superpixels.iterations < 1 || !(options.superpixels.texture_m > 0.0) || !(options.purity > 0.5) ||
+      !(options.near_share >= 0.0 && options.near_share <= 1.0))
     throw OptionError(
         "road forests: trees, depth, samples, superpixel size, iterations and texture must be positive, purity above "
-        "0.5");
+        "0.5, the share near roads within 0..1");
   for (const RoadForestSample& s : samples) {
     if (!(s.gsd_m > 0.0) || s.rgb.channels != 3)
       throw OptionError("road forests: a sample needs 3 channels and a ground sampling distance");
@@ -169,6 +185,16 @@ std::vector<std::uint8_t> predict(const cv::ml::RTrees& trees, const cv::Mat& ro
   return shares;
 }
 
+/// Whether a forest as read can be asked: of our features, and every tree votes for 0 or 1.
+bool is_usable(const cv::ml::RTrees& trees) {
+  if (!trees.isTrained() || !trees.isClassifier() || trees.getVarCount() != superpixel_features) return false;
+  cv::Mat votes;
+  trees.getVotes(cv::Mat::zeros(1, superpixel_features, CV_32F), votes, 0);
+  return votes.rows == 2 && votes.cols == 2 && votes.type() == CV_32S &&
+         std::min(votes.at<int>(0, 0), votes.at<int>(0, 1)) == 0 &&
+         std::max(votes.at<int>(0, 0), votes.at<int>(0, 1)) == 1 && votes.at<int>(1, 0) + votes.at<int>(1, 1) > 0;
+}
+
 void predict_tile(const RoadForests::Trees& trees, const PhotoSource& photo, const PixelBox& tile, const PixelBox& box,
                   RoadProbabilities& result) {
   const PixelBox core = intersection(tile, box);
@@ -192,6 +218,24 @@ void predict_tile(const RoadForests::Trees& trees, const PhotoSource& photo, con
 }
 
 }  // namespace
+
+RoadMask road_mask_of(Role role) {
+  return role == Role::road ? RoadMask::road : role == Role::maybe_road ? RoadMask::unknown : RoadMask::context;
+}
+
+Raster<std::uint8_t> road_mask(const LabelMap& labels, const GridFrame& frame) {
+  Raster<std::uint8_t> mask(frame.width, frame.height);
+  for (int row = 0; row < frame.height; ++row)
+    for (int col = 0; col < frame.width; ++col) {
+      const Vec2 p = labels.frame.pixel_from_world(frame.center_of(col, row));
+      const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
+      if (!labels.labels.inside(x, y)) continue;
+      const std::uint8_t label = labels.labels.at(x, y);
+      if (label < labels.classes.classes.size())
+        mask.at(col, row) = static_cast<std::uint8_t>(road_mask_of(labels.classes.classes[label].role));
+    }
+  return mask;
+}
 
 RoadForests train_road_forests(std::span<const RoadForestSample> samples, const RoadForestOptions& options) {
   const OneCvThread guard;
@@ -220,9 +264,7 @@ RoadForests train_road_forests(std::span<const RoadForestSample> samples, const 
         "road forests: the samples show no road or nothing beside one, label at least a few roads and their "
         "surroundings");
 
-  std::vector<float> all_context = rows[near_context];
-  all_context.insert(all_context.end(), rows[far_context].begin(), rows[far_context].end());
-  trees->road = train(rows[road], all_context, options, derive_seed(options.seed, 1));
+  trees->road = train(rows[road], no_road(rows, options), options, derive_seed(options.seed, 1));
   trees->context = train(rows[near_context], rows[road], options, derive_seed(options.seed, 2));
   return RoadForests(std::move(trees));
 }
@@ -249,27 +291,31 @@ RoadForests load_road_forests(const std::string& text, const std::string& name) 
   if (text.find(format_key) == std::string::npos)
     throw InputError(name, "holds no road forests, train them with this version");
   auto trees = std::make_shared<RoadForests::Trees>();
+  bool usable = false;
   try {
     const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     if (!file.isOpened() || static_cast<int>(file[format_key]) != format_version)
       throw InputError(name, fmt::format("no road forests of format {}, train them again", format_version));
-    trees->superpixels.size_m = file["superpixel_size_m"];
-    trees->superpixels.ruler = file["superpixel_ruler"];
-    trees->superpixels.iterations = file["superpixel_iterations"];
-    trees->superpixels.texture_m = file["texture_m"];
+    SuperpixelOptions& superpixels = trees->superpixels;
+    superpixels.size_m = file["superpixel_size_m"];
+    superpixels.ruler = file["superpixel_ruler"];
+    superpixels.iterations = file["superpixel_iterations"];
+    superpixels.texture_m = file["texture_m"];
     trees->finest_gsd_m = file["finest_gsd_m"];
     trees->coarsest_gsd_m = file["coarsest_gsd_m"];
     trees->road = cv::ml::RTrees::create();
     trees->road->read(file["road"]);
     trees->context = cv::ml::RTrees::create();
     trees->context->read(file["context"]);
+    const auto within = [](double value, double largest) { return value > 0.0 && value <= largest; };
+    usable = is_usable(*trees->road) && is_usable(*trees->context) && within(superpixels.size_m, 100.0) &&
+             within(superpixels.ruler, 1e4) && within(superpixels.iterations, 1000) &&
+             within(superpixels.texture_m, 1000.0) && within(trees->coarsest_gsd_m, 100.0) &&
+             within(trees->finest_gsd_m, trees->coarsest_gsd_m);
   } catch (const cv::Exception& e) {
     throw InputError(name, fmt::format("cannot be read as road forests ({})", e.err));
   }
-  if (!trees->road->isTrained() || !trees->context->isTrained() || trees->road->getVarCount() != superpixel_features ||
-      trees->context->getVarCount() != superpixel_features || !(trees->superpixels.size_m > 0.0) ||
-      !(trees->superpixels.texture_m > 0.0) || trees->superpixels.iterations < 1 || !(trees->finest_gsd_m > 0.0))
-    throw InputError(name, "holds road forests that are incomplete, train them again");
+  if (!usable) throw InputError(name, "holds road forests that are incomplete, train them again");
   return RoadForests(std::move(trees));
 }
 

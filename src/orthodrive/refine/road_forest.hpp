@@ -12,13 +12,20 @@
 
 #include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/geo/raster.hpp"
+#include "orthodrive/model/class_table.hpp"
 #include "orthodrive/model/photo_source.hpp"
+#include "orthodrive/model/rasters.hpp"
 #include "orthodrive/refine/superpixels.hpp"
 
 namespace orthodrive {
 
 /// Values of a training mask. Unknown: not labelled, not seen, or neither (parking, say); learned from by none.
 enum class RoadMask : std::uint8_t { unknown = 0, road = 1, context = 2 };
+
+/// Road is road; what may be road (parking) is unknown; all else is context.
+[[nodiscard]] RoadMask road_mask_of(Role role);
+/// The same of a label map, pixel by pixel of another grid in its CRS; unknown where the map has no label.
+[[nodiscard]] Raster<std::uint8_t> road_mask(const LabelMap& labels, const GridFrame& frame);
 
 struct RoadForestSample {
   Raster<std::uint8_t> rgb;  ///< 3 channels
@@ -34,6 +41,7 @@ struct RoadForestOptions {
   int min_node_samples = 8;      ///< a node with fewer is a leaf
   double purity = 0.7;           ///< superpixels of which less is of one kind teach nothing
   double context_reach_m = 8.0;  ///< the context forest learns from what lies so near to a road
+  double near_share = 0.5;       ///< of what the road forest learns as no road: the share that lies so near to one
   int max_samples = 15000;       ///< of each kind and forest; drawn by the seed
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it

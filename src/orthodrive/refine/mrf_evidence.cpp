@@ -1,4 +1,4 @@
-#include "orthodrive/refine/road_evidence.hpp"
+#include "orthodrive/refine/mrf_evidence.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -87,7 +87,7 @@ CrossSums finish(const ProfileStrip& strip, const RawSums& raw, int along, const
 
 }  // namespace
 
-RoadEvidenceSource photo_evidence(const PhotoSource& photo, const RoadForests& forests,
+MrfEvidenceSource mrf_photo_evidence(const PhotoSource& photo, const RoadForests& forests,
                                   const EdgeDistanceOptions& options) {
   return {photo.crs, photo.frame, options.cap_m, [&photo, &forests, options](const PixelBox& box) {
             RoadProbabilities p = predict_road_forests(forests, photo, box);
@@ -95,12 +95,12 @@ RoadEvidenceSource photo_evidence(const PhotoSource& photo, const RoadForests& f
               for (std::uint8_t& value : raster.data) value = static_cast<std::uint8_t>(255 - value);
               return raster;
             };
-            return RoadEvidence{opposite(std::move(p.road)), opposite(std::move(p.context)),
+            return MrfEvidence{opposite(std::move(p.road)), opposite(std::move(p.context)),
                                 edge_distance(photo, box, options), std::move(p.valid)};
           }};
 }
 
-std::vector<CrossSums> sum_across(std::span<const ProfileStrip> strips, const RoadEvidenceSource& source,
+std::vector<CrossSums> sum_across(std::span<const ProfileStrip> strips, const MrfEvidenceSource& source,
                                   const CrossSumOptions& options, Monitor* monitor) {
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> strips_of;  // by row and column of the tile
   std::vector<RawSums> raw(strips.size());
@@ -120,7 +120,7 @@ std::vector<CrossSums> sum_across(std::span<const ProfileStrip> strips, const Ro
       [&](std::size_t t) {
         const PixelBox tile = intersection({tiles[t].first.second, tiles[t].first.first, mrf_tile_px, mrf_tile_px},
                                            pixels_of(source.frame));
-        const RoadEvidence evidence = source.read(tile);
+        const MrfEvidence evidence = source.read(tile);
         for (const std::size_t i : tiles[t].second) {
           RawSums part;
           part.resize(knots_of(strips[i]));

@@ -17,24 +17,24 @@
 namespace orthodrive {
 
 /// Of the pixels of a box, one channel each.
-struct RoadEvidence {
+struct MrfEvidence {
   Raster<std::uint8_t> non_road;     ///< probability that it is no road, 0..255 = 0..1: a cost inside a road
   Raster<std::uint8_t> road_beside;  ///< probability that it is road and not what lies beside one: a cost beside a road
   Raster<std::uint8_t> edge_distance;  ///< to the nearest edge, 255 = edge_cap_m: a cost along the borders
   Raster<std::uint8_t> valid;          ///< 0: nothing is known here
 };
 
-struct RoadEvidenceSource {
+struct MrfEvidenceSource {
   Crs crs;
   GridFrame frame;
   double edge_cap_m = 2.0;
   /// Any box, also beyond the frame. From several threads at once. A pixel is the same in every box that has it.
-  std::function<RoadEvidence(const PixelBox&)> read;
+  std::function<MrfEvidence(const PixelBox&)> read;
 };
 
 /// Of a photo: the road forest inside, the context forest beside, Canny along the borders. All three must outlive the
 /// source.
-[[nodiscard]] RoadEvidenceSource photo_evidence(const PhotoSource& photo, const RoadForests& forests,
+[[nodiscard]] MrfEvidenceSource mrf_photo_evidence(const PhotoSource& photo, const RoadForests& forests,
                                                 const EdgeDistanceOptions& options = {});
 
 /// The strip to each side of a straight segment that is looked at.
@@ -62,7 +62,7 @@ struct CrossSumOptions {
 
 /// Each tile of the source that a strip touches is read once and by one thread; sums are of integers, so that their
 /// order does not matter. Memory is linear in the number of strips, not in the area.
-[[nodiscard]] std::vector<CrossSums> sum_across(std::span<const ProfileStrip> strips, const RoadEvidenceSource& source,
+[[nodiscard]] std::vector<CrossSums> sum_across(std::span<const ProfileStrip> strips, const MrfEvidenceSource& source,
                                                 const CrossSumOptions& options, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive
