@@ -197,8 +197,12 @@ TEST(MrfOverlap, equals_a_grid_of_points) {
         common += inside(problem.sites[0], s) && inside(problem.sites[1], t);
       }
     const bool found = overlap(problem, 0, s, 1, t);
-    if (common > 3) EXPECT_TRUE(found) << trial;
-    if (!found) EXPECT_EQ(common, 0) << trial;
+    if (common > 3) {
+      EXPECT_TRUE(found) << trial;
+    }
+    if (!found) {
+      EXPECT_EQ(common, 0) << trial;
+    }
     EXPECT_EQ(found, overlap(problem, 1, t, 0, s));
   }
 }

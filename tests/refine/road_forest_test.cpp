@@ -43,6 +43,61 @@ TEST(RoadForest, road_is_told_from_grass_and_trees) {
   EXPECT_GT(mean_over(p.context, scene.labels, label_grass), 0.9);
 }
 
+/// Grey pavements beside a road, a little lighter than the road but both as uneven as the difference, in a lot of grass.
+struct PavedScene {
+  LabelMap labels;  // label_ground: pavement
+  Photo photo;
+};
+PavedScene make_paved_scene(std::uint64_t seed) {
+  RoadScene scene = make_scene(300.0, 0.4);
+  paint(scene.labels, {at(0, 144), at(300, 144), at(300, 156), at(0, 156)}, label_ground);
+  paint(scene.labels, {at(0, 147), at(300, 147), at(300, 153), at(0, 153)}, label_road);
+  PavedScene paved{scene.labels, paint_photo(scene.labels, seed)};
+  Random random(seed + 100);
+  std::vector<double> patches;  // 3 x 3 m each, of its own brightness
+  for (int i = 0; i < 101 * 101; ++i) patches.push_back(random.normal());
+  for (int y = 0; y < paved.photo.frame.height; ++y)
+    for (int x = 0; x < paved.photo.frame.width; ++x) {
+      const std::uint8_t label = paved.labels.labels.at(x, y);
+      if (label == label_grass) continue;
+      const double patch = patches[static_cast<std::size_t>(101 * static_cast<int>(y * 0.4 / 3.0) + static_cast<int>(x * 0.4 / 3.0))];
+      const double grey = (label == label_road ? 118.0 : 130.0) + 8.0 * patch + 4.0 * random.normal();
+      for (int k = 0; k < 3; ++k) paved.photo.rgb.at(x, y, k) = static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0));
+    }
+  return paved;
+}
+
+TEST(RoadForest, a_pavement_is_told_from_the_road_though_most_of_the_map_is_grass) {
+  const PavedScene learned = make_paved_scene(21), seen = make_paved_scene(22);
+  const auto road_on_pavement = [&](double near_share) {
+    RoadForestOptions options = small_forest;
+    options.near_share = near_share;
+    const RoadForests forests = train_road_forests(std::vector{sample_of(learned.labels, learned.photo)}, options);
+    const auto p = predict_road_forests(forests, source_of(seen.photo), pixels_of(seen.photo.frame));
+    EXPECT_GT(mean_over(p.road, seen.labels, label_road), 0.6);
+    return mean_over(p.road, seen.labels, label_ground);
+  };
+  const double half = road_on_pavement(0.5), few = road_on_pavement(0.08);
+  std::printf("road on pavement: %.2f, drawn with all else %.2f\n", half, few);
+  EXPECT_LT(half, 0.2);
+  EXPECT_GT(few, half + 0.06);
+}
+
+TEST(RoadForest, parking_and_missing_labels_teach_nothing) {
+  RoadScene scene = make_scene(20.0, 0.5);
+  paint(scene.labels, {at(0, 0), at(10, 0), at(10, 10), at(0, 10)}, label_parking);
+  paint(scene.labels, {at(10, 0), at(20, 0), at(20, 10), at(10, 10)}, label_road);
+  paint(scene.labels, {at(0, 10), at(10, 10), at(10, 20), at(0, 20)}, label_nodata);
+  const GridFrame fine{scene.labels.frame.west_m, scene.labels.frame.north_m, 0.25, 100, 80};  // 5 m more to the east
+  const auto mask = road_mask(scene.labels, fine);
+  const auto is = [&](int x, int y) { return static_cast<RoadMask>(mask.at(x, y)); };
+  EXPECT_EQ(is(39, 41), RoadMask::unknown);  // parking
+  EXPECT_EQ(is(41, 41), RoadMask::road);
+  EXPECT_EQ(is(39, 38), RoadMask::unknown);  // nodata
+  EXPECT_EQ(is(41, 38), RoadMask::context);  // grass
+  EXPECT_EQ(is(81, 41), RoadMask::unknown);  // beyond the labels
+}
+
 TEST(RoadForest, a_pixel_is_the_same_in_every_box_and_for_any_thread_count) {
   const RoadScene scene = make_photo_scene(240.0);  // 600 pixels: tiles of 512 end inside
   const Photo photo = paint_photo(scene.labels, 3);
@@ -96,6 +151,17 @@ TEST(RoadForest, texts_that_hold_no_forests_are_refused) {
   EXPECT_THROW((void)load_road_forests("%YAML:1.0\n---\nx: 1\n"), InputError);
   const std::string text = save_road_forests(trained());
   EXPECT_THROW((void)load_road_forests(text.substr(0, text.size() / 3)), InputError);
+  const auto broken = [&](const std::string& key, const std::string& value) {
+    std::string changed = text;
+    const std::size_t from = changed.find(key + ":");
+    EXPECT_NE(from, std::string::npos) << key;
+    return changed.replace(from, changed.find('\n', from) - from, key + ": " + value);
+  };
+  EXPECT_NO_THROW((void)load_road_forests(broken("texture_m", "5.")));
+  for (const auto& [key, value] : {std::pair{"superpixel_size_m", "-2."}, {"superpixel_iterations", "2000000000"},
+                                   {"texture_m", "1e9"}, {"coarsest_gsd_m", ".Nan"}, {"finest_gsd_m", "50."},
+                                   {"class_labels", "[ 0, 2 ]"}, {"is_classifier", "0"}, {"orthodrive_road_forests", "99"}})
+    EXPECT_THROW((void)load_road_forests(broken(key, value)), InputError) << key;
 }
 
 TEST(RoadForest, training_does_not_depend_on_threads_but_on_the_seed) {

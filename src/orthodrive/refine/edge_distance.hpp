@@ -16,9 +16,10 @@
 namespace orthodrive {
 
 struct EdgeDistanceOptions {
-  double blur_m = 0.3;  ///< sigma of the Gaussian before Canny; at least 0.8 pixels
-  /// Upper thresholds on the gradient of the grey value (Sobel, 0..1443); the lower is half of it.
-  std::vector<double> thresholds{40.0, 80.0, 160.0};
+  double blur_m = 0.15;  ///< sigma of the Gaussian before Canny; at least 0.8 pixels
+  /// Upper thresholds on the gradient of the grey value (Sobel, 0..1443); the lower is half of it. Kerbs are faint: at
+  /// 160 hardly any was an edge on the synthetic villages.
+  std::vector<double> thresholds{20.0, 40.0, 80.0};
   double cap_m = 2.0;  ///< farther edges are all as far
 };
 

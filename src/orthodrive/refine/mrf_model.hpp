@@ -1,6 +1,6 @@
 #pragma once
 // The Markov random field of Mattyus et al. (2015; thesis sec. 3.2): a site is a straight piece of road, its state an
-// offset along its normal and a width. docs/refinement_mrf_notes.md has the energy as formulas.
+// offset along its normal and a width. docs/refinement_mrf.md has the energy as formulas.
 
 #include <cstddef>
 #include <span>

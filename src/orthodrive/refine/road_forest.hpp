@@ -3,7 +3,7 @@
 //
 // After Mattyus et al., Enhancing Road Maps by Parsing Aerial Images around the World, 2015, as used by the reference
 // (thesis sec. 3.2.2): SLIC superpixels, OpenCV's random trees, one binary classifier each. What they leave open and
-// how we filled it: docs/refinement_mrf_notes.md.
+// how we filled it: docs/refinement_mrf.md.
 
 #include <cstdint>
 #include <memory>
@@ -38,7 +38,7 @@ struct RoadForestOptions {
   SuperpixelOptions superpixels;
   int trees = 60;
   int max_depth = 14;
-  int min_node_samples = 8;      ///< a node with fewer is a leaf
+  int min_node_samples = 20;     ///< a node with fewer is a leaf
   double purity = 0.7;           ///< superpixels of which less is of one kind teach nothing
   double context_reach_m = 8.0;  ///< the context forest learns from what lies so near to a road
   double near_share = 0.5;       ///< of what the road forest learns as no road: the share that lies so near to one
