@@ -66,9 +66,11 @@ std::vector<RoadForestSample> read_painted(const fs::path& photo_file, const fs:
   for (const auto& [piece, features] : pieces) {
     std::vector<Vec2> corners;
     for (const io::Feature& feature : features)
-      for (const Polygon& polygon : feature.polygons) corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
+      for (const Polygon& polygon : feature.polygons)
+        corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
     Box2 box = bounds_of(corners);
-    box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m, box.max_y + surroundings_m};
+    box = {box.min_x - surroundings_m, box.min_y - surroundings_m, box.max_x + surroundings_m,
+           box.max_y + surroundings_m};
     Photo photo = io::read_photo(photo_file, {crs, box_polygon(box)}, {.threads = threads});
     Raster<std::uint8_t> mask(photo.frame.width, photo.frame.height);
     for (const io::Feature& feature : features)
@@ -99,27 +101,37 @@ void run(ForestsCommand& command, const Context& context) {
   command.options.threads = context.threads;
   const std::string text = save_road_forests(train_road_forests(samples, command.options));
   write_text_file(command.out, text);
-  context.monitor->info(fmt::format("{}: learned from {} photos or pieces, {:.1f} MB", command.out.string(), samples.size(),
-                                    static_cast<double>(text.size()) / 1e6));
+  context.monitor->info(fmt::format("{}: learned from {} photos or pieces, {:.1f} MB", command.out.string(),
+                                    samples.size(), static_cast<double>(text.size()) / 1e6));
 }
 
 }  // namespace
 
 void add_forests(CLI::App& app, Context& context) {
   auto command = std::make_shared<ForestsCommand>();
-  CLI::App* cmd = app.add_subcommand("forests", "Learn from labelled photos what `refine --method mrf` takes for a road.");
-  cmd->add_option("--photo", command->photos, "orthophoto; once for each --labels")->required()->allow_extra_args(false);
-  cmd->add_option("--labels", command->labels, "its labels: a label map, or polygons (GeoJSON, GeoPackage) with class and piece")
-      ->required()->allow_extra_args(false);
+  CLI::App* cmd =
+      app.add_subcommand("forests", "Learn from labelled photos what `refine --method mrf` takes for a road.");
+  cmd->add_option("--photo", command->photos, "orthophoto; once for each --labels")
+      ->required()
+      ->allow_extra_args(false);
+  cmd->add_option("--labels", command->labels,
+                  "its labels: a label map, or polygons (GeoJSON, GeoPackage) with class and piece")
+      ->required()
+      ->allow_extra_args(false);
   cmd->add_option("-o,--output", command->out, "the forests (YAML text)")->required();
-  cmd->add_option("--trees", command->options.trees, "of each forest")->check(CLI::Range(1, 1000))->capture_default_str();
+  cmd->add_option("--trees", command->options.trees, "of each forest")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   cmd->add_option("--samples", command->options.max_samples, "superpixels of each kind to learn from, at most")
-      ->check(CLI::Range(1, 1000000))->capture_default_str();
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   cmd->add_option("--seed", command->options.seed, "of the random choice")->capture_default_str();
   cmd->footer(
       "Reads pairs of a photo and its labels, the first --photo with the first --labels and so on; writes one file.\n"
-      "Roads are learned as road, parking not at all, every other class as beside or far from a road. Photos are read at\n"
-      "their own scale, which must be near that of the photos to refine in. Memory: about 5 bytes a pixel of all photos.\n"
+      "Roads are learned as road, parking not at all, every other class as beside or far from a road. Photos are read "
+      "at\n"
+      "their own scale, which must be near that of the photos to refine in. Memory: about 5 bytes a pixel of all "
+      "photos.\n"
       "Examples:\n"
       "  orthodrive forests --photo village/ortho.tif --labels village/truth/labels.tif -o forests.yml\n"
       "  orthodrive forests --photo a.tif --labels a.geojson --photo b.tif --labels b.tif -o forests.yml");

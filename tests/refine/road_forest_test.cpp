@@ -43,7 +43,8 @@ TEST(RoadForest, road_is_told_from_grass_and_trees) {
   EXPECT_GT(mean_over(p.context, scene.labels, label_grass), 0.9);
 }
 
-/// Grey pavements beside a road, a little lighter than the road but both as uneven as the difference, in a lot of grass.
+/// Grey pavements beside a road, a little lighter than the road but both as uneven as the difference, in a lot of
+/// grass.
 struct PavedScene {
   LabelMap labels;  // label_ground: pavement
   Photo photo;
@@ -60,7 +61,8 @@ PavedScene make_paved_scene(std::uint64_t seed) {
     for (int x = 0; x < paved.photo.frame.width; ++x) {
       const std::uint8_t label = paved.labels.labels.at(x, y);
       if (label == label_grass) continue;
-      const double patch = patches[static_cast<std::size_t>(101 * static_cast<int>(y * 0.4 / 3.0) + static_cast<int>(x * 0.4 / 3.0))];
+      const double patch =
+          patches[static_cast<std::size_t>(101 * static_cast<int>(y * 0.4 / 3.0) + static_cast<int>(x * 0.4 / 3.0))];
       const double grey = (label == label_road ? 118.0 : 130.0) + 8.0 * patch + 4.0 * random.normal();
       for (int k = 0; k < 3; ++k) paved.photo.rgb.at(x, y, k) = static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0));
     }
@@ -158,9 +160,14 @@ TEST(RoadForest, texts_that_hold_no_forests_are_refused) {
     return changed.replace(from, changed.find('\n', from) - from, key + ": " + value);
   };
   EXPECT_NO_THROW((void)load_road_forests(broken("texture_m", "5.")));
-  for (const auto& [key, value] : {std::pair{"superpixel_size_m", "-2."}, {"superpixel_iterations", "2000000000"},
-                                   {"texture_m", "1e9"}, {"coarsest_gsd_m", ".Nan"}, {"finest_gsd_m", "50."},
-                                   {"class_labels", "[ 0, 2 ]"}, {"is_classifier", "0"}, {"orthodrive_road_forests", "99"}})
+  for (const auto& [key, value] : {std::pair{"superpixel_size_m", "-2."},
+                                   {"superpixel_iterations", "2000000000"},
+                                   {"texture_m", "1e9"},
+                                   {"coarsest_gsd_m", ".Nan"},
+                                   {"finest_gsd_m", "50."},
+                                   {"class_labels", "[ 0, 2 ]"},
+                                   {"is_classifier", "0"},
+                                   {"orthodrive_road_forests", "99"}})
     EXPECT_THROW((void)load_road_forests(broken(key, value)), InputError) << key;
 }
 

@@ -11,13 +11,14 @@
 
 namespace orthodrive {
 
-/// Weights of the energy's terms. A site's terms are for a piece of segment_m; shorter pieces count less.
+/// Weights of the energy's terms. A site's terms are for a piece of segment_m; shorter pieces count less. Found by random
+/// and coordinate search on two synthetic villages and rounded (docs/refinement_mrf.md).
 struct MrfWeights {
   double road = 1.0;            ///< 1/m: width of non-road inside the road
   double context = 1.0;         ///< 1/m: width of road in the context strips
-  double edge = 0.5;            ///< 1/m: distance of the borders to an edge
-  double smooth_offset = 0.5;   ///< 1/m2, between neighbours on one road
-  double smooth_width = 0.5;    ///< 1/m2
+  double edge = 0.25;           ///< 1/m: distance of the borders to an edge
+  double smooth_offset = 0.6;   ///< 1/m2, between neighbours on one road
+  double smooth_width = 4.0;    ///< 1/m2
   double prior_offset = 0.005;  ///< 1/m2: pull to the OSM line; decides only where nothing else does
   double prior_width = 0.02;    ///< 1/m2: pull to the input's width
 };

@@ -113,8 +113,8 @@ std::vector<float> draw(const std::vector<float>& rows, std::size_t count, Rando
   return drawn;
 }
 
-/// What the road forest learns as no road: `near_share` of it beside roads, the rest from anywhere else. Pavements are the
-/// smallest part of a map and the likest to a road: drawn with all else they would hardly be seen.
+/// What the road forest learns as no road: `near_share` of it beside roads, the rest from anywhere else. Pavements are
+/// the smallest part of a map and the likest to a road: drawn with all else they would hardly be seen.
 std::vector<float> no_road(const Rows& rows, const RoadForestOptions& options) {
   const auto count = [&](Kind kind) { return rows[kind].size() / superpixel_features; };
   const std::size_t wanted =
