@@ -175,7 +175,7 @@ MrfRoadsResult solve_mrf_roads(const MrfRoadsProblem& problem, const MrfRoadsOpt
     lines[c] = surfaces[c].line;
   }
   // The MRF does not tie roads together where they meet; only the segments next to a junction bend to it.
-  join_junctions(problem.chains, lines, {.bend_m = options.segment_m});
+  bend_to_junctions(problem.chains, place_junctions(problem.chains, lines), lines, options.segment_m);
 
   MrfRoadsResult result{.roads = {.crs = problem.osm.crs, .paths = std::vector<RoadPath>(problem.osm.paths.size())},
                         .surfaces = std::vector<MultiPolygon>(problem.osm.paths.size()),
