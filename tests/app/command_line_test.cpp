@@ -8,13 +8,8 @@ namespace {
 using testing::AnyOf;
 using testing::HasSubstr;
 
-<<<<<<< HEAD
-const std::vector<std::string> commands{"build",   "synth", "train", "segment", "refine",  "elevate",
-                                        "network", "scene", "drive", "view",    "evaluate", "tune"};
-=======
 const std::vector<std::string> commands{"build",   "synth", "train", "segment", "forests", "refine",  "elevate",
-                                        "network", "scene", "drive", "view",    "evaluate"};
->>>>>>> 08048ee (Name the MRF's evidence after the MRF; learn and use its forests from the command line)
+                                        "network", "scene", "drive", "view",    "evaluate", "tune"};
 
 TEST(CommandLine, help_lists_all_commands) {
   const ToolRun run = run_tool({"--help"});
@@ -77,13 +72,10 @@ TEST(CommandLine, missing_input_is_one_line_naming_the_file_and_writes_nothing) 
       {"train", missing + ".toml", "-o", out + ".d"},
       {"segment", missing + ".tif", "-o", out},
       {"refine", "--osm", missing + ".osm", "--labels", missing + ".tif", "-o", out},
-<<<<<<< HEAD
       {"tune", missing + ".toml", "-o", out + ".d"},
-=======
       {"refine", "--method", "mrf", "--osm", missing + ".osm", "--photo", missing + ".tif", "--forests", missing + ".yml",
        "-o", out},
       {"forests", "--photo", missing + ".tif", "--labels", missing + ".tif", "-o", out},
->>>>>>> 08048ee (Name the MRF's evidence after the MRF; learn and use its forests from the command line)
       {"elevate", "--roads", missing + ".gpkg", "--dtm", missing + ".tif", "-o", out},
       {"network", "--roads", missing + ".gpkg", "-o", out},
       {"scene", "--network", missing + ".xodr", "--labels", missing + ".tif", "--photo", missing + ".tif", "--dtm",
