@@ -1,7 +1,7 @@
 #!/usr/bin/env node
 // Measures the road refinement: all methods on synthetic and real sites, for the tables of docs/refinement.md, which it writes.
 // Usage: tools/refinement_numbers.mjs [--only village,circuit,junction,ring,kvarnbyn,pardubice] [--methods none,default,...]
-//        [--out FOLDER] [--table]          (--table: write the page from what was measured before)
+//        [--out FOLDER] [--tool PROGRAM] [--table]   (--table: write the page from what was measured before)
 // Whole, with both MRF polygons and three NLO weight sets, it takes over an hour on two cores; the default alone some ten minutes.
 // What is not measured in this run keeps its last values from bench/results/refinement.json.
 import { execFileSync } from 'node:child_process';
@@ -11,11 +11,12 @@ import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const root = join(dirname(fileURLToPath(import.meta.url)), '..');
-const tool = join(root, 'build/release/orthodrive');
+// A copy may be given, so that building can go on.
 const argument = (name, fallback) => {
   const at = process.argv.indexOf(name);
   return at < 0 ? fallback : process.argv[at + 1];
 };
+const tool = argument('--tool', join(root, 'build/release/orthodrive'));
 const out = argument('--out', join(root, 'out/refinement'));
 const data = join(root, '../shared/data');
 const only = argument('--only', 'village,circuit,junction,ring,kvarnbyn,pardubice').split(',');
@@ -26,7 +27,7 @@ mkdirSync(out, { recursive: true });
 
 const orthodrive = (...args) => execFileSync(tool, ['--quiet', ...args], { encoding: 'utf8', maxBuffer: 1 << 26, stdio: ['ignore', 'pipe', 'inherit'] });
 const git = (...args) => execFileSync('git', ['-C', root, ...args], { encoding: 'utf8' }).trim();
-const commit = git('rev-parse', '--short', 'HEAD') + (git('status', '--porcelain', '--untracked-files=no') ? ' + changes' : '');
+const commit = git('rev-parse', '--short', 'HEAD') + (git('status', '--porcelain', '--untracked-files=no', '--', '.', ':!bench/results', ':!docs') ? ' + changes' : '');
 const save = () => writeFileSync(store, JSON.stringify(numbers, null, 1) + '\n');
 const make = (path, command) => {
   if (!existsSync(path)) command();
@@ -66,7 +67,8 @@ function measure(name, method, given, truth, more = []) {
   const folder = join(out, 'roads');
   mkdirSync(folder, { recursive: true });
   const file = (m) => join(folder, `${name}.${m}.gpkg`);
-  const forests = join(out, 'forests.yml');
+  const forests = join(root, `out/forests/forests_${photos[name.split(' ')[0]] ? 'real' : 'villages'}.yml`);
+  if (method.startsWith('mrf') && !existsSync(forests)) execFileSync(join(root, 'tools/train_forests'), { stdio: 'inherit' });
   const options = {
     none: ['--method', 'none'],
     'mrf-dp': ['--method', 'mrf', '--photo', given.photo, '--forests', forests, '--polygons', 'dp'],
