@@ -142,7 +142,13 @@ class Refinement {
       refined_[c].road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
   }
   /// What the roads around say about the shift of the map, from what the chains have found by themselves.
+  /// First of the district, then what the streets around differ from that.
   void learn_shift() {
+    for (std::size_t c = 0; c < chains_.size(); ++c) expected_[c].assign(chains_[c].nodes.size(), {});
+    add_shift({.reach_m = 200.0, .prior_m = options_.weights.map_shift_m, .outlier_m = 2.0});
+    add_shift({.reach_m = 120.0, .prior_m = 1.0, .outlier_m = 1.0});
+  }
+  void add_shift(const ShiftFieldOptions& field) {
     constexpr std::size_t sample_nodes = 5, place_nodes = 10;
     std::vector<ShiftSample> samples;
     std::vector<Vec2> places;
@@ -150,16 +156,15 @@ class Refinement {
       const std::vector<ChainNode>& nodes = chains_[c].nodes;
       for (std::size_t i = 0; i + 1 < nodes.size(); i += sample_nodes)
         if (refined_[c].road_near[i] && nodes[i].evidence > 0.0)
-          samples.push_back({nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i], nodes[i].evidence});
+          samples.push_back(
+              {nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i] - expected_[c][i].offset_m, nodes[i].evidence});
       for (std::size_t i = 0; i < nodes.size(); i += place_nodes) places.push_back(nodes[i].base);
       places.push_back(nodes.back().base);
     }
-    const std::vector<Shift> shifts =
-        shift_at(places, samples, options_.threads, {.prior_m = options_.weights.map_shift_m});
+    const std::vector<Shift> shifts = shift_at(places, samples, options_.threads, field);
     for (std::size_t c = 0, first = 0; c < chains_.size(); ++c) {
       const std::vector<ChainNode>& nodes = chains_[c].nodes;
       const std::size_t last = (nodes.size() + place_nodes - 1) / place_nodes;  // the place of the last node
-      expected_[c].clear();
       for (std::size_t i = 0; i < nodes.size(); ++i) {
         const std::size_t k = std::min(i / place_nodes, last - 1);
         const std::size_t begin = k * place_nodes, end = std::min(begin + place_nodes, nodes.size() - 1);
@@ -169,7 +174,9 @@ class Refinement {
         const Vec2 n = nodes[i].normal;
         const double variance_m2 = n.x * n.x * mean(a.xx_m2, b.xx_m2) + 2.0 * n.x * n.y * mean(a.xy_m2, b.xy_m2) +
                                    n.y * n.y * mean(a.yy_m2, b.yy_m2);
-        expected_[c].push_back({dot(n, mean(a.shift_m, b.shift_m)), std::sqrt(variance_m2)});
+        ExpectedOffset& expected = expected_[c][i];
+        expected.offset_m += dot(n, mean(a.shift_m, b.shift_m));
+        expected.sigma_m = std::hypot(expected.sigma_m, std::sqrt(variance_m2));
       }
       first += last + 1;
     }

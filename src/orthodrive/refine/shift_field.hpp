@@ -22,7 +22,7 @@ struct Shift {
 };
 
 struct ShiftFieldOptions {
-  double reach_m = 80.0;       ///< standard deviation of the Gaussian that weighs samples by their distance
+  double reach_m = 100.0;      ///< standard deviation of the Gaussian that weighs samples by their distance
   double prior_m = 4.0;         ///< standard deviation of a shift that nothing is known about
   double outlier_m = 1.0;       ///< Cauchy scale of an offset around the shift: single ways err on their own
   double sample_sigma_m = 1.5;  ///< of a sample of weight 1: samples along a road err together
