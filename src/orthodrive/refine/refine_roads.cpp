@@ -146,7 +146,7 @@ class Refinement {
   void learn_shift() {
     for (std::size_t c = 0; c < chains_.size(); ++c) expected_[c].assign(chains_[c].nodes.size(), {});
     add_shift({.reach_m = 200.0, .prior_m = options_.weights.map_shift_m, .outlier_m = 2.0});
-    add_shift({.reach_m = 120.0, .prior_m = 1.0, .outlier_m = 1.0});
+    add_shift({.reach_m = 120.0, .prior_m = 0.2 * options_.weights.map_shift_m, .outlier_m = 1.0});
   }
   void add_shift(const ShiftFieldOptions& field) {
     constexpr std::size_t sample_nodes = 5, place_nodes = 10;
