@@ -46,11 +46,13 @@ Refined refine_in_photo(const RefineCommand& command, const Context& context) {
   const RoadForests forests = load_road_forests(io::read_file(command.forests), command.forests.string());
   const SiteFrame site = site_of_photo(command.photo);
   const PhotoSource photo = io::open_photo(command.photo, site, {.threads = context.threads});
+  Findings findings;
   MrfRoadsResult result = refine_roads_mrf(
-      io::read_osm_roads(command.osm, site), mrf_photo_evidence(photo, forests),
+      io::read_osm_roads(command.osm, site, &findings), mrf_photo_evidence(photo, forests),
       {.polygons = command.polygons == "dp" ? RoadPolygons::douglas_peucker : RoadPolygons::smooth, .threads = context.threads},
       context.monitor);
-  return {std::move(result.roads), std::move(result.findings)};
+  findings.insert(findings.end(), result.findings.begin(), result.findings.end());
+  return {std::move(result.roads), std::move(findings)};
 }
 
 Refined refine_in_labels(const RefineCommand& command, const Context& context) {
@@ -60,13 +62,15 @@ Refined refine_in_labels(const RefineCommand& command, const Context& context) {
   options.threads = context.threads;
   if (!command.weights_file.empty()) options.weights = read_refine_weights(command.weights_file);
   const LabelMap labels = io::read_labels(command.labels);
-  const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels));
+  Findings findings;
+  const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels), &findings);
   RefineRoadsResult result =
       command.method == "none" ? RefineRoadsResult{.roads = osm}
       : command.method == "nlo"
           ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
           : refine_roads(osm, read_evidence(labels, command.road_probability), options, context.monitor);
-  return {std::move(result.roads), std::move(result.findings)};
+  findings.insert(findings.end(), result.findings.begin(), result.findings.end());
+  return {std::move(result.roads), std::move(findings)};
 }
 
 void run(const RefineCommand& command, const Context& context) {

@@ -116,10 +116,36 @@ TEST(OsmRoads, missing_and_doubled_nodes) {
   osm.node(1, 10, 10).node(2, 20, 10).node(3, 40, 10).node(4, 50, 10);
   osm.way(5, {1, 2, 2, 99, 3, 4}, {{"highway", "primary"}});  // 99 is not in the file
   write_bytes(scratch / "a.osm", osm.text());
-  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100));
+  Findings findings;
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100), &findings);
+  std::vector<std::string> codes;
+  for (const Finding& finding : findings) codes.push_back(finding.code);
+  EXPECT_THAT(codes, testing::ElementsAre("osm.missing_node", "osm.doubled_nodes"));
+  EXPECT_NEAR(findings[0].x_m, origin.x + 20.0, 0.01);
   ASSERT_EQ(roads.paths.size(), 2u);
   EXPECT_EQ(roads.paths[0].nodes.size(), 2u);
   EXPECT_EQ(roads.paths[1].nodes[0].osm_node, 3);
+}
+
+TEST(OsmRoads, tags_that_are_no_numbers_and_ways_without_length_are_told) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 10, 10).node(2, 90, 10).node(3, 10, 30).node(4, 90, 30).node(5, 50, 50);
+  osm.way(5, {1, 2}, {{"highway", "primary"}, {"width", "wide"}});
+  osm.way(6, {3, 4}, {{"highway", "residential"}, {"lanes", "0"}});
+  osm.way(7, {5, 5}, {{"highway", "residential"}});
+  write_bytes(scratch / "a.osm", osm.text());
+  Findings findings;
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100), &findings);
+  ASSERT_EQ(roads.paths.size(), 2u);
+  for (const RoadPath& path : roads.paths) EXPECT_EQ(path.nodes[0].width_m, default_width_m(path.highway, 0, Oneway::no));
+  ASSERT_EQ(findings.size(), 4u);
+  EXPECT_EQ(findings[0].code, "osm.odd_tag");
+  EXPECT_THAT(findings[0].message, HasSubstr("way 5: width=wide"));
+  EXPECT_THAT(findings[1].message, HasSubstr("way 6: lanes=0"));
+  EXPECT_NEAR(findings[1].y_m, origin.y + 30.0, 0.01);
+  EXPECT_EQ(findings[2].code, "osm.doubled_nodes");
+  EXPECT_EQ(findings[3].code, "osm.no_length");
 }
 
 TEST(OsmRoads, no_roads_in_the_area_says_where_they_lie) {

@@ -364,6 +364,28 @@ TEST(RefineRoads, tiny_and_degenerate_ways) {
   }
 }
 
+TEST(RefineRoads, a_way_that_crosses_itself_is_told_with_its_place) {
+  RoadScene scene = make_scene(100.0);
+  const auto node = [](double x, double y) { return RoadNode{.p = at(x, y), .width_m = 5.0}; };
+  add_way(scene, 8, {node(10, 50), node(90, 50), node(90, 80), node(50, 80), node(50, 20)});
+  const auto result = refine_roads(scene.osm, scene.labels);
+  const auto found = std::ranges::find(result.findings, "refine.self_crossing", &Finding::code);
+  ASSERT_NE(found, result.findings.end());
+  EXPECT_NEAR(found->x_m, at(50, 50).x, 0.01);
+  EXPECT_NEAR(found->y_m, at(50, 50).y, 0.01);
+}
+
+TEST(RefineRoads, a_way_of_100000_nodes_is_refined) {
+  RoadScene scene = make_scene(300.0);
+  std::vector<RoadNode> nodes;
+  for (int i = 0; i < 100000; ++i) nodes.push_back({.p = at(20.0 + i * 260.0 / 99999.0, 150.0 + 0.001 * (i % 2)), .width_m = 5.0});
+  add_truth(scene, straight(at(20, 152), at(280, 152)), 6.0);
+  add_way(scene, 1, nodes);
+  const auto result = refine_roads(scene.osm, scene.labels);
+  EXPECT_LT(compare(result.roads.paths[0], scene.truth[0]).mean_offset_m, 0.2);
+  EXPECT_LT(result.roads.paths[0].nodes.size(), 200u);
+}
+
 TEST(RefineRoads, no_roads_give_no_roads) {
   EXPECT_TRUE(refine_roads(make_scene(50.0).osm, make_scene(50.0).labels).roads.paths.empty());
 }

@@ -77,26 +77,39 @@ struct Run {
   std::vector<std::int64_t> nodes;
 };
 
+/// `report(code, what, where)` hears of nodes that are missing or doubled.
+template <typename Report>
 std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, const Box2& area_lonlat,
-                              const CoordinateTransform& site_from_lonlat) {
+                              const CoordinateTransform& site_from_lonlat, const Report& report) {
   Ring lonlat;
   for (const std::int64_t id : way.nodes)
     if (const Vec2 p = places.lonlat(id); !std::isnan(p.x)) lonlat.push_back(p);
   if (lonlat.empty() || !bounds_of(lonlat).overlaps(area_lonlat))
     return {};  // far ones may not even have a place in the CRS
   std::vector<Run> runs(1);
+  std::size_t doubled = 0;
+  Vec2 doubled_at;
   for (const std::int64_t id : way.nodes) {
     const Vec2 p = places.lonlat(id);
     if (std::isnan(p.x)) {
+      if (!runs.back().line.empty())
+        report("osm.missing_node", fmt::format("node {} is not in the file, the way is cut there", id), runs.back().line.back());
       if (!runs.back().line.empty()) runs.emplace_back();
       continue;
     }
     Run& run = runs.back();
     const Vec2 q = site_from_lonlat.target_from_source(p);
-    if (!run.line.empty() && run.line.back() == q) continue;  // doubled nodes make segments without a direction
+    if (!run.line.empty() && run.line.back() == q) {  // doubled nodes make segments without a direction
+      ++doubled, doubled_at = q;
+      continue;
+    }
     run.line.push_back(q);
     run.nodes.push_back(id);
   }
+  if (doubled > 0)
+    report("osm.doubled_nodes", fmt::format("{} of its nodes lie where the one before lies, they are left out", doubled), doubled_at);
+  for (const Run& run : runs)
+    if (run.line.size() == 1) report("osm.no_length", "a part of it has one place only, it is left out", run.line.front());
   return runs;
 }
 
@@ -115,7 +128,7 @@ RoadPath make_path(const DrivableWay& way, int part, const Run& run, const std::
 }
 }  // namespace
 
-RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site) {
+RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site, Findings* findings) {
   constexpr double min_piece_m = 0.1;  // what is left where a way only touches the border
   return with_osm_errors(path, [&] {
     const std::vector<DrivableWay> ways = read_ways(path);
@@ -126,10 +139,17 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
     RoadNetwork roads{.crs = site.crs};
     for (const DrivableWay& way : ways) {
       int part = 0;
-      for (const Run& run : located_runs(way, places, area_lonlat, site_from_lonlat))
+      const auto report = [&](const char* code, const std::string& what, Vec2 where) {
+        if (findings && contains(site.area, where))
+          findings->push_back({Severity::warning, code, fmt::format("way {}: {}", way.id, what), where.x, where.y});
+      };
+      for (const Run& run : located_runs(way, places, area_lonlat, site_from_lonlat, report))
         for (const auto& piece : clip_line(run.line, site.area)) {
           RoadPath road = make_path(way, part, run, piece);
           if (road.nodes.back().s_m < min_piece_m) continue;
+          for (const std::string& tag : part == 0 ? way.attributes.odd : std::vector<std::string>{})
+            report("osm.odd_tag", fmt::format("{} is no number above 0, took {:.1f} m as the width", tag, way.attributes.width_m),
+                   road.nodes[road.nodes.size() / 2].p);
           roads.paths.push_back(std::move(road));
           ++part;
         }

@@ -57,6 +57,9 @@ WayAttributes way_attributes(const OsmTags& tags) {
   if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
   way.width_m = parse_width_m(value_of(tags, "width"));
   path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
+  const std::string width = value_of(tags, "width"), lanes = value_of(tags, "lanes");
+  if (!width.empty() && way.width_m == 0.0) way.odd.push_back("width=" + width);
+  if (!lanes.empty() && path.lanes == 0) way.odd.push_back("lanes=" + lanes);
   if (way.width_m == 0.0) way.width_m = default_width_m(path.highway, path.lanes, path.oneway);
   return way;
 }

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "orthodrive/model/road_network.hpp"
 
@@ -18,6 +19,7 @@ struct WayAttributes {
   RoadPath path;
   bool reversed = false;
   double width_m = 0.0;  ///< tag, else default_width_m
+  std::vector<std::string> odd;  ///< tags that say no number, as "width=wide"; they count as absent
 };
 [[nodiscard]] WayAttributes way_attributes(const OsmTags& tags);
 

@@ -17,8 +17,10 @@ namespace orthodrive::io {
 /// carry their OSM id, width_m = width tag (metres) or default_width_m, offset 0. Where a way leaves the area it is cut
 /// (osm_node 0 there) and its pieces are counted. Sorted by osm_id, then part. layer defaults to 1 for bridge, -1 for
 /// tunnel. Throws InputError for a missing or truncated file and when no road lies in the area (says where the file's
-/// roads lie).
-[[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site);
+/// roads lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
+/// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out).
+[[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site,
+                                         Findings* findings = nullptr);
 
 /// A polygon or line with its tags, in the site CRS, from GeoJSON, GeoPackage or the closed ways / open ways of .osm.
 struct Feature {

@@ -35,6 +35,7 @@ using nlohmann::json;
 /// The sources, opened and checked before anything is written. The photo comes when the first stage asks for it.
 struct Sources {
   RoadNetwork osm;
+  Findings osm_findings;
   std::vector<HeightGrid> dtms;
   SegmentModel model;
   RefineWeights refine_weights;
@@ -42,10 +43,10 @@ struct Sources {
 };
 
 
-RoadNetwork read_all_osm(const Site& site) {
+RoadNetwork read_all_osm(const Site& site, Findings& findings) {
   RoadNetwork all;
   for (const fs::path& file : site.osm) {
-    RoadNetwork roads = io::read_osm_roads(file, site.frame);
+    RoadNetwork roads = io::read_osm_roads(file, site.frame, &findings);
     all.crs = roads.crs;
     std::move(roads.paths.begin(), roads.paths.end(), std::back_inserter(all.paths));
   }
@@ -59,7 +60,7 @@ RoadNetwork read_all_osm(const Site& site) {
 Sources open_sources(const Site& site) {
   Sources sources;
   (void)io::raster_info(site.photo);
-  sources.osm = read_all_osm(site);
+  sources.osm = read_all_osm(site, sources.osm_findings);
   sources.dtms = io::read_dtms(site.dtm, site.frame);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
@@ -187,9 +188,10 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   });
 
   stage("refine", {sources.hashes["osm"], sources.hashes.value("refine_weights", json())}, {".orthodrive/refined.gpkg"}, [&] {
-    const RefineRoadsResult refined = refine_roads(sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
+    RefineRoadsResult refined = refine_roads(sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
                                                    {.weights = sources.refine_weights, .threads = options.threads}, monitor);
     io::write_roads(refined_file, refined.roads);
+    refined.findings.insert(refined.findings.begin(), sources.osm_findings.begin(), sources.osm_findings.end());
     return StageOutcome{{{"ways", refined.roads.paths.size()},
                          {"mean_abs_offset_m", mean_over_nodes(refined.roads, [](const RoadNode& n) { return std::abs(n.offset_m); })},
                          {"mean_sigma_offset_m", mean_over_nodes(refined.roads, [](const RoadNode& n) { return n.sigma_offset_m; })},

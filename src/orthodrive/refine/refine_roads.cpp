@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/model/path_crossings.hpp"
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/fit_chain.hpp"
 #include "orthodrive/refine/join_junctions.hpp"
@@ -240,6 +241,18 @@ void report_unseen(const RoadChain& chain, const RefinedChain& refined, const Ro
   }
 }
 
+/// Ways that cross themselves without a node there: a loop drawn with a missing node, or a mistake.
+void report_self_crossings(const RoadNetwork& osm, Findings& findings) {
+  std::size_t last = osm.paths.size();
+  for (const PathCrossing& crossing : find_crossings(osm)) {
+    if (crossing.path_a != crossing.path_b || crossing.path_a == last) continue;
+    last = crossing.path_a;
+    findings.push_back({Severity::warning, "refine.self_crossing",
+                        fmt::format("way {} crosses itself without a node, kept as it is; the labels do not count there", osm.paths[last].osm_id),
+                        crossing.p.x, crossing.p.y});
+  }
+}
+
 /// The path of a piece of a chain, in the path's own direction.
 RoadPath pack_path(const RoadPath& input, const RoadChain& chain, const ChainPiece& piece, const ChainFit& fit,
                    const Polyline& line) {
@@ -264,6 +277,7 @@ RefineRoadsResult Refinement::result() const {
   std::vector<Polyline> lines = this->lines();
   bend_to_junctions(chains_, junctions_, lines);
   RefineRoadsResult result{.roads = {.crs = osm_.crs, .paths = std::vector<RoadPath>(osm_.paths.size())}};
+  report_self_crossings(osm_, result.findings);
   for (std::size_t c = 0; c < chains_.size(); ++c) {
     const ChainFit& fit = refined_[c].fit;
     result.solve.converged = result.solve.converged && fit.solve.converged;

@@ -45,7 +45,7 @@ struct RefineRoadsOptions {
 struct RefineRoadsResult {
   RoadNetwork roads;  ///< the input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set
   SolveSummary solve;
-  Findings findings;  ///< "refine.no_road_seen", "refine.not_converged"
+  Findings findings;  ///< "refine.no_road_seen", "refine.not_converged", "refine.self_crossing"
 };
 
 /// `osm` and `evidence` share one CRS (throws OptionError). Paths outside the evidence keep the OSM line.
