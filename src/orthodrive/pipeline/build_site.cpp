@@ -12,6 +12,7 @@
 #include "orthodrive/drive/drive_report.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
@@ -35,6 +36,7 @@ using nlohmann::json;
 /// The sources, opened and checked before anything is written. The photo comes when the first stage asks for it.
 struct Sources {
   RoadNetwork osm;
+  io::GpxTraces gpx;
   std::vector<HeightGrid> dtms;
   SegmentModel model;
   RefineWeights refine_weights;
@@ -60,6 +62,7 @@ Sources open_sources(const Site& site) {
   Sources sources;
   (void)io::raster_info(site.photo);
   sources.osm = read_all_osm(site);
+  sources.gpx = io::read_gpx(site.gpx, site.frame);
   sources.dtms = io::read_dtms(site.dtm, site.frame);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
@@ -78,6 +81,7 @@ Sources open_sources(const Site& site) {
   };
   add_raster("photo", site.photo);
   for (const fs::path& file : site.osm) add("osm", file);
+  for (const fs::path& file : site.gpx) add("gpx", file);
   for (const fs::path& file : site.dtm) add_raster("dtm", file);
   add("model", model_file);
   if (!site.refine_weights.empty()) {
@@ -186,9 +190,14 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         segmented.findings};
   });
 
-  stage("refine", {sources.hashes["osm"], sources.hashes.value("refine_weights", json())}, {".orthodrive/refined.gpkg"}, [&] {
-    const RefineRoadsResult refined = refine_roads(sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
-                                                   {.weights = sources.refine_weights, .threads = options.threads}, monitor);
+  const json of_refine{sources.hashes["osm"], sources.hashes.value("refine_weights", json()), sources.hashes.value("gpx", json()),
+                       site.drives_left};
+  stage("refine", of_refine, {".orthodrive/refined.gpkg"}, [&] {
+    RefineRoadsResult refined = refine_roads(
+        sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
+        {.weights = sources.refine_weights, .driving_side = site.drives_left ? DrivingSide::left : DrivingSide::right, .threads = options.threads},
+        monitor, sources.gpx.traces);
+    refined.findings.insert(refined.findings.begin(), sources.gpx.findings.begin(), sources.gpx.findings.end());
     io::write_roads(refined_file, refined.roads);
     return StageOutcome{{{"ways", refined.roads.paths.size()},
                          {"mean_abs_offset_m", mean_over_nodes(refined.roads, [](const RoadNode& n) { return std::abs(n.offset_m); })},

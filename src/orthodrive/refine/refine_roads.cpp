@@ -287,7 +287,8 @@ class Refinement {
 };
 
 /// Long stretches where the labels show no road although they should: tunnels are not expected to be seen.
-void report_unseen(const RoadChain& chain, const RefinedChain& refined, const RoadNetwork& osm, Findings& findings) {
+void report_unseen(const RoadChain& chain, const RefinedChain& refined, const RoadNetwork& osm,
+                   std::size_t first_of_traces, Findings& findings) {
   for (const ChainPiece& piece : chain.pieces) {
     if (osm.paths[piece.path].tunnel) continue;
     for (std::size_t begin = piece.first; begin < piece.last; ++begin) {
@@ -299,8 +300,9 @@ void report_unseen(const RoadChain& chain, const RefinedChain& refined, const Ro
       if (length >= unseen_finding_m)
         findings.push_back(
             {Severity::warning, "refine.no_road_seen",
-             fmt::format("way {}: the labels show no road over {:.0f} m, kept near the OSM line with the default width",
-                         osm.paths[piece.path].osm_id, length),
+             fmt::format("way {}: the labels show no road over {:.0f} m, kept near the {} with the default width",
+                         osm.paths[piece.path].osm_id, length,
+                         piece.path < first_of_traces ? "OSM line" : "GPX traces"),
              middle.x, middle.y});
       begin = end;
     }
@@ -351,7 +353,7 @@ RefineRoadsResult Refinement::result() const {
     result.solve.iterations = std::max(result.solve.iterations, fit.solve.iterations);
     result.solve.cost_before += fit.solve.cost_before;
     result.solve.cost_after += fit.solve.cost_after;
-    report_unseen(chains_[c], refined_[c], osm_, result.findings);
+    report_unseen(chains_[c], refined_[c], osm_, first_of_traces_, result.findings);
     if (!fit.solve.converged) {
       const ChainPiece& piece = chains_[c].pieces.front();
       const Vec2 middle = lines[c][lines[c].size() / 2];

@@ -21,6 +21,7 @@ constexpr double step_m = 2.0;                                 // between the po
 constexpr double onwards_m = 60.0;    // so far a trace is followed to the road where it leaves it
 constexpr double along_m = 8.0;       // that near and parallel it is on the road already
 constexpr double at_node_m = 5.0;     // nearer to a node of the road: that one
+constexpr double run_up_m = 12.0;     // before it meets the road it is straight
 constexpr double smoothing_m = 10.0;  // receivers jitter
 constexpr std::int64_t first_new_node = 9'000'000'000'000'000;  // OSM's ids are below for long
 const char* const new_highway = "track";  // what maps lack is small; it gives way where it meets a road
@@ -215,6 +216,15 @@ RoadNode node_at(RoadPath& path, Vec2 p, std::int64_t& next_node) {
   return node;
 }
 
+/// At even steps of about step_m.
+Polyline resampled(const Polyline& line) {
+  const double length = length_m(line);
+  const int steps = std::max(1, static_cast<int>(std::lround(length / step_m)));
+  Polyline result;
+  for (int i = 0; i <= steps; ++i) result.push_back(point_at(line, length * i / steps));
+  return result;
+}
+
 /// Moving means; the ends stay, and the window is even around every point, so that straight lines stay straight.
 Polyline smoothed(const Polyline& line) {
   const auto reach = static_cast<std::ptrdiff_t>(smoothing_m / step_m);
@@ -238,24 +248,24 @@ NewPath make_path(const Walk& walk, const Stretch& stretch, const KnownRoads& kn
                   std::int64_t& next_node) {
   const auto start = follow_to_road(walk, stretch.first, false, known),
              end = follow_to_road(walk, stretch.last, true, known);
-  const std::size_t first = start ? start->point : stretch.first, last = end ? end->point : stretch.last;
+  Polyline line(walk.line.begin() + static_cast<std::ptrdiff_t>(start ? start->point : stretch.first),
+                walk.line.begin() + static_cast<std::ptrdiff_t>(end ? end->point : stretch.last) + 1);
   NewPath made;
+  const auto join = [&](const Arrival& at, bool back) {
+    const RoadNode node = node_at(roads.paths[at.path], walk.line[at.point], next_node);
+    // The map and the receiver are shifted against each other: without a run-up the path would turn about at its end.
+    while (line.size() > 1 && distance(back ? line.back() : line.front(), node.p) < run_up_m)
+      line.erase(back ? line.end() - 1 : line.begin());
+    line.insert(back ? line.end() : line.begin(), node.p);
+    ++made.joined;
+    return node.osm_node;
+  };
+  const std::int64_t first_node = start ? join(*start, false) : 0, last_node = end ? join(*end, true) : 0;
   RoadPath& path = made.path;
   path.highway = new_highway;
-  for (const Vec2 p : smoothed({walk.line.begin() + static_cast<std::ptrdiff_t>(first),
-                                walk.line.begin() + static_cast<std::ptrdiff_t>(last) + 1}))
-    path.nodes.push_back({.p = p});
-  const auto join = [&](const Arrival& at, bool back) {
-    RoadPath& other = roads.paths[at.path];
-    const RoadNode node = node_at(other, walk.line[at.point], next_node);
-    // Points between the road's own two edges would make the path's last metres turn about.
-    while (path.nodes.size() > 2 && distance((back ? path.nodes.back() : path.nodes.front()).p, node.p) < at_node_m)
-      path.nodes.erase(back ? path.nodes.end() - 1 : path.nodes.begin());
-    path.nodes.insert(back ? path.nodes.end() : path.nodes.begin(), {.p = node.p, .osm_node = node.osm_node});
-    ++made.joined;
-  };
-  if (start) join(*start, false);
-  if (end) join(*end, true);
+  for (const Vec2 p : smoothed(resampled(line))) path.nodes.push_back({.p = p});
+  path.nodes.front().osm_node = first_node;
+  path.nodes.back().osm_node = last_node;
   const std::vector<double> s = arc_lengths_m(centerline(path));
   for (std::size_t i = 0; i < s.size(); ++i) {
     path.nodes[i].s_m = s[i];
