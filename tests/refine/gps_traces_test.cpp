@@ -78,7 +78,8 @@ TEST(GpsTraces, a_hidden_road_follows_what_traces_agree_on) {
   const RoadScene scene = hidden_road(5.0);
   GpsTraces traces = no_traces();
   for (const Vec2 error : {Vec2{2.0, 2.5}, Vec2{-3.0, -1.0}, Vec2{1.0, -1.5}})  // none on average
-    for (const bool backwards : {false, true}) add_trace(traces, s_curve(), {error, 0.25 * 5.5, backwards, 0.5, traces.traces.size() + 1});
+    for (const bool backwards : {false, true})
+      add_trace(traces, s_curve(), {error, 0.25 * 5.5, backwards, 0.5, traces.traces.size() + 1});
   const RoadNetwork without = refine_roads(scene.osm, scene.labels).roads;
   EXPECT_GT(mean(offsets_from(without.paths[0], scene.truth[0])), 4.5);
   const auto result = refine_roads(scene.osm, scene.labels, {}, nullptr, traces);
@@ -159,6 +160,55 @@ TEST(GpsTraces, carriageways_are_told_apart_by_the_direction_of_their_traffic) {
   const RoadNetwork roads = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads;
   EXPECT_NEAR(roads.paths[0].nodes[90].p.y, at(0, 200).y, 0.8);
   EXPECT_NEAR(roads.paths[1].nodes[90].p.y, at(0, 211).y, 0.8);
+}
+
+TEST(GpsTraces, parallel_roads_keep_their_own_traces) {
+  RoadScene scene = make_scene(400.0);
+  const Polyline main = straight(at(20, 200), at(380, 200)), service = straight(at(20, 190), at(380, 190));
+  add_way(scene, 1, map_line(main, {}, 6.5), "secondary");
+  add_way(scene, 2, map_line(service, {}, 4.0), "service");
+  GpsTraces traces = no_traces();
+  for (const bool backwards : {false, true})
+    for (const double error_m : {-1.5, 1.5}) {
+      add_trace(traces, main, {{0.0, error_m}, 0.25 * 6.5, backwards});
+      add_trace(traces, service, {{0.0, -error_m}, 0.0, backwards});
+    }
+  const RoadNetwork roads = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads;
+  for (const RoadPath& path : roads.paths) EXPECT_NEAR(path.nodes[90].offset_m, 0.0, 0.4) << path.highway;
+}
+
+TEST(GpsTraces, one_that_took_another_way_is_outvoted) {
+  const RoadScene scene = hidden_road(0.0);
+  GpsTraces traces = no_traces();
+  for (int k = 0; k < 4; ++k) add_trace(traces, s_curve(), {{}, 0.25 * 5.5, k % 2 == 0});
+  add_trace(traces, s_curve(), {{}, 10.0, true});
+  const RoadPath path = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0);
+  EXPECT_LT(std::abs(mean(offsets_from(path, scene.truth[0]))), 0.9);  // the mean of all is 1.7 m off
+}
+
+TEST(GpsTraces, laps_of_one_recording_are_one_witness) {
+  const auto sigma_with = [](std::size_t recordings) {
+    const RoadScene scene = hidden_road(0.0);
+    GpsTraces traces = no_traces();
+    for (int k = 0; k < 8; ++k) add_trace(traces, s_curve(), {{}, 0.25 * 5.5});
+    for (std::size_t k = 0; k < traces.traces.size(); ++k) traces.traces[k].recording = k % recordings;
+    return refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0).nodes[90].sigma_offset_m;
+  };
+  EXPECT_GT(sigma_with(1), 1.6 * sigma_with(8));
+}
+
+TEST(GpsTraces, tell_which_of_two_bands_is_the_road) {
+  for (const double side : {-1.0, 1.0}) {
+    RoadScene scene = make_scene(400.0);
+    for (const double y : {195.5, 204.5}) add_truth(scene, straight(at(20, y), at(380, y)), 5.0);
+    add_way(scene, 1, map_line(straight(at(20, 200), at(380, 200)), {}, 5.5));
+    GpsTraces traces = no_traces();
+    for (const bool backwards : {false, true})
+      add_trace(traces, straight(at(20, 200 + 4.5 * side), at(380, 200 + 4.5 * side)),
+                {{0.0, 1.0}, 0.25 * 5.5, backwards});
+    const RoadPath path = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0);
+    EXPECT_NEAR(path.nodes[90].offset_m, 4.5 * side, 0.2);
+  }
 }
 
 TEST(GpsTraces, roads_without_traces_follow_the_map_s_shift_that_traces_tell) {
