@@ -197,6 +197,21 @@ TEST(GpsTraces, laps_of_one_recording_are_one_witness) {
   EXPECT_GT(sigma_with(1), 1.6 * sigma_with(8));
 }
 
+TEST(GpsTraces, a_receiver_errs_alike_over_hundreds_of_metres) {
+  RoadScene scene = make_scene(1000.0);
+  const Polyline line = straight(at(20, 500), at(980, 500));
+  add_way(scene, 1, map_line(line, {}, 5.5));
+  GpsTraces traces = no_traces();
+  add_trace(traces, line, {{}, 0.25 * 5.5});
+  const auto sigma_m = [&] {
+    const auto& nodes = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0).nodes;
+    return nodes[nodes.size() / 2].sigma_offset_m;
+  };
+  EXPECT_GT(sigma_m(), 2.1);  // 3 m of the receiver, 5 m of the map: 2.6 m
+  scene.osm.paths.clear();
+  EXPECT_GT(sigma_m(), 2.1);  // what only traces know has no map to agree with
+}
+
 TEST(GpsTraces, tell_which_of_two_bands_is_the_road) {
   for (const double side : {-1.0, 1.0}) {
     RoadScene scene = make_scene(400.0);
@@ -318,6 +333,43 @@ TEST(GpsTraces, a_path_that_crosses_a_road_meets_it_in_one_node) {
       if (node.osm_node > 6) ++incidences[node.osm_node];
   ASSERT_EQ(incidences.size(), 1u);
   EXPECT_EQ(incidences.begin()->second, 3);
+}
+
+TEST(GpsTraces, a_circuit_is_closed_after_its_first_lap) {
+  const double r = 60.0;
+  const auto circle = [&](double s) { return at(200 + 1.5 * r * std::cos(s / r), 200 + r * std::sin(s / r)); };
+  RoadScene scene = make_scene(400.0);
+  const Polyline lap = trace(2.0 * M_PI * r, circle);
+  add_truth(scene, lap, 5.0);
+  GpsTraces traces = no_traces();
+  add_trace(traces, trace(2.0 * M_PI * r * 3.3, circle), {{2.0, -1.5}, 0.0, false, 0.5});
+  const RoadNetwork roads = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads;
+  ASSERT_EQ(roads.paths.size(), 1u);
+  const RoadPath& path = roads.paths[0];
+  EXPECT_EQ(path.nodes.front().p, path.nodes.back().p);
+  EXPECT_GT(path.nodes.front().osm_node, 0);
+  EXPECT_EQ(path.nodes.front().osm_node, path.nodes.back().osm_node);
+  EXPECT_NEAR(length_m(centerline(path)), length_m(lap), 4.0);
+  EXPECT_LT(compare(path, scene.truth[0]).max_offset_m, 0.5);
+}
+
+TEST(GpsTraces, a_loop_at_the_end_of_a_path_meets_it) {
+  RoadScene scene = make_scene(400.0);
+  const double r = 40.0;
+  Polyline line = straight(at(200, 30), at(200, 200));  // then round to the right, and back to where the loop began
+  for (double s = 0.0; s < 2.0 * M_PI * r + 30.0; s += 0.5)
+    line.push_back(at(200 + r - r * std::cos(s / r), 200 + r * std::sin(s / r)));
+  GpsTraces traces = no_traces();
+  add_trace(traces, line, {});
+  const RoadNetwork roads = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads;
+  ASSERT_EQ(roads.paths.size(), 1u);
+  const auto& nodes = roads.paths[0].nodes;
+  ASSERT_GT(nodes.back().osm_node, 0);
+  const auto again =
+      std::ranges::find_if(nodes, [&](const RoadNode& n) { return n.osm_node == nodes.back().osm_node; });
+  EXPECT_LT(again, nodes.end() - 1);
+  EXPECT_EQ(again->p, nodes.back().p);
+  EXPECT_NEAR(length_m(centerline(roads.paths[0])), 170.0 + 2.0 * M_PI * r, 20.0);
 }
 
 TEST(GpsTraces, forks_and_short_ends_of_new_paths) {

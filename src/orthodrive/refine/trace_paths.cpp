@@ -21,9 +21,11 @@ constexpr double step_m = 2.0;                                 // between the po
 constexpr double onwards_m = 60.0;    // so far a trace is followed to the road where it leaves it
 constexpr double along_m = 8.0;       // that near and parallel it is on the road already
 constexpr double at_node_m = 5.0;     // nearer to a node of the road: that one
+constexpr double lap_m = 45.0;        // nearer along the trace it is the same place, not another lap
 constexpr double run_up_m = 12.0;     // before it meets the road it is straight
 constexpr double smoothing_m = 10.0;  // receivers jitter
 constexpr std::int64_t first_new_node = 9'000'000'000'000'000;  // OSM's ids are below for long
+constexpr double new_width_m = 4.5;  // between a track's 3.5 m and the 5.5 m of a road: half to 1.8 times is looked for
 const char* const new_highway = "track";  // what maps lack is small; it gives way where it meets a road
 
 /// A trace at even steps. A point is open while no road is known there.
@@ -37,6 +39,7 @@ struct Walk {
 /// From point `first` to point `last` of a walk.
 struct Stretch {
   std::size_t walk = 0, first = 0, last = 0;
+  std::optional<std::size_t> onto = {};  ///< it goes on along itself from this point: a circuit, or a loop at its end
   [[nodiscard]] double length_m() const { return step_m * static_cast<double>(last - first); }
 };
 
@@ -109,16 +112,19 @@ class KnownRoads {
   LineGrid grid_;
 };
 
-/// Up to where a stretch does not come back to itself: a driver who turns round, or drives another lap.
-std::size_t end_before_return(const Walk& walk, const Stretch& stretch) {
-  const auto lap = static_cast<std::size_t>(3.0 * same_path_m / step_m);
+/// Ends a stretch where it comes back to itself: a driver who turns round, or drives another lap.
+void cut_at_return(const Walk& walk, Stretch& stretch) {
+  const auto lap = static_cast<std::size_t>(lap_m / step_m);
   for (std::size_t i = stretch.first; i <= stretch.last; ++i)
     for (std::size_t k = stretch.first; k < i; ++k) {
       const double alignment = dot(walk.direction[i], walk.direction[k]);
       const bool back = alignment<-least_alignment, again = alignment> least_alignment && i - k > lap;
-      if ((back || again) && distance(walk.line[i], walk.line[k]) < same_path_m) return i;
+      if (!(back || again) || distance(walk.line[i], walk.line[k]) >= same_path_m) continue;
+      stretch.last = i;
+      if (again)
+        stretch.onto = k == stretch.first ? k : std::min(k + static_cast<std::size_t>(same_path_m / step_m), i);
+      return;
     }
-  return stretch.last;
 }
 
 /// The longest open stretch of a walk, none when that is too short.
@@ -129,7 +135,7 @@ std::optional<Stretch> longest_stretch(const std::vector<Walk>& walks, std::size
     if (!walk.open[first]) continue;
     Stretch run{w, first, first};
     while (run.last + 1 < walk.open.size() && walk.open[run.last + 1]) ++run.last;
-    if (run.length_m() >= shortest_m) run.last = end_before_return(walk, run);
+    if (run.length_m() >= shortest_m) cut_at_return(walk, run);
     first = run.last;  // what comes after a return is another stretch
     if (run.length_m() >= shortest_m && (!longest || run.length_m() > longest->length_m())) longest = run;
   }
@@ -239,15 +245,28 @@ Polyline smoothed(const Polyline& line) {
   return result;
 }
 
+/// Lets the path end in that of its own nodes that is nearest to p: the first one closes it.
+void join_itself(RoadPath& path, Vec2 p, std::int64_t& next_node) {
+  const double away_m = length_m(centerline(path)) - lap_m / 2.0;
+  const std::vector<double> s = arc_lengths_m(centerline(path));
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < s.size() && s[i] < away_m; ++i)
+    if (distance(path.nodes[i].p, p) < distance(path.nodes[nearest].p, p)) nearest = i;
+  RoadNode& node = path.nodes[nearest];
+  if (node.osm_node <= 0) node.osm_node = next_node++;
+  path.nodes.push_back(node);
+}
+
 struct NewPath {
   RoadPath path;
-  int joined = 0;  ///< ends that meet a road
+  int joined = 0;  ///< ends that meet a road, or the path itself
 };
 
 NewPath make_path(const Walk& walk, const Stretch& stretch, const KnownRoads& known, RoadNetwork& roads,
                   std::int64_t& next_node) {
-  const auto start = follow_to_road(walk, stretch.first, false, known),
-             end = follow_to_road(walk, stretch.last, true, known);
+  std::optional<Arrival> start, end;
+  if (stretch.onto != stretch.first) start = follow_to_road(walk, stretch.first, false, known);
+  if (!stretch.onto) end = follow_to_road(walk, stretch.last, true, known);
   Polyline line(walk.line.begin() + static_cast<std::ptrdiff_t>(start ? start->point : stretch.first),
                 walk.line.begin() + static_cast<std::ptrdiff_t>(end ? end->point : stretch.last) + 1);
   NewPath made;
@@ -266,10 +285,11 @@ NewPath make_path(const Walk& walk, const Stretch& stretch, const KnownRoads& kn
   for (const Vec2 p : smoothed(resampled(line))) path.nodes.push_back({.p = p});
   path.nodes.front().osm_node = first_node;
   path.nodes.back().osm_node = last_node;
+  if (stretch.onto) join_itself(path, walk.line[*stretch.onto], next_node), ++made.joined;
   const std::vector<double> s = arc_lengths_m(centerline(path));
   for (std::size_t i = 0; i < s.size(); ++i) {
     path.nodes[i].s_m = s[i];
-    path.nodes[i].width_m = default_width_m(path.highway, path.lanes, path.oneway);
+    path.nodes[i].width_m = new_width_m;
   }
   return made;
 }
