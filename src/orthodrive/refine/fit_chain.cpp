@@ -301,16 +301,17 @@ class TraceErrors {
       if (traces_[i].recordings <= 0.0) continue;
       const auto [knot, f] = place(i);
       priors.push_back(problem.AddResidualBlock(
-          new TraceCost(chain_.nodes[i].normal, traces_[i].offset_m, (1.0 - f) * sigmas_m_[knot], f * sigmas_m_[knot + 1],
+          new TraceCost(chain_.nodes[i].normal, traces_[i].offset_m, (1.0 - f) * sigmas_m_[knot],
+                        f * sigmas_m_[knot + 1],
                         std::hypot(driver_sigma_m, jitter_sigma_m / std::sqrt(traces_[i].recordings))),
-          new ceres::ScaledLoss(new ceres::CauchyLoss(outlier_sigmas), share * share, ceres::TAKE_OWNERSHIP), &offset_m[i],
-          knots_[knot].data(), knots_[knot + 1].data()));
+          new ceres::ScaledLoss(new ceres::CauchyLoss(outlier_sigmas), share * share, ceres::TAKE_OWNERSHIP),
+          &offset_m[i], knots_[knot].data(), knots_[knot + 1].data()));
     }
   }
 
  private:
   static constexpr double knot_distance_m = 300.0;
-  static constexpr double drift_m = 1000.0;     // a minute or two of driving
+  static constexpr double drift_m = 1000.0;      // a minute or two of driving
   static constexpr double jitter_sigma_m = 0.8;  // of a trace around its slow error
   static constexpr double driver_sigma_m = 0.4;  // all cut the same bend
   static constexpr double outlier_sigmas = 2.0;

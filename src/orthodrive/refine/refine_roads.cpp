@@ -166,16 +166,17 @@ class Refinement {
   /// What the map and the traces let expect, before anything is known of the map and after.
   [[nodiscard]] std::vector<ExpectedOffset> expected_of_search(std::size_t c) const {
     if (traces_[c].empty() || !expected_[c].empty()) return combine(expected_[c], traces_[c]);
-    return combine(std::vector<ExpectedOffset>(chains_[c].nodes.size(), {0.0, options_.weights.map_shift_m}), traces_[c]);
+    return combine(std::vector<ExpectedOffset>(chains_[c].nodes.size(), {0.0, options_.weights.map_shift_m}),
+                   traces_[c]);
   }
   void keep_road_near(std::size_t c, const CrossProfiles& profiles) {
     refined_[c].road_near.clear();
     for (std::size_t row = 0; row < profiles.road_near.size(); row += rows_per_segment)
       refined_[c].road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
   }
-  /// What the roads around say about the shift of the map, from what the chains have found by themselves, and where traces
-  /// pass. What traces say of a chain comes in when it is fitted: where they cover most of it, the field must not say it
-  /// again.
+  /// What the roads around say about the shift of the map, from what the chains have found by themselves, and where
+  /// traces pass. What traces say of a chain comes in when it is fitted: where they cover most of it, the field must
+  /// not say it again.
   void learn_shift() {
     const auto without = learned_shift(false);
     const bool traced = std::ranges::any_of(traces_, [](const auto& traces) { return !traces.empty(); });
@@ -199,7 +200,8 @@ class Refinement {
   void add_shift(const ShiftFieldOptions& field, bool from_traces,
                  std::vector<std::vector<ExpectedOffset>>& learned) const {
     constexpr std::size_t sample_nodes = 5, place_nodes = 10;
-    // The samples of a trace have one error: those that a place sees together, the length of the Gaussian, count as one.
+    // The samples of a trace have one error: those that a place sees together, the length of the Gaussian, count as
+    // one.
     const double trace_share = sample_nodes * options_.spacing_m / (2.5 * field.reach_m);
     std::vector<ShiftSample> samples;
     std::vector<Vec2> places;

@@ -41,22 +41,23 @@ struct RefineRoadsOptions {
   double min_width_factor = 0.5;  ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
   RefineWeights weights;
-  double gps_sigma_m = 3.0;  ///< of a receiver's position to each side, as consumers have them
+  double gps_sigma_m = 3.0;                       ///< of a receiver's position to each side, as consumers have them
   DrivingSide driving_side = DrivingSide::right;  ///< where the traces come from
   int max_iterations = 60;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 struct RefineRoadsResult {
-  /// The input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set. After them the paths that
-  /// only GPS traces know, with negative osm_id; where they meet a way it has a node with an id.
+  /// The input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set. After them the paths
+  /// that only GPS traces know, with negative osm_id; where they meet a way it has a node with an id.
   RoadNetwork roads;
   SolveSummary solve;
-  Findings findings;  ///< "refine.no_road_seen", "refine.not_converged", "refine.path_from_gpx", "refine.traces_outside"
+  Findings
+      findings;  ///< "refine.no_road_seen", "refine.not_converged", "refine.path_from_gpx", "refine.traces_outside"
 };
 
-/// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence keep
-/// the OSM line, unless traces tell another. Time and memory are linear in the length of the roads.
+/// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence
+/// keep the OSM line, unless traces tell another. Time and memory are linear in the length of the roads.
 [[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
                                              const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
                                              const GpsTraces& traces = {});
