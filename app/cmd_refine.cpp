@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
@@ -23,7 +24,8 @@ namespace {
 
 struct RefineCommand {
   std::filesystem::path osm, labels, road_probability, weights_file, photo, forests, out;
-  std::string method = "default", weights = "1+2", polygons = "smooth";
+  std::vector<std::filesystem::path> gpx;
+  std::string method = "default", weights = "1+2", polygons = "smooth", driving_side = "right";
   RefineRoadsOptions options;
 };
 
@@ -59,16 +61,20 @@ Refined refine_in_labels(const RefineCommand& command, const Context& context) {
   if (command.labels.empty() || !command.photo.empty() || !command.forests.empty())
     throw OptionError("refine: needs --labels; --photo and --forests are for --method mrf");
   RefineRoadsOptions options = command.options;
+  options.driving_side = command.driving_side == "left" ? DrivingSide::left : DrivingSide::right;
   options.threads = context.threads;
   if (!command.weights_file.empty()) options.weights = read_refine_weights(command.weights_file);
   const LabelMap labels = io::read_labels(command.labels);
+  const SiteFrame site = labelled_site(command.labels, labels);
   Findings findings;
-  const RoadNetwork osm = io::read_osm_roads(command.osm, labelled_site(command.labels, labels), &findings);
+  const RoadNetwork osm = io::read_osm_roads(command.osm, site, &findings);
+  const io::GpxTraces gpx = io::read_gpx(command.gpx, site);
+  findings.insert(findings.end(), gpx.findings.begin(), gpx.findings.end());
   RefineRoadsResult result =
       command.method == "none" ? RefineRoadsResult{.roads = osm}
       : command.method == "nlo"
           ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
-          : refine_roads(osm, read_evidence(labels, command.road_probability), options, context.monitor);
+          : refine_roads(osm, read_evidence(labels, command.road_probability), options, context.monitor, gpx.traces);
   findings.insert(findings.end(), result.findings.begin(), result.findings.end());
   return {std::move(result.roads), std::move(findings)};
 }
@@ -76,6 +82,8 @@ Refined refine_in_labels(const RefineCommand& command, const Context& context) {
 void run(const RefineCommand& command, const Context& context) {
   if (command.method != "default" && !command.weights_file.empty())
     throw OptionError("--weights-file holds weights of the default method; leave out --method");
+  if (command.method != "default" && !command.gpx.empty())
+    throw OptionError("--gpx is for the default method, which alone knows GPS traces; leave out --method");
   const Refined result = command.method == "mrf" ? refine_in_photo(command, context) : refine_in_labels(command, context);
   io::write_roads(command.out, result.roads);
 
@@ -108,6 +116,9 @@ void add_refine(CLI::App& app, Context& context) {
   cmd->add_option("--forests", command->forests, "of mrf: what `orthodrive forests` learned");
   cmd->add_option("--polygons", command->polygons, "of mrf: borders by Douglas and Peucker (dp) or averaged (smooth)")
       ->check(CLI::IsMember({"dp", "smooth"}))->capture_default_str();
+  cmd->add_option("--gpx", command->gpx, "of default: GPX tracks, for hidden roads and paths that OSM lacks; may be repeated");
+  cmd->add_option("--driving-side", command->driving_side, "of the GPX tracks: right, left")
+      ->check(CLI::IsMember({"right", "left"}))->capture_default_str();
   RefineRoadsOptions& o = command->options;
   cmd->add_option("--search-radius", o.search_radius_m, "of default: largest offset from the OSM line, m")
       ->check(CLI::Range(1.0, 50.0))->capture_default_str();
@@ -117,6 +128,7 @@ void add_refine(CLI::App& app, Context& context) {
       "standard deviations every 2 m (mrf: every 10 m, without standard deviations).\n"
       "Examples:\n"
       "  orthodrive refine --osm roads.osm --labels out/labels.tif -o roads.gpkg\n"
+      "  orthodrive refine --osm roads.osm --labels out/labels.tif --gpx monday.gpx --gpx tuesday.gpx -o roads.gpkg\n"
       "  orthodrive refine --osm town.osm.pbf --labels labels.tif --search-radius 12 -o roads.gpkg\n"
       "  orthodrive refine --method mrf --osm roads.osm --photo ortho.tif --forests forests.yml -o roads.gpkg");
   cmd->callback([command, &context] { run(*command, context); });

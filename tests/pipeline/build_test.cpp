@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "app/run_tool.hpp"
+#include "orthodrive/geo/crs.hpp"
 #include "orthodrive/io/raster_io.hpp"
 
 namespace orthodrive {
@@ -128,11 +130,51 @@ TEST_F(Build, a_source_of_the_same_name_in_another_folder_is_another_source) {
   EXPECT_EQ(skipped_stages("moved"), (std::vector<std::string>{"segment", "refine"}));
 }
 
+/// A drive from corner to corner of the village's area, in one go.
+std::string gpx_of_drive(Vec2 from, Vec2 to) {
+  const CoordinateTransform lonlat_from_site(Crs{"EPSG:32633"}, Crs{"EPSG:4326"});
+  std::string text = "<gpx version=\"1.1\"><trk><trkseg>\n";
+  constexpr int points = 60;
+  for (int i = 0; i <= points; ++i) {
+    const Vec2 p = lonlat_from_site.target_from_source(from + (to - from) * (i / static_cast<double>(points)));
+    text += "<trkpt lat=\"" + std::to_string(p.y) + "\" lon=\"" + std::to_string(p.x) + "\"/>\n";
+  }
+  return text + "</trkseg></trk></gpx>\n";
+}
+
+TEST_F(Build, paths_that_only_gpx_tracks_know_reach_the_network_of_roads) {
+  fs::copy(folder / "first", folder / "driven", fs::copy_options::recursive);
+  const fs::path gpx = folder / "site" / "drive.gpx";
+  std::ofstream(gpx) << gpx_of_drive({460005, 5270005}, {460295, 5270295});
+  ASSERT_EQ(build("driven", {"--set", "sources.gpx='drive.gpx'"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("driven"), std::vector<std::string>{"segment"});
+  EXPECT_THAT(bytes_of(folder / "driven" / "findings.geojson"), testing::HasSubstr("refine.path_from_gpx"));
+  EXPECT_THAT(bytes_of(folder / "driven" / "roads.xodr"), testing::HasSubstr("code=\"osm_id\" value=\"-1\""));
+  ASSERT_EQ(build("driven", {"--set", "sources.gpx='drive.gpx'"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("driven").size(), 6u);
+  std::ofstream(gpx) << gpx_of_drive({460005, 5270295}, {460295, 5270005});
+  ASSERT_EQ(build("driven", {"--set", "sources.gpx='drive.gpx'"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("driven"), std::vector<std::string>{"segment"}) << "another drive under the same name";
+
+  const fs::path roads = folder / "driven.gpkg", labels = folder / "site/truth/labels.tif", osm = folder / "site/roads.osm";
+  const Arguments refine{"refine", "--osm", osm, "--labels", labels, "-o", roads, "--gpx", gpx};
+  Arguments twice = refine, nlo = refine;
+  twice.insert(twice.end(), {"--gpx", gpx});
+  const ToolRun once = run_tool(refine), both = run_tool(twice);
+  EXPECT_EQ(once.exit_code, 0);
+  EXPECT_THAT(once.err, testing::HasSubstr("of 1 recording"));
+  EXPECT_THAT(both.err, testing::HasSubstr("of 2 recording"));
+  nlo.insert(nlo.end(), {"--method", "nlo"});
+  EXPECT_EQ(run_tool(nlo).exit_code, 2);
+}
+
 TEST_F(Build, bad_sources_are_one_line_and_leave_the_result_untouched) {
   const auto before = snapshot(folder / "first");
   for (const auto& [change, named] : std::vector<std::pair<std::string, std::string>>{{"sources.photo=nowhere.tif", "nowhere.tif"},
                                                                                      {"sources.osm=nowhere.osm", "nowhere.osm"},
                                                                                      {"sources.dtm=nowhere.tif", "nowhere.tif"},
+                                                                                     {"sources.gpx=nowhere.gpx", "nowhere.gpx"},
+                                                                                     {"sources.gpx=roads.osm", "roads.osm"},
                                                                                      {"segment.model=nowhere", "nowhere"},
                                                                                      {"refine.weights=nowhere.toml", "nowhere.toml"},
                                                                                      {"area.bounds=[0, 0, 100, 100]", "roads.osm"}}) {

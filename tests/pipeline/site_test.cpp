@@ -52,6 +52,18 @@ TEST(Site, overrides_take_toml_values_and_bare_words) {
   EXPECT_EQ(site.dtm[0].filename(), "c.tif");
 }
 
+TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
+  const Site without = read_site(site_file(area + sources));
+  EXPECT_TRUE(without.gpx.empty());
+  EXPECT_FALSE(without.drives_left);
+  const Site site = read_site(site_file(area + sources + "gpx=['a.gpx', 'b/c.gpx']\n[refine]\ndriving_side='left'\n"));
+  ASSERT_EQ(site.gpx.size(), 2u);
+  EXPECT_TRUE(site.gpx[1].is_absolute());
+  EXPECT_EQ(site.gpx[1].filename(), "c.gpx");
+  EXPECT_TRUE(site.drives_left);
+  EXPECT_THAT(message_of<OptionError>(area + sources + "[refine]\ndriving_side='up'\n"), HasSubstr("driving_side"));
+}
+
 TEST(Site, mistakes_are_told_with_file_and_place) {
   EXPECT_THAT(message_of<OptionError>(area + sources + "[drive]\nrute='x'\n"), AllOf(HasSubstr("drive.rute"), HasSubstr("route")));
   EXPECT_THAT(message_of<InputError>("name = \n"), HasSubstr("line 1"));

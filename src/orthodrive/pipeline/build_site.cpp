@@ -12,6 +12,7 @@
 #include "orthodrive/drive/drive_report.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
@@ -36,6 +37,7 @@ using nlohmann::json;
 struct Sources {
   RoadNetwork osm;
   Findings osm_findings;
+  io::GpxTraces gpx;
   std::vector<HeightGrid> dtms;
   SegmentModel model;
   RefineWeights refine_weights;
@@ -61,6 +63,7 @@ Sources open_sources(const Site& site) {
   Sources sources;
   (void)io::raster_info(site.photo);
   sources.osm = read_all_osm(site, sources.osm_findings);
+  sources.gpx = io::read_gpx(site.gpx, site.frame);
   sources.dtms = io::read_dtms(site.dtm, site.frame);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
@@ -79,6 +82,7 @@ Sources open_sources(const Site& site) {
   };
   add_raster("photo", site.photo);
   for (const fs::path& file : site.osm) add("osm", file);
+  for (const fs::path& file : site.gpx) add("gpx", file);
   for (const fs::path& file : site.dtm) add_raster("dtm", file);
   add("model", model_file);
   if (!site.refine_weights.empty()) {
@@ -187,9 +191,14 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         segmented.findings};
   });
 
-  stage("refine", {sources.hashes["osm"], sources.hashes.value("refine_weights", json())}, {".orthodrive/refined.gpkg"}, [&] {
-    RefineRoadsResult refined = refine_roads(sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
-                                                   {.weights = sources.refine_weights, .threads = options.threads}, monitor);
+  const json of_refine{sources.hashes["osm"], sources.hashes.value("refine_weights", json()), sources.hashes.value("gpx", json()),
+                       site.drives_left};
+  stage("refine", of_refine, {".orthodrive/refined.gpkg"}, [&] {
+    RefineRoadsResult refined = refine_roads(
+        sources.osm, read_evidence(labels(), out_dir / "road_probability.tif"),
+        {.weights = sources.refine_weights, .driving_side = site.drives_left ? DrivingSide::left : DrivingSide::right, .threads = options.threads},
+        monitor, sources.gpx.traces);
+    refined.findings.insert(refined.findings.begin(), sources.gpx.findings.begin(), sources.gpx.findings.end());
     io::write_roads(refined_file, refined.roads);
     refined.findings.insert(refined.findings.begin(), sources.osm_findings.begin(), sources.osm_findings.end());
     return StageOutcome{{{"ways", refined.roads.paths.size()},

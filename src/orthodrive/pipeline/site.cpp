@@ -47,9 +47,9 @@ void check_keys(const toml::table& table, const std::string& where) {
   static const std::map<std::string, std::vector<std::string>> known{
       {"", {"name", "area", "sources", "segment", "refine", "elevate", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
-      {"sources", {"photo", "osm", "dtm"}},
+      {"sources", {"photo", "osm", "dtm", "gpx"}},
       {"segment", {"model", "crf"}},
-      {"refine", {"weights"}},
+      {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
       {"drive", {"route"}},
       {"attribution", {"text"}},
@@ -157,6 +157,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
       throw OptionError(fmt::format("{}: sources.{} is missing", path.string(), key));
   site.photo = located(texts(table, path, "sources", "photo").front());
   for (const std::string& name : texts(table, path, "sources", "osm")) site.osm.push_back(located(name));
+  for (const std::string& name : texts(table, path, "sources", "gpx")) site.gpx.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "dtm")) site.dtm.push_back(located(name));
   const std::string truth = text(table, path, "truth", "dir", "");
   if (!truth.empty()) site.truth_dir = located(truth);
@@ -165,6 +166,9 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.crf = flag(table, path, "segment", "crf", site.crf);
   const std::string weights = text(table, path, "refine", "weights", "");
   if (!weights.empty()) site.refine_weights = located(weights);
+  const std::string side = text(table, path, "refine", "driving_side", "right");
+  if (side != "right" && side != "left") throw OptionError(path.string() + ": refine.driving_side must be right or left");
+  site.drives_left = side == "left";
   site.dtm_sampling = text(table, path, "elevate", "sampling", site.dtm_sampling);
   if (site.dtm_sampling != "bilinear" && site.dtm_sampling != "cubic")
     throw OptionError(path.string() + ": elevate.sampling must be bilinear or cubic");

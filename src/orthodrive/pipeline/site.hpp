@@ -14,12 +14,14 @@ struct Site {
   SiteFrame frame;
   std::filesystem::path photo;
   std::vector<std::filesystem::path> osm;
+  std::vector<std::filesystem::path> gpx;    ///< tracks of GPS receivers; none needed
   std::vector<std::filesystem::path> dtm;    ///< best first
   std::filesystem::path truth_dir;           ///< empty: none
   std::vector<std::string> attribution;
   std::string model = "default";             ///< name or file of the segmentation network
   bool crf = false;                          ///< refine the labels by the model's CRF
   std::filesystem::path refine_weights;      ///< file of `orthodrive tune`; empty: the shipped weights
+  bool drives_left = false;                  ///< in the country of the site
   std::string dtm_sampling = "cubic";        ///< bilinear | cubic
   std::string route = "auto";                ///< closed way to drive: its name, or "auto"
 };

@@ -184,6 +184,48 @@ class WayShiftCost final : public ceres::SizedCostFunction<2, 2> {
   double weight_;
 };
 
+/// (offset - told offset - normal . common error) / sigma of what a trace does by itself. The common error lies between
+/// those at the knots before and after, which are in units of their sigmas.
+class TraceCost final : public ceres::SizedCostFunction<1, 1, 2, 2> {
+ public:
+  TraceCost(Vec2 normal, double told_m, double before_m, double after_m, double sigma_m)
+      : before_(normal * (before_m / sigma_m)),
+        after_(normal * (after_m / sigma_m)),
+        told_m_(told_m),
+        weight_(1.0 / sigma_m) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    residuals[0] = weight_ * (*parameters[0] - told_m_) - dot(before_, Vec2{parameters[1][0], parameters[1][1]}) -
+                   dot(after_, Vec2{parameters[2][0], parameters[2][1]});
+    if (jacobians && jacobians[0]) jacobians[0][0] = weight_;
+    if (jacobians && jacobians[1]) jacobians[1][0] = -before_.x, jacobians[1][1] = -before_.y;
+    if (jacobians && jacobians[2]) jacobians[2][0] = -after_.x, jacobians[2][1] = -after_.y;
+    return true;
+  }
+
+ private:
+  Vec2 before_, after_;
+  double told_m_, weight_;
+};
+
+/// The error at one knot by that of the knot before: a Gauss-Markov process of unit variance.
+class TraceDriftCost final : public ceres::SizedCostFunction<2, 2, 2> {
+ public:
+  explicit TraceDriftCost(double correlation)
+      : correlation_(correlation), weight_(1.0 / std::sqrt(1.0 - correlation * correlation)) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    for (int k = 0; k < 2; ++k) residuals[k] = weight_ * (parameters[1][k] - correlation_ * parameters[0][k]);
+    for (int p = 0; jacobians && p < 2; ++p)
+      if (jacobians[p]) {
+        jacobians[p][0] = jacobians[p][3] = p == 0 ? -weight_ * correlation_ : weight_;
+        jacobians[p][1] = jacobians[p][2] = 0.0;
+      }
+    return true;
+  }
+
+ private:
+  double correlation_, weight_;
+};
+
 class PriorCost final : public ceres::SizedCostFunction<1, 1> {
  public:
   PriorCost(double value, double sigma) : value_(value), weight_(1.0 / sigma) {}
@@ -220,6 +262,75 @@ OffsetBounds offset_bounds(const RoadChain& chain, std::size_t i, double search_
 struct Blocks {
   std::vector<ceres::ResidualBlockId> classes;  // also in `scaled`
   std::vector<ceres::ResidualBlockId> scaled, priors;
+};
+
+/// The common error of the traces along a chain, in x and y, at even distances. A receiver errs slowly: within some
+/// hundred metres all is shifted alike, so that the shape of a trace is better than its place, and a stretch where the
+/// road is seen tells the error where it is hidden.
+class TraceErrors {
+ public:
+  TraceErrors(const RoadChain& chain, const std::vector<TraceOffset>& traces) : chain_(chain), traces_(traces) {
+    if (traces.empty()) return;
+    const double length_m = std::max(1e-3, chain.nodes.back().s_m);
+    const auto intervals = static_cast<std::size_t>(std::ceil(length_m / knot_distance_m));
+    knot_m_ = length_m / static_cast<double>(intervals);
+    knots_.resize(intervals + 1);
+    sigmas_m_.resize(intervals + 1);
+    std::vector<double> weights(intervals + 1, 0.0);
+    double largest_m = 0.0;
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+      if (traces[i].recordings <= 0.0) continue;
+      const auto [knot, f] = place(i);
+      for (const auto& [k, weight] : {std::pair{knot, 1.0 - f}, {knot + 1, f}})
+        sigmas_m_[k] += weight * traces[i].sigma_m, weights[k] += weight;
+      largest_m = std::max(largest_m, traces[i].sigma_m);
+    }
+    for (std::size_t k = 0; k < knots_.size(); ++k)
+      sigmas_m_[k] = weights[k] > 0.0 ? sigmas_m_[k] / weights[k] : largest_m;
+  }
+
+  void add_to(ceres::Problem& problem, std::vector<double>& offset_m, double share, std::vector<double*>& parameters,
+              std::vector<ceres::ResidualBlockId>& priors) {
+    if (traces_.empty()) return;
+    for (auto& knot : knots_) parameters.push_back(knot.data());
+    priors.push_back(problem.AddResidualBlock(new WayShiftCost(1.0), nullptr, knots_.front().data()));
+    for (std::size_t k = 0; k + 1 < knots_.size(); ++k)
+      priors.push_back(problem.AddResidualBlock(new TraceDriftCost(std::exp(-knot_m_ / drift_m)), nullptr,
+                                                knots_[k].data(), knots_[k + 1].data()));
+    for (std::size_t i = 0; i < (chain_.closed ? traces_.size() - 1 : traces_.size()); ++i) {
+      if (traces_[i].recordings <= 0.0) continue;
+      const auto [knot, f] = place(i);
+      priors.push_back(problem.AddResidualBlock(
+          new TraceCost(chain_.nodes[i].normal, traces_[i].offset_m, (1.0 - f) * sigmas_m_[knot],
+                        f * sigmas_m_[knot + 1],
+                        std::hypot(driver_sigma_m, jitter_sigma_m / std::sqrt(traces_[i].recordings))),
+          new ceres::ScaledLoss(new ceres::CauchyLoss(outlier_sigmas), share * share, ceres::TAKE_OWNERSHIP),
+          &offset_m[i], knots_[knot].data(), knots_[knot + 1].data()));
+    }
+  }
+
+ private:
+  static constexpr double knot_distance_m = 300.0;
+  static constexpr double drift_m = 1000.0;      // a minute or two of driving
+  static constexpr double jitter_sigma_m = 0.8;  // of a trace around its slow error
+  static constexpr double driver_sigma_m = 0.4;  // all cut the same bend
+  static constexpr double outlier_sigmas = 2.0;
+
+  struct Place {
+    std::size_t knot;
+    double fraction;
+  };
+  [[nodiscard]] Place place(std::size_t node) const {
+    const double x = chain_.nodes[node].s_m / knot_m_;
+    const std::size_t knot = std::min(static_cast<std::size_t>(x), knots_.size() - 2);
+    return {knot, x - static_cast<double>(knot)};
+  }
+
+  const RoadChain& chain_;
+  const std::vector<TraceOffset>& traces_;
+  double knot_m_ = 0.0;
+  std::vector<std::array<double, 2>> knots_;
+  std::vector<double> sigmas_m_;
 };
 
 struct Sigmas {
@@ -325,6 +436,8 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   }
   for (double& w : way_width) parameters.push_back(&w);
   for (auto& shift : way_shift) parameters.push_back(shift.data());
+  TraceErrors trace_errors(chain, coupling.traces);
+  trace_errors.add_to(problem, offset, share, parameters, blocks.priors);
   for (const auto& [node, offset_m, sigma_m] : coupling.meetings)
     blocks.priors.push_back(problem.AddResidualBlock(new PriorCost(offset_m, sigma_m), nullptr, &offset[own(node)]));
   for (const auto& [node, side, edge_m] : coupling.limits)

@@ -8,6 +8,7 @@
 #include "orthodrive/refine/refine_roads.hpp"
 #include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
+#include "orthodrive/refine/trace_offset.hpp"
 
 namespace orthodrive {
 
@@ -24,6 +25,7 @@ struct ChainCoupling {
     double edge_m = 0.0;    ///< along the node's normal
   };
   std::vector<ExpectedOffset> expected;  ///< one a node, from the shift of the map around (shift_field.hpp); empty: 0
+  std::vector<TraceOffset> traces;       ///< one a node, from GPS traces; empty: none
   std::vector<Meeting> meetings;
   std::vector<Limit> limits;
 };

@@ -15,6 +15,8 @@
 #include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
 #include "orthodrive/refine/shift_field.hpp"
+#include "orthodrive/refine/trace_offsets.hpp"
+#include "orthodrive/refine/trace_paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -26,7 +28,12 @@ struct RefinedChain {
   std::vector<bool> road_near;  // one a segment
 };
 
-void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options) {
+void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,
+           const GpsTraces& traces) {
+  if (!traces.traces.empty() && !(traces.crs == osm.crs))
+    throw OptionError(fmt::format("refine: GPS traces are in {} but roads in {}, need one CRS", traces.crs.definition,
+                                  osm.crs.definition));
+  if (!(options.gps_sigma_m > 0.0)) throw OptionError("refine: the standard deviation of GPS must be positive");
   if (!(osm.crs == evidence.crs))
     throw OptionError(fmt::format("refine: roads are in {} but labels in {}, need one CRS", osm.crs.definition,
                                   evidence.crs.definition));
@@ -64,8 +71,11 @@ Polyline line_of(const RoadChain& chain, const ChainShape& shape) {
 /// most of the memory.
 class Refinement {
  public:
-  Refinement(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options, Monitor* monitor)
+  /// `osm` may hold paths of traces from `first_of_traces` on.
+  Refinement(const RoadNetwork& osm, std::size_t first_of_traces, const RoadEvidence& evidence,
+             const std::vector<MovingTrace>& traces, const RefineRoadsOptions& options, Monitor* monitor)
       : osm_(osm),
+        first_of_traces_(first_of_traces),
         evidence_(evidence),
         options_(options),
         monitor_(monitor),
@@ -76,6 +86,13 @@ class Refinement {
     shapes_.resize(chains_.size());
     refined_.resize(chains_.size());
     expected_.resize(chains_.size());
+    passes_ = find_passes(chains_, osm, traces, neighbours_, options.threads);
+    traces_.resize(chains_.size());
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      std::vector<double> widths_m;
+      for (const ChainNode& node : chains_[c].nodes) widths_m.push_back(node.input_width_m);
+      look_at_traces(c, widths_m);
+    }
   }
 
   /// First guesses: each chain by itself finds the road it lies on, which tells the shift of the map around every
@@ -93,7 +110,11 @@ class Refinement {
   /// more: now chains pass through their junctions and keep to their side of neighbours.
   void fit() {
     std::vector<ChainCoupling> couplings(chains_.size());
-    for (std::size_t c = 0; c < chains_.size(); ++c) couplings[c].expected = expected_[c];
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      look_at_traces(c, shapes_[c].width_m);
+      couplings[c].expected = expected_[c];
+      couplings[c].traces = traces_[c];
+    }
     fit_chains(2, couplings);
     junctions_ = place_junctions(chains_, lines());
     for (const JunctionPlace& place : junctions_)
@@ -115,12 +136,14 @@ class Refinement {
   void search_chains(int phase, const RefineWeights& weights) {
     RefineRoadsOptions options = options_;
     options.weights = weights;
+    std::vector<std::vector<ExpectedOffset>> expected(chains_.size());
+    for (std::size_t c = 0; c < chains_.size(); ++c) expected[c] = expected_of_search(c);
     const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
       CrossProfiles profiles = profiles_of(chains_[c], evidence_, options);
       silence_merging(merging_[c], expected_[c], profiles);
       mask_neighbours(occupied, profiles);
       keep_road_near(c, profiles);
-      return search_offsets(chains_[c], profiles, expected_[c], options);
+      return search_offsets(chains_[c], profiles, expected[c], options);
     };
     parallel_for(
         chains_.size(), options.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
@@ -137,28 +160,64 @@ class Refinement {
       shapes_ = std::move(next);
     }
   }
+  /// With the widths that are known by now, and the shift of the map, which tells parallel roads apart.
+  void look_at_traces(std::size_t c, const std::vector<double>& widths_m) {
+    traces_[c] = trace_offsets(chains_[c], osm_, passes_[c], widths_m, expected_[c], options_);
+  }
+  /// What the map and the traces let expect, before anything is known of the map and after.
+  [[nodiscard]] std::vector<ExpectedOffset> expected_of_search(std::size_t c) const {
+    if (traces_[c].empty() || !expected_[c].empty()) return combine(expected_[c], traces_[c]);
+    return combine(std::vector<ExpectedOffset>(chains_[c].nodes.size(), {0.0, options_.weights.map_shift_m}),
+                   traces_[c]);
+  }
   void keep_road_near(std::size_t c, const CrossProfiles& profiles) {
     refined_[c].road_near.clear();
     for (std::size_t row = 0; row < profiles.road_near.size(); row += rows_per_segment)
       refined_[c].road_near.push_back(profiles.road_near[row] || profiles.road_near[row + rows_per_segment - 1]);
   }
-  /// What the roads around say about the shift of the map, from what the chains have found by themselves.
-  /// First of the district, then what the streets around differ from that.
+  /// What the roads around say about the shift of the map, from what the chains have found by themselves, and where
+  /// traces pass. What traces say of a chain comes in when it is fitted: where they cover most of it, the field must
+  /// not say it again.
   void learn_shift() {
-    for (std::size_t c = 0; c < chains_.size(); ++c) expected_[c].assign(chains_[c].nodes.size(), {});
-    add_shift({.reach_m = 200.0, .prior_m = options_.weights.map_shift_m, .outlier_m = 2.0});
-    add_shift({.reach_m = 120.0, .prior_m = 0.2 * options_.weights.map_shift_m, .outlier_m = 1.0});
+    const auto without = learned_shift(false);
+    const bool traced = std::ranges::any_of(traces_, [](const auto& traces) { return !traces.empty(); });
+    const auto with = traced ? learned_shift(true) : without;
+    for (std::size_t c = 0; c < chains_.size(); ++c) {
+      const auto told = std::ranges::count_if(traces_[c], [](const TraceOffset& t) { return t.recordings > 0.0; });
+      expected_[c] = 2 * static_cast<std::size_t>(told) >= chains_[c].nodes.size() ? without[c] : with[c];
+      const std::vector<bool> of_traces = nodes_of_traces(c);
+      for (std::size_t i = 0; i < of_traces.size(); ++i)
+        if (of_traces[i]) expected_[c][i] = {0.0, options_.search_radius_m};  // no map, no shift of it
+    }
   }
-  void add_shift(const ShiftFieldOptions& field) {
+  /// First of the district, then what the streets around differ from that. One a node of each chain.
+  [[nodiscard]] std::vector<std::vector<ExpectedOffset>> learned_shift(bool from_traces) const {
+    std::vector<std::vector<ExpectedOffset>> expected;
+    for (const RoadChain& chain : chains_) expected.emplace_back(chain.nodes.size());
+    add_shift({.reach_m = 200.0, .prior_m = options_.weights.map_shift_m, .outlier_m = 2.0}, from_traces, expected);
+    add_shift({.reach_m = 120.0, .prior_m = 0.2 * options_.weights.map_shift_m, .outlier_m = 1.0}, from_traces, expected);
+    return expected;
+  }
+  void add_shift(const ShiftFieldOptions& field, bool from_traces,
+                 std::vector<std::vector<ExpectedOffset>>& learned) const {
     constexpr std::size_t sample_nodes = 5, place_nodes = 10;
+    // The samples of a trace have one error: those that a place sees together, the length of the Gaussian, count as
+    // one.
+    const double trace_share = sample_nodes * options_.spacing_m / (2.5 * field.reach_m);
     std::vector<ShiftSample> samples;
     std::vector<Vec2> places;
     for (std::size_t c = 0; c < chains_.size(); ++c) {
       const std::vector<ChainNode>& nodes = chains_[c].nodes;
-      for (std::size_t i = 0; i + 1 < nodes.size(); i += sample_nodes)
+      const std::vector<bool> of_traces = nodes_of_traces(c);
+      for (std::size_t i = 0; i + 1 < nodes.size(); i += sample_nodes) {
+        if (of_traces[i]) continue;
+        const double known_m = learned[c][i].offset_m;
         if (refined_[c].road_near[i] && nodes[i].evidence > 0.0)
-          samples.push_back(
-              {nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i] - expected_[c][i].offset_m, nodes[i].evidence});
+          samples.push_back({nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i] - known_m, nodes[i].evidence});
+        if (from_traces && !traces_[c].empty() && traces_[c][i].recordings > 0.0)
+          samples.push_back({nodes[i].base, nodes[i].normal, traces_[c][i].offset_m - known_m,
+                             trace_share * std::pow(field.sample_sigma_m / traces_[c][i].sigma_m, 2)});
+      }
       for (std::size_t i = 0; i < nodes.size(); i += place_nodes) places.push_back(nodes[i].base);
       places.push_back(nodes.back().base);
     }
@@ -175,12 +234,19 @@ class Refinement {
         const Vec2 n = nodes[i].normal;
         const double variance_m2 = n.x * n.x * mean(a.xx_m2, b.xx_m2) + 2.0 * n.x * n.y * mean(a.xy_m2, b.xy_m2) +
                                    n.y * n.y * mean(a.yy_m2, b.yy_m2);
-        ExpectedOffset& expected = expected_[c][i];
+        ExpectedOffset& expected = learned[c][i];
         expected.offset_m += dot(n, mean(a.shift_m, b.shift_m));
         expected.sigma_m = std::hypot(expected.sigma_m, std::sqrt(variance_m2));
       }
       first += last + 1;
     }
+  }
+  /// One a node: it lies on a path that only traces know.
+  [[nodiscard]] std::vector<bool> nodes_of_traces(std::size_t c) const {
+    std::vector<bool> of_traces(chains_[c].nodes.size(), false);
+    for (const ChainPiece& piece : chains_[c].pieces)
+      for (std::size_t i = piece.first; piece.path >= first_of_traces_ && i <= piece.last; ++i) of_traces[i] = true;
+    return of_traces;
   }
   [[nodiscard]] std::vector<Polyline> lines() const {
     std::vector<Polyline> lines;
@@ -208,6 +274,7 @@ class Refinement {
   }
 
   const RoadNetwork& osm_;
+  std::size_t first_of_traces_;
   const RoadEvidence& evidence_;
   const RefineRoadsOptions& options_;
   Monitor* monitor_;
@@ -215,13 +282,16 @@ class Refinement {
   std::vector<std::vector<Neighbour>> neighbours_;
   std::vector<std::vector<Merging>> merging_;
   std::vector<JunctionPlace> junctions_;
-  std::vector<std::vector<ExpectedOffset>> expected_;  // one a node
+  std::vector<std::vector<ExpectedOffset>> expected_;  // one a node, of the map's shift
+  std::vector<std::vector<TracePass>> passes_;
+  std::vector<std::vector<TraceOffset>> traces_;  // one a node, or none
   std::vector<ChainShape> shapes_;
   std::vector<RefinedChain> refined_;
 };
 
 /// Long stretches where the labels show no road although they should: tunnels are not expected to be seen.
-void report_unseen(const RoadChain& chain, const RefinedChain& refined, const RoadNetwork& osm, Findings& findings) {
+void report_unseen(const RoadChain& chain, const RefinedChain& refined, const RoadNetwork& osm,
+                   std::size_t first_of_traces, Findings& findings) {
   for (const ChainPiece& piece : chain.pieces) {
     if (osm.paths[piece.path].tunnel) continue;
     for (std::size_t begin = piece.first; begin < piece.last; ++begin) {
@@ -233,8 +303,9 @@ void report_unseen(const RoadChain& chain, const RefinedChain& refined, const Ro
       if (length >= unseen_finding_m)
         findings.push_back(
             {Severity::warning, "refine.no_road_seen",
-             fmt::format("way {}: the labels show no road over {:.0f} m, kept near the OSM line with the default width",
-                         osm.paths[piece.path].osm_id, length),
+             fmt::format("way {}: the labels show no road over {:.0f} m, kept near the {} with the default width",
+                         osm.paths[piece.path].osm_id, length,
+                         piece.path < first_of_traces ? "OSM line" : "GPX traces"),
              middle.x, middle.y});
       begin = end;
     }
@@ -251,6 +322,20 @@ void report_self_crossings(const RoadNetwork& osm, Findings& findings) {
                         fmt::format("way {} crosses itself without a node, kept as it is; the labels do not count there", osm.paths[last].osm_id),
                         crossing.p.x, crossing.p.y});
   }
+}
+
+/// Traces of another place do no harm and no good: somebody gave the wrong file.
+void report_outside(const GpsTraces& traces, const RoadEvidence& evidence, Findings& findings) {
+  if (traces.traces.empty()) return;
+  const Box2 box = evidence.frame.bounds();
+  for (const GpsTrace& trace : traces.traces)
+    if (std::ranges::any_of(trace.line, [&](Vec2 p) { return box.contains(p); })) return;
+  const Vec2 p = traces.traces.front().line.front();
+  findings.push_back({Severity::warning, "refine.traces_outside",
+                      fmt::format("none of the {} GPS traces passes the labels (easting {:.0f}..{:.0f}, northing "
+                                  "{:.0f}..{:.0f} m), the first begins at {:.0f}, {:.0f} m: not used",
+                                  traces.traces.size(), box.min_x, box.max_x, box.min_y, box.max_y, p.x, p.y),
+                      p.x, p.y});
 }
 
 /// The path of a piece of a chain, in the path's own direction.
@@ -284,7 +369,7 @@ RefineRoadsResult Refinement::result() const {
     result.solve.iterations = std::max(result.solve.iterations, fit.solve.iterations);
     result.solve.cost_before += fit.solve.cost_before;
     result.solve.cost_after += fit.solve.cost_after;
-    report_unseen(chains_[c], refined_[c], osm_, result.findings);
+    report_unseen(chains_[c], refined_[c], osm_, first_of_traces_, result.findings);
     if (!fit.solve.converged) {
       const ChainPiece& piece = chains_[c].pieces.front();
       const Vec2 middle = lines[c][lines[c].size() / 2];
@@ -302,17 +387,23 @@ RefineRoadsResult Refinement::result() const {
 }  // namespace
 
 RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,
-                               Monitor* monitor) {
-  check(osm, evidence, options);
-  Refinement refinement(osm, evidence, options, monitor);
+                               Monitor* monitor, const GpsTraces& traces) {
+  check(osm, evidence, options, traces);
+  Findings findings;
+  report_outside(traces, evidence, findings);
+  const std::vector<MovingTrace> moving = moving_traces(traces);
+  const RoadNetwork with_paths = moving.empty() ? RoadNetwork{} : with_paths_of_traces(osm, evidence, moving, findings);
+  Refinement refinement(moving.empty() ? osm : with_paths, osm.paths.size(), evidence, moving, options, monitor);
   refinement.search();
   refinement.fit();
-  return refinement.result();
+  RefineRoadsResult result = refinement.result();
+  result.findings.insert(result.findings.begin(), findings.begin(), findings.end());
+  return result;
 }
 
 RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options,
-                               Monitor* monitor) {
-  return refine_roads(osm, road_evidence(labels), options, monitor);
+                               Monitor* monitor, const GpsTraces& traces) {
+  return refine_roads(osm, road_evidence(labels), options, monitor, traces);
 }
 
 }  // namespace orthodrive

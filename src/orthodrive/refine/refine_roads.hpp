@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/gps_traces.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/model/solve_summary.hpp"
@@ -31,6 +32,8 @@ struct RefineWeights {
   double search_width_share = 0.5;  ///< of the search: so much change of the width likewise
 };
 
+enum class DrivingSide { right, left };
+
 struct RefineRoadsOptions {
   double spacing_m = 2.0;         ///< paths are resampled to about this distance
   double search_radius_m = 8.0;   ///< largest offset to each side of the OSM line
@@ -38,22 +41,29 @@ struct RefineRoadsOptions {
   double min_width_factor = 0.5;  ///< bounds of the width, times the input's width
   double max_width_factor = 1.8;
   RefineWeights weights;
+  double gps_sigma_m = 3.0;                       ///< of a receiver's position to each side, as consumers have them
+  DrivingSide driving_side = DrivingSide::right;  ///< where the traces come from
   int max_iterations = 60;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 struct RefineRoadsResult {
-  RoadNetwork roads;  ///< the input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set
+  /// The input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set. After them the paths
+  /// that only GPS traces know, with negative osm_id; where they meet a way it has a node with an id.
+  RoadNetwork roads;
   SolveSummary solve;
-  Findings findings;  ///< "refine.no_road_seen", "refine.not_converged", "refine.self_crossing"
+  /// "refine.no_road_seen", "refine.not_converged", "refine.self_crossing", "refine.path_from_gpx", "refine.traces_outside"
+  Findings findings;
 };
 
-/// `osm` and `evidence` share one CRS (throws OptionError). Paths outside the evidence keep the OSM line.
-/// Time and memory are linear in the length of the roads.
+/// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence
+/// keep the OSM line, unless traces tell another. Time and memory are linear in the length of the roads.
 [[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
-                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr);
+                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
+                                             const GpsTraces& traces = {});
 /// The same with labels that are taken for sure.
 [[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels,
-                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr);
+                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
+                                             const GpsTraces& traces = {});
 
 }  // namespace orthodrive
