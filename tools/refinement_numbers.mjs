@@ -76,7 +76,8 @@ function measure(name, method, given, truth, more = []) {
     'nlo-1': ['--method', 'nlo', '--weights', '1'], 'nlo-2': ['--method', 'nlo', '--weights', '2'], 'nlo-1+2': ['--method', 'nlo', '--weights', '1+2'],
     default: given.probability ? ['--road-probability', given.probability] : [],
   };
-  const refine = (m) => orthodrive('refine', '--osm', given.osm, '--labels', given.labels, '-o', file(m), ...options[m]);
+  const labels = (m) => (m.startsWith('mrf') ? [] : ['--labels', given.labels]);
+  const refine = (m) => orthodrive('refine', '--osm', given.osm, ...labels(m), '-o', file(m), ...options[m]);
   if (!existsSync(file('none'))) refine('none');
   const start = Date.now();
   refine(method);
@@ -96,7 +97,7 @@ if (!process.argv.includes('--table')) {
     make(join(site, 'ortho.tif'), () => orthodrive('synth', ...options, '--gsd', '0.2', '-o', site));
     const given = { photo: join(site, 'ortho.tif'), osm: join(site, 'roads.osm') }, truth = join(site, 'truth');
     for (const method of methods) {
-      measure(`${name} true`, method, { ...given, labels: join(truth, 'labels.tif') }, truth);
+      if (!method.startsWith('mrf')) measure(`${name} true`, method, { ...given, labels: join(truth, 'labels.tif') }, truth);  // it reads the photo
       measure(`${name} predicted`, method, { ...given, ...segment(given.photo, site) }, truth);
     }
   }
