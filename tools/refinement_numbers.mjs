@@ -2,7 +2,7 @@
 // Measures the road refinement: all methods on synthetic and real sites, for the tables of docs/refinement.md, which it writes.
 // Usage: tools/refinement_numbers.mjs [--only village,circuit,junction,ring,kvarnbyn,pardubice] [--methods none,default,...]
 //        [--out FOLDER] [--tool PROGRAM] [--table]   (--table: write the page from what was measured before)
-// Whole, with both MRF polygons and three NLO weight sets, it takes over an hour on two cores; the default alone some ten minutes.
+// Whole, with both MRF polygons and three NLO weight sets, it takes three quarters of an hour on two cores; the default alone three minutes.
 // What is not measured in this run keeps its last values from bench/results/refinement.json.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
