@@ -162,6 +162,11 @@ function summary() {
     if (!d) continue;
     add(`${name}, predicted labels: surface IoU`, '>= 90 %', `${percent(d.surface_iou)} %`, d.surface_iou >= 0.9);
     if (n) add(`${name}: above NLO 1+2`, '>= 3 points', `${percent(d.surface_iou - n.surface_iou)} points`, d.surface_iou - n.surface_iou >= 0.03);
+    const m = [row(`${name} predicted`, 'mrf-dp'), row(`${name} predicted`, 'mrf-smooth')].filter(Boolean);
+    if (m.length) {
+      const above = d.surface_iou - Math.max(...m.map((r) => r.surface_iou));
+      add(`${name}: above MRF, the better of both polygons`, '> 0', `${percent(above)} points`, above > 0);
+    }
     add(`${name}: offset mean, p95`, '<= 0.20, 0.60 m', `${metres(d.offset_m.mean_abs)}, ${metres(d.offset_m.p95)} m`, d.offset_m.mean_abs <= 0.2 && d.offset_m.p95 <= 0.6);
     add(`${name}: width mean error`, '<= 0.35 m', `${metres(d.width_m.mean_abs)} m`, d.width_m.mean_abs <= 0.35);
     add(`${name}: within one sigma (offset, width)`, '55-80 %', `${percent(d.sigma_coverage['1'])}, ${percent(d.sigma_coverage.width['1'])} %`, [d.sigma_coverage['1'], d.sigma_coverage.width['1']].every((x) => x >= 0.55 && x <= 0.8));
