@@ -125,17 +125,10 @@ std::vector<MrfState> solve_block(const MrfProblem& problem, const Block& block,
 }
 
 double chain_energy(const MrfProblem& problem, const MrfChain& chain, const std::vector<MrfState>& states) {
-  double energy = 0.0;
-  for (std::size_t i = chain.first; i < chain.last; ++i) {
-    energy += unary_cost(problem, problem.sites[i], states[i]);
-    if (i > chain.first)
-      energy += pair_cost(problem, states[i - 1], states[i]);
-    else if (chain.closed && chain.last - chain.first > 1)
-      energy += pair_cost(problem, states[chain.last - 1], states[i]);
+  for (std::size_t i = chain.first; i < chain.last; ++i)
     for (const std::size_t j : problem.conflicts[i])
       if (overlap(problem, i, states[i], j, states[j])) return infinity;
-  }
-  return energy;
+  return chain_cost(problem, chain, states);
 }
 
 /// Cuts sites into runs in which no two are in conflict.

@@ -162,16 +162,21 @@ std::vector<MrfState> initial_states(const MrfProblem& problem) {
   return states;
 }
 
+double chain_cost(const MrfProblem& problem, const MrfChain& chain, std::span<const MrfState> states) {
+  double cost = 0.0;
+  for (std::size_t i = chain.first; i < chain.last; ++i) {
+    cost += unary_cost(problem, problem.sites[i], states[i]);
+    if (i > chain.first)
+      cost += pair_cost(problem, states[i - 1], states[i]);
+    else if (chain.closed && chain.last - chain.first > 1)
+      cost += pair_cost(problem, states[chain.last - 1], states[i]);
+  }
+  return cost;
+}
+
 double mrf_energy(const MrfProblem& problem, std::span<const MrfState> states) {
   double energy = 0.0;
-  for (const MrfChain& chain : problem.chains)
-    for (std::size_t i = chain.first; i < chain.last; ++i) {
-      energy += unary_cost(problem, problem.sites[i], states[i]);
-      if (i > chain.first)
-        energy += pair_cost(problem, states[i - 1], states[i]);
-      else if (chain.closed && chain.last - chain.first > 1)
-        energy += pair_cost(problem, states[chain.last - 1], states[i]);
-    }
+  for (const MrfChain& chain : problem.chains) energy += chain_cost(problem, chain, states);
   for (std::size_t i = 0; i < states.size(); ++i)
     for (const std::size_t j : problem.conflicts[i])
       if (overlap(problem, i, states[i], j, states[j])) return std::numeric_limits<double>::infinity();

@@ -77,6 +77,8 @@ struct ConflictOptions {
 
 /// OSM's line and width; where such roads overlap, their smallest widths. Free of conflicts.
 [[nodiscard]] std::vector<MrfState> initial_states(const MrfProblem& problem);
+/// Unary and pair costs of one road; overlaps are not looked at.
+[[nodiscard]] double chain_cost(const MrfProblem& problem, const MrfChain& chain, std::span<const MrfState> states);
 /// Sum of all terms; infinite when two sites in conflict overlap.
 [[nodiscard]] double mrf_energy(const MrfProblem& problem, std::span<const MrfState> states);
 
