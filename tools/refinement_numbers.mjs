@@ -5,7 +5,7 @@
 // Whole, with both MRF polygons and three NLO weight sets, it takes three quarters of an hour on two cores; the default alone three minutes.
 // What is not measured in this run keeps its last values from bench/results/refinement.json.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { cpus } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -59,6 +59,24 @@ const photos = { kvarnbyn: join(data, 'kvarnbyn/ortho.jpg'), pardubice: join(dat
 function segment(photo, folder) {
   const labels = join(folder, 'labels.tif'), probability = join(folder, 'road_probability.tif');
   if (!existsSync(probability)) orthodrive('segment', photo, '-o', labels, '--road-probability', probability);
+  return { labels, probability };
+}
+
+// The network's labels with the hand-made test pieces of models/truth as their painters see them: what a network without
+// errors would leave to do.
+function paint(name, site, given) {
+  const classes = ['ground', 'road', 'parking', 'building', 'vegetation', 'grass', 'water', 'rail'];
+  const labels = join(site, 'painted_labels.tif'), probability = join(site, 'painted_road_probability.tif'), polygons = join(site, 'painted.gpkg');
+  if (existsSync(labels) && existsSync(probability)) return { labels, probability };
+  const crs = JSON.parse(execFileSync('gdalinfo', ['-json', given.labels], { encoding: 'utf8', maxBuffer: 1 << 26 })).coordinateSystem.wkt;
+  rmSync(polygons, { force: true });
+  execFileSync('ogr2ogr', [polygons, join(root, 'models/truth/handmade.geojson'), '-nln', 'pieces', '-t_srs', crs, '-where', `piece LIKE '${name[0]}%'`]);
+  const draw = (from, to, value) => {  // in the order of the file
+    execFileSync('gdal_translate', ['-q', from, to]);
+    execFileSync('gdal_rasterize', ['-q', '-dialect', 'sqlite', '-sql', `SELECT ${value} AS v, geom FROM pieces WHERE class <> 'unknown' ORDER BY fid`, '-a', 'v', polygons, to]);
+  };
+  draw(given.labels, labels, `CASE class ${classes.map((c, i) => `WHEN '${c}' THEN ${i}`).join(' ')} END`);
+  draw(given.probability, probability, "CASE class WHEN 'road' THEN 255 ELSE 0 END");
   return { labels, probability };
 }
 
@@ -117,6 +135,7 @@ if (!process.argv.includes('--table')) {
     disturb(given.osm, disturbed);
     for (const method of methods) {
       measure(`${name} drawn`, method, given, drawn[''], ['--area', drawn._area, '--ignore', drawn._unmapped]);
+      if (method === 'default') measure(`${name} painted`, method, { ...given, ...paint(name, site, given) }, drawn[''], ['--area', drawn._area, '--ignore', drawn._unmapped]);
       measure(`${name} disturbed`, method, { ...given, osm: disturbed }, join(out, 'roads', `${name} drawn.none.gpkg`));
     }
   }
@@ -137,9 +156,12 @@ const percent = (x) => (x === null || x === undefined ? '-' : (100 * x).toFixed(
 const metres = (x) => (x === null || x === undefined ? '-' : x.toFixed(2));
 const titles = { none: 'raw OSM', 'mrf-dp': 'MRF, Douglas-Peucker', 'mrf-smooth': 'MRF, smooth', 'nlo-1': 'NLO set 1', 'nlo-2': 'NLO set 2', 'nlo-1+2': 'NLO set 1+2', default: '**default**' };
 const all = Object.keys(titles);
+titles.painted = 'default, the pieces\' labels painted by hand';
 const header = (cells) => `| ${cells.join(' | ')} |\n|${cells.map(() => '---').join('|')}|\n`;
 function table(name, known) {
   const rows = all.map((m) => row(name, m)).filter(Boolean);
+  const painted = row(name.replace('drawn', 'painted'), 'default');
+  if (known && painted) rows.push({ ...painted, method: 'painted' });
   if (rows.length === 0) return 'Not measured.\n';
   return header(['method', 'surface IoU %', ...(known ? ['of known ways %'] : []), 'offset bias / mean / p95 m', 'width bias / mean / p95 m', 'width variance m2', 'largest jump of curvature 1/m', 'within 1 / 2 sigma: offset, width %', 'moved away by > 0.3 m %', 's'])
     + rows.map((r) => {

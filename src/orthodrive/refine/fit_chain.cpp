@@ -13,11 +13,15 @@ namespace orthodrive {
 namespace {
 
 constexpr double limit_weight = 10.0;  // 1/m
-// Labels err in blobs of this length: errors of near segments are not independent.
-constexpr double label_error_length_m = 30.0;
-// Systematic error of an edge as a share of the width of what is misclassified beside it. As label_error_length_m, it makes
-// the stated standard deviations fit the errors on synthetic sites and on the hand-drawn carriageways alike.
-constexpr double edge_bias_share = 0.7;
+// What near nodes differ from their way by is alike over this length.
+constexpr double way_error_length_m = 30.0;
+// The error of labels has a part that averages out along a road, in blobs of this length, and two parts that no number of
+// nodes averages out: how well an edge can be pointed at, in pixels of the labels, and what the labels take for the edge
+// (kerb, shoulder, parked cars), as a share of the width of what is misclassified beside it. The three make the stated
+// standard deviations fit the errors on synthetic sites (0.2 m/px) and on the hand-drawn carriageways (0.5 m/px) together.
+constexpr double label_blob_m = 4.0;
+constexpr double pointing_px = 1.25;
+constexpr double edge_bias_share = 0.2;
 constexpr double unseen_width_share = 0.05;  // by which a hidden stretch may differ from the rest of its way
 
 /// r_c, eq. 3.3: left and right context strip, left and right boundary strip of a segment.
@@ -354,7 +358,7 @@ Sigmas estimate_sigmas(ceres::Problem& problem, const std::vector<double*>& para
   };
   Sigmas sigmas{.class_residual = class_residual(false)};
   const double variance =
-      std::pow(std::max(floor_residual, class_residual(true)), 2) * std::max(1.0, label_error_length_m / spacing_m);
+      std::pow(std::max(floor_residual, class_residual(true)), 2) * std::max(1.0, label_blob_m / spacing_m);
   evaluate.residual_blocks = blocks.scaled;
   evaluate.residual_blocks.insert(evaluate.residual_blocks.end(), blocks.priors.begin(), blocks.priors.end());
   evaluate.parameter_blocks = parameters;
@@ -403,7 +407,7 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
   // A whole way is shifted, and its nodes err around that. Likewise a way has a width, and its nodes differ from that a
   // little. So a hidden stretch takes the shift and the width of what is seen of its way. Errors of near nodes are not
   // independent: each counts for its share of the length of a blob.
-  const double share = std::sqrt(std::min(1.0, options.spacing_m / label_error_length_m));
+  const double share = std::sqrt(std::min(1.0, options.spacing_m / way_error_length_m));
   Blocks blocks;
   const auto expected_at = [&](std::size_t i) {
     return coupling.expected.empty() ? ExpectedOffset{} : coupling.expected[i];
@@ -499,18 +503,19 @@ ChainFit fit_chain(const RoadChain& chain, const CrossProfiles& profiles, const 
                summary.initial_cost, summary.final_cost};
 
   // Even perfect labels leave an edge uncertain by the quantisation of their pixels.
-  const double floor_residual = weights.evidence / options.strip_m * 2.0 * profiles.step_m / std::sqrt(12.0);
+  const double pixel_m = 2.0 * profiles.step_m;
+  const double floor_residual = weights.evidence / options.strip_m * pixel_m / std::sqrt(12.0);
   blocks.scaled.insert(blocks.scaled.end(), blocks.classes.begin(), blocks.classes.end());
   const Sigmas sigmas = estimate_sigmas(problem, parameters, blocks, evidence_rows, floor_residual, options.spacing_m);
-  // What the labels take for the edge (kerb, shoulder, parked cars) is wrong along a whole road, which no number of
-  // nodes averages out. It goes with how much of the strips beside the edges is misclassified.
+  const double pointing_m = pointing_px * pixel_m;
   const double edge_bias_m = edge_bias_share * options.strip_m * sigmas.class_residual / weights.evidence;
+  const double edge_m = std::hypot(pointing_m, edge_bias_m);
   const auto seen = [&](std::size_t i) { return profiles.evidence[std::min(i, last - 1) * rows_per_segment] > 0.0F; };
   fit.sigma_offset_m.resize(count), fit.sigma_width_m.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    fit.sigma_offset_m[i] = sigmas.of_parameters[2 * own(i)];
+    fit.sigma_offset_m[i] = std::hypot(sigmas.of_parameters[2 * own(i)], pointing_m / std::sqrt(2.0));
     const double unseen_m = seen(i) ? 0.0 : unseen_width_share * width[own(i)];
-    fit.sigma_width_m[i] = std::hypot(sigmas.of_parameters[2 * own(i) + 1], std::sqrt(2.0) * edge_bias_m, unseen_m);
+    fit.sigma_width_m[i] = std::hypot(sigmas.of_parameters[2 * own(i) + 1], std::sqrt(2.0) * edge_m, unseen_m);
   }
   if (chain.closed) offset[last] = offset[0], width[last] = width[0];
   return fit;
