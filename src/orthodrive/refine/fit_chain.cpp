@@ -22,7 +22,7 @@ constexpr double way_error_length_m = 30.0;
 constexpr double label_blob_m = 4.0;
 constexpr double pointing_px = 1.25;
 constexpr double edge_bias_share = 0.2;
-constexpr double unseen_width_share = 0.05;  // by which a hidden stretch may differ from the rest of its way
+constexpr double unseen_width_share = 0.08;  // by which a hidden stretch may differ from the rest of its way
 
 /// r_c, eq. 3.3: left and right context strip, left and right boundary strip of a segment.
 class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> {
