@@ -95,6 +95,7 @@ struct Road {
   std::vector<SurfaceCrg> surface;
   std::vector<Cubic> lane_offset;
   std::vector<LaneSection> sections;
+  double speed_limit_mps = 0.0;  ///< of the first <type>; 0: none given
   // Our userData: where the road comes from.
   std::string osm_id, highway;
   int layer = 0;

@@ -399,13 +399,6 @@ bool evenly_spaced(const std::vector<double>& v, double increment) {
 
 CrgFile read_crg(const std::filesystem::path& path) { return Reader(path).read(); }
 
-double stored_value(double value, CrgFormat format) {
-  if (std::isnan(value)) return value;
-  if (format == CrgFormat::kdbi) return value;
-  if (format == CrgFormat::krbi) return static_cast<float>(value);
-  return number(formatted(value, value_size(format))).value_or(value);
-}
-
 void write_crg(const std::filesystem::path& path, const CrgSurface& s, CrgFormat format) {
   check(s);
   const auto any = [](const std::vector<double>& values) {

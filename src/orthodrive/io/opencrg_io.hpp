@@ -26,7 +26,4 @@ struct CrgFile {
 /// 20 and 10 characters). Same surface, same bytes. Throws Error for a value too large for its column.
 void write_crg(const std::filesystem::path& path, const CrgSurface& surface, CrgFormat format);
 
-/// What reading gives for a value that is written in this format.
-[[nodiscard]] double stored_value(double value, CrgFormat format);
-
 }  // namespace orthodrive::io
