@@ -39,6 +39,19 @@ PlanPoint line_point(const Road& road, double s) {
   return p;
 }
 
+/// Longer than road.length where a paramPoly3's parameter is not the arc length.
+double arc_length(const Road& road, double step_m) {
+  const auto count = static_cast<std::size_t>(std::ceil(road.length / step_m));
+  double length_m = 0.0;
+  Vec2 before;
+  for (std::size_t i = 0; i <= count; ++i) {
+    const PlanPoint q = line_point(road, road.length * static_cast<double>(i) / static_cast<double>(count));
+    if (i > 0) length_m += distance(before, {q.x, q.y});
+    before = {q.x, q.y};
+  }
+  return length_m;
+}
+
 /// s after `from_s` of the point a chord away from p. Newton; the chord is short against the radius.
 double chord_end(const Road& road, Vec2 p, double from_s, double chord_m) {
   double s = from_s + chord_m;
@@ -73,9 +86,9 @@ Walk walk(const Road& road, std::size_t steps, double chord_m, CrgFormat format)
 }
 
 /// The chord that `steps` of end at the road's end: secant method on where they end.
-double fitting_chord(const Road& road, std::size_t steps, CrgFormat format) {
+double fitting_chord(const Road& road, double length_m, std::size_t steps, CrgFormat format) {
   const auto miss = [&](double chord_m) { return walk(road, steps, chord_m, format).s.back() - road.length; };
-  double a = road.length / static_cast<double>(steps), b = a * (1.0 - 1e-5);
+  double a = length_m / static_cast<double>(steps), b = a * (1.0 - 1e-5);
   double miss_a = miss(a), miss_b = miss(b);
   for (int i = 0; i < 6 && std::abs(miss_a) > 1e-8 && miss_a != miss_b; ++i) {
     const double next = a - miss_a * (b - a) / (miss_b - miss_a);
@@ -136,9 +149,10 @@ std::vector<double> columns_of(const Road& road, const std::vector<roadquery::Ed
 CrgSurface sample_crg(const roadquery::Road& road, const SampleCrgOptions& options) {
   if (!(road.length > 1e-3) || road.plan.empty() || road.sections.empty())
     throw Error(fmt::format("road {} has no surface to sample", road.id));
-  const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(road.length / options.u_step_m - 1e-9)));
+  const double length_m = arc_length(road, options.u_step_m);
+  const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(length_m / options.u_step_m - 1e-9)));
   CrgSurface surface;
-  surface.u_increment_m = fitting_chord(road, steps, options.format);
+  surface.u_increment_m = fitting_chord(road, length_m, steps, options.format);
   Walk line = walk(road, steps, surface.u_increment_m, options.format);
   surface.phi_rad = std::move(line.phi);
   const std::size_t rows = steps + 1;
