@@ -230,6 +230,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   const json of_network{site.name, site.crg, site.opendrive, site.crg.empty() ? "" : site.route};
   stage("network", of_network, network_files, [&] {
     NetworkResult network = build_network(io::read_roads(out_dir / "roads.gpkg"), {.name = site.name, .threads = options.threads}, monitor);
+    if (site.crg.empty()) fs::remove_all(crg_folder(out_dir / "roads.xodr"));  // of an earlier build with other options
     const CrgFilesResult crg = write_crg_files(network.map, out_dir / "roads.xodr",
                                                {.roads = site.crg, .route = site.route, .threads = options.threads});
     io::write_opendrive(out_dir / "roads.xodr", network.map, {.minor_version = site.opendrive == "1.8" ? 8 : 7});
