@@ -347,7 +347,7 @@ TEST(Crg, broken_files_are_refused_with_the_place) {
       {"cut text", good.substr(0, good.size() - 100), ""},
       {"cut binary", binary.substr(0, binary.size() - 200), "record"},
       {"other file", replaced(good, "$KD_DEFINITION", "$ROAD_CRG_FILE\na.crg\n$KD_DEFINITION"), "$ROAD_CRG_FILE"},
-      {"end between rows", replaced(good, "REFERENCE_LINE_END_U     = 22", "REFERENCE_LINE_END_U     = 22.2"),
+      {"end between rows", replaced(good, "REFERENCE_LINE_END_U     = 22.4994969", "REFERENCE_LINE_END_U     = 22.2"),
        "increments after"},
       {"too few rows", good.substr(0, data) + good.substr(data, 5 * (81 + 41)), "asks for 40"},
   };

@@ -32,7 +32,7 @@ Road winding_road() {
   road.elevation = {{.s = 0.0, .a = 41.5, .b = 0.06, .c = -1e-3, .d = 5e-6},
                     {.s = 80.0, .a = 42.46, .b = -0.004, .c = 2e-4}};
   road.superelevation = {{.s = 0.0, .a = 0.0, .b = 0.0, .c = 1e-5, .d = 1e-7},
-                         {.s = 60.0, .a = 0.0576, .b = 0.0, .c = -2e-5}};
+                         {.s = 60.0, .a = 0.0576, .b = 2.28e-3, .c = -4e-5}};
   for (const double s : {0.0, 40.0, 70.0, length}) {
     const double fall = s < 60.0 ? 0.025 : 0.0;
     road.shape.push_back({s, -30.0, -30.0 * fall, fall, 0.0, 0.0});
