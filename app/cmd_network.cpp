@@ -90,8 +90,8 @@ void add_network(CLI::App& app, Context& context) {
   cmd->add_flag("--left-hand-traffic", command->options.left_hand_traffic, "drive on the left");
   cmd->footer(
       "Reads roads.gpkg (layers centrelines and nodes). Writes one OpenDRIVE file in the CRS of the roads. Roads without\n"
-      "heights lie flat at z = 0. Takes a second and 200 MB for 250 km of roads; a kilometre of OpenCRG surface a tenth of a\n"
-      "second and half a megabyte.\n\n"
+      "heights lie flat at z = 0. Takes a second and 200 MB for 250 km of roads; a kilometre of OpenCRG surface a quarter\n"
+      "of a second and half a megabyte.\n\n"
       "Examples:\n"
       "  orthodrive network --roads out/roads.gpkg -o out/roads.xodr\n"
       "  orthodrive network --roads roads.gpkg -o roads.xodr --elevation-tolerance 0.01 --findings odd.geojson\n"

@@ -181,10 +181,11 @@ CrgSurface sample_crg(const roadquery::Road& road, const SampleCrgOptions& optio
     for (const std::size_t k : {i > 0 ? i - 1 : i, std::min(i + 1, rows - 1)})
       right = std::min(right, edges[k].right_t), left = std::max(left, edges[k].left_t);
     const double u = surface.u_start_m + surface.u_increment_m * static_cast<double>(i);
+    const Vec2 on_line = crg_xy(surface, {u, 0.0}), across = crg_xy(surface, {u, 1.0}) - on_line;  // linear in v
     for (std::size_t j = 0; j < surface.columns(); ++j) {
       const double v = surface.v_m[j];
       if (v < right - options.v_step_m || v > left + options.v_step_m) continue;
-      const Place place = place_of(road, crg_xy(surface, {u, v}), line.s[i]);
+      const Place place = place_of(road, on_line + across * v, line.s[i]);
       if (place.folded) continue;
       surface.grid_m[i * surface.columns() + j] =
           height_at(road, place, options) - (surface.z_m[i] + surface.banking[i] * v);
