@@ -1,5 +1,5 @@
 // OpenDRIVE reading with expat. Elements are told apart by their name and their parent's; what the structs of
-// road_map.hpp do not hold (signals, objects, lateral shapes, lane heights, ...) is passed over.
+// road_map.hpp do not hold (signals, objects, lane heights, ...) is passed over.
 
 #include <expat.h>
 
@@ -203,6 +203,10 @@ class Builder {
       append(road.elevation, cubic(a));
     } else if (parent == "lateralProfile" && name == "superelevation") {
       append(road.superelevation, cubic(a));
+    } else if (parent == "lateralProfile" && name == "shape") {
+      read_lateral_shape(road, a);
+    } else if (parent == "surface" && path_.size() == 3 && name == "CRG") {
+      read_crg(road, a);
     } else if (parent == "lanes" && name == "laneOffset") {
       append(road.lane_offset, cubic(a));
     } else if (parent == "lanes" && name == "laneSection") {
@@ -249,6 +253,27 @@ class Builder {
       return;
     }
     has_shape_ = true;
+  }
+
+  static void read_lateral_shape(Road& road, const Attributes& a) {
+    const ShapeCubic next{a.number("s"), a.number("t"), a.number("a"), a.number("b"), a.number("c"), a.number("d")};
+    if (!road.shape.empty() &&
+        (next.s < road.shape.back().s || (next.s == road.shape.back().s && next.t <= road.shape.back().t))) {
+      throw std::runtime_error("<shape> elements are not sorted by s and t");
+    }
+    road.shape.push_back(next);
+  }
+
+  static void read_crg(Road& road, const Attributes& a) {
+    SurfaceCrg crg;
+    crg.file = a.text("file");
+    crg.s_start = a.number("sStart"), crg.s_end = a.number("sEnd");
+    crg.orientation = a.text("orientation"), crg.mode = a.text("mode"), crg.purpose = a.text("purpose");
+    if (crg.purpose.empty()) crg.purpose = "elevation";  // what it means when it is not given
+    crg.s_offset = a.number("sOffset", 0.0), crg.t_offset = a.number("tOffset", 0.0);
+    crg.z_offset = a.number("zOffset", 0.0), crg.z_scale = a.number("zScale", 1.0);
+    crg.h_offset = a.number("hOffset", 0.0);
+    road.surface.push_back(std::move(crg));
   }
 
   static void append(std::vector<Cubic>& cubics, const Cubic& next) {

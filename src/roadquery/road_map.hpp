@@ -35,6 +35,20 @@ struct Cubic {
   double s = 0.0, a = 0.0, b = 0.0, c = 0.0, d = 0.0;
 };
 
+/// Lateral profile (1.7, 9.4.3): height over the superelevated plane, a + b dt + c dt^2 + d dt^3 with dt = t - this->t,
+/// valid until the next t of the same s; the first one of an s also holds to its right.
+struct ShapeCubic {
+  double s = 0.0, t = 0.0, a = 0.0, b = 0.0, c = 0.0, d = 0.0;
+};
+
+/// A reference to an OpenCRG file (1.7, 10.6; schema type t_road_surface_CRG).
+struct SurfaceCrg {
+  std::string file;  ///< as written: relative to the OpenDRIVE file
+  double s_start = 0.0, s_end = 0.0;
+  std::string orientation = "same", mode = "genuine", purpose = "elevation";
+  double s_offset = 0.0, t_offset = 0.0, z_offset = 0.0, z_scale = 1.0, h_offset = 0.0;
+};
+
 enum class LaneType { none, driving, shoulder, border, sidewalk, parking, biking, other };
 
 struct RoadMark {
@@ -77,8 +91,11 @@ struct Road {
   std::vector<PlanElement> plan;
   std::vector<Cubic> elevation;
   std::vector<Cubic> superelevation;  ///< positive = left side higher (rotation about the reference line, 1.7 9.3)
+  std::vector<ShapeCubic> shape;      ///< sorted by s, then t; linear in s between two s, as the last one after it
+  std::vector<SurfaceCrg> surface;
   std::vector<Cubic> lane_offset;
   std::vector<LaneSection> sections;
+  double speed_limit_mps = 0.0;  ///< of the first <type>; 0: none given
   // Our userData: where the road comes from.
   std::string osm_id, highway;
   int layer = 0;

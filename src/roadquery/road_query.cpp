@@ -76,15 +76,14 @@ struct Candidate {
 
 std::optional<Candidate> candidate_at(const Road& road, int index, const std::optional<Foot>& foot) {
   if (!foot || std::abs(foot->along) > seam_m) return std::nullopt;
-  const double bank = superelevation(road, foot->s);
-  const double t = foot->left / std::cos(bank);
+  const double t = t_at(road, foot->s, foot->left);
   const Edges edges = road_edges(road, foot->s);
   if (t < edges.right_t - edge_rounding_m || t > edges.left_t + edge_rounding_m) return std::nullopt;
   const double inside_m = std::min({edges.left_t - t, t - edges.right_t, foot->s, road.length - foot->s});
   return Candidate{index,
                    *foot,
                    t,
-                   elevation(road, foot->s) + t * std::sin(bank),
+                   surface_height(road, foot->s, t),
                    std::max(inside_m, 0.0),
                    std::abs(foot->along) > edge_rounding_m};
 }

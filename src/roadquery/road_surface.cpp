@@ -135,6 +135,50 @@ Edges road_edges(const Road& road, double s) {
   return edges;
 }
 
+ShapePoint shape(const Road& road, double s, double t) {
+  const std::vector<ShapeCubic>& all = road.shape;
+  if (all.empty()) return {};
+  const auto after =
+      std::upper_bound(all.begin(), all.end(), s, [](double v, const ShapeCubic& cubic) { return v < cubic.s; });
+  if (after == all.begin()) return {};
+  // The cubics of the s that *last is one of: [first, end).
+  const auto at_t = [t](auto first, auto end) {
+    const auto next = std::upper_bound(first, end, t, [](double v, const ShapeCubic& cubic) { return v < cubic.t; });
+    const ShapeCubic& q = *(next == first ? first : next - 1);
+    const double dt = t - q.t;
+    return ShapePoint{q.a + dt * (q.b + dt * (q.c + dt * q.d)), 0.0, q.b + dt * (2.0 * q.c + dt * 3.0 * q.d)};
+  };
+  auto first = after - 1;
+  while (first != all.begin() && (first - 1)->s == first->s) --first;
+  ShapePoint point = at_t(first, after);
+  if (after == all.end()) return point;
+  auto end = after;
+  while (end != all.end() && end->s == after->s) ++end;
+  const ShapePoint next = at_t(after, end);
+  const double length = after->s - first->s, u = (s - first->s) / length;
+  point.dh_ds = (next.h - point.h) / length;
+  point.h += u * (next.h - point.h);
+  point.dh_dt += u * (next.dh_dt - point.dh_dt);
+  return point;
+}
+
+double t_at(const Road& road, double s, double left_m) {
+  const double bank = superelevation(road, s), cos_bank = std::cos(bank), sin_bank = std::sin(bank);
+  double t = left_m / cos_bank;
+  if (road.shape.empty() || bank == 0.0) return t;
+  // Newton. The shape moves points sideways by h sin(bank), a thousandth of t: three steps are below rounding.
+  for (int i = 0; i < 3; ++i) {
+    const ShapePoint q = shape(road, s, t);
+    t += (left_m - (t * cos_bank - q.h * sin_bank)) / (cos_bank - q.dh_dt * sin_bank);
+  }
+  return t;
+}
+
+double surface_height(const Road& road, double s, double t) {
+  const double bank = superelevation(road, s);
+  return elevation(road, s) + t * std::sin(bank) + shape(road, s, t).h * std::cos(bank);
+}
+
 SurfacePoint surface_point(const Road& road, double s, double t) {
   s = std::clamp(s, 0.0, road.length);
   return surface_point(road, s, t, reference_point(road, s));
@@ -144,16 +188,20 @@ SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint
   const double bank = superelevation(road, s);
   const double cos_bank = std::cos(bank), sin_bank = std::sin(bank);
   const double cos_hdg = std::cos(reference.hdg), sin_hdg = std::sin(reference.hdg);
+  const ShapePoint q = shape(road, s, t);
+  // The point in the cross section: `left` and `up` of the reference point.
+  const double left = t * cos_bank - q.h * sin_bank, up = t * sin_bank + q.h * cos_bank;
   SurfacePoint point;
-  point.x = reference.x - sin_hdg * t * cos_bank;
-  point.y = reference.y + cos_hdg * t * cos_bank;
-  point.z = elevation(road, s) + t * sin_bank;
-  // Normal = (dP/ds) x (dP/dt) with P(s, t) as above. dP/ds in the frame (forward, left, up):
+  point.x = reference.x - sin_hdg * left;
+  point.y = reference.y + cos_hdg * left;
+  point.z = elevation(road, s) + up;
+  // Normal = (dP/ds) x (dP/dt) in the frame (forward, left, up); dP/dt has no forward part.
   const double dbank = derivative(road.superelevation, s);
-  const double forward = reference.speed * (1.0 - reference.curvature * t * cos_bank);
-  const double left = -t * sin_bank * dbank;
-  const double up = gradient(road, s) + t * cos_bank * dbank;
-  const double n_forward = left * sin_bank - up * cos_bank, n_left = -forward * sin_bank, n_up = forward * cos_bank;
+  const double s_forward = reference.speed * (1.0 - reference.curvature * left);
+  const double s_left = -up * dbank - q.dh_ds * sin_bank;
+  const double s_up = gradient(road, s) + left * dbank + q.dh_ds * cos_bank;
+  const double t_left = cos_bank - q.dh_dt * sin_bank, t_up = sin_bank + q.dh_dt * cos_bank;
+  const double n_forward = s_left * t_up - s_up * t_left, n_left = -s_forward * t_up, n_up = s_forward * t_left;
   const double norm = std::sqrt(n_forward * n_forward + n_left * n_left + n_up * n_up);
   // Beyond the centre of curvature the surface is folded over (n_up < 0): no surface to speak of, keep "up".
   if (norm > 0.0 && n_up > 0.0) {

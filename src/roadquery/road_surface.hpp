@@ -35,7 +35,18 @@ struct Edges {
   double left_t = 0.0, right_t = 0.0;
 };
 [[nodiscard]] Edges road_edges(const Road& road, double s);
-/// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation.
+/// Height of the lateral profile over the superelevated plane, and its derivatives; 0 for roads without shapes and
+/// before the first one.
+struct ShapePoint {
+  double h = 0.0, dh_ds = 0.0, dh_dt = 0.0;
+};
+[[nodiscard]] ShapePoint shape(const Road& road, double s, double t);
+/// t of the surface point that lies `left_m` horizontally to the left of the reference line.
+[[nodiscard]] double t_at(const Road& road, double s, double left_m);
+/// z of surface_point, for less.
+[[nodiscard]] double surface_height(const Road& road, double s, double t);
+/// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation, and by the
+/// shape at right angles to that.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t);
 /// The same for who has the reference point at s already.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint& reference);

@@ -64,6 +64,16 @@ TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
   EXPECT_THAT(message_of<OptionError>(area + sources + "[refine]\ndriving_side='up'\n"), HasSubstr("driving_side"));
 }
 
+TEST(Site, network_files_are_chosen_in_their_section) {
+  const Site plain = read_site(site_file(area + sources));
+  EXPECT_TRUE(plain.crg.empty());
+  EXPECT_EQ(plain.opendrive, "1.7");
+  const Site site = read_site(site_file(area + sources + "[network]\ncrg=['way/7', 'all-of-route']\nopendrive='1.8'\n"));
+  EXPECT_EQ(site.crg, (std::vector<std::string>{"way/7", "all-of-route"}));
+  EXPECT_EQ(site.opendrive, "1.8");
+  EXPECT_THAT(message_of<OptionError>(area + sources + "[network]\nopendrive='1.6'\n"), HasSubstr("network.opendrive"));
+}
+
 TEST(Site, mistakes_are_told_with_file_and_place) {
   EXPECT_THAT(message_of<OptionError>(area + sources + "[drive]\nrute='x'\n"), AllOf(HasSubstr("drive.rute"), HasSubstr("route")));
   EXPECT_THAT(message_of<InputError>("name = \n"), HasSubstr("line 1"));

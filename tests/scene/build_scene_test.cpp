@@ -91,6 +91,30 @@ TEST(BuildScene, road_triangles_stay_near_the_surface_between_their_vertices) {
   }
 }
 
+TEST(BuildScene, crown_has_its_ridge_on_the_reference_line) {
+  // Straight and level: sections stand 10 m apart, and without edges along the middle triangles would cut the roof off,
+  // by 3 m * 5 % where they go from edge to edge.
+  Site site = make_site(480.0, {{.start = {west_m + 60.0, south_m + 90.0}, .heading_rad = 0.5, .length_m = 200.0},
+                                {.start = {west_m + 100.0, south_m + 300.0},
+                                 .heading_rad = 0.1,
+                                 .length_m = 200.0,
+                                 .curvature_1pm = 1.0 / 90.0,
+                                 .superelevation_rad = 0.03}});
+  for (roadquery::Road& road : site.roads.roads)
+    for (const double s : {0.0, 120.0, 160.0}) {
+      const double fall = s < 150.0 ? 0.05 : 0.01;
+      road.shape.push_back({s, -30.0, -30.0 * fall, fall, 0.0, 0.0});
+      road.shape.push_back({s, 0.0, 0.0, -fall, 0.0, 0.0});
+    }
+  const SceneTile tile = build_one(site);
+  for (const roadquery::Road& road : site.roads.roads)
+    for (double s = 0.7; s < 199.5; s += 1.9)
+      for (const double t : {-2.6, -1.0, 0.0, 1.0, 2.6}) {
+        const auto at = roadquery::surface_point(road, s, t);
+        EXPECT_NEAR(mesh_height_m(tile, *find_mesh(tile, "road"), {at.x, at.y}), at.z, 0.02) << s << ' ' << t;
+      }
+}
+
 TEST(BuildScene, ground_meets_the_road_and_becomes_terrain_within_the_verge) {
   // A road 3 m above a plain, as a bad DTM would have it.
   const Site site = make_site(480.0, {{.start = {west_m + 20.0, south_m + 200.0}, .length_m = 400.0, .z_m = 13.0}});

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/geojson_support.hpp"
 #include "orthodrive/io/ogr_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
@@ -62,64 +61,20 @@ std::vector<Feature> read_features(const fs::path& path, const Crs& target_crs) 
   return features;
 }
 
-// ---- GeoJSON, by hand: RFC 7946 is small, and the order and digits of what we write are ours ------------------------
-
 namespace {
-class LonLatWriter {
- public:
-  explicit LonLatWriter(const Crs& crs) : lonlat_from_site_(crs, Crs{"EPSG:4326"}) {}
-  [[nodiscard]] std::string point(Vec2 p) const {
-    const Vec2 q = lonlat_from_site_.target_from_source(p);
-    return fmt::format("[{:.7f},{:.7f}]", q.x, q.y);  // 1e-7 degrees: 1 cm
-  }
-  [[nodiscard]] std::string line(const Polyline& line) const {
-    std::string text = "[";
-    for (const Vec2 p : line) text += (text.size() > 1 ? "," : "") + point(p);
-    return text + "]";
-  }
-  /// Closed; outer rings counter-clockwise, holes clockwise (RFC 7946, 3.1.6).
-  [[nodiscard]] std::string ring(Ring ring, bool outer) const {
-    if ((signed_area_m2(ring) > 0.0) != outer) std::reverse(ring.begin(), ring.end());
-    if (!ring.empty()) ring.push_back(ring.front());
-    return line(ring);
-  }
-  [[nodiscard]] std::string polygon(const Polygon& polygon) const {
-    std::string text = "[" + ring(polygon.outer, true);
-    for (const Ring& hole : polygon.holes) text += "," + ring(hole, false);
-    return text + "]";
-  }
-
- private:
-  CoordinateTransform lonlat_from_site_;
-};
-
-std::string geometry(const char* type, const std::string& coordinates) {
-  return fmt::format(R"({{"type":"{}","coordinates":{}}})", type, coordinates);
-}
-
 /// A feature with parts of one kind only is a plain geometry or Multi...; anything else a collection.
 std::string geometry_of(const Feature& feature, const LonLatWriter& writer) {
   std::vector<std::string> parts;
-  for (const Polygon& polygon : feature.polygons) parts.push_back(geometry("Polygon", writer.polygon(polygon)));
-  for (const Polyline& line : feature.lines) parts.push_back(geometry("LineString", writer.line(line)));
-  for (const Vec2 point : feature.points) parts.push_back(geometry("Point", writer.point(point)));
+  for (const Polygon& polygon : feature.polygons) parts.push_back(geojson_geometry("Polygon", writer.polygon(polygon)));
+  for (const Polyline& line : feature.lines) parts.push_back(geojson_geometry("LineString", writer.line(line)));
+  for (const Vec2 point : feature.points) parts.push_back(geojson_geometry("Point", writer.point(point)));
   if (parts.size() == 1) return parts.front();
   if (parts.size() == feature.polygons.size() && !parts.empty()) {
     std::string text;
     for (const Polygon& polygon : feature.polygons) text += (text.empty() ? "" : ",") + writer.polygon(polygon);
-    return geometry("MultiPolygon", "[" + text + "]");
+    return geojson_geometry("MultiPolygon", "[" + text + "]");
   }
   return fmt::format(R"({{"type":"GeometryCollection","geometries":[{}]}})", fmt::join(parts, ","));
-}
-
-void write_collection(const fs::path& path, const std::vector<std::string>& features) {
-  write_text_file(
-      path, fmt::format("{{\"type\":\"FeatureCollection\",\"features\":[\n{}\n]}}\n", fmt::join(features, ",\n")));
-}
-
-std::string feature_text(const std::string& geometry, const nlohmann::json& properties) {
-  return fmt::format(R"({{"type":"Feature","properties":{},"geometry":{}}})",
-                     properties.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), geometry);
 }
 }  // namespace
 
@@ -128,17 +83,17 @@ void write_findings(const fs::path& path, const Findings& findings, const Crs& c
   const LonLatWriter writer(crs);
   std::vector<std::string> features;
   for (const Finding& f : findings)
-    features.push_back(feature_text(
-        geometry("Point", writer.point({f.x_m, f.y_m})),
+    features.push_back(geojson_feature(
+        geojson_geometry("Point", writer.point({f.x_m, f.y_m})),
         {{"severity", severities.at(static_cast<std::size_t>(f.severity))}, {"code", f.code}, {"message", f.message}}));
-  write_collection(path, features);
+  write_geojson_features(path, features);
 }
 
 void write_geojson(const fs::path& path, const std::vector<Feature>& features, const Crs& crs) {
   const LonLatWriter writer(crs);
   std::vector<std::string> texts;
-  for (const Feature& feature : features) texts.push_back(feature_text(geometry_of(feature, writer), feature.tags));
-  write_collection(path, texts);
+  for (const Feature& feature : features) texts.push_back(geojson_feature(geometry_of(feature, writer), feature.tags));
+  write_geojson_features(path, texts);
 }
 
 }  // namespace orthodrive::io

@@ -135,6 +135,40 @@ void add_lanes(pugi::xml_node parent, const Road& road) {
   }
 }
 
+void add_lateral_profile(pugi::xml_node road_node, const Road& road) {
+  if (road.superelevation.empty() && road.shape.empty()) return;
+  pugi::xml_node profile = road_node.append_child("lateralProfile");
+  for (const Cubic& cubic : road.superelevation) add_cubic(profile, "superelevation", cubic);
+  for (const roadquery::ShapeCubic& shape : road.shape) {
+    pugi::xml_node node = profile.append_child("shape");
+    set(node, "s", metres(shape.s));
+    set(node, "t", metres(shape.t));
+    set(node, "a", coefficient(shape.a));
+    set(node, "b", coefficient(shape.b));
+    set(node, "c", coefficient(shape.c));
+    set(node, "d", coefficient(shape.d));
+  }
+}
+
+void add_surface(pugi::xml_node road_node, const Road& road) {
+  if (road.surface.empty()) return;
+  pugi::xml_node surface = road_node.append_child("surface");
+  for (const roadquery::SurfaceCrg& crg : road.surface) {
+    pugi::xml_node node = surface.append_child("CRG");
+    set(node, "file", crg.file);
+    set(node, "sStart", metres(crg.s_start));
+    set(node, "sEnd", metres(crg.s_end));
+    set(node, "orientation", crg.orientation);
+    set(node, "mode", crg.mode);
+    set(node, "purpose", crg.purpose);
+    if (crg.s_offset != 0.0) set(node, "sOffset", metres(crg.s_offset));
+    if (crg.t_offset != 0.0) set(node, "tOffset", metres(crg.t_offset));
+    if (crg.z_offset != 0.0) set(node, "zOffset", metres(crg.z_offset));
+    if (crg.z_scale != 1.0) set(node, "zScale", coefficient(crg.z_scale));
+    if (crg.h_offset != 0.0) set(node, "hOffset", radians(crg.h_offset));
+  }
+}
+
 void add_user_data(pugi::xml_node road, const char* code, const std::string& value) {
   pugi::xml_node node = road.append_child("userData");
   set(node, "code", code);
@@ -168,11 +202,9 @@ void add_road(pugi::xml_node root, const Road& road) {
     pugi::xml_node profile = node.append_child("elevationProfile");
     for (const Cubic& cubic : road.elevation) add_cubic(profile, "elevation", cubic);
   }
-  if (!road.superelevation.empty()) {
-    pugi::xml_node profile = node.append_child("lateralProfile");
-    for (const Cubic& cubic : road.superelevation) add_cubic(profile, "superelevation", cubic);
-  }
+  add_lateral_profile(node, road);
   add_lanes(node, road);
+  add_surface(node, road);
   if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
   if (!road.highway.empty()) add_user_data(node, "highway", road.highway);
   if (road.layer != 0) add_user_data(node, "layer", std::to_string(road.layer));
@@ -200,7 +232,10 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
 
 }  // namespace
 
-void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map) {
+void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map,
+                     const WriteOpenDriveOptions& options) {
+  if (options.minor_version != 7 && options.minor_version != 8)
+    throw OptionError(fmt::format("OpenDRIVE 1.{} cannot be written, choose 1.7 or 1.8", options.minor_version));
   if (map.roads.empty()) throw Error(path.string() + ": no road to write, OpenDRIVE needs at least one");
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
@@ -209,7 +244,7 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
   pugi::xml_node root = document.append_child("OpenDRIVE");
   pugi::xml_node header = root.append_child("header");
   set(header, "revMajor", 1);
-  set(header, "revMinor", 7);
+  set(header, "revMinor", options.minor_version);
   set(header, "name", map.name);
   set(header, "north", metres(map.north));
   set(header, "south", metres(map.south));

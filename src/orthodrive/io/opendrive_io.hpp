@@ -1,5 +1,5 @@
 #pragma once
-// OpenDRIVE 1.7 writing. Reading is roadquery::read_opendrive, which simulators share.
+// OpenDRIVE 1.7 and 1.8 writing. Reading is roadquery::read_opendrive, which simulators share.
 
 #include <filesystem>
 
@@ -7,9 +7,15 @@
 
 namespace orthodrive::io {
 
-/// Valid against the ASAM 1.7.0 schema. Numbers in fixed steps (1e-8 m, 1e-12 rad, 1e-14 1/m; polynomials with 13 digits:
+struct WriteOpenDriveOptions {
+  int minor_version = 7;  ///< 1.7 or 1.8; others throw OptionError
+};
+
+/// Valid against the ASAM schema 1.7.0 or 1.8.1. What is written is the same for both but for the version in the header:
+/// all elements of it exist in 1.7 and are not deprecated in 1.8. Numbers in fixed steps (1e-8 m, 1e-12 rad, 1e-14 1/m; polynomials with 13 digits:
 /// joints stay closed to a micrometre), no date: same roads, same bytes. Throws Error for a map without roads, which the
 /// schema does not allow.
-void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map);
+void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map,
+                     const WriteOpenDriveOptions& options = {});
 
 }  // namespace orthodrive::io

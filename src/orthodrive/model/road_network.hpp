@@ -26,6 +26,7 @@ struct RoadNode {
   double z_m = std::numeric_limits<double>::quiet_NaN();  ///< height of the road surface at p
   double gradient = 0.0;       ///< dz/ds
   double banking = 0.0;        ///< superelevation in rad, OpenDRIVE's sign: positive = left side higher
+  double crown = 0.0;          ///< rad, >= 0: cross-fall of both halves away from the middle
   double sigma_z_m = 0.0;
   std::string banking_source;  ///< "none", "dtm", "curvature", ...
 };

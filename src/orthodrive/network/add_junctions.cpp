@@ -3,6 +3,7 @@
 #include <numbers>
 #include <set>
 
+#include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/road_parts.hpp"
 #include "roadquery/road_surface.hpp"
@@ -24,7 +25,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// A road end as a driver passes it, in driving direction.
 struct Gate {
   Pose pose;
-  double z_m = 0.0, gradient = 0.0, banking = 0.0, banking_rate = 0.0;
+  double z_m = 0.0, gradient = 0.0, banking = 0.0, banking_rate = 0.0, crown = 0.0;  ///< crown: its tangent
   double lane_width_m = 0.0;
   double inner_t_m = 0.0;  ///< of the edge between the lanes of this direction and the oncoming ones
   std::vector<int> lanes;  ///< of this direction, from the inside out
@@ -40,6 +41,7 @@ Gate gate_of(const Road& road, bool at_end, bool incoming) {
   gate.gradient = sign * roadquery::gradient(road, s);
   gate.banking = sign * roadquery::superelevation(road, s);
   gate.banking_rate = roadquery::derivative(road.superelevation, s);  // both the value and s change sign
+  gate.crown = -roadquery::shape(road, s, 1.0).h;
   const roadquery::LaneSection& section = road.sections.front();
   gate.lane_width_m = roadquery::lane_width(section.right.empty() ? section.left.front() : section.right.front(), s);
   gate.inner_t_m = sign * roadquery::evaluate(road.lane_offset, s);
@@ -113,7 +115,7 @@ std::vector<Movement> choose_movements(const std::vector<JunctionEnd>& ends, con
 
 struct Geometry {
   std::vector<roadquery::PlanElement> plan;
-  std::vector<Cubic> elevation, superelevation;
+  std::vector<Cubic> elevation, superelevation, crown;
 };
 
 /// Cut from the chain that runs through the junction.
@@ -125,11 +127,11 @@ Geometry chain_through(const NetworkPlan& plan, const JunctionEnd& from, const J
   double s0 = reversed ? to.chain_s : from.chain_s, s1 = reversed ? from.chain_s : to.chain_s;
   if (s1 <= s0) s1 += chain.length_m;  // a closed chain's first stretch follows its last one
   Geometry result{slice_plan(chain.plan, s0, s1), slice_profile(chain.elevation, s0, s1),
-                  slice_profile(chain.superelevation, s0, s1)};
+                  slice_profile(chain.superelevation, s0, s1), slice_profile(chain.crown, s0, s1)};
   if (!reversed) return result;
   const double length = plan_length(result.plan);
   return {reverse_plan(result.plan), reverse_profile(result.elevation, length),
-          reverse_profile(result.superelevation, length, -1.0)};
+          reverse_profile(result.superelevation, length, -1.0), reverse_profile(result.crown, length)};
 }
 
 Geometry turning(const Gate& in, const Gate& out) {
@@ -141,6 +143,7 @@ Geometry turning(const Gate& in, const Gate& out) {
   result.elevation = {hermite(0.0, length, in.z_m, out.z_m, in.gradient, out.gradient)};
   if (in.banking != 0.0 || out.banking != 0.0 || in.banking_rate != 0.0 || out.banking_rate != 0.0)
     result.superelevation = {hermite(0.0, length, in.banking, out.banking, in.banking_rate, out.banking_rate)};
+  if (in.crown != 0.0 || out.crown != 0.0) result.crown = {hermite(0.0, length, in.crown, out.crown, 0.0, 0.0)};
   return result;
 }
 
@@ -183,6 +186,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   road.elevation = std::move(geometry.elevation);
   road.superelevation = std::move(geometry.superelevation);
   road.length = plan_length(road.plan);
+  road.shape = crown_shape(geometry.crown, road.length);
   road.predecessor = {LinkKind::road, incoming.id, from.at_end ? ContactPoint::end : ContactPoint::start};
   road.successor = {LinkKind::road, outgoing.id, to.at_end ? ContactPoint::end : ContactPoint::start};
   add_connecting_lanes(road, m, in, out);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/road_parts.hpp"
 
@@ -59,14 +60,17 @@ Road make_road(const NetworkPlan& plan, int chain, double s0, double s1) {
   road.length = plan_length(road.plan);
   road.elevation = slice_profile(geometry.elevation, s0, s1);
   road.superelevation = slice_profile(geometry.superelevation, s0, s1);
+  std::vector<roadquery::Cubic> crown = slice_profile(geometry.crown, s0, s1);
   std::vector<ProfileSample> widths = widths_between(geometry, k, s0, s1);
   if (part.reversed) {
     road.plan = reverse_plan(road.plan);
     road.elevation = reverse_profile(road.elevation, road.length);
     road.superelevation = reverse_profile(road.superelevation, road.length, -1.0);
+    crown = reverse_profile(crown, road.length);
     std::reverse(widths.begin(), widths.end());
     for (ProfileSample& sample : widths) sample.s = (s1 - s0) - sample.s;
   }
+  road.shape = crown_shape(crown, road.length);
   add_lanes(road, lane_layout(path, median(geometry.widths[k]), plan.options.left_hand_traffic), widths,
             plan.options.width_tolerance_m);
   return road;

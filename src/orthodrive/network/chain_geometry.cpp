@@ -44,16 +44,20 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
   geometry.length_m = plan_length(geometry.plan);
   geometry.max_plan_deviation_m = plan.max_deviation_m;
 
-  std::vector<ProfileSample> z, banking;
+  std::vector<ProfileSample> z, banking, crown;
   for (std::size_t i = 0; i < line.nodes.size(); ++i) {
     z.push_back({plan.point_s[i], line.nodes[i].z_m});
     banking.push_back({plan.point_s[i], line.nodes[i].banking});
+    crown.push_back({plan.point_s[i], std::tan(line.nodes[i].crown)});
   }
   ProfileFit elevation = fit_profile(z, {options.elevation_tolerance_m, chain.closed});
   geometry.elevation = std::move(elevation.cubics);
   geometry.max_elevation_error_m = elevation.max_error;
-  if (std::any_of(banking.begin(), banking.end(), [](const ProfileSample& b) { return b.value != 0.0; }))
+  const auto is_not_zero = [](const ProfileSample& b) { return b.value != 0.0; };
+  if (std::any_of(banking.begin(), banking.end(), is_not_zero))
     geometry.superelevation = fit_profile(banking, {options.banking_tolerance_rad, chain.closed}).cubics;
+  if (std::any_of(crown.begin(), crown.end(), is_not_zero))
+    geometry.crown = fit_profile(crown, {options.banking_tolerance_rad, chain.closed}).cubics;
 
   for (const std::size_t joint : line.joint) geometry.vertex_s.push_back(plan.point_s[joint]);
   for (std::size_t k = 0; k + 1 < line.joint.size(); ++k) {
@@ -66,6 +70,7 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
     repeat(geometry.plan, geometry.length_m);
     repeat(geometry.elevation, geometry.length_m);
     repeat(geometry.superelevation, geometry.length_m);
+    repeat(geometry.crown, geometry.length_m);
   }
   return geometry;
 }

@@ -14,6 +14,7 @@ struct ChainGeometry {
   double length_m = 0.0;  ///< one round for closed chains, whose plan and profiles go round twice: [0, 2 length]
   std::vector<roadquery::PlanElement> plan;
   std::vector<roadquery::Cubic> elevation, superelevation;  ///< superelevation empty when all banking is zero
+  std::vector<roadquery::Cubic> crown;                      ///< tangent of RoadNode::crown; empty when all are zero
   std::vector<double> vertex_s;                             ///< of every vertex along the chain: pieces + 1
   std::vector<std::vector<ProfileSample>> widths;           ///< of every piece, at least two samples, s not decreasing
   double max_plan_deviation_m = 0.0, max_elevation_error_m = 0.0;

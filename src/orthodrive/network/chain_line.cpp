@@ -35,6 +35,7 @@ void fade_in(std::vector<PieceNode>& nodes, bool at_last, const PieceNode& corre
     node.z_m += correction.z_m * weight;
     node.banking += correction.banking * weight;
     node.width_m += correction.width_m * weight;
+    node.crown += correction.crown * weight;
   }
 }
 
@@ -44,7 +45,7 @@ std::vector<PieceNode> piece_nodes(const RoadPath& path, const Piece& piece) {
   for (int i = piece.first; i <= piece.last; ++i) {
     const RoadNode& node = path.nodes[at(i)];
     if (!nodes.empty()) s += distance(nodes.back().p, node.p);
-    nodes.push_back({node.p, s, node.z_m, node.banking, node.width_m});
+    nodes.push_back({node.p, s, node.z_m, node.banking, node.width_m, node.crown});
   }
   return nodes;
 }
@@ -72,7 +73,7 @@ ChainLine concatenate(const Chain& chain, const std::vector<std::vector<PieceNod
     if (line.nodes.empty()) line.joint.push_back(0);
     else line.nodes.back().width_after_m = nodes.front().width_m;
     for (std::size_t i = line.nodes.empty() ? 0 : 1; i < nodes.size(); ++i)
-      line.nodes.push_back({nodes[i].p, nodes[i].z_m, nodes[i].banking, nodes[i].width_m, nodes[i].width_m});
+      line.nodes.push_back({nodes[i].p, nodes[i].z_m, nodes[i].banking, nodes[i].width_m, nodes[i].width_m, nodes[i].crown});
     line.joint.push_back(line.nodes.size() - 1);
   }
   if (chain.closed) {
@@ -116,7 +117,7 @@ void fill_gaps(ChainLine& line) {
       const double x = static_cast<double>(k) / steps;
       const auto mix = [x](double u, double v) { return u + (v - u) * x; };
       const double width = mix(a.width_after_m, b.width_before_m);
-      filled.push_back({a.p + (b.p - a.p) * x, mix(a.z_m, b.z_m), mix(a.banking, b.banking), width, width});
+      filled.push_back({a.p + (b.p - a.p) * x, mix(a.z_m, b.z_m), mix(a.banking, b.banking), width, width, mix(a.crown, b.crown)});
     }
     filled.push_back(b);
     new_index.push_back(filled.size() - 1);
@@ -227,6 +228,7 @@ std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const 
     const double sign = a.at_last != b.at_last ? 1.0 : -1.0, banking = 0.5 * (na.banking + sign * nb.banking);
     correction_of(a).banking = banking - na.banking;
     correction_of(b).banking = sign * banking - nb.banking;
+    correction_of(a).crown = 0.5 * (nb.crown - na.crown), correction_of(b).crown = 0.5 * (na.crown - nb.crown);
     const Piece& piece = topology.pieces[at(a.piece)];
     if (topology.vertices[at(a.at_last ? piece.last_vertex : piece.first_vertex)].is_junction()) continue;
     const double width = 0.5 * (na.width_m + nb.width_m);

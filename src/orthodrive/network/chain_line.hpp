@@ -15,6 +15,7 @@ struct ChainNode {
   double banking = 0.0;  ///< rad, positive = left side (seen along the chain) higher
   /// Differ where two pieces meet in a junction: widths are only made equal where roads are linked directly.
   double width_before_m = 0.0, width_after_m = 0.0;
+  double crown = 0.0;  ///< rad, RoadNode::crown
 };
 
 struct ChainLine {
@@ -26,11 +27,11 @@ struct ChainLine {
 [[nodiscard]] RoadNetwork with_heights(RoadNetwork roads, Findings& findings);
 
 /// Nodes of every piece, in path direction, with their ends moved to where the pieces of a vertex meet: position and
-/// height at all vertices; banking where the chain goes on; width where two pieces are linked. The corrections fade out
+/// height at all vertices; banking and crown where the chain goes on; width where two pieces are linked. The corrections fade out
 /// smoothly over 30 m.
 struct PieceNode {
   Vec2 p;
-  double s = 0.0, z_m = 0.0, banking = 0.0, width_m = 0.0;
+  double s = 0.0, z_m = 0.0, banking = 0.0, width_m = 0.0, crown = 0.0;
 };
 [[nodiscard]] std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const Topology& topology,
                                                               Findings& findings);

@@ -20,6 +20,7 @@
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/network/build_network.hpp"
+#include "orthodrive/pipeline/crg_files.hpp"
 #include "orthodrive/pipeline/pictures.hpp"
 #include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/pipeline/report.hpp"
@@ -223,12 +224,19 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         elevated.findings};
   });
 
-  stage("network", {site.name}, {"roads.xodr"}, [&] {
-    const NetworkResult network = build_network(io::read_roads(out_dir / "roads.gpkg"), {.name = site.name, .threads = options.threads}, monitor);
-    io::write_opendrive(out_dir / "roads.xodr", network.map);
+  const std::vector<std::string> network_files =
+      site.crg.empty() ? std::vector<std::string>{"roads.xodr"} : std::vector<std::string>{"roads.xodr", "roads_crg"};
+  // The route counts where surfaces are made of it.
+  const json of_network{site.name, site.crg, site.opendrive, site.crg.empty() ? "" : site.route};
+  stage("network", of_network, network_files, [&] {
+    NetworkResult network = build_network(io::read_roads(out_dir / "roads.gpkg"), {.name = site.name, .threads = options.threads}, monitor);
+    if (site.crg.empty()) fs::remove_all(crg_folder(out_dir / "roads.xodr"));  // of an earlier build with other options
+    const CrgFilesResult crg = write_crg_files(network.map, out_dir / "roads.xodr",
+                                               {.roads = site.crg, .route = site.route, .threads = options.threads});
+    io::write_opendrive(out_dir / "roads.xodr", network.map, {.minor_version = site.opendrive == "1.8" ? 8 : 7});
     double length = 0.0;
     for (const roadquery::Road& road : network.map.roads) length += road.length;
-    return StageOutcome{{{"roads", network.map.roads.size()}, {"junctions", network.map.junctions.size()}, {"length_m", length},
+    return StageOutcome{{{"roads", network.map.roads.size()}, {"junctions", network.map.junctions.size()}, {"length_m", length}, {"crg_files", crg.files},
                          {"max_plan_deviation_m", network.max_plan_deviation_m}, {"max_elevation_error_m", network.max_elevation_error_m}},
                         network.findings};
   });

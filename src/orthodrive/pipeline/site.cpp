@@ -45,12 +45,13 @@ void apply_override(toml::table& table, const std::string& text) {
 
 void check_keys(const toml::table& table, const std::string& where) {
   static const std::map<std::string, std::vector<std::string>> known{
-      {"", {"name", "area", "sources", "segment", "refine", "elevate", "drive", "attribution", "truth"}},
+      {"", {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
       {"sources", {"photo", "osm", "dtm", "gpx"}},
       {"segment", {"model", "crf"}},
       {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
+      {"network", {"crg", "opendrive"}},
       {"drive", {"route"}},
       {"attribution", {"text"}},
       {"truth", {"dir"}}};
@@ -172,6 +173,10 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.dtm_sampling = text(table, path, "elevate", "sampling", site.dtm_sampling);
   if (site.dtm_sampling != "bilinear" && site.dtm_sampling != "cubic")
     throw OptionError(path.string() + ": elevate.sampling must be bilinear or cubic");
+  site.crg = texts(table, path, "network", "crg");
+  site.opendrive = text(table, path, "network", "opendrive", site.opendrive);
+  if (site.opendrive != "1.7" && site.opendrive != "1.8")
+    throw OptionError(path.string() + ": network.opendrive must be \"1.7\" or \"1.8\"");
   site.route = text(table, path, "drive", "route", site.route);
   return site;
 }

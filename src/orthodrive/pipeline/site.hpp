@@ -23,6 +23,8 @@ struct Site {
   std::filesystem::path refine_weights;      ///< file of `orthodrive tune`; empty: the shipped weights
   bool drives_left = false;                  ///< in the country of the site
   std::string dtm_sampling = "cubic";        ///< bilinear | cubic
+  std::vector<std::string> crg;              ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none
+  std::string opendrive = "1.7";             ///< version of roads.xodr: 1.7 | 1.8
   std::string route = "auto";                ///< closed way to drive: its name, or "auto"
 };
 

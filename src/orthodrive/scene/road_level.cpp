@@ -62,7 +62,7 @@ OnRoad project(const roadquery::Road& road, const CrossSection& a, const CrossSe
     s = next;
   }
   const auto edges = roadquery::road_edges(road, s);
-  OnRoad on{s, across_m / std::cos(roadquery::superelevation(road, s))};
+  OnRoad on{s, roadquery::t_at(road, s, across_m)};
   on.inside_m = std::min({edges.left_t - on.t_m, on.t_m - edges.right_t, s, road.length - s});
   if (std::abs(along_m) > plan_grid_m) on.inside_m = std::min(on.inside_m, -std::abs(along_m));  // off the piece's ends
   on.t_m = std::clamp(on.t_m, edges.right_t, edges.left_t);

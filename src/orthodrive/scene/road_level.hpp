@@ -32,6 +32,7 @@ class RoadLevel {
   /// ends: equal to the one road's surface where there is one, and without a step where another one begins.
   /// Nothing when p is further than `sample_reach_m` from every road.
   [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p) const;
+  [[nodiscard]] const std::vector<const roadquery::Road*>& roads() const { return roads_; }
   [[nodiscard]] const MultiPolygon& polygons() const { return polygons_; }  ///< union of the carriageways, in the area
   [[nodiscard]] const Outline& outline() const { return outline_; }         ///< of polygons(), heights of the surface
   [[nodiscard]] const std::vector<std::vector<CrossSection>>& strips() const { return strips_; }  ///< one a road

@@ -16,6 +16,7 @@ std::vector<double> breaks(const roadquery::Road& road) {
   for (const auto& e : road.plan) s.push_back(e.s);
   for (const auto* cubics : {&road.elevation, &road.superelevation, &road.lane_offset})
     for (const auto& c : *cubics) s.push_back(c.s);
+  for (const auto& c : road.shape) s.push_back(c.s);
   for (const auto& section : road.sections) {
     s.push_back(section.s - lane_jump_m);
     s.push_back(section.s);
@@ -44,10 +45,12 @@ double deviation_m(const CrossSection& a, const CrossSection& b, const CrossSect
     const Vec3 d = pm - (pa * (1.0 - u) + pb * u);
     return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
   };
-  return std::max(distance(a.left, b.left, m.left), distance(a.right, b.right, m.right));
+  // The middle lies between the edges but on roads with a lateral profile.
+  return std::max({distance(a.left, b.left, m.left), distance(a.right, b.right, m.right),
+                   distance(a.reference, b.reference, m.reference)});
 }
 
-/// Douglas-Peucker on both edges at once: marks what must stay between two kept samples.
+/// Douglas-Peucker on both edges and the middle at once: marks what must stay between two kept samples.
 void keep_between(const std::vector<CrossSection>& samples, std::size_t first, std::size_t last,
                   const StripOptions& options, std::vector<bool>& keep) {
   if (last - first < 2) return;

@@ -14,11 +14,11 @@ struct CrossSection {
 };
 
 struct StripOptions {
-  double tolerance_m = 0.02;  ///< of the edges between two sections, linear in s, from the exact ones
+  double tolerance_m = 0.02;  ///< of edges and middle between two sections, linear in s, from the exact ones
   double max_step_m = 10.0;
 };
 
-/// Sections at every start of a geometry, profile or lane element and as many between as the tolerance asks for.
+/// Sections at every start of a geometry, profile, shape or lane element and as many between as the tolerance asks for.
 /// Where the lanes change abruptly there are two sections a tenth of a millimetre apart.
 /// Empty for roads without length, lanes or finite heights.
 [[nodiscard]] std::vector<CrossSection> cross_sections(const roadquery::Road& road, const StripOptions& options);

@@ -16,6 +16,7 @@ namespace {
 constexpr double area_reach_m = 2.0;
 constexpr double verge_point_step_m = 5.0;
 constexpr double deck_gap_m = 0.3;  // between the underside of a deck and the terrain
+constexpr double min_ridge_edge_m = 1.0;  // shorter edges of a crown's ridge are not worth their triangles
 
 /// The area's rings with points at most `step_m` apart, oriented and clean.
 MultiPolygon dense_area(const Polygon& area, double step_m) {
@@ -75,11 +76,34 @@ LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
   return result;
 }
 
+/// From the reference line to the nearer edge.
+double free_beside_m(const CrossSection& section) {
+  const Vec2 middle{section.reference.x, section.reference.y};
+  return std::min(distance(middle, {section.left.x, section.left.y}), distance(middle, {section.right.x, section.right.y}));
+}
+
 void add_axis_points(const RoadLevel& level, LevelLines& lines) {
-  for (const auto& strip : level.strips()) {
-    for (const CrossSection& section : strip) {
-      const Vec2 p = snap_to_grid({section.reference.x, section.reference.y});
-      lines.axis_points[tile_at(p)].push_back(p);
+  const auto add = [&](Vec2 p) {
+    p = snap_to_grid(p);
+    lines.axis_points[tile_at(p)].push_back(p);
+  };
+  for (std::size_t i = 0; i < level.strips().size(); ++i) {
+    const roadquery::Road& road = *level.roads()[i];
+    const std::vector<CrossSection>& strip = level.strips()[i];
+    for (std::size_t k = 0; k < strip.size(); ++k) {
+      if (k > 0 && !road.shape.empty()) {
+        // A crown has its ridge on the reference line, which must be edges of the mesh: they are in any Delaunay
+        // triangulation when the circles over them are empty (Gabriel and Sokal 1969), so they are no longer than the
+        // way to the road's edges.
+        const double free_m = std::min(free_beside_m(strip[k - 1]), free_beside_m(strip[k]));
+        const double length_m = strip[k].s_m - strip[k - 1].s_m;
+        const int parts = free_m > min_ridge_edge_m ? static_cast<int>(std::ceil(length_m / free_m)) : 1;
+        for (int j = 1; j < parts; ++j) {
+          const auto q = roadquery::reference_point(road, strip[k - 1].s_m + length_m * j / parts);
+          add({q.x, q.y});
+        }
+      }
+      add({strip[k].reference.x, strip[k].reference.y});
     }
   }
 }

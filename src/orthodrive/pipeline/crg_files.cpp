@@ -1,0 +1,97 @@
+#include "orthodrive/pipeline/crg_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <set>
+
+#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/drive/route.hpp"
+#include "orthodrive/io/opencrg_io.hpp"
+#include "orthodrive/network/sample_crg.hpp"
+
+namespace orthodrive {
+namespace {
+namespace fs = std::filesystem;
+using roadquery::Road;
+using roadquery::RoadMap;
+
+void choose_way(const RoadMap& map, const std::string& way, std::set<std::size_t>& chosen) {
+  const std::size_t before = chosen.size();
+  for (std::size_t i = 0; i < map.roads.size(); ++i)
+    if (map.roads[i].osm_id == way) chosen.insert(i);
+  if (chosen.size() == before)
+    throw OptionError(fmt::format("--crg way/{}: no road of the network is of that OSM way", way));
+}
+
+void choose_road(const RoadMap& map, const std::string& text, std::set<std::size_t>& chosen) {
+  int id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc{} || end != text.data() + text.size())
+    throw OptionError(fmt::format("--crg {}: need the id of a road, way/ID of an OSM way, all-of-route or all", text));
+  const auto found =
+      std::lower_bound(map.roads.begin(), map.roads.end(), id, [](const Road& r, int wanted) { return r.id < wanted; });
+  if (found == map.roads.end() || found->id != id)
+    throw OptionError(
+        fmt::format("--crg {}: no road has this id; for the roads of an OSM way write way/{}", text, text));
+  chosen.insert(static_cast<std::size_t>(found - map.roads.begin()));
+}
+
+std::set<std::size_t> choose(const RoadMap& map, const CrgFilesOptions& options) {
+  std::set<std::size_t> chosen;
+  for (const std::string& item : options.roads) {
+    if (item == "all") {
+      for (std::size_t i = 0; i < map.roads.size(); ++i) chosen.insert(i);
+    } else if (item == "all-of-route") {
+      for (const RouteStep& step : find_route(map, {.route = options.route}).steps)
+        chosen.insert(static_cast<std::size_t>(step.road));
+    } else if (item.starts_with("way/")) {
+      choose_way(map, item.substr(4), chosen);
+    } else {
+      choose_road(map, item, chosen);
+    }
+  }
+  return chosen;
+}
+
+}  // namespace
+
+CrgFormat crg_format_of(const std::string& name) {
+  std::string upper = name;
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const CrgFormat format : {CrgFormat::lrfi, CrgFormat::ldfi, CrgFormat::krbi, CrgFormat::kdbi})
+    if (upper == name_of(format)) return format;
+  throw OptionError(fmt::format("OpenCRG format '{}' is not one of LRFI, LDFI (text), KRBI, KDBI (binary)", name));
+}
+
+fs::path crg_folder(const fs::path& xodr) { return xodr.parent_path() / (xodr.stem().string() + "_crg"); }
+
+CrgFilesResult write_crg_files(RoadMap& map, const fs::path& xodr, const CrgFilesOptions& options) {
+  const std::set<std::size_t> chosen = choose(map, options);
+  if (chosen.empty()) return {};
+  const std::vector<std::size_t> roads(chosen.begin(), chosen.end());
+  const fs::path target = crg_folder(xodr);
+  AsideFile folder(target);
+  fs::create_directories(folder.path());
+  parallel_for(roads.size(), options.threads, [&](std::size_t i) {
+    Road& road = map.roads[roads[i]];
+    SampleCrgOptions sampling{options.u_step_m, options.v_step_m, options.format, {}};
+    if (options.relief_of) sampling.relief_m = options.relief_of(road);
+    CrgSurface surface = sample_crg(road, sampling);
+    surface.comment = fmt::format("road {} of {}\nheights in metres, x and y in {}", road.id, xodr.filename().string(),
+                                  map.geo_reference.empty() ? "the coordinates of that file" : "its geoReference");
+    const std::string name = fmt::format("road_{}.crg", road.id);
+    io::write_crg(folder.path() / name, surface, options.format);
+    road.surface = {crg_reference(road, surface, target.filename().string() + "/" + name)};
+  });
+  folder.commit();
+  CrgFilesResult result;
+  for (const std::size_t i : roads) ++result.files, result.length_m += map.roads[i].length;
+  return result;
+}
+
+}  // namespace orthodrive
