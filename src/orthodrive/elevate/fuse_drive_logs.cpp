@@ -31,7 +31,7 @@ constexpr double tie_height_m = 1e-4, tie_slope = 5e-4;  // how exactly roads ag
 constexpr double smallest_sigma_z_m = 0.02;
 constexpr double driven_reach_m = 10.0;
 constexpr int most_passes = 12;
-constexpr double settled_m = 1e-5;
+constexpr double settled_m = 5e-4;
 
 /// Mean of the values that were recorded.
 class Mean {
@@ -303,7 +303,7 @@ class ProfileProblem {
       const double cost = half_square(rows);
       if (pass == 0) summary.cost_before = cost;
       std::vector<double> x = solve_normal(rows.jacobian, rows.right);
-      double change_m = 0.0;
+      double change_m = 0.0;  // and rad: coefficients are heights and banking
       for (int i = 0; i < source_column_; ++i) change_m = std::max(change_m, std::abs(x[static_cast<std::size_t>(i)] - x_[static_cast<std::size_t>(i)]));
       x_ = std::move(x);
       summary.iterations = pass + 1, summary.cost_after = half_square(rows);
