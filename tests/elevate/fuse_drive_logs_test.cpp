@@ -20,16 +20,18 @@ ProfileErrors errors_of(const RoadPath& path, const TrueRoad& road) {
   double count = 0.0;
   for (const RoadNode& node : path.nodes) {
     if (node.s_m < 20.0 || node.s_m > road.length_m - 20.0) continue;
-    const double gradient = std::abs(node.gradient - road.gradient(node.s_m)), banking = std::abs(node.banking - road.banking(node.s_m));
+    const double gradient = std::abs(node.gradient - road.gradient(node.s_m)),
+                 banking = std::abs(node.banking - road.banking(node.s_m));
     e.z_m += std::abs(node.z_m - road.z(node.s_m)), e.gradient += gradient, e.banking_rad += banking, count += 1.0;
-    e.worst_gradient = std::max(e.worst_gradient, gradient), e.worst_banking_rad = std::max(e.worst_banking_rad, banking);
+    e.worst_gradient = std::max(e.worst_gradient, gradient),
+    e.worst_banking_rad = std::max(e.worst_banking_rad, banking);
   }
   e.z_m /= count, e.gradient /= count, e.banking_rad /= count;
   return e;
 }
 void show(const char* name, const ProfileErrors& e) {
-  printf("[drive_log] %-28s z %.3f m, gradient %.3f %% (worst %.2f), banking %.3f %% (worst %.2f)\n", name, e.z_m, 100 * e.gradient,
-         100 * e.worst_gradient, 100 * e.banking_rad, 100 * e.worst_banking_rad);
+  printf("[drive_log] %-28s z %.3f m, gradient %.3f %% (worst %.2f), banking %.3f %% (worst %.2f)\n", name, e.z_m,
+         100 * e.gradient, 100 * e.worst_gradient, 100 * e.banking_rad, 100 * e.worst_banking_rad);
 }
 
 TEST(FuseDriveLogs, a_drive_corrects_gradient_and_banking) {
@@ -39,9 +41,11 @@ TEST(FuseDriveLogs, a_drive_corrects_gradient_and_banking) {
   const ProfileErrors before = errors_of(terrain.paths[0], road), after = errors_of(result.roads.paths[0], road);
   show("terrain", before), show("with a drive", after);
   const DriveCalibration& c = result.calibration[0];
-  printf("[drive_log] calibration mount pitch %.4f +- %.4f roll %.4f +- %.4f pitch gain %.4f +- %.4f roll gain %.4f +- %.4f\n", c.mount_pitch_rad,
-         c.sigma_mount_pitch_rad, c.mount_roll_rad, c.sigma_mount_roll_rad, c.pitch_rad_per_mps2, c.sigma_pitch_rad_per_mps2, c.roll_rad_per_mps2,
-         c.sigma_roll_rad_per_mps2);
+  printf(
+      "[drive_log] calibration mount pitch %.4f +- %.4f roll %.4f +- %.4f pitch gain %.4f +- %.4f roll gain %.4f +- "
+      "%.4f\n",
+      c.mount_pitch_rad, c.sigma_mount_pitch_rad, c.mount_roll_rad, c.sigma_mount_roll_rad, c.pitch_rad_per_mps2,
+      c.sigma_pitch_rad_per_mps2, c.roll_rad_per_mps2, c.sigma_roll_rad_per_mps2);
   EXPECT_TRUE(result.solve.converged);
   EXPECT_GT(before.gradient, 0.008);
   EXPECT_LT(after.gradient, 0.005);
@@ -67,7 +71,8 @@ TEST(FuseDriveLogs, standard_deviations_hold) {
   const TrueRoad road(2400.0);
   double z2 = 0.0, gradient2 = 0.0, banking2 = 0.0, count = 0.0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const auto result = fuse_drive_logs(road_from_terrain(road, 0.3, seed), log_of({simulate_drive(road, {.end_m = 2395.0, .seed = 100 + seed})}));
+    const auto result = fuse_drive_logs(road_from_terrain(road, 0.3, seed),
+                                        log_of({simulate_drive(road, {.end_m = 2395.0, .seed = 100 + seed})}));
     for (const DrivenNode& driven : result.driven) {
       const RoadNode& node = result.roads.paths[driven.path].nodes[driven.node];
       EXPECT_LT(node.sigma_z_m, 0.3);
@@ -77,7 +82,8 @@ TEST(FuseDriveLogs, standard_deviations_hold) {
       count += 1.0;
     }
   }
-  printf("[drive_log] rms error over sigma: z %.2f, gradient %.2f, banking %.2f\n", std::sqrt(z2 / count), std::sqrt(gradient2 / count), std::sqrt(banking2 / count));
+  printf("[drive_log] rms error over sigma: z %.2f, gradient %.2f, banking %.2f\n", std::sqrt(z2 / count),
+         std::sqrt(gradient2 / count), std::sqrt(banking2 / count));
   EXPECT_LT(std::sqrt(z2 / count), 1.6);
   EXPECT_GT(std::sqrt(z2 / count), 0.4);
   EXPECT_LT(std::sqrt(gradient2 / count), 1.6);
@@ -117,7 +123,8 @@ TEST(FuseDriveLogs, two_drives_count_together) {
   const TrueRoad road;
   const RoadNetwork terrain = road_from_terrain(road, 0.3);
   // A good sensor and a bad one, which says so: both together are better than the good one, and far from the bad one.
-  const SimulatedDrive one{.seed = 21}, back{.forward = false, .mount_pitch_rad = 0.03, .mount_roll_rad = -0.01, .seed = 22};
+  const SimulatedDrive one{.seed = 21},
+      back{.forward = false, .mount_pitch_rad = 0.03, .mount_roll_rad = -0.01, .seed = 22};
   const auto single = fuse_drive_logs(terrain, log_of({simulate_drive(road, one)}));
   const auto both = fuse_drive_logs(terrain, log_of({simulate_drive(road, one), simulate_drive(road, back)}));
   const ProfileErrors e1 = errors_of(single.roads.paths[0], road), e2 = errors_of(both.roads.paths[0], road);
@@ -179,8 +186,12 @@ TEST(FuseDriveLogs, side_roads_keep_their_height_and_angle) {
   const RoadNode& corner = terrain.paths[0].nodes[300];
   for (int i = 0; i <= 50; ++i) {  // away to the north-east, in the plane of the road at the corner
     const double s = 2.0 * i;
-    side.nodes.push_back({.p = corner.p + Vec2{std::sqrt(0.5), std::sqrt(0.5)} * s, .s_m = s, .width_m = 5.0,
-                          .z_m = corner.z_m + std::sqrt(0.5) * corner.gradient * s, .gradient = std::sqrt(0.5) * corner.gradient, .sigma_z_m = 0.3});
+    side.nodes.push_back({.p = corner.p + Vec2{std::sqrt(0.5), std::sqrt(0.5)} * s,
+                          .s_m = s,
+                          .width_m = 5.0,
+                          .z_m = corner.z_m + std::sqrt(0.5) * corner.gradient * s,
+                          .gradient = std::sqrt(0.5) * corner.gradient,
+                          .sigma_z_m = 0.3});
   }
   side.nodes.front().osm_node = 5;
   terrain.paths.push_back(side);
@@ -220,7 +231,8 @@ TEST(FuseDriveLogs, a_log_elsewhere_changes_nothing_and_is_reported) {
   ASSERT_EQ(result.findings.size(), 1u);
   EXPECT_EQ(result.findings[0].code, "drive_log.no_match");
   EXPECT_EQ(result.matched_m, 0.0);
-  for (std::size_t n = 0; n < terrain.paths[0].nodes.size(); ++n) EXPECT_EQ(result.roads.paths[0].nodes[n].z_m, terrain.paths[0].nodes[n].z_m);
+  for (std::size_t n = 0; n < terrain.paths[0].nodes.size(); ++n)
+    EXPECT_EQ(result.roads.paths[0].nodes[n].z_m, terrain.paths[0].nodes[n].z_m);
   EXPECT_TRUE(result.driven.empty());
   EXPECT_TRUE(result.roughness.empty());
 }
@@ -232,8 +244,15 @@ TEST(FuseDriveLogs, gaps_and_steps_in_height_do_not_reach_the_road) {
   DriveLog log = log_of({});
   log.sources = {"drive"};
   const std::size_t n = whole.poses.size();
-  for (const auto& [from, to, step_m] : {std::tuple{std::size_t{0}, n / 3, 0.0}, {n / 3 + 40, 2 * n / 3, 25.0}, {2 * n / 3 + 1, n, -40.0}}) {
-    DriveRecording part{.source = 0, .poses = {whole.poses.begin() + static_cast<std::ptrdiff_t>(from), whole.poses.begin() + static_cast<std::ptrdiff_t>(to)}};
+  struct Part {
+    std::size_t from, to;
+    double step_m;
+  };
+  for (const auto& [from, to, step_m] :
+       std::vector<Part>{{0, n / 3, 0.0}, {n / 3 + 40, 2 * n / 3, 25.0}, {2 * n / 3 + 1, n, -40.0}}) {
+    DriveRecording part{.source = 0,
+                        .poses = {whole.poses.begin() + static_cast<std::ptrdiff_t>(from),
+                                  whole.poses.begin() + static_cast<std::ptrdiff_t>(to)}};
     for (DrivePose& pose : part.poses) pose.z_m += step_m;
     for (const DriveImu& imu : whole.imu)
       if (imu.time_s >= part.poses.front().time_s && imu.time_s <= part.poses.back().time_s) part.imu.push_back(imu);
@@ -252,11 +271,13 @@ TEST(FuseDriveLogs, logs_without_attitude_or_sensors_still_help) {
   const RoadNetwork terrain = road_from_terrain(road, 0.3);
   DriveRecording positions = simulate_drive(road, {.poses_hz = 5.0}), attitude = positions;
   positions.imu.clear(), attitude.imu.clear();
-  for (DrivePose& pose : positions.poses) pose.roll_rad = pose.pitch_rad = pose.heading_rad = pose.speed_mps = pose.climb_mps = not_recorded;
+  for (DrivePose& pose : positions.poses)
+    pose.roll_rad = pose.pitch_rad = pose.heading_rad = pose.speed_mps = pose.climb_mps = not_recorded;
   for (DrivePose& pose : attitude.poses) pose.z_m = pose.climb_mps = not_recorded;
   const double before = errors_of(terrain.paths[0], road).gradient;
   const auto a = fuse_drive_logs(terrain, log_of({positions})), b = fuse_drive_logs(terrain, log_of({attitude}));
-  show("positions only", errors_of(a.roads.paths[0], road)), show("attitude and speed only", errors_of(b.roads.paths[0], road));
+  show("positions only", errors_of(a.roads.paths[0], road)),
+      show("attitude and speed only", errors_of(b.roads.paths[0], road));
   EXPECT_LT(errors_of(a.roads.paths[0], road).gradient, 0.6 * before);
   EXPECT_LT(errors_of(b.roads.paths[0], road).gradient, 0.4 * before);
   EXPECT_LT(errors_of(b.roads.paths[0], road).banking_rad, 0.01);

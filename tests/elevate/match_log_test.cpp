@@ -10,7 +10,8 @@ namespace {
 
 const Crs crs{"EPSG:32633"};
 
-RoadPath line(std::int64_t osm_id, Vec2 a, Vec2 b, std::int64_t node_a = 0, std::int64_t node_b = 0, Oneway oneway = Oneway::no) {
+RoadPath line(std::int64_t osm_id, Vec2 a, Vec2 b, std::int64_t node_a = 0, std::int64_t node_b = 0,
+              Oneway oneway = Oneway::no) {
   RoadPath path{.osm_id = osm_id, .highway = "residential", .oneway = oneway};
   const int steps = std::max(1, static_cast<int>(std::lround(distance(a, b) / 2.0)));
   for (int i = 0; i <= steps; ++i) {
@@ -32,7 +33,10 @@ DriveRecording drive(const std::vector<Vec2>& corners, double error_m, std::uint
     const double run = distance(corners[c], corners[c + 1]);
     for (double s = 0.0; s < run; s += 1.0, time += 0.1) {
       const Vec2 scatter{0.3 * random.normal(), 0.3 * random.normal()};
-      recording.poses.push_back({.time_s = time, .p = corners[c] + (corners[c + 1] - corners[c]) * (s / run) + shift + scatter, .sigma_p_m = 4.0, .speed_mps = 10.0});
+      recording.poses.push_back({.time_s = time,
+                                 .p = corners[c] + (corners[c + 1] - corners[c]) * (s / run) + shift + scatter,
+                                 .sigma_p_m = 4.0,
+                                 .speed_mps = 10.0});
     }
   }
   return recording;
@@ -46,7 +50,9 @@ double share_on(const MatchLogResult& match, std::size_t path, bool forward) {
 }
 
 TEST(MatchLog, a_drive_of_5_m_error_follows_the_roads_round_a_corner) {
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {300, 0}, 1, 2), line(2, {300, 0}, {300, 300}, 2, 3), line(3, {300, 0}, {600, 0}, 2, 4), line(4, {0, 60}, {600, 60})}};
+  const RoadNetwork roads{crs,
+                          {line(1, {0, 0}, {300, 0}, 1, 2), line(2, {300, 0}, {300, 300}, 2, 3),
+                           line(3, {300, 0}, {600, 0}, 2, 4), line(4, {0, 60}, {600, 60})}};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const DriveRecording recording = drive({{10, 0}, {300, 0}, {300, 290}}, 5.0, seed);
     const MatchLogResult match = LogMatcher(roads).match(recording, "a");
@@ -72,7 +78,8 @@ TEST(MatchLog, places_are_those_of_the_car) {
 
 TEST(MatchLog, carriageways_side_by_side_are_told_by_their_direction) {
   // 8 m apart, one way each; the receiver is 5 m off, so that the wrong one is often the nearer.
-  const RoadNetwork roads{crs, {line(1, {0, 0}, {500, 0}, 0, 0, Oneway::forward), line(2, {500, 8}, {0, 8}, 0, 0, Oneway::forward)}};
+  const RoadNetwork roads{
+      crs, {line(1, {0, 0}, {500, 0}, 0, 0, Oneway::forward), line(2, {500, 8}, {0, 8}, 0, 0, Oneway::forward)}};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     EXPECT_GT(share_on(LogMatcher(roads).match(drive({{5, 0}, {495, 0}}, 5.0, seed), "a"), 0, true), 0.97) << seed;
     EXPECT_GT(share_on(LogMatcher(roads).match(drive({{495, 8}, {5, 8}}, 5.0, seed), "a"), 1, true), 0.97) << seed;
@@ -122,7 +129,8 @@ TEST(MatchLog, rounds_on_a_closed_way_go_on) {
   RoadPath ring{.osm_id = 1, .highway = "raceway", .oneway = Oneway::forward};
   const double radius = 60.0, length = 2 * M_PI * radius;
   for (int i = 0; i <= 180; ++i)
-    ring.nodes.push_back({.p = Vec2{std::cos(i * M_PI / 90), std::sin(i * M_PI / 90)} * radius, .s_m = length * i / 180});
+    ring.nodes.push_back(
+        {.p = Vec2{std::cos(i * M_PI / 90), std::sin(i * M_PI / 90)} * radius, .s_m = length * i / 180});
   ring.nodes.back().p = ring.nodes.front().p;
   ring.nodes.front().osm_node = ring.nodes.back().osm_node = 3;
   std::vector<Vec2> corners;

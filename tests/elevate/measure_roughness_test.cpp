@@ -21,7 +21,9 @@ RoadNetwork straight_road() {
   return {{"EPSG:32633"}, {path}};
 }
 
-std::vector<RoughnessStretch> stretch(double gd_n0_m3) { return {{.osm_id = 3, .s_begin_m = -50.0, .s_end_m = length_m + 50.0, .gd_n0_m3 = gd_n0_m3}}; }
+std::vector<RoughnessStretch> stretch(double gd_n0_m3) {
+  return {{.osm_id = 3, .s_begin_m = -50.0, .s_end_m = length_m + 50.0, .gd_n0_m3 = gd_n0_m3}};
+}
 
 /// State of a quarter car: body and wheel, place and speed.
 using State = std::array<double, 4>;
@@ -30,9 +32,10 @@ State change(const QuarterCar& car, const State& x, double road_m) {
   return {x[1], strut, x[3], (car.tyre_stiffness_1ps2 * (road_m - x[2]) - strut) / car.unsprung_mass_ratio};
 }
 
-/// Two quarter cars behind each other over the mean of both tracks, in time steps of 1 ms (Runge-Kutta, not the transfer
-/// function that the inversion uses); what a sensor between the axles feels at 100 Hz.
-DriveRecording drive_over(const RoughnessField& field, double speed_mps, const QuarterCar& car, const MeasureRoughnessOptions& options, double noise_mps2 = 0.0) {
+/// Two quarter cars behind each other over the mean of both tracks, in time steps of 1 ms (Runge-Kutta, not the
+/// transfer function that the inversion uses); what a sensor between the axles feels at 100 Hz.
+DriveRecording drive_over(const RoughnessField& field, double speed_mps, const QuarterCar& car,
+                          const MeasureRoughnessOptions& options, double noise_mps2 = 0.0) {
   DriveRecording recording;
   Random random(5);
   constexpr double h = 1e-3;
@@ -42,17 +45,24 @@ DriveRecording drive_over(const RoughnessField& field, double speed_mps, const Q
     double acceleration = 0.0;
     for (int k = 0; k < 2; ++k) {
       const auto road = [&](double time) {
-        const double s = time * speed_mps - (k == 0 ? 0.0 : options.wheelbase_m) + options.wheelbase_m * (1.0 - options.sensor_from_rear);
-        return 0.5 * (field.height_m(s, -1.0 + 0.5 * options.track_m) + field.height_m(s, -1.0 - 0.5 * options.track_m));
+        const double s = time * speed_mps - (k == 0 ? 0.0 : options.wheelbase_m) +
+                         options.wheelbase_m * (1.0 - options.sensor_from_rear);
+        return 0.5 *
+               (field.height_m(s, -1.0 + 0.5 * options.track_m) + field.height_m(s, -1.0 - 0.5 * options.track_m));
       };
       State& x = axles[k];
-      const auto moved = [&](const State& d, double f) { return State{x[0] + f * d[0], x[1] + f * d[1], x[2] + f * d[2], x[3] + f * d[3]}; };
+      const auto moved = [&](const State& d, double f) {
+        return State{x[0] + f * d[0], x[1] + f * d[1], x[2] + f * d[2], x[3] + f * d[3]};
+      };
       const double r0 = road(t), r1 = road(t + 0.5 * h), r2 = road(t + h);
-      const State k1 = change(car, x, r0), k2 = change(car, moved(k1, 0.5 * h), r1), k3 = change(car, moved(k2, 0.5 * h), r1), k4 = change(car, moved(k3, h), r2);
+      const State k1 = change(car, x, r0), k2 = change(car, moved(k1, 0.5 * h), r1),
+                  k3 = change(car, moved(k2, 0.5 * h), r1), k4 = change(car, moved(k3, h), r2);
       acceleration += (k == 0 ? options.sensor_from_rear : 1.0 - options.sensor_from_rear) * k1[1];
       for (int j = 0; j < 4; ++j) x[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
     }
-    if (i % 10 == 0) recording.imu.push_back({.time_s = t, .specific_force_mps2 = {0.0, 0.0, 9.81 + acceleration + noise_mps2 * random.normal()}});
+    if (i % 10 == 0)
+      recording.imu.push_back(
+          {.time_s = t, .specific_force_mps2 = {0.0, 0.0, 9.81 + acceleration + noise_mps2 * random.normal()}});
     if (i % 50 == 0) recording.poses.push_back({.time_s = t, .p = {t * speed_mps, -1.0}, .speed_mps = speed_mps});
   }
   return recording;
@@ -69,16 +79,19 @@ TEST(MeasureRoughness, known_unevenness_comes_back) {
     for (const double speed_mps : {12.0, 22.0}) {
       const double truth = iso_8608_mean_m3(road_class);
       const MeasureRoughnessOptions options;
-      const auto stretches = measured(drive_over({stretch(truth), 17, {.waves = 2000}}, speed_mps, options.car, options, 0.1), options);
+      const auto stretches =
+          measured(drive_over({stretch(truth), 17, {.waves = 2000}}, speed_mps, options.car, options, 0.1), options);
       ASSERT_EQ(stretches.size(), 6u);
       double mean_ln = 0.0, mean_w = 0.0;
       for (const RoughnessStretch& s : stretches) {
-        EXPECT_NEAR(std::log(s.gd_n0_m3 / truth), 0.0, std::log(2.0)) << road_class << " at " << speed_mps << " m/s, " << s.s_begin_m;
+        EXPECT_NEAR(std::log(s.gd_n0_m3 / truth), 0.0, std::log(2.0))
+            << road_class << " at " << speed_mps << " m/s, " << s.s_begin_m;
         EXPECT_EQ(s.osm_id, 3);
         EXPECT_GE(s.s_end_m - s.s_begin_m, 100.0 - 1e-9);
         mean_ln += std::log(s.gd_n0_m3 / truth) / 6.0, mean_w += s.waviness / 6.0;
       }
-      printf("[drive_log] class %c at %.0f m/s: G_d(n0) by a factor of %.2f, waviness %.2f\n", road_class, speed_mps, std::exp(mean_ln), mean_w);
+      printf("[drive_log] class %c at %.0f m/s: G_d(n0) by a factor of %.2f, waviness %.2f\n", road_class, speed_mps,
+             std::exp(mean_ln), mean_w);
       EXPECT_NEAR(mean_ln, 0.0, std::log(1.35)) << road_class << " at " << speed_mps;
       EXPECT_NEAR(mean_w, 2.0, 0.3);
     }
@@ -87,7 +100,8 @@ TEST(MeasureRoughness, known_unevenness_comes_back) {
 TEST(MeasureRoughness, another_car_errs_by_what_it_says) {
   const double truth = iso_8608_mean_m3('B');
   const MeasureRoughnessOptions options;
-  const QuarterCar van{.tyre_stiffness_1ps2 = 500.0, .spring_stiffness_1ps2 = 45.0, .damping_1ps = 4.0, .unsprung_mass_ratio = 0.12};
+  const QuarterCar van{
+      .tyre_stiffness_1ps2 = 500.0, .spring_stiffness_1ps2 = 45.0, .damping_1ps = 4.0, .unsprung_mass_ratio = 0.12};
   const auto assumed = measured(drive_over({stretch(truth), 17, {.waves = 2000}}, 18.0, van, options));
   MeasureRoughnessOptions known;
   known.car = van, known.sigma_ln_car = 0.05;
@@ -95,7 +109,8 @@ TEST(MeasureRoughness, another_car_errs_by_what_it_says) {
   double error_assumed = 0.0, error_known = 0.0;
   for (const auto& s : assumed) error_assumed += std::log(s.gd_n0_m3 / truth) / 6.0, EXPECT_GT(s.sigma_ln_gd, 0.5);
   for (const auto& s : right) error_known += std::log(s.gd_n0_m3 / truth) / 6.0, EXPECT_LT(s.sigma_ln_gd, 0.4);
-  printf("[drive_log] another car: factor %.2f with the golden car assumed, %.2f with its own numbers\n", std::exp(error_assumed), std::exp(error_known));
+  printf("[drive_log] another car: factor %.2f with the golden car assumed, %.2f with its own numbers\n",
+         std::exp(error_assumed), std::exp(error_known));
   EXPECT_LT(std::abs(error_assumed), 1.0);
   EXPECT_LT(std::abs(error_known), std::log(1.35));
 }
@@ -115,7 +130,9 @@ TEST(QuarterCarGain, limits_are_those_of_the_mechanics) {
   const auto gain = [&](double hz) { return std::sqrt(body_acceleration_gain2(car, hz)); };
   const double w = 2 * std::numbers::pi * 0.05;
   EXPECT_NEAR(gain(0.05) / (w * w), 1.0, 0.01);  // slow: the body goes with the road
-  const double body_hz = std::sqrt(car.spring_stiffness_1ps2 * car.tyre_stiffness_1ps2 / (car.spring_stiffness_1ps2 + car.tyre_stiffness_1ps2)) / (2 * std::numbers::pi);
+  const double body_hz = std::sqrt(car.spring_stiffness_1ps2 * car.tyre_stiffness_1ps2 /
+                                   (car.spring_stiffness_1ps2 + car.tyre_stiffness_1ps2)) /
+                         (2 * std::numbers::pi);
   EXPECT_GT(gain(body_hz) / std::pow(2 * std::numbers::pi * body_hz, 2), 1.3);  // resonance of the body near 1.2 Hz
   EXPECT_LT(gain(40.0) / std::pow(2 * std::numbers::pi * 40.0, 2), 0.02);       // fast: it stays at rest
 }
@@ -175,12 +192,14 @@ TEST(RoughnessField, it_is_a_function_of_place_and_seed) {
 }
 
 TEST(RoughnessField, stretches_go_over_into_each_other) {
-  std::vector<RoughnessStretch> two{{.s_begin_m = 0.0, .s_end_m = 100.0, .gd_n0_m3 = 16e-6}, {.s_begin_m = 100.0, .s_end_m = 200.0, .gd_n0_m3 = 256e-6}};
+  std::vector<RoughnessStretch> two{{.s_begin_m = 0.0, .s_end_m = 100.0, .gd_n0_m3 = 16e-6},
+                                    {.s_begin_m = 100.0, .s_end_m = 200.0, .gd_n0_m3 = 256e-6}};
   const RoughnessField field(two, 5);
   const RoughnessField smooth({{.s_begin_m = 0.0, .s_end_m = 200.0, .gd_n0_m3 = 16e-6}}, 5);
   EXPECT_NEAR(field.height_m(60.0, 1.0), smooth.height_m(60.0, 1.0), 1e-12);
   EXPECT_NEAR(field.height_m(160.0, 1.0), 4.0 * smooth.height_m(160.0, 1.0), 1e-12);
-  for (double s = -10.0; s < 210.0; s += 0.01) EXPECT_LT(std::abs(field.height_m(s + 0.01, 0.0) - field.height_m(s, 0.0)), 2e-3) << s;
+  for (double s = -10.0; s < 210.0; s += 0.01)
+    EXPECT_LT(std::abs(field.height_m(s + 0.01, 0.0) - field.height_m(s, 0.0)), 2e-3) << s;
 }
 
 TEST(RoughnessClass, limits_are_those_of_the_standard) {

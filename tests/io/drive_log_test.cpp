@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -23,7 +24,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 template <typename T>
-std::string npy(const std::string& type, const std::string& shape, const std::vector<T>& values, const std::string& order = "False") {
+std::string npy(const std::string& type, const std::string& shape, const std::vector<T>& values,
+                const std::string& order = "False") {
   std::string header = fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}", type, order, shape);
   header.resize((header.size() + 10 + 1 + 63) / 64 * 64 - 10 - 1, ' ');
   header += '\n';
@@ -82,8 +84,11 @@ io::DriveLogs read_text(const std::string& text) {
 
 TEST(DriveLogCsv, all_columns_arrive_with_units_and_signs) {
   const auto read = read_text(
-      "# a comment\ntime_s,lat,lon,alt_m,sigma_m,roll_deg,pitch_deg,heading_deg,acc_x_mps2,acc_y_mps2,acc_z_mps2,yaw_rate_dps,speed_mps,climb_mps\n" +
-      row(1.0, {100, 200}, ",50.5,0.8,2,-3,90,0.1,0.2,9.8,10,15,-0.5") + row(1.1, {101.5, 200}, ",50.4,0.8,2,-3,0,0.1,0.2,9.8,10,15,-0.5"));
+      "# a "
+      "comment\ntime_s,lat,lon,alt_m,sigma_m,roll_deg,pitch_deg,heading_deg,acc_x_mps2,acc_y_mps2,acc_z_mps2,yaw_rate_"
+      "dps,speed_mps,climb_mps\n" +
+      row(1.0, {100, 200}, ",50.5,0.8,2,-3,90,0.1,0.2,9.8,10,15,-0.5") +
+      row(1.1, {101.5, 200}, ",50.4,0.8,2,-3,0,0.1,0.2,9.8,10,15,-0.5"));
   EXPECT_THAT(read.findings, IsEmpty());
   ASSERT_EQ(read.log.recordings.size(), 1u);
   EXPECT_EQ(read.log.crs, utm33);
@@ -106,8 +111,9 @@ TEST(DriveLogCsv, all_columns_arrive_with_units_and_signs) {
 }
 
 TEST(DriveLogCsv, missing_columns_and_cells_are_not_recorded) {
-  const auto read = read_text("lon,extra,time_s,lat,acc_z_mps2\n" + fmt::format("{1:.9f},x,1,{0:.9f},9.7\n,,1.01,,9.9\n{1:.9f},x,1.02,{0:.9f},\n",
-                                                                              lonlat_of({10, 10}).y, lonlat_of({10, 10}).x));
+  const auto read = read_text("lon,extra,time_s,lat,acc_z_mps2\n" +
+                              fmt::format("{1:.9f},x,1,{0:.9f},9.7\n,,1.01,,9.9\n{1:.9f},x,1.02,{0:.9f},\n",
+                                          lonlat_of({10, 10}).y, lonlat_of({10, 10}).x));
   ASSERT_EQ(read.findings.size(), 2u);
   EXPECT_EQ(read.findings[0].code, "drive_log.unknown_column");
   EXPECT_THAT(read.findings[0].message, HasSubstr("extra"));
@@ -132,7 +138,10 @@ TEST(DriveLogCsv, gaps_and_jumps_split_with_a_finding) {
   }
   const auto read = read_text(text);
   std::vector<std::size_t> sizes;
-  for (const DriveRecording& recording : read.log.recordings) sizes.push_back(recording.poses.size()), EXPECT_EQ(recording.source, 0u);
+  for (const DriveRecording& recording : read.log.recordings) {
+    sizes.push_back(recording.poses.size());
+    EXPECT_EQ(recording.source, 0u);
+  }
   EXPECT_THAT(sizes, ElementsAre(10, 10, 10, 5, 5));
   std::vector<std::string> codes;
   for (const Finding& finding : read.findings) codes.push_back(finding.code);
@@ -141,8 +150,8 @@ TEST(DriveLogCsv, gaps_and_jumps_split_with_a_finding) {
 }
 
 TEST(DriveLogCsv, poses_without_place_order_or_area_are_left_out) {
-  const auto read = read_text("time_s,lat,lon,alt_m\n" + row(1, {10, 10}, ",5") + "1.1,0,0,5\n" + row(0.5, {11, 10}, ",5") + row(1.2, {12, 10}, ",5") +
-                              row(1.3, {9000, 10}, ",5"));
+  const auto read = read_text("time_s,lat,lon,alt_m\n" + row(1, {10, 10}, ",5") + "1.1,0,0,5\n" +
+                              row(0.5, {11, 10}, ",5") + row(1.2, {12, 10}, ",5") + row(1.3, {9000, 10}, ",5"));
   ASSERT_EQ(read.log.recordings.size(), 1u);
   EXPECT_EQ(read.log.recordings[0].poses.size(), 2u);
   std::vector<std::string> codes;
@@ -158,7 +167,8 @@ TEST(DriveLogCsv, errors_name_the_line) {
   EXPECT_THAT(told("time_s,lat,lon\n1,50,15\n2,50\n"), AllOf(HasSubstr("line 3"), HasSubstr("2 values")));
   EXPECT_THAT(told("time_s,lat,lon\n1,50,here\n"), AllOf(HasSubstr("line 2"), HasSubstr("lon is 'here'")));
   EXPECT_THAT(told("time_s,lat,lon\n"), HasSubstr("no pose"));
-  EXPECT_THAT(message_of<InputError>([] { (void)read_drive_logs({"/nowhere/a.csv"}, site_of(10)); }), HasSubstr("no such drive log"));
+  EXPECT_THAT(message_of<InputError>([] { (void)read_drive_logs({"/nowhere/a.csv"}, site_of(10)); }),
+              HasSubstr("no such drive log"));
 }
 
 /// A comma2k19 segment of a car that drives north-east, nose up by 3 degrees, left side up by 2.
@@ -167,17 +177,20 @@ TEST(DriveLogComma, axes_become_those_of_iso_8855) {
   const double deg = std::numbers::pi / 180.0, yaw = 45 * deg, pitch = -3 * deg, roll = 2 * deg;
   const Vec2 lonlat = lonlat_of({300, 300});
   const double lon = lonlat.x * deg, lat = lonlat.y * deg;
-  const std::array<Vec3, 3> enu{Vec3{-std::sin(lon), std::cos(lon), 0}, Vec3{-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
+  const std::array<Vec3, 3> enu{Vec3{-std::sin(lon), std::cos(lon), 0},
+                                Vec3{-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
                                 Vec3{std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)}};
   const auto ecef = [&](double e, double n, double u) { return enu[0] * e + enu[1] * n + enu[2] * u; };
-  const double cy = std::cos(yaw), sy = std::sin(yaw), cp = std::cos(pitch), sp = std::sin(pitch), cr = std::cos(roll), sr = std::sin(roll);
-  const Vec3 forward = ecef(cy * cp, sy * cp, -sp), left = ecef(cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr),
+  const double cy = std::cos(yaw), sy = std::sin(yaw), cp = std::cos(pitch), sp = std::sin(pitch), cr = std::cos(roll),
+               sr = std::sin(roll);
+  const Vec3 forward = ecef(cy * cp, sy * cp, -sp),
+             left = ecef(cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr),
              up = ecef(cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr);
   const Vec3 right = left * -1.0, down = up * -1.0;  // columns of the rotation; its quaternion by Shepperd's method
   const double m[3][3] = {{forward.x, right.x, down.x}, {forward.y, right.y, down.y}, {forward.z, right.z, down.z}};
   std::array<double, 4> q{};
-  const double squares[4] = {1 + m[0][0] + m[1][1] + m[2][2], 1 + m[0][0] - m[1][1] - m[2][2], 1 - m[0][0] + m[1][1] - m[2][2],
-                             1 - m[0][0] - m[1][1] + m[2][2]};
+  const double squares[4] = {1 + m[0][0] + m[1][1] + m[2][2], 1 + m[0][0] - m[1][1] - m[2][2],
+                             1 - m[0][0] + m[1][1] - m[2][2], 1 - m[0][0] - m[1][1] + m[2][2]};
   const int big = static_cast<int>(std::max_element(squares, squares + 4) - squares);
   const double products[4][4] = {{squares[0], m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]},
                                  {m[2][1] - m[1][2], squares[1], m[0][1] + m[1][0], m[0][2] + m[2][0]},
@@ -187,7 +200,8 @@ TEST(DriveLogComma, axes_become_those_of_iso_8855) {
 
   std::vector<double> times, places, speeds, attitudes;
   for (int i = 0; i < 3; ++i) {
-    const Vec3 p = ecef_from_geographic(lonlat.x, lonlat.y, 240.0) + ecef(0.5 * i, 0.5 * i, 0.05 * i), v = ecef(10, 10, 1);
+    const Vec3 p = ecef_from_geographic(lonlat.x, lonlat.y, 240.0) + ecef(0.5 * i, 0.5 * i, 0.05 * i),
+               v = ecef(10, 10, 1);
     times.push_back(5.0 + 0.05 * i);
     for (const double x : {p.x, p.y, p.z}) places.push_back(x);
     for (const double x : {v.x, v.y, v.z}) speeds.push_back(x);
@@ -220,16 +234,27 @@ TEST(DriveLogComma, axes_become_those_of_iso_8855) {
   EXPECT_EQ(recording.imu[0].specific_force_mps2.z, 9.8);
   EXPECT_EQ(recording.imu[0].yaw_rate_radps, -0.5);
 
+  // Without velocities the speed is that of the bus.
+  std::filesystem::remove(scratch / "pose/velocities_ecef.npy");
+  std::filesystem::create_directories(scratch / "can");
+  write_bytes(scratch / "can/speed_t.npy", npy<double>("<f8", "(2,)", {5.0, 5.2}));
+  write_bytes(scratch / "can/speed_value.npy", npy<double>("<f8", "(2, 1)", {10.0, 14.0}));
+  const auto without = read_drive_logs({scratch.folder()}, site_of(1000.0));
+  EXPECT_NEAR(without.log.recordings.at(0).poses.at(1).speed_mps, 11.0, 1e-9);
+
   write_bytes(scratch / "pose/velocities_ecef.npy", npy("<f8", "(2, 3)", std::vector<double>(6, 1.0)));
-  EXPECT_THAT(message_of<InputError>([&] { (void)read_drive_logs({scratch.folder()}, site_of(1000.0)); }), HasSubstr("need 3 x 3"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)read_drive_logs({scratch.folder()}, site_of(1000.0)); }),
+              HasSubstr("need 3 x 3"));
   std::filesystem::remove(scratch / "pose/times.npy");
-  EXPECT_THAT(message_of<InputError>([&] { (void)read_drive_logs({scratch.folder()}, site_of(1000.0)); }), HasSubstr("no comma2k19 segment"));
+  EXPECT_THAT(message_of<InputError>([&] { (void)read_drive_logs({scratch.folder()}, site_of(1000.0)); }),
+              HasSubstr("no comma2k19 segment"));
 }
 
 TEST(DriveLogComma, the_real_minute_has_gravity_below_it) {
   const std::filesystem::path folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/drives/comma2k19";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-  const auto read = read_drive_logs({folder}, SiteFrame{Crs{"EPSG:32610"}, rectangle(545000, 4173000, 548000, 4178000)});
+  const auto read =
+      read_drive_logs({folder}, SiteFrame{Crs{"EPSG:32610"}, rectangle(545000, 4173000, 548000, 4178000)});
   EXPECT_THAT(read.findings, IsEmpty());
   ASSERT_EQ(read.log.recordings.size(), 1u);
   const DriveRecording& recording = read.log.recordings[0];
@@ -240,7 +265,9 @@ TEST(DriveLogComma, the_real_minute_has_gravity_below_it) {
   EXPECT_NEAR(up, 9.7, 0.2);
   for (std::size_t i = 20; i < recording.poses.size(); i += 20) {  // the car's nose points where it goes
     const Vec2 d = recording.poses[i].p - recording.poses[i - 20].p;
-    headings += std::abs(std::remainder(std::atan2(d.y, d.x) - recording.poses[i - 10].heading_rad, 2 * std::numbers::pi)) / 59.0;
+    headings +=
+        std::abs(std::remainder(std::atan2(d.y, d.x) - recording.poses[i - 10].heading_rad, 2 * std::numbers::pi)) /
+        59.0;
   }
   EXPECT_LT(headings, 0.04);
 }

@@ -19,14 +19,14 @@ namespace orthodrive {
 namespace {
 
 constexpr double gravity_mps2 = 9.81;
-constexpr double bin_m = 2.0;                 // measurements of 2 m of road are one place; curvature shows no less
+constexpr double bin_m = 2.0;  // measurements of 2 m of road are one place; curvature shows no less
 constexpr double longest_bin_s = 2.0;
-constexpr double slowest_climb_mps = 2.0;     // below, climb over speed is noise
+constexpr double slowest_climb_mps = 2.0;  // below, climb over speed is noise
 constexpr double drift_step_s = 2.0;
 constexpr double height_offset_sigma_m = 1000.0;  // datum, geoid and antenna: not known at all
 constexpr double gyro_bias_sigma_radps = 0.01;    // of an uncalibrated MEMS gyroscope
 constexpr double yaw_mounting_sigma_rad = 0.05;
-constexpr double robust_scale = 3.0;          // residuals beyond so many standard deviations lose their weight (Cauchy)
+constexpr double robust_scale = 3.0;  // residuals beyond so many standard deviations lose their weight (Cauchy)
 constexpr double tie_height_m = 1e-4, tie_slope = 5e-4;  // how exactly roads agree where they meet
 constexpr double smallest_sigma_z_m = 0.02;
 constexpr double driven_reach_m = 10.0;
@@ -48,9 +48,9 @@ class Mean {
 /// What was measured over some metres of road.
 struct Bin {
   std::size_t chain = 0, recording = 0, source = 0;
-  double along_m = 0.0;   ///< on the chain
-  double beside_m = 0.0;  ///< to its left
-  double direction = 1.0; ///< +1: driven along the chain
+  double along_m = 0.0;                             ///< on the chain
+  double beside_m = 0.0;                            ///< to its left
+  double direction = 1.0;                           ///< +1: driven along the chain
   double time_s = 0.0, span_s = 0.0, step_s = 0.0;  ///< span: that these measurements stand for; step: between poses
   double z_m = not_recorded, nose_up_rad = not_recorded, roll_rad = not_recorded, speed_mps = not_recorded,
          climb_mps = not_recorded;
@@ -71,19 +71,23 @@ double sigma_of_banking(const std::string& source, const FuseDriveLogsOptions& o
 Baseline baseline_at(const RoadNetwork& roads, const LogChains& chains, std::size_t chain, double along_m,
                      const FuseDriveLogsOptions& options) {
   const auto& parts = chains.chains[chain].parts;
-  auto part = std::upper_bound(parts.begin(), parts.end(), along_m, [](double s, const LogChain::Part& p) { return s < p.begin_m; });
+  auto part = std::upper_bound(parts.begin(), parts.end(), along_m,
+                               [](double s, const LogChain::Part& p) { return s < p.begin_m; });
   if (part != parts.begin()) --part;
   const double sign = part->reversed ? -1.0 : 1.0;
-  const double s = std::clamp(part->reversed ? part->begin_m + part->length_m - along_m : along_m - part->begin_m, 0.0, part->length_m);
+  const double s = std::clamp(part->reversed ? part->begin_m + part->length_m - along_m : along_m - part->begin_m, 0.0,
+                              part->length_m);
   const auto& nodes = roads.paths[part->path].nodes;
-  const auto after = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, s, [](double x, const RoadNode& n) { return x < n.s_m; });
+  const auto after =
+      std::upper_bound(nodes.begin() + 1, nodes.end() - 1, s, [](double x, const RoadNode& n) { return x < n.s_m; });
   const RoadNode &a = *(after - 1), &b = *after;
   const double run = std::max(1e-6, b.s_m - a.s_m), u = std::clamp((s - a.s_m) / run, 0.0, 1.0), v = 1.0 - u;
   const auto mixed = [&](double x, double y) { return v * x + u * y; };
   const auto sigma_z = [&](const RoadNode& n) {
     return std::max(smallest_sigma_z_m, n.sigma_z_m > 0.0 ? n.sigma_z_m : options.unknown_sigma_z_m);
   };
-  return {v * v * (1.0 + 2.0 * u) * a.z_m + u * u * (3.0 - 2.0 * u) * b.z_m + u * v * run * (v * a.gradient - u * b.gradient),  // Hermite
+  return {v * v * (1.0 + 2.0 * u) * a.z_m + u * u * (3.0 - 2.0 * u) * b.z_m +
+              u * v * run * (v * a.gradient - u * b.gradient),  // Hermite
           sign * mixed(a.gradient, b.gradient),
           sign * mixed(a.banking, b.banking),
           (b.banking - a.banking) / run,  // both signs turn round
@@ -118,7 +122,8 @@ class BinMaker {
       std::size_t end = begin + 1;
       const auto same = [&](std::size_t i) {
         return places[i] && places[i]->path == places[begin]->path && places[i]->forward == places[begin]->forward &&
-               std::abs(places[i]->s_m - places[begin]->s_m) < bin_m && poses[i].time_s - poses[begin].time_s < longest_bin_s;
+               std::abs(places[i]->s_m - places[begin]->s_m) < bin_m &&
+               poses[i].time_s - poses[begin].time_s < longest_bin_s;
       };
       while (end < poses.size() && same(end)) ++end;
       add_bin(places, begin, end);
@@ -153,7 +158,8 @@ class BinMaker {
     bin.speed_mps = speed.value(), bin.climb_mps = climb.value();
     bin.acceleration_mps2 = acceleration.value();
     Mean forward, left, rate;
-    const double margin_s = std::max(0.0, 0.5 * (0.2 - bin.span_s));  // engine and wheels shake a sensor: 0.2 s at least
+    const double margin_s =
+        std::max(0.0, 0.5 * (0.2 - bin.span_s));  // engine and wheels shake a sensor: 0.2 s at least
     auto imu = std::lower_bound(recording_.imu.begin(), recording_.imu.end(), from_s - margin_s,
                                 [](const DriveImu& m, double t) { return m.time_s < t; });
     for (; imu != recording_.imu.end() && imu->time_s <= to_s + margin_s; ++imu)
@@ -200,8 +206,8 @@ Meetings find_meetings(const RoadNetwork& roads, const LogChains& chains) {
 }
 
 /// Chains with measurements, and those so near to them along the roads that their heights move as well (Dijkstra).
-std::vector<std::size_t> chains_within(const LogChains& chains, const Meetings& meetings, const std::vector<std::vector<double>>& driven,
-                                       double reach_m) {
+std::vector<std::size_t> chains_within(const LogChains& chains, const Meetings& meetings,
+                                       const std::vector<std::vector<double>>& driven, double reach_m) {
   std::vector<std::vector<std::pair<double, std::int64_t>>> along(chains.chains.size());
   for (const auto& [id, places] : meetings)
     for (const Meeting& m : places) along[m.chain].push_back({m.along_m, id});
@@ -270,7 +276,13 @@ class ProfileProblem {
  public:
   ProfileProblem(const RoadNetwork& roads, const LogChains& chains, const DriveLog& log, const std::vector<Bin>& bins,
                  const FuseDriveLogsOptions& options)
-      : roads_(roads), chains_(chains), log_(log), bins_(bins), options_(options), driven_(chains.chains.size()), slot_(chains.chains.size(), -1) {
+      : roads_(roads),
+        chains_(chains),
+        log_(log),
+        bins_(bins),
+        options_(options),
+        driven_(chains.chains.size()),
+        slot_(chains.chains.size(), -1) {
     for (const Bin& bin : bins) driven_[bin.chain].push_back(bin.along_m);
     for (auto& list : driven_) std::sort(list.begin(), list.end());
     meetings_ = find_meetings(roads, chains);
@@ -294,8 +306,8 @@ class ProfileProblem {
     add_sensor_priors();
   }
 
-  /// Gauss-Newton with reweighting: only the arctangent of the gradient, the robust weights and the specific force where
-  /// no sensor felt it are not linear.
+  /// Gauss-Newton with reweighting: only the arctangent of the gradient, the robust weights and the specific force
+  /// where no sensor felt it are not linear.
   SolveSummary solve() {
     SolveSummary summary{.converged = false};
     for (int pass = 0; pass < most_passes && !summary.converged; ++pass) {
@@ -304,7 +316,8 @@ class ProfileProblem {
       if (pass == 0) summary.cost_before = cost;
       std::vector<double> x = solve_normal(rows.jacobian, rows.right);
       double change_m = 0.0;  // and rad: coefficients are heights and banking
-      for (int i = 0; i < source_column_; ++i) change_m = std::max(change_m, std::abs(x[static_cast<std::size_t>(i)] - x_[static_cast<std::size_t>(i)]));
+      for (int i = 0; i < source_column_; ++i)
+        change_m = std::max(change_m, std::abs(x[static_cast<std::size_t>(i)] - x_[static_cast<std::size_t>(i)]));
       x_ = std::move(x);
       summary.iterations = pass + 1, summary.cost_after = half_square(rows);
       summary.converged = change_m < settled_m;
@@ -321,7 +334,8 @@ class ProfileProblem {
     std::vector<Where> where;
     SparseJacobian functions{.columns = columns_, .row_start = {0}};
     const auto add_function = [&](int first, const std::array<double, 4>& factors) {
-      for (int k = 0; k < 4; ++k) functions.column.push_back(first + k), functions.value.push_back(factors[static_cast<std::size_t>(k)]);
+      for (int k = 0; k < 4; ++k)
+        functions.column.push_back(first + k), functions.value.push_back(factors[static_cast<std::size_t>(k)]);
       functions.row_start.push_back(static_cast<int>(functions.column.size()));
     };
     for (std::size_t path = 0; path < roads_.paths.size(); ++path) {
@@ -360,26 +374,42 @@ class ProfileProblem {
     for (std::size_t k = 0; k < log_.sources.size(); ++k) {
       const std::size_t f = 3 * where.size() + 4 * k;
       const auto value = [&](Parameter p) { return x_[static_cast<std::size_t>(source(k, p))]; };
-      result.calibration.push_back({log_.sources[k], value(mount_pitch), sigma(f), value(mount_roll), sigma(f + 2), value(pitch_gain),
-                                    sigma(f + 1), value(roll_gain), sigma(f + 3)});
+      result.calibration.push_back({log_.sources[k], value(mount_pitch), sigma(f), value(mount_roll), sigma(f + 2),
+                                    value(pitch_gain), sigma(f + 1), value(roll_gain), sigma(f + 3)});
     }
     result.residuals = residuals();
   }
 
  private:
-  enum Parameter { mount_pitch, pitch_gain, mount_roll, roll_gain, lateral_offset, gyro_bias, mount_yaw, source_parameters };
+  enum Parameter {
+    mount_pitch,
+    pitch_gain,
+    mount_roll,
+    roll_gain,
+    lateral_offset,
+    gyro_bias,
+    mount_yaw,
+    source_parameters
+  };
 
   static int drift_knots(const DriveRecording& recording) {
-    return static_cast<int>(std::ceil((recording.poses.back().time_s - recording.poses.front().time_s) / drift_step_s)) + 1;
+    return static_cast<int>(
+               std::ceil((recording.poses.back().time_s - recording.poses.front().time_s) / drift_step_s)) +
+           1;
   }
-  [[nodiscard]] const UniformSpline& spline(std::size_t chain) const { return splines_[static_cast<std::size_t>(slot_[chain])]; }
+  [[nodiscard]] const UniformSpline& spline(std::size_t chain) const {
+    return splines_[static_cast<std::size_t>(slot_[chain])];
+  }
   [[nodiscard]] int z_column(std::size_t chain) const { return first_column_[static_cast<std::size_t>(slot_[chain])]; }
   [[nodiscard]] int banking_column(std::size_t chain) const { return z_column(chain) + spline(chain).coefficients(); }
-  [[nodiscard]] int source(std::size_t k, Parameter p) const { return source_column_ + static_cast<int>(k) * source_parameters + p; }
+  [[nodiscard]] int source(std::size_t k, Parameter p) const {
+    return source_column_ + static_cast<int>(k) * source_parameters + p;
+  }
   [[nodiscard]] bool is_driven(std::size_t chain, double along_m) const {
     const auto& list = driven_[chain];
     const auto at = std::lower_bound(list.begin(), list.end(), along_m);
-    return (at != list.end() && *at - along_m <= driven_reach_m) || (at != list.begin() && along_m - *(at - 1) <= driven_reach_m);
+    return (at != list.end() && *at - along_m <= driven_reach_m) ||
+           (at != list.begin() && along_m - *(at - 1) <= driven_reach_m);
   }
   [[nodiscard]] double combine(int first, const std::array<double, 4>& factors) const {
     double sum = 0.0;
@@ -394,14 +424,16 @@ class ProfileProblem {
     for (std::size_t r = 0; r < rows.right.size(); ++r) {
       double residual = -rows.right[r];
       for (int i = rows.jacobian.row_start[r]; i < rows.jacobian.row_start[r + 1]; ++i)
-        residual += rows.jacobian.value[static_cast<std::size_t>(i)] * x_[static_cast<std::size_t>(rows.jacobian.column[static_cast<std::size_t>(i)])];
+        residual += rows.jacobian.value[static_cast<std::size_t>(i)] *
+                    x_[static_cast<std::size_t>(rows.jacobian.column[static_cast<std::size_t>(i)])];
       sum += 0.5 * residual * residual;
     }
     return sum;
   }
 
   /// The correction is a Gaussian process of Matern 3/2 covariance with the standard deviation of the profile: exactly
-  /// that of u'' + 2 k u' + k^2 u = white noise of power 4 k^3 (Hartikainen and Sarkka, 2010), started in its steady state.
+  /// that of u'' + 2 k u' + k^2 u = white noise of power 4 k^3 (Hartikainen and Sarkka, 2010), started in its steady
+  /// state.
   void add_prior(std::size_t chain) {
     const UniformSpline& s = spline(chain);
     const struct {
@@ -423,7 +455,8 @@ class ProfileProblem {
           const double x = (i + u) * s.step_m();
           const auto basis = s.at(x);
           std::array<double, 4> factors;
-          for (std::size_t j = 0; j < 4; ++j) factors[j] = basis.bend[j] + 2.0 * k * basis.slope[j] + k * k * basis.value[j];
+          for (std::size_t j = 0; j < 4; ++j)
+            factors[j] = basis.bend[j] + 2.0 * k * basis.slope[j] + k * k * basis.value[j];
           Entries entries;
           append(entries, field.column + basis.first, factors);
           fixed_.add(entries, 0.0, weight / sigma(x));
@@ -452,7 +485,9 @@ class ProfileProblem {
         const struct {
           std::array<double, 4> UniformSpline::Basis::*of;
           double sigma;
-        } orders[] = {{&UniformSpline::Basis::value, tie_height_m}, {&UniformSpline::Basis::slope, 1e-5}, {&UniformSpline::Basis::bend, 1e-6}};
+        } orders[] = {{&UniformSpline::Basis::value, tie_height_m},
+                      {&UniformSpline::Basis::slope, 1e-5},
+                      {&UniformSpline::Basis::bend, 1e-6}};
         for (const auto& order : orders) {
           Entries entries;
           append(entries, column + a.first, a.*order.of), append(entries, column + b.first, b.*order.of, -1.0);
@@ -488,8 +523,11 @@ class ProfileProblem {
     const DriveLogAccuracy& a = options_.accuracy;
     const SuspensionPrior& s = options_.suspension;
     for (std::size_t k = 0; k < log_.sources.size(); ++k) {
-      const auto add = [&](Parameter p, double mean, double sigma) { fixed_.add({{source(k, p), 1.0}}, mean, 1.0 / sigma); };
-      add(mount_pitch, 0.0, a.mounting_rad), add(mount_roll, 0.0, a.mounting_rad), add(lateral_offset, 0.0, a.mounting_rad);
+      const auto add = [&](Parameter p, double mean, double sigma) {
+        fixed_.add({{source(k, p), 1.0}}, mean, 1.0 / sigma);
+      };
+      add(mount_pitch, 0.0, a.mounting_rad), add(mount_roll, 0.0, a.mounting_rad),
+          add(lateral_offset, 0.0, a.mounting_rad);
       add(pitch_gain, s.pitch_rad_per_mps2, s.pitch_sigma), add(roll_gain, s.roll_rad_per_mps2, s.roll_sigma);
       add(gyro_bias, 0.0, gyro_bias_sigma_radps), add(mount_yaw, 0.0, yaw_mounting_sigma_rad);
     }
@@ -525,27 +563,34 @@ class ProfileProblem {
     };
     const double turn_mps2 = bin.speed_mps * bin.yaw_rate_radps;
     double forward = bin.forward_mps2, left = bin.left_mps2;
-    if (std::isnan(forward)) forward = (std::isnan(bin.acceleration_mps2) ? 0.0 : bin.acceleration_mps2) + gravity_mps2 * gradient;
+    if (std::isnan(forward))
+      forward = (std::isnan(bin.acceleration_mps2) ? 0.0 : bin.acceleration_mps2) + gravity_mps2 * gradient;
     if (std::isnan(left)) left = (std::isnan(turn_mps2) ? 0.0 : turn_mps2) + gravity_mps2 * banking;
 
     if (!std::isnan(bin.nose_up_rad)) {  // atan(gradient) + mounting + squat
       const double slope = 1.0 / (1.0 + gradient * gradient);
-      Measurement m{.value = bin.nose_up_rad - std::atan(gradient) + slope * (gradient - gradient_0), .sigma = a.pitch_rad,
-                    .bin_sigma = bin_sigma(a.pitch_rad, a.pitch_correlation_s, bin), .kind = &DriveResiduals::pitch_rad};
+      Measurement m{.value = bin.nose_up_rad - std::atan(gradient) + slope * (gradient - gradient_0),
+                    .sigma = a.pitch_rad,
+                    .bin_sigma = bin_sigma(a.pitch_rad, a.pitch_correlation_s, bin),
+                    .kind = &DriveResiduals::pitch_rad};
       add_gradient(m.entries, slope);
       m.entries.push_back({source(bin.source, mount_pitch), 1.0});
       m.entries.push_back({source(bin.source, pitch_gain), forward});
       list.push_back(std::move(m));
     }
     if (!std::isnan(bin.climb_mps) && bin.speed_mps > slowest_climb_mps) {
-      Measurement m{.value = bin.climb_mps / bin.speed_mps - gradient_0, .sigma = a.climb_mps / bin.speed_mps,
-                    .bin_sigma = bin_sigma(a.climb_mps, a.climb_correlation_s, bin) / bin.speed_mps, .kind = &DriveResiduals::climb_gradient};
+      Measurement m{.value = bin.climb_mps / bin.speed_mps - gradient_0,
+                    .sigma = a.climb_mps / bin.speed_mps,
+                    .bin_sigma = bin_sigma(a.climb_mps, a.climb_correlation_s, bin) / bin.speed_mps,
+                    .kind = &DriveResiduals::climb_gradient};
       add_gradient(m.entries, 1.0);
       list.push_back(std::move(m));
     }
     if (!std::isnan(bin.z_m)) {  // height of the road below the car + offset + drift
-      Measurement m{.value = bin.z_m - base.z_m - t * base.banking_rad, .sigma = a.height_m,
-                    .bin_sigma = bin_sigma(a.height_m, a.height_correlation_s, bin), .kind = &DriveResiduals::height_m};
+      Measurement m{.value = bin.z_m - base.z_m - t * base.banking_rad,
+                    .sigma = a.height_m,
+                    .bin_sigma = bin_sigma(a.height_m, a.height_correlation_s, bin),
+                    .kind = &DriveResiduals::height_m};
       append(m.entries, z, basis.value), append(m.entries, b, basis.value, t);
       const DriveRecording& recording = log_.recordings[bin.recording];
       const int offset = recording_column_[bin.recording], last = drift_knots(recording) - 2;
@@ -556,12 +601,14 @@ class ProfileProblem {
       if (last >= 0) m.entries.push_back({offset + 2 + knot, x - knot});
       list.push_back(std::move(m));
     }
-    // Roll of the attitude, and the same angle from g sin(roll) = specific force - speed * yaw rate. A filter has made the
-    // one from the other's sensors: where there are both, each counts half.
+    // Roll of the attitude, and the same angle from g sin(roll) = specific force - speed * yaw rate. A filter has made
+    // the one from the other's sensors: where there are both, each counts half.
     const bool both = !std::isnan(bin.roll_rad) && !std::isnan(turn_mps2) && !std::isnan(bin.left_mps2);
     const double half = both ? std::sqrt(2.0) : 1.0;
     if (!std::isnan(bin.roll_rad)) {
-      Measurement m{.value = bin.roll_rad - banking_0, .sigma = a.roll_rad, .bin_sigma = half * bin_sigma(a.roll_rad, a.roll_correlation_s, bin),
+      Measurement m{.value = bin.roll_rad - banking_0,
+                    .sigma = a.roll_rad,
+                    .bin_sigma = half * bin_sigma(a.roll_rad, a.roll_correlation_s, bin),
                     .kind = &DriveResiduals::roll_rad};
       append(m.entries, b, basis.value, d);
       m.entries.push_back({source(bin.source, mount_roll), 1.0});
@@ -570,8 +617,10 @@ class ProfileProblem {
     }
     if (!std::isnan(turn_mps2) && !std::isnan(bin.left_mps2)) {
       const double sine = std::clamp((bin.left_mps2 - turn_mps2) / gravity_mps2, -0.5, 0.5);
-      Measurement m{.value = std::asin(sine) - banking_0, .sigma = a.lateral_mps2 / gravity_mps2,
-                    .bin_sigma = half * bin_sigma(a.lateral_mps2, a.lateral_correlation_s, bin) / gravity_mps2, .kind = &DriveResiduals::lateral_rad};
+      Measurement m{.value = std::asin(sine) - banking_0,
+                    .sigma = a.lateral_mps2 / gravity_mps2,
+                    .bin_sigma = half * bin_sigma(a.lateral_mps2, a.lateral_correlation_s, bin) / gravity_mps2,
+                    .kind = &DriveResiduals::lateral_rad};
       append(m.entries, b, basis.value, d);
       m.entries.push_back({source(bin.source, lateral_offset), 1.0});
       m.entries.push_back({source(bin.source, roll_gain), left});
@@ -641,7 +690,8 @@ void report_disagreement(const RoadNetwork& before, FuseDriveLogsResult& result)
   };
   std::map<std::size_t, Worst> worst;
   for (const DrivenNode& driven : result.driven) {
-    const RoadNode &old = before.paths[driven.path].nodes[driven.node], &now = result.roads.paths[driven.path].nodes[driven.node];
+    const RoadNode &old = before.paths[driven.path].nodes[driven.node],
+                   &now = result.roads.paths[driven.path].nodes[driven.node];
     const double change_m = now.z_m - old.z_m, sigmas = old.sigma_z_m > 0.0 ? std::abs(change_m) / old.sigma_z_m : 0.0;
     if (sigmas <= 3.0) continue;
     Worst& w = worst[driven.path];
@@ -650,7 +700,8 @@ void report_disagreement(const RoadNetwork& before, FuseDriveLogsResult& result)
   }
   for (const auto& [path, w] : worst)
     result.findings.push_back({Severity::warning, "elevate.log_disagrees",
-                               fmt::format("way {}: drive logs move the profile by {:.2f} m, {:.1f} standard deviations of the terrain's, and by more "
+                               fmt::format("way {}: drive logs move the profile by {:.2f} m, {:.1f} standard "
+                                           "deviations of the terrain's, and by more "
                                            "than three at {:.0f} nodes",
                                            before.paths[path].osm_id, w.change_m, w.sigmas, w.count),
                                w.p.x, w.p.y});
@@ -661,38 +712,50 @@ void report_clearance(const RoadNetwork& before, double clearance_m, FuseDriveLo
   constexpr double tolerance_m = 0.1;
   for (const PathCrossing& crossing : find_crossings(result.roads)) {
     const auto room = [&](const RoadNetwork& roads) {
-      const auto z = [](const RoadPath& path, std::size_t i, double f) { return path.nodes[i].z_m * (1.0 - f) + path.nodes[i + 1].z_m * f; };
+      const auto z = [](const RoadPath& path, std::size_t i, double f) {
+        return path.nodes[i].z_m * (1.0 - f) + path.nodes[i + 1].z_m * f;
+      };
       const RoadPath &a = roads.paths[crossing.path_a], &b = roads.paths[crossing.path_b];
-      const double difference = z(a, crossing.segment_a, crossing.fraction_a) - z(b, crossing.segment_b, crossing.fraction_b);
+      const double difference =
+          z(a, crossing.segment_a, crossing.fraction_a) - z(b, crossing.segment_b, crossing.fraction_b);
       return a.layer > b.layer ? difference : -difference;
     };
     const RoadPath &a = result.roads.paths[crossing.path_a], &b = result.roads.paths[crossing.path_b];
-    if (a.layer == b.layer || room(result.roads) >= clearance_m - tolerance_m || room(before) < clearance_m - tolerance_m) continue;
-    result.findings.push_back({Severity::warning, "elevate.log_clearance",
-                               fmt::format("ways {} and {} are {:.1f} m apart in height since the drive logs count, {:.1f} m are wanted", a.osm_id,
-                                           b.osm_id, room(result.roads), clearance_m),
-                               crossing.p.x, crossing.p.y});
+    if (a.layer == b.layer || room(result.roads) >= clearance_m - tolerance_m ||
+        room(before) < clearance_m - tolerance_m)
+      continue;
+    result.findings.push_back(
+        {Severity::warning, "elevate.log_clearance",
+         fmt::format("ways {} and {} are {:.1f} m apart in height since the drive logs count, {:.1f} m are wanted",
+                     a.osm_id, b.osm_id, room(result.roads), clearance_m),
+         crossing.p.x, crossing.p.y});
   }
 }
 
 void check(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOptions& options) {
   if (!(log.crs == roads.crs))
-    throw OptionError(fmt::format("drive logs: roads are in {} but the log in {}, need one CRS", roads.crs.definition, log.crs.definition));
+    throw OptionError(fmt::format("drive logs: roads are in {} but the log in {}, need one CRS", roads.crs.definition,
+                                  log.crs.definition));
   const DriveLogAccuracy& a = options.accuracy;
-  for (const double value : {a.pitch_rad, a.roll_rad, a.climb_mps, a.lateral_mps2, a.height_m, a.height_drift_m, a.height_drift_s, a.mounting_rad,
-                             options.terrain_error_length_m, options.banking_length_m, options.banking_sigma_rad, options.banking_dtm_sigma_rad,
-                             options.unknown_sigma_z_m, options.knot_spacing_m, options.suspension.pitch_sigma, options.suspension.roll_sigma})
+  for (const double value : {a.pitch_rad, a.roll_rad, a.climb_mps, a.lateral_mps2, a.height_m, a.height_drift_m,
+                             a.height_drift_s, a.mounting_rad, options.terrain_error_length_m, options.banking_length_m,
+                             options.banking_sigma_rad, options.banking_dtm_sigma_rad, options.unknown_sigma_z_m,
+                             options.knot_spacing_m, options.suspension.pitch_sigma, options.suspension.roll_sigma})
     if (!(value > 0.0)) throw OptionError("drive logs: standard deviations, lengths and times must be positive");
   for (const RoadPath& path : roads.paths) {
-    if (path.nodes.size() < 2) throw OptionError(fmt::format("drive logs: way {} has fewer than two nodes", path.osm_id));
+    if (path.nodes.size() < 2)
+      throw OptionError(fmt::format("drive logs: way {} has fewer than two nodes", path.osm_id));
     for (const RoadNode& node : path.nodes)
-      if (std::isnan(node.z_m)) throw OptionError(fmt::format("drive logs: way {} has no heights; run `orthodrive elevate` first", path.osm_id));
+      if (std::isnan(node.z_m))
+        throw OptionError(
+            fmt::format("drive logs: way {} has no heights; run `orthodrive elevate` first", path.osm_id));
   }
 }
 
 }  // namespace
 
-FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOptions& options, Monitor* monitor) {
+FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOptions& options,
+                                    Monitor* monitor) {
   check(roads, log, options);
   FuseDriveLogsResult result{.roads = roads};
   const LogMatcher matcher(roads, options.match);
@@ -706,7 +769,8 @@ FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& lo
     result.length_m += match.length_m, result.matched_m += match.matched_m;
     result.findings.insert(result.findings.end(), match.findings.begin(), match.findings.end());
     BinMaker(chains, recording, r, bins).make(match.places);
-    if (monitor) monitor->progress(0.5 * static_cast<double>(r + 1) / static_cast<double>(log.recordings.size()), "drive logs");
+    if (monitor)
+      monitor->progress(0.5 * static_cast<double>(r + 1) / static_cast<double>(log.recordings.size()), "drive logs");
   }
   if (bins.empty()) return result;
   std::vector<MatchedRecording> matched;
@@ -717,9 +781,10 @@ FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& lo
   result.solve = problem.solve();
   problem.take(result);
   if (!result.solve.converged)
-    result.findings.push_back({Severity::warning, "elevate.log_not_converged",
-                               fmt::format("the profile of the drive logs still moved after {} passes", result.solve.iterations),
-                               log.recordings.front().poses.front().p.x, log.recordings.front().poses.front().p.y});
+    result.findings.push_back(
+        {Severity::warning, "elevate.log_not_converged",
+         fmt::format("the profile of the drive logs still moved after {} passes", result.solve.iterations),
+         log.recordings.front().poses.front().p.x, log.recordings.front().poses.front().p.y});
   report_disagreement(roads, result);
   report_clearance(roads, options.clearance_m, result);
   if (monitor) monitor->progress(1.0, "drive logs");

@@ -23,7 +23,9 @@ struct LogChains {
   std::vector<LogChain> chains;
   std::vector<std::size_t> chain_of, part_of;  ///< [path]
 
-  [[nodiscard]] const LogChain::Part& part(std::size_t path) const { return chains[chain_of[path]].parts[part_of[path]]; }
+  [[nodiscard]] const LogChain::Part& part(std::size_t path) const {
+    return chains[chain_of[path]].parts[part_of[path]];
+  }
   [[nodiscard]] double along_m(std::size_t path, double s_m) const {
     const LogChain::Part& p = part(path);
     return p.reversed ? p.begin_m + p.length_m - s_m : p.begin_m + s_m;

@@ -15,9 +15,9 @@
 namespace orthodrive {
 namespace {
 
-constexpr double backwards_m = 5.0;      // noise may put a pose behind the one before
+constexpr double backwards_m = 5.0;        // noise may put a pose behind the one before
 constexpr double longest_detour_m = 40.0;  // a way on roads that is longer than the straight one by more is none
-constexpr double leave_road_log = -6.0;  // ln of the probability to leave roads, or to come back, between two poses
+constexpr double leave_road_log = -6.0;    // ln of the probability to leave roads, or to come back, between two poses
 constexpr double impossible = -1e300;
 
 /// A place on a road, driven in one direction.
@@ -48,7 +48,8 @@ LogPlace project_between(const RoadPath& path, double s_low, double s_high, Vec2
   std::size_t i = at == nodes.begin() ? 0 : static_cast<std::size_t>(at - nodes.begin()) - 1;
   LogPlace best;
   distance_m = std::numeric_limits<double>::infinity();
-  for (; i + 1 < nodes.size() && (nodes[i].s_m <= s_high || distance_m == std::numeric_limits<double>::infinity()); ++i) {
+  for (; i + 1 < nodes.size() && (nodes[i].s_m <= s_high || distance_m == std::numeric_limits<double>::infinity());
+       ++i) {
     const RoadNode &a = nodes[i], &b = nodes[i + 1];
     const double run = b.s_m - a.s_m;
     if (!(run > 0.0)) continue;
@@ -78,8 +79,8 @@ struct LogMatcher::Graph {
   };
   LineGrid grid;
   std::vector<Polyline> lines;
-  std::vector<std::vector<Stop>> stops;     ///< [path], ascending
-  std::vector<std::vector<Visit>> visits;   ///< [vertex]
+  std::vector<std::vector<Stop>> stops;    ///< [path], ascending
+  std::vector<std::vector<Visit>> visits;  ///< [vertex]
 
   explicit Graph(const RoadNetwork& roads, std::vector<Polyline> all) : grid(all, 32.0), lines(std::move(all)) {
     std::map<std::int64_t, int> uses;
@@ -119,11 +120,14 @@ struct LogMatcher::Graph {
     };
     const auto& first = stops[from.path];
     if (from.forward) {
-      const auto at = std::lower_bound(first.begin(), first.end(), from.s_m, [](const Stop& a, double s) { return a.s_m < s; });
+      const auto at =
+          std::lower_bound(first.begin(), first.end(), from.s_m, [](const Stop& a, double s) { return a.s_m < s; });
       if (at != first.end()) offer(at->vertex, at->s_m - from.s_m, {}, {from.path, from.s_m, at->s_m});
     } else {
-      const auto at = std::upper_bound(first.begin(), first.end(), from.s_m, [](double s, const Stop& a) { return s < a.s_m; });
-      if (at != first.begin()) offer((at - 1)->vertex, from.s_m - (at - 1)->s_m, {}, {from.path, from.s_m, (at - 1)->s_m});
+      const auto at =
+          std::upper_bound(first.begin(), first.end(), from.s_m, [](double s, const Stop& a) { return s < a.s_m; });
+      if (at != first.begin())
+        offer((at - 1)->vertex, from.s_m - (at - 1)->s_m, {}, {from.path, from.s_m, (at - 1)->s_m});
     }
     while (!queue.empty()) {
       const auto [way_m, vertex] = queue.top();
@@ -151,10 +155,12 @@ struct LogMatcher::Graph {
   [[nodiscard]] const Stop* stop_before(const Candidate& to) const {
     const auto& along = stops[to.path];
     if (to.forward) {
-      const auto at = std::upper_bound(along.begin(), along.end(), to.s_m, [](double s, const Stop& a) { return s < a.s_m; });
+      const auto at =
+          std::upper_bound(along.begin(), along.end(), to.s_m, [](double s, const Stop& a) { return s < a.s_m; });
       return at == along.begin() ? nullptr : &*(at - 1);
     }
-    const auto at = std::lower_bound(along.begin(), along.end(), to.s_m, [](const Stop& a, double s) { return a.s_m < s; });
+    const auto at =
+        std::lower_bound(along.begin(), along.end(), to.s_m, [](const Stop& a, double s) { return a.s_m < s; });
     return at == along.end() ? nullptr : &*at;
   }
 
@@ -242,7 +248,9 @@ MatchLogResult LogMatcher::match(const DriveRecording& recording, const std::str
       double nearest_m = std::numeric_limits<double>::infinity(), road_heading = 0.0;
       Candidate place;
       std::size_t b = a;
-      for (; b < segments.size() && segments[b].line == segments[a].line && segments[b].index - segments[a].index == b - a; ++b) {
+      for (; b < segments.size() && segments[b].line == segments[a].line &&
+             segments[b].index - segments[a].index == b - a;
+           ++b) {
         const auto& nodes = roads_.paths[segments[b].line].nodes;
         const RoadNode &from = nodes[segments[b].index], &to = nodes[segments[b].index + 1];
         double far_m = 0.0;
@@ -269,7 +277,9 @@ MatchLogResult LogMatcher::match(const DriveRecording& recording, const std::str
   // Viterbi. State candidates.size() of a frame is "on no road".
   std::vector<std::vector<double>> score(frames.size());
   std::vector<std::vector<std::size_t>> from(frames.size());
-  const auto distance_between = [&](std::size_t k) { return distance(poses[frames[k - 1].pose].p, poses[frames[k].pose].p); };
+  const auto distance_between = [&](std::size_t k) {
+    return distance(poses[frames[k - 1].pose].p, poses[frames[k].pose].p);
+  };
   const auto reach_limit = [&](std::size_t k) { return distance_between(k) + longest_detour_m; };
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const auto& now = frames[k].candidates;
@@ -300,13 +310,16 @@ MatchLogResult LogMatcher::match(const DriveRecording& recording, const std::str
     score[k][now.size()] += no_road_log;
   }
   std::vector<std::size_t> state(frames.size());
-  state.back() = static_cast<std::size_t>(std::max_element(score.back().begin(), score.back().end()) - score.back().begin());
+  state.back() =
+      static_cast<std::size_t>(std::max_element(score.back().begin(), score.back().end()) - score.back().begin());
   for (std::size_t k = frames.size() - 1; k > 0; --k) state[k - 1] = from[k][state[k]];
 
   // Poses between two matched ones lie on the way between them.
   const auto on_road = [&](std::size_t k) { return state[k] < frames[k].candidates.size(); };
   const auto candidate = [&](std::size_t k) { return frames[k].candidates[state[k]]; };
-  const auto take = [&](std::size_t pose, const Candidate& c) { result.places[pose] = LogPlace{c.path, c.s_m, c.offset_m, c.forward}; };
+  const auto take = [&](std::size_t pose, const Candidate& c) {
+    result.places[pose] = LogPlace{c.path, c.s_m, c.offset_m, c.forward};
+  };
   for (std::size_t k = 0; k < frames.size(); ++k) {
     if (on_road(k)) take(frames[k].pose, candidate(k));
     if (k == 0) continue;
@@ -334,9 +347,10 @@ MatchLogResult LogMatcher::match(const DriveRecording& recording, const std::str
 
   // What is on no road, stretch by stretch.
   if (std::none_of(result.places.begin(), result.places.end(), [](const auto& place) { return place.has_value(); })) {
-    result.findings.push_back({Severity::warning, "drive_log.no_match",
-                               fmt::format("{}: {:.0f} m from {:.2f} s on match no road", name, result.length_m, poses.front().time_s),
-                               poses.front().p.x, poses.front().p.y});
+    result.findings.push_back(
+        {Severity::warning, "drive_log.no_match",
+         fmt::format("{}: {:.0f} m from {:.2f} s on match no road", name, result.length_m, poses.front().time_s),
+         poses.front().p.x, poses.front().p.y});
     return result;
   }
   for (std::size_t k = 1; k < frames.size();) {
@@ -349,9 +363,10 @@ MatchLogResult LogMatcher::match(const DriveRecording& recording, const std::str
     for (; k < frames.size() && !(on_road(k) && on_road(k - 1)); ++k) run_m += distance_between(k);
     if (run_m < options_.unmatched_finding_m) continue;
     const Vec2 p = poses[frames[first].pose].p;
-    result.findings.push_back({Severity::info, "drive_log.unmatched",
-                               fmt::format("{}: {:.0f} m from {:.2f} s on match no road", name, run_m, poses[frames[first].pose].time_s),
-                               p.x, p.y});
+    result.findings.push_back(
+        {Severity::info, "drive_log.unmatched",
+         fmt::format("{}: {:.0f} m from {:.2f} s on match no road", name, run_m, poses[frames[first].pose].time_s), p.x,
+         p.y});
   }
   return result;
 }

@@ -25,8 +25,8 @@ std::size_t stretch_count(const RoadPath& path, double stretch_m) {
   return static_cast<std::size_t>(std::max(1.0, std::floor(path.nodes.back().s_m / stretch_m)));
 }
 
-/// |z_body / z_road|^2 of both axles and both tracks. The rear axle follows over the same profile; the tracks are coherent
-/// as those of an isotropic surface of waviness 2 are: x K_1(x), x = 2 pi n track (Kamash and Robson, 1978).
+/// |z_body / z_road|^2 of both axles and both tracks. The rear axle follows over the same profile; the tracks are
+/// coherent as those of an isotropic surface of waviness 2 are: x K_1(x), x = 2 pi n track (Kamash and Robson, 1978).
 double vehicle_share(const MeasureRoughnessOptions& options, double wave_number) {
   const double f = options.sensor_from_rear, x = 2.0 * std::numbers::pi * wave_number * options.track_m;
   const double axles = f * f + (1.0 - f) * (1.0 - f) +
@@ -39,10 +39,12 @@ struct WindowPlace {
   double speed_mps = 0.0;
   LogPlace place;
 };
-std::optional<WindowPlace> place_window(const MatchedRecording& matched, double from_s, double to_s, double slowest_mps) {
+std::optional<WindowPlace> place_window(const MatchedRecording& matched, double from_s, double to_s,
+                                        double slowest_mps) {
   const auto& poses = matched.recording->poses;
   const auto index_at = [&](double t) {
-    const auto at = std::lower_bound(poses.begin(), poses.end(), t, [](const DrivePose& p, double time) { return p.time_s < time; });
+    const auto at = std::lower_bound(poses.begin(), poses.end(), t,
+                                     [](const DrivePose& p, double time) { return p.time_s < time; });
     return static_cast<std::size_t>(std::min(at, poses.end() - 1) - poses.begin());
   };
   const std::size_t a = index_at(from_s), b = index_at(to_s), middle = index_at(0.5 * (from_s + to_s));
@@ -88,7 +90,8 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
   std::vector<double> x(n);
   for (std::size_t begin = 0; begin + n <= imu.size(); begin += n / 2) {
     const double from_s = imu[begin].time_s, to_s = imu[begin + n - 1].time_s;
-    if (std::abs((to_s - from_s) / (static_cast<double>(n - 1) * step_s) - 1.0) > 0.02) continue;  // samples are missing
+    if (std::abs((to_s - from_s) / (static_cast<double>(n - 1) * step_s) - 1.0) > 0.02)
+      continue;  // samples are missing
     const auto window = place_window(matched, from_s, to_s, options.slowest_mps);
     if (!window) continue;
     double mean = 0.0, slope = 0.0, squares = 0.0;
@@ -99,22 +102,27 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
       const double t = static_cast<double>(i) - middle;
       slope += t * x[i], squares += t * t;
     }
-    for (std::size_t i = 0; i < n; ++i) x[i] = (x[i] - mean - slope / squares * (static_cast<double>(i) - middle)) * hann[i];
+    for (std::size_t i = 0; i < n; ++i)
+      x[i] = (x[i] - mean - slope / squares * (static_cast<double>(i) - middle)) * hann[i];
     const RoadPath& path = roads.paths[window->place.path];
     const std::size_t stretches = stretch_count(path, options.stretch_m);
-    const std::size_t stretch = std::min(
-        stretches - 1, static_cast<std::size_t>(std::max(0.0, window->place.s_m) / path.nodes.back().s_m * static_cast<double>(stretches)));
+    const std::size_t stretch =
+        std::min(stretches - 1, static_cast<std::size_t>(std::max(0.0, window->place.s_m) / path.nodes.back().s_m *
+                                                         static_cast<double>(stretches)));
     auto& list = values[{window->place.path, stretch}];
     const double bin_hz = 1.0 / (static_cast<double>(n) * step_s);
-    for (auto k = static_cast<std::size_t>(std::ceil(options.lowest_hz / bin_hz)); static_cast<double>(k) * bin_hz <= highest_hz; ++k) {
+    for (auto k = static_cast<std::size_t>(std::ceil(options.lowest_hz / bin_hz));
+         static_cast<double>(k) * bin_hz <= highest_hz; ++k) {
       std::complex<double> sum = 0.0;
-      const std::complex<double> turn = std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
+      const std::complex<double> turn =
+          std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
       std::complex<double> phase = 1.0;
       for (std::size_t i = 0; i < n; ++i, phase *= turn) sum += phase * x[i];
       const double hz = static_cast<double>(k) * bin_hz, wave_number = hz / window->speed_mps;
-      list.push_back({wave_number, 2.0 * std::norm(sum) * step_s / power,
-                      body_acceleration_gain2(options.car, hz) * vehicle_share(options, wave_number) / window->speed_mps,
-                      options.noise_mps2_per_root_hz * options.noise_mps2_per_root_hz});
+      list.push_back(
+          {wave_number, 2.0 * std::norm(sum) * step_s / power,
+           body_acceleration_gain2(options.car, hz) * vehicle_share(options, wave_number) / window->speed_mps,
+           options.noise_mps2_per_root_hz * options.noise_mps2_per_root_hz});
     }
   }
 }
@@ -122,7 +130,9 @@ void add_windows(const RoadNetwork& roads, const MatchedRecording& matched, cons
 /// Fisher scoring of Whittle's likelihood in ln G_d(n0) and w, with the prior of w.
 RoughnessStretch fit_spectrum(const std::vector<SpectralValue>& values, const MeasureRoughnessOptions& options) {
   double w = options.waviness, sum = 0.0;
-  const auto road = [&](const SpectralValue& v) { return v.gain * std::pow(v.wave_number / roughness_n0_cycles_per_m, -w); };
+  const auto road = [&](const SpectralValue& v) {
+    return v.gain * std::pow(v.wave_number / roughness_n0_cycles_per_m, -w);
+  };
   for (const SpectralValue& v : values) sum += std::max(1e-3 * v.power, v.power - v.noise) / road(v);
   double ln_g = std::log(std::max(1e-9, sum / static_cast<double>(values.size()))), variance = 0.0;
   const double prior = 1.0 / (options.waviness_sigma * options.waviness_sigma);
@@ -154,14 +164,17 @@ RoughnessStretch fit_spectrum(const std::vector<SpectralValue>& values, const Me
 double body_acceleration_gain2(const QuarterCar& car, double frequency_hz) {
   const std::complex<double> s(0.0, 2.0 * std::numbers::pi * frequency_hz);
   const std::complex<double> strut = car.spring_stiffness_1ps2 + car.damping_1ps * s;
-  const std::complex<double> body = strut * car.tyre_stiffness_1ps2 /
+  const std::complex<double> body =
+      strut * car.tyre_stiffness_1ps2 /
       ((s * s + strut) * (car.unsprung_mass_ratio * s * s + car.tyre_stiffness_1ps2 + strut) - strut * strut);
   return std::norm(s * s * body);
 }
 
-std::vector<RoughnessStretch> measure_roughness(const RoadNetwork& roads, const std::vector<MatchedRecording>& recordings,
+std::vector<RoughnessStretch> measure_roughness(const RoadNetwork& roads,
+                                                const std::vector<MatchedRecording>& recordings,
                                                 const MeasureRoughnessOptions& options) {
-  if (!(options.stretch_m > 0.0) || !(options.window_s > 0.0) || !(options.lowest_hz > 0.0) || !(options.slowest_mps > 0.0))
+  if (!(options.stretch_m > 0.0) || !(options.window_s > 0.0) || !(options.lowest_hz > 0.0) ||
+      !(options.slowest_mps > 0.0))
     throw OptionError("roughness: stretch, window, lowest frequency and slowest speed must be positive");
   std::map<StretchKey, std::vector<SpectralValue>> values;
   for (const MatchedRecording& matched : recordings) add_windows(roads, matched, options, values);
@@ -172,7 +185,8 @@ std::vector<RoughnessStretch> measure_roughness(const RoadNetwork& roads, const 
     const double length = path.nodes.back().s_m / static_cast<double>(stretch_count(path, options.stretch_m));
     RoughnessStretch stretch = fit_spectrum(list, options);
     stretch.osm_id = path.osm_id, stretch.part = path.part;
-    stretch.s_begin_m = static_cast<double>(key.second) * length, stretch.s_end_m = static_cast<double>(key.second + 1) * length;
+    stretch.s_begin_m = static_cast<double>(key.second) * length,
+    stretch.s_end_m = static_cast<double>(key.second + 1) * length;
     stretches.push_back(stretch);
   }
   return stretches;

@@ -21,7 +21,7 @@ struct UniformSpline {
   [[nodiscard]] double step_m() const { return length_m / intervals; }
 
   struct Basis {
-    int first = 0;  ///< the coefficients first ... first + 3 count
+    int first = 0;                                   ///< the coefficients first ... first + 3 count
     std::array<double, 4> value{}, slope{}, bend{};  ///< basis functions, their first and second derivatives by metre
   };
   [[nodiscard]] Basis at(double s_m) const {

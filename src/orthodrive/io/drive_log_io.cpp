@@ -72,12 +72,12 @@ fs::path find_array(const fs::path& folder, const char* ours, const char* publis
 NpyTable need_array(const fs::path& folder, const char* ours, const char* published) {
   const fs::path file = find_array(folder, ours, published);
   if (file.empty())
-    throw InputError(folder.string(),
-                     fmt::format("is no comma2k19 segment: has neither {} nor {}", ours, published));
+    throw InputError(folder.string(), fmt::format("is no comma2k19 segment: has neither {} nor {}", ours, published));
   return read_npy(file);
 }
 
-void need_shape(const fs::path& folder, const char* what, const NpyTable& table, std::size_t rows, std::size_t columns) {
+void need_shape(const fs::path& folder, const char* what, const NpyTable& table, std::size_t rows,
+                std::size_t columns) {
   if (table.rows != rows || table.columns != columns)
     throw InputError(folder.string(), fmt::format("{} are {} x {} values, need {} x {} as there are times", what,
                                                   table.rows, table.columns, rows, columns));
@@ -103,14 +103,31 @@ void set_attitude(RawPose& pose, const LocalFrame& frame, const NpyTable& quater
   pose.true_heading_rad = std::atan2(forward.y, forward.x);
 }
 
+/// Speed on the vehicle's bus, where no velocities were recorded. Linear between its times.
+void set_bus_speed(const fs::path& folder, std::vector<RawPose>& poses) {
+  const fs::path file = find_array(folder, "can/speed_t.npy", "processed_log/CAN/speed/t");
+  if (file.empty()) return;
+  const NpyTable times = read_npy(file);
+  const auto speeds =
+      find_table(folder, "can/speed_value.npy", "processed_log/CAN/speed/value", "speeds", times.rows, 1);
+  if (!speeds) return;
+  for (RawPose& raw : poses) {
+    const auto after = static_cast<std::size_t>(
+        std::upper_bound(times.values.begin(), times.values.end(), raw.pose.time_s) - times.values.begin());
+    if (after == 0 || after == times.rows) continue;
+    const double f = (raw.pose.time_s - times.at(after - 1)) / (times.at(after) - times.at(after - 1));
+    raw.pose.speed_mps = speeds->at(after - 1) * (1.0 - f) + speeds->at(after) * f;
+  }
+}
+
 RawLog read_comma_segment(const fs::path& folder) {
   const NpyTable times = need_array(folder, "pose/times.npy", "global_pos/frame_times");
   const NpyTable positions = need_array(folder, "pose/positions_ecef.npy", "global_pos/frame_positions");
   need_shape(folder, "positions", positions, times.rows, 3);
-  const auto velocities = find_table(folder, "pose/velocities_ecef.npy", "global_pos/frame_velocities", "velocities",
-                                     times.rows, 3);
-  const auto attitudes = find_table(folder, "pose/orientations_ecef.npy", "global_pos/frame_orientations",
-                                    "orientations", times.rows, 4);
+  const auto velocities =
+      find_table(folder, "pose/velocities_ecef.npy", "global_pos/frame_velocities", "velocities", times.rows, 3);
+  const auto attitudes =
+      find_table(folder, "pose/orientations_ecef.npy", "global_pos/frame_orientations", "orientations", times.rows, 4);
   RawLog log;
   for (std::size_t i = 0; i < times.rows; ++i) {
     RawPose pose;
@@ -128,6 +145,7 @@ RawLog read_comma_segment(const fs::path& folder) {
     }
     log.poses.push_back(pose);
   }
+  if (!velocities) set_bus_speed(folder, log.poses);
   if (const fs::path file = find_array(folder, "imu/accelerometer_t.npy", "processed_log/IMU/accelerometer/t");
       !file.empty()) {
     const NpyTable imu_times = read_npy(file);
@@ -148,11 +166,25 @@ RawLog read_comma_segment(const fs::path& folder) {
 // --- CSV
 
 enum class Column {
-  time, lat, lon, alt, sigma, roll, pitch, heading, acc_x, acc_y, acc_z, yaw_rate, speed, climb, count
+  time,
+  lat,
+  lon,
+  alt,
+  sigma,
+  roll,
+  pitch,
+  heading,
+  acc_x,
+  acc_y,
+  acc_z,
+  yaw_rate,
+  speed,
+  climb,
+  count
 };
 constexpr std::array<std::string_view, static_cast<std::size_t>(Column::count)> column_names{
-    "time_s",     "lat",        "lon",        "alt_m",        "sigma_m",   "roll_deg", "pitch_deg", "heading_deg",
-    "acc_x_mps2", "acc_y_mps2", "acc_z_mps2", "yaw_rate_dps", "speed_mps", "climb_mps"};
+    "time_s",      "lat",        "lon",        "alt_m",      "sigma_m",      "roll_deg",  "pitch_deg",
+    "heading_deg", "acc_x_mps2", "acc_y_mps2", "acc_z_mps2", "yaw_rate_dps", "speed_mps", "climb_mps"};
 
 std::string_view trimmed(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r\""), end = text.find_last_not_of(" \t\r\"");
@@ -203,8 +235,8 @@ class CsvLog {
       const double time = value(Column::time);
       if (!std::isfinite(time)) throw InputError(file_.string(), fmt::format("line {}: no time", number_));
       if (imu)
-        log.imu.push_back({time, {value(Column::acc_x), value(Column::acc_y), value(Column::acc_z)},
-                           value(Column::yaw_rate) * rad});
+        log.imu.push_back(
+            {time, {value(Column::acc_x), value(Column::acc_y), value(Column::acc_z)}, value(Column::yaw_rate) * rad});
       const double lat = value(Column::lat), lon = value(Column::lon);
       if (imu && std::isnan(lat) && std::isnan(lon)) continue;  // inertial values come more often than fixes
       RawPose& raw = log.poses.emplace_back();
@@ -260,7 +292,7 @@ class CsvLog {
 /// The poses of a source with a place in the site, and what had to be left out.
 class Placer {
  public:
-  Placer(const SiteFrame& site)
+  explicit Placer(const SiteFrame& site)
       : site_(site), site_from_lonlat_(Crs{"EPSG:4326"}, site.crs), area_(lonlat_bounds(site.area.outer, site.crs)) {
     constexpr double degree_m = 111'000.0;
     const double middle = 0.5 * (area_.min_y + area_.max_y) * rad, margin = margin_m / degree_m;
@@ -293,9 +325,10 @@ class Placer {
                                      : poses.front().p;
     const auto report = [&](std::size_t count, const char* code, const std::string& what) {
       if (count > 0)
-        findings.push_back({Severity::warning, code, fmt::format("{}: {} of {} poses {}", source.filename().string(),
-                                                                 count, log.poses.size(), what),
-                            where.x, where.y});
+        findings.push_back(
+            {Severity::warning, code,
+             fmt::format("{}: {} of {} poses {}", source.filename().string(), count, log.poses.size(), what), where.x,
+             where.y});
     };
     report(placeless, "drive_log.no_position", "have no position and are left out");
     report(backwards, "drive_log.time_order", "are not later than the one before and are left out");
@@ -342,8 +375,8 @@ std::optional<Finding> break_between(const std::string& source, const DrivePose&
                    fmt::format("{}: nothing for {:.1f} s after {:.2f} s ({:.0f} m), the log is split there", source,
                                step_s, a.time_s, step_m),
                    a.p.x, a.p.y};
-  const double speed = std::isnan(a.speed_mps) && std::isnan(b.speed_mps) ? fastest_mps
-                                                                          : std::fmax(a.speed_mps, b.speed_mps);
+  const double speed =
+      std::isnan(a.speed_mps) && std::isnan(b.speed_mps) ? fastest_mps : std::fmax(a.speed_mps, b.speed_mps);
   const double step_z_m = std::isnan(a.z_m) || std::isnan(b.z_m) ? 0.0 : std::abs(b.z_m - a.z_m);
   if (step_m > jump_m + 1.5 * speed * step_s || step_z_m > jump_z_m + 0.5 * speed * step_s)
     return Finding{Severity::warning, "drive_log.jump",
@@ -357,9 +390,9 @@ std::optional<Finding> break_between(const std::string& source, const DrivePose&
 void split(const std::vector<DrivePose>& poses, std::vector<DriveImu> imu, std::size_t source, DriveLog& log,
            Findings& findings) {
   std::stable_sort(imu.begin(), imu.end(), [](const DriveImu& a, const DriveImu& b) { return a.time_s < b.time_s; });
-  imu.erase(std::unique(imu.begin(), imu.end(),
-                        [](const DriveImu& a, const DriveImu& b) { return a.time_s == b.time_s; }),
-            imu.end());
+  imu.erase(
+      std::unique(imu.begin(), imu.end(), [](const DriveImu& a, const DriveImu& b) { return a.time_s == b.time_s; }),
+      imu.end());
   const double longest_step_s = std::max(gap_s, gap_steps * usual_step_s(poses));
   const auto finish = [&](std::size_t begin, std::size_t end) {
     if (end - begin < 2) return;
@@ -400,10 +433,10 @@ DriveLogs read_drive_logs(const std::vector<fs::path>& paths, const SiteFrame& s
       CsvLog csv(path);
       raw = csv.read();
       if (!csv.unknown_columns().empty())
-        result.findings.push_back({Severity::info, "drive_log.unknown_column",
-                                   fmt::format("{}: columns {} are not known and do not count; known are {}",
-                                               path.filename().string(), fmt::join(csv.unknown_columns(), ", "),
-                                               fmt::join(column_names, ", "))});
+        result.findings.push_back(
+            {Severity::info, "drive_log.unknown_column",
+             fmt::format("{}: columns {} are not known and do not count; known are {}", path.filename().string(),
+                         fmt::join(csv.unknown_columns(), ", "), fmt::join(column_names, ", "))});
     }
     if (raw.poses.empty()) throw InputError(path.string(), "has no pose; record times and positions");
     split(placer.place(path, raw, result.findings), std::move(raw.imu), source, result.log, result.findings);

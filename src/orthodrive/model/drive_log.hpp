@@ -20,9 +20,9 @@ inline constexpr double not_recorded = std::numeric_limits<double>::quiet_NaN();
 /// Position and attitude at one time, as a receiver or a GNSS/INS filter gives them.
 struct DrivePose {
   double time_s = 0.0;
-  Vec2 p;                        ///< site CRS
-  double z_m = not_recorded;     ///< any datum: its offset to the site's heights is estimated
-  double sigma_p_m = 2.0;        ///< standard deviation of each coordinate of p
+  Vec2 p;                     ///< site CRS
+  double z_m = not_recorded;  ///< any datum: its offset to the site's heights is estimated
+  double sigma_p_m = 2.0;     ///< standard deviation of each coordinate of p
   double roll_rad = not_recorded, pitch_rad = not_recorded;
   double heading_rad = not_recorded;
   double speed_mps = not_recorded;  ///< horizontal, over the ground

@@ -24,11 +24,22 @@ double iso_8608_mean_m3(char road_class) {
 }
 
 RoughnessField::RoughnessField(std::vector<RoughnessStretch> stretches, std::uint64_t seed,
-                               const RoughnessFieldOptions& options)
-    : stretches_(std::move(stretches)), blend_m_(options.blend_m) {
+                               const RoughnessFieldOptions& options) {
   if (!(options.shortest_wave_m > 0.0) || !(options.longest_wave_m > options.shortest_wave_m) ||
       !(options.waviness > 1.0) || options.waves < 1 || !(options.blend_m >= 0.0))
     throw OptionError("roughness: needs 0 < shortest wave < longest wave, a waviness above 1, a wave at least");
+  half_blend_m_ = 0.5 * options.blend_m;
+  for (const RoughnessStretch& r : stretches) half_blend_m_ = std::min(half_blend_m_, 0.5 * (r.s_end_m - r.s_begin_m));
+  const auto touch = [](const RoughnessStretch& a, const RoughnessStretch& b) {
+    return b.s_begin_m - a.s_end_m < 1e-6;
+  };
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    const RoughnessStretch& r = stretches[i];
+    const bool from_other = i > 0 && touch(stretches[i - 1], r),
+               to_other = i + 1 < stretches.size() && touch(r, stretches[i + 1]);
+    levels_.push_back({r.s_begin_m + (from_other ? 0.0 : half_blend_m_), r.s_end_m - (to_other ? 0.0 : half_blend_m_),
+                       std::sqrt(r.gd_n0_m3)});
+  }
   Random random(seed);
   const double low = 1.0 / options.longest_wave_m, ratio = options.longest_wave_m / options.shortest_wave_m;
   const double w = options.waviness;
@@ -42,8 +53,7 @@ RoughnessField::RoughnessField(std::vector<RoughnessStretch> stretches, std::uin
     // Student's t with w degrees of freedom over sqrt(w): Bailey, Polar generation of random variates with the
     // t-distribution, 1994.
     const double u = 1.0 - random.uniform(), direction = random.uniform();
-    const double across =
-        n * std::sqrt(std::pow(u, -2.0 / w) - 1.0) * std::cos(2.0 * std::numbers::pi * direction);
+    const double across = n * std::sqrt(std::pow(u, -2.0 / w) - 1.0) * std::cos(2.0 * std::numbers::pi * direction);
     const double limit = 1.0 / options.shortest_wave_m;  // band limited in every direction
     waves_.push_back({std::sqrt(2.0 * power), 2.0 * std::numbers::pi * n,
                       2.0 * std::numbers::pi * std::clamp(across, -limit, limit),
@@ -51,19 +61,18 @@ RoughnessField::RoughnessField(std::vector<RoughnessStretch> stretches, std::uin
   }
 }
 
-/// Root of G_d(n0) at s, going over smoothly between stretches that touch and to 0 at the ends of the measured part.
+/// Root of G_d(n0) at s, going over smoothly from stretch to stretch.
 double RoughnessField::amplitude_at(double s_m) const {
-  const double reach = 0.5 * blend_m_;
-  double sum = 0.0;
-  const auto step = [&](double x) {  // smooth from 0 to 1 over the blend
-    if (reach <= 0.0) return x >= 0.0 ? 1.0 : 0.0;
-    const double u = std::clamp(0.5 * (x / reach + 1.0), 0.0, 1.0);
+  const auto step = [&](double x) {  // 0 to 1, with two continuous derivatives
+    if (half_blend_m_ <= 0.0) return x >= 0.0 ? 1.0 : 0.0;
+    const double u = std::clamp(0.5 * (x / half_blend_m_ + 1.0), 0.0, 1.0);
     return u * u * u * (10.0 + u * (6.0 * u - 15.0));
   };
-  auto first = std::partition_point(stretches_.begin(), stretches_.end(),
-                                    [&](const RoughnessStretch& r) { return r.s_end_m + reach < s_m; });
-  for (; first != stretches_.end() && first->s_begin_m - reach <= s_m; ++first)
-    sum += std::sqrt(first->gd_n0_m3) * (step(s_m - first->s_begin_m) - step(s_m - first->s_end_m));
+  auto level = std::partition_point(levels_.begin(), levels_.end(),
+                                    [&](const Level& l) { return l.falls_m + half_blend_m_ < s_m; });
+  double sum = 0.0;
+  for (; level != levels_.end() && level->rises_m - half_blend_m_ <= s_m; ++level)
+    sum += level->amplitude * (step(s_m - level->rises_m) - step(s_m - level->falls_m));
   return sum;
 }
 

@@ -29,18 +29,20 @@ struct RoughnessFieldOptions {
   double shortest_wave_m = 0.1, longest_wave_m = 20.0;  ///< along the road; longer ones are in the profile
   double waviness = 2.0;
   int waves = 160;
-  double blend_m = 10.0;  ///< over which one stretch goes over into the next
+  double blend_m = 10.0;  ///< over which one stretch goes over into the next; ends go to 0 inside their stretch
 };
 
-/// A height to add to a road's surface, a pure function of the place (s along the path, t to its left). Along every line
-/// t = constant its PSD is that of the stretch, within the band; across it is as rough as along (isotropic, as Kamash and
-/// Robson, The application of isotropy in road surface modelling, 1978, have it). Outside the stretches it is 0.
-/// Plane waves sum a_i cos(2 pi (n_i s + m_i t) + phase_i): a_i^2 / 2 = G_d(n_i) dn_i, and m_i is drawn from the
-/// distribution that an isotropic surface has given n_i, Student's t with w degrees of freedom (Abel transform of n^-w).
+/// A height to add to a road's surface, a pure function of the place (s along the path, t to its left). Along every
+/// line t = constant its PSD is that of the stretch, within the band; across it is as rough as along (isotropic, as
+/// Kamash and Robson, The application of isotropy in road surface modelling, 1978, have it). Outside the stretches it
+/// is 0. Plane waves sum a_i cos(2 pi (n_i s + m_i t) + phase_i): a_i^2 / 2 = G_d(n_i) dn_i, and m_i is drawn from the
+/// distribution that an isotropic surface has given n_i, Student's t with w degrees of freedom (Abel transform of
+/// n^-w).
 class RoughnessField {
  public:
   /// Stretches of one path in ascending s. Throws OptionError for a band or waviness that is not positive.
-  RoughnessField(std::vector<RoughnessStretch> stretches, std::uint64_t seed, const RoughnessFieldOptions& options = {});
+  RoughnessField(std::vector<RoughnessStretch> stretches, std::uint64_t seed,
+                 const RoughnessFieldOptions& options = {});
 
   [[nodiscard]] double height_m(double s_m, double t_m) const;
   /// Standard deviation of the height where G_d(n0) is `gd_n0_m3`: the root of the sum of the waves' powers.
@@ -50,9 +52,13 @@ class RoughnessField {
   struct Wave {
     double amplitude_m, n_s, n_t, phase;  ///< amplitude of a G_d(n0) of 1 m3; angular wave numbers in rad/m
   };
+  /// Where a stretch has come and gone by half, and the root of its G_d(n0).
+  struct Level {
+    double rises_m, falls_m, amplitude;
+  };
   [[nodiscard]] double amplitude_at(double s_m) const;
-  std::vector<RoughnessStretch> stretches_;
-  double blend_m_;
+  std::vector<Level> levels_;
+  double half_blend_m_ = 0.0;
   std::vector<Wave> waves_;
 };
 
