@@ -53,16 +53,16 @@ struct TrueRoad {
   }
 };
 
-/// A stationary process of the covariance that the fusion assumes (Matern 3/2), as a sum of waves.
+/// A stationary process of the covariance that the fusion assumes (Matern 5/2), as a sum of waves.
 class TerrainError {
  public:
   TerrainError(double sigma_m, double length_m, std::uint64_t seed) {
     Random random(seed);
     constexpr int waves = 200;
-    for (int i = 0; i < waves; ++i) {  // its spectrum is Student's t with three degrees of freedom
-      const double t =
-          random.normal() /
-          std::sqrt((std::pow(random.normal(), 2) + std::pow(random.normal(), 2) + std::pow(random.normal(), 2)) / 3.0);
+    for (int i = 0; i < waves; ++i) {  // its spectrum is Student's t with five degrees of freedom
+      double squares = 0.0;
+      for (int k = 0; k < 5; ++k) squares += std::pow(random.normal(), 2);
+      const double t = random.normal() / std::sqrt(squares / 5.0);
       wave_.push_back({std::abs(t) / length_m, random.uniform(0.0, 2.0 * std::numbers::pi)});
     }
     amplitude_ = sigma_m * std::sqrt(2.0 / waves);

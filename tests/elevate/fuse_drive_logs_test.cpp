@@ -7,6 +7,7 @@
 
 #include "elevate/drive_simulator.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/elevate/uniform_spline.hpp"
 
 namespace orthodrive {
 namespace {
@@ -122,23 +123,34 @@ TEST(FuseDriveLogs, a_path_drawn_the_other_way_has_the_opposite_signs) {
 TEST(FuseDriveLogs, two_drives_count_together) {
   const TrueRoad road;
   const RoadNetwork terrain = road_from_terrain(road, 0.3);
-  // A good sensor and a bad one, which says so: both together are better than the good one, and far from the bad one.
-  const SimulatedDrive one{.seed = 21},
-      back{.forward = false, .mount_pitch_rad = 0.03, .mount_roll_rad = -0.01, .seed = 22};
+  const SimulatedDrive one{.seed = 21};
+  const SimulatedDrive other{.mount_pitch_rad = 0.03, .mount_roll_rad = -0.01, .seed = 22};
   const auto single = fuse_drive_logs(terrain, log_of({simulate_drive(road, one)}));
-  const auto both = fuse_drive_logs(terrain, log_of({simulate_drive(road, one), simulate_drive(road, back)}));
+  const auto both = fuse_drive_logs(terrain, log_of({simulate_drive(road, one), simulate_drive(road, other)}));
   const ProfileErrors e1 = errors_of(single.roads.paths[0], road), e2 = errors_of(both.roads.paths[0], road);
-  show("one drive", e1), show("there and back", e2);
+  show("one drive", e1), show("two cars", e2);
   EXPECT_LT(e2.gradient, e1.gradient);
   ASSERT_EQ(single.driven.size(), both.driven.size());
-  for (std::size_t i = 0; i < single.driven.size(); i += 25) {
-    EXPECT_LT(both.driven[i].sigma_gradient, 0.85 * single.driven[i].sigma_gradient);
-    EXPECT_GT(both.driven[i].sigma_gradient, 0.6 * single.driven[i].sigma_gradient);
+  for (std::size_t i = 25; i + 25 < single.driven.size(); i += 25) {
+    EXPECT_LT(both.driven[i].sigma_gradient, 0.9 * single.driven[i].sigma_gradient);
+    EXPECT_GT(both.driven[i].sigma_gradient,
+              0.6 * single.driven[i].sigma_gradient);  // less than root 2: the terrain counts once
   }
-  // Both directions tell the tilt of the sensor from that of the road.
+  EXPECT_NEAR(both.calibration[1].mount_pitch_rad, other.mount_pitch_rad, 0.003);
+}
+
+TEST(FuseDriveLogs, there_and_back_tells_the_tilt_of_the_sensor_from_that_of_the_road) {
+  const TrueRoad road;
+  const RoadNetwork terrain = road_from_terrain(road, 0.3);
+  const SimulatedDrive there{.seed = 21}, back{.forward = false, .seed = 22};
+  DriveLog log = log_of({simulate_drive(road, there), simulate_drive(road, back)});
+  log.recordings[1].source = 0, log.sources.resize(1);  // one car that turns round
+  const auto single = fuse_drive_logs(terrain, log_of({simulate_drive(road, there)})),
+             both = fuse_drive_logs(terrain, log);
+  show("there and back", errors_of(both.roads.paths[0], road));
   EXPECT_LT(both.calibration[0].sigma_mount_roll_rad, 0.5 * single.calibration[0].sigma_mount_roll_rad);
-  EXPECT_NEAR(both.calibration[0].mount_roll_rad, one.mount_roll_rad, 0.004);
-  EXPECT_NEAR(both.calibration[1].mount_roll_rad, back.mount_roll_rad, 0.004);
+  EXPECT_NEAR(both.calibration[0].mount_roll_rad, there.mount_roll_rad, 0.003);
+  EXPECT_LT(errors_of(both.roads.paths[0], road).banking_rad, 0.003);
 }
 
 TEST(FuseDriveLogs, weights_follow_the_stated_accuracies) {
@@ -167,15 +179,40 @@ TEST(FuseDriveLogs, the_correction_is_as_smooth_as_a_spline) {
   const auto dg = [&](std::size_t n) { return nodes[n].gradient - terrain.paths[0].nodes[n].gradient; };
   double worst_jump = 0.0;
   for (std::size_t n = 2; n + 2 < nodes.size(); ++n) {
-    EXPECT_NEAR(dg(n), (dz(n + 1) - dz(n - 1)) / 4.0, 3e-4) << "the gradient is the derivative of the height";
+    EXPECT_NEAR(dg(n), (dz(n + 1) - dz(n - 1)) / 4.0, 1e-3) << "the gradient is the derivative of the height";
     const double bend = (dg(n + 1) - dg(n)) / 2.0, before = (dg(n) - dg(n - 1)) / 2.0;
     worst_jump = std::max(worst_jump, std::abs(bend - before));
   }
-  EXPECT_LT(worst_jump, 1e-3);
+  EXPECT_LT(worst_jump, 2e-3);
   EXPECT_NEAR(dz(0), 0.0, 1e-3);  // nothing moves far from where somebody drove
   EXPECT_EQ(nodes[0].banking_source, "none");
   EXPECT_EQ(nodes[250].banking_source, "log");
   EXPECT_NEAR(nodes[0].sigma_z_m, 0.3, 1e-6);
+}
+
+TEST(UniformSpline, it_is_c2_and_its_derivatives_are_its_own) {
+  const UniformSpline spline(100.0, 6.0);
+  std::vector<double> c;
+  for (int i = 0; i < spline.coefficients(); ++i) c.push_back(std::sin(1.7 * i * i));
+  const auto value = [&](double s, std::array<double, 4> UniformSpline::Basis::*of) {
+    const auto basis = spline.at(s);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) sum += (basis.*of)[k] * c[static_cast<std::size_t>(basis.first) + k];
+    return sum;
+  };
+  using B = UniformSpline::Basis;
+  constexpr double h = 1e-4;
+  for (int i = 1; i < spline.intervals; ++i) {
+    const double knot = i * spline.step_m(), e = 1e-9;
+    for (const auto of : {&B::value, &B::slope, &B::bend})
+      EXPECT_NEAR(value(knot - e, of), value(knot + e, of), 1e-7) << i;
+    EXPECT_GT(std::abs(value(knot - e, &B::jerk) - value(knot + e, &B::jerk)),
+              1e-4);  // there is a knot to be smooth at
+    const double s = knot + 1.3;
+    EXPECT_NEAR(value(s, &B::slope), (value(s + h, &B::value) - value(s - h, &B::value)) / (2 * h), 1e-7);
+    EXPECT_NEAR(value(s, &B::bend), (value(s + h, &B::slope) - value(s - h, &B::slope)) / (2 * h), 1e-7);
+    EXPECT_NEAR(value(s, &B::jerk), (value(s + h, &B::bend) - value(s - h, &B::bend)) / (2 * h), 1e-7);
+  }
 }
 
 TEST(FuseDriveLogs, side_roads_keep_their_height_and_angle) {
@@ -278,7 +315,7 @@ TEST(FuseDriveLogs, logs_without_attitude_or_sensors_still_help) {
   const auto a = fuse_drive_logs(terrain, log_of({positions})), b = fuse_drive_logs(terrain, log_of({attitude}));
   show("positions only", errors_of(a.roads.paths[0], road)),
       show("attitude and speed only", errors_of(b.roads.paths[0], road));
-  EXPECT_LT(errors_of(a.roads.paths[0], road).gradient, 0.6 * before);
+  EXPECT_LT(errors_of(a.roads.paths[0], road).gradient, 0.85 * before);
   EXPECT_LT(errors_of(b.roads.paths[0], road).gradient, 0.4 * before);
   EXPECT_LT(errors_of(b.roads.paths[0], road).banking_rad, 0.01);
 }

@@ -431,9 +431,10 @@ class ProfileProblem {
     return sum;
   }
 
-  /// The correction is a Gaussian process of Matern 3/2 covariance with the standard deviation of the profile: exactly
-  /// that of u'' + 2 k u' + k^2 u = white noise of power 4 k^3 (Hartikainen and Sarkka, 2010), started in its steady
-  /// state.
+  /// The correction is a Gaussian process of Matern 5/2 covariance with the standard deviation of the profile: exactly
+  /// that of (d/ds + k)^3 u = white noise of power 16/3 k^5 (Hartikainen and Sarkka, Kalman filtering and smoothing
+  /// solutions to temporal Gaussian process regression models, 2010), started in its steady state. Its curvature has a
+  /// standard deviation of k^2 sigma: a correction is no rougher than a road.
   void add_prior(std::size_t chain) {
     const UniformSpline& s = spline(chain);
     const struct {
@@ -443,20 +444,24 @@ class ProfileProblem {
     } fields[] = {{z_column(chain), options_.terrain_error_length_m, &Baseline::sigma_z_m},
                   {banking_column(chain), options_.banking_length_m, &Baseline::sigma_banking_rad}};
     for (const auto& field : fields) {
-      const double k = std::sqrt(3.0) / field.length_m, weight = std::sqrt(0.5 * s.step_m() / (4.0 * k * k * k));
+      const double k = std::sqrt(5.0) / field.length_m, k2 = k * k;
+      const double weight = std::sqrt(0.5 * s.step_m() / (16.0 / 3.0 * k2 * k2 * k));
       const auto sigma = [&](double x) { return baseline_at(roads_, chains_, chain, x, options_).*field.sigma; };
       const auto first = s.at(0.0);
-      Entries value, slope;
+      Entries value, slope, bend;  // in the steady state u' is independent, u'' has the mean -k^2 u / 3 given u
       append(value, field.column + first.first, first.value), append(slope, field.column + first.first, first.slope);
+      append(bend, field.column + first.first, first.bend),
+          append(bend, field.column + first.first, first.value, k2 / 3.0);
       fixed_.add(value, 0.0, 1.0 / sigma(0.0));
-      fixed_.add(slope, 0.0, 1.0 / (k * sigma(0.0)));
+      fixed_.add(slope, 0.0, std::sqrt(3.0) / (k * sigma(0.0)));
+      fixed_.add(bend, 0.0, 3.0 / (std::sqrt(8.0) * k2 * sigma(0.0)));
       for (int i = 0; i < s.intervals; ++i)
         for (const double u : {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)}) {  // two Gauss points
           const double x = (i + u) * s.step_m();
           const auto basis = s.at(x);
           std::array<double, 4> factors;
           for (std::size_t j = 0; j < 4; ++j)
-            factors[j] = basis.bend[j] + 2.0 * k * basis.slope[j] + k * k * basis.value[j];
+            factors[j] = basis.jerk[j] + 3.0 * k * basis.bend[j] + 3.0 * k2 * basis.slope[j] + k2 * k * basis.value[j];
           Entries entries;
           append(entries, field.column + basis.first, factors);
           fixed_.add(entries, 0.0, weight / sigma(x));

@@ -44,7 +44,7 @@ struct FuseDriveLogsOptions {
   DriveLogAccuracy accuracy;
   SuspensionPrior suspension;
   MeasureRoughnessOptions roughness;
-  double terrain_error_length_m = 30.0;  ///< errors of the given profile are alike over it (Matern 3/2 covariance)
+  double terrain_error_length_m = 30.0;  ///< errors of the given profile are alike over it (Matern 5/2 covariance)
   double banking_length_m = 60.0;        ///< the same of the given banking
   double banking_sigma_rad = 0.025;      ///< of banking that was not measured (source none or design rules)
   double banking_dtm_sigma_rad = 0.008;  ///< of banking with the source "dtm" or "log"

@@ -21,8 +21,9 @@ struct UniformSpline {
   [[nodiscard]] double step_m() const { return length_m / intervals; }
 
   struct Basis {
-    int first = 0;                                   ///< the coefficients first ... first + 3 count
-    std::array<double, 4> value{}, slope{}, bend{};  ///< basis functions, their first and second derivatives by metre
+    int first = 0;  ///< the coefficients first ... first + 3 count
+    std::array<double, 4> value{}, slope{}, bend{},
+        jerk{};  ///< basis functions and their first, second and third derivatives
   };
   [[nodiscard]] Basis at(double s_m) const {
     const double h = step_m(), x = std::clamp(s_m / h, 0.0, static_cast<double>(intervals));
@@ -33,6 +34,7 @@ struct UniformSpline {
     basis.slope = {-v * v / 2.0 / h, (-4.0 * u + 3.0 * u * u) / 2.0 / h, (4.0 * v - 3.0 * v * v) / 2.0 / h,
                    u * u / 2.0 / h};
     basis.bend = {v / (h * h), (3.0 * u - 2.0) / (h * h), (3.0 * v - 2.0) / (h * h), u / (h * h)};
+    basis.jerk = {-1.0 / (h * h * h), 3.0 / (h * h * h), -3.0 / (h * h * h), 1.0 / (h * h * h)};
     return basis;
   }
 };
