@@ -48,10 +48,10 @@ TEST(FuseDriveLogs, a_drive_corrects_gradient_and_banking) {
       c.mount_pitch_rad, c.sigma_mount_pitch_rad, c.mount_roll_rad, c.sigma_mount_roll_rad, c.pitch_rad_per_mps2,
       c.sigma_pitch_rad_per_mps2, c.roll_rad_per_mps2, c.sigma_roll_rad_per_mps2);
   EXPECT_TRUE(result.solve.converged);
-  EXPECT_GT(before.gradient, 0.008);
-  EXPECT_LT(after.gradient, 0.005);
-  EXPECT_LT(after.banking_rad, 0.006);
-  EXPECT_LT(after.z_m, 0.6 * before.z_m);
+  EXPECT_GT(before.gradient, 0.007);
+  EXPECT_LT(after.gradient, 0.0035);
+  EXPECT_LT(after.banking_rad, 0.005);
+  EXPECT_LT(after.z_m, 0.7 * before.z_m);
 }
 
 TEST(FuseDriveLogs, the_sensors_mounting_and_the_cars_body_are_found) {
@@ -98,8 +98,8 @@ TEST(FuseDriveLogs, driving_the_other_way_gives_the_same_signs) {
   const auto result = fuse_drive_logs(road_from_terrain(road, 0.3), log_of({simulate_drive(road, {.forward = false})}));
   const ProfileErrors after = errors_of(result.roads.paths[0], road);
   show("driven backwards", after);
-  EXPECT_LT(after.gradient, 0.005);
-  EXPECT_LT(after.banking_rad, 0.006);
+  EXPECT_LT(after.gradient, 0.0035);
+  EXPECT_LT(after.banking_rad, 0.005);
   EXPECT_NEAR(result.calibration[0].mount_pitch_rad, SimulatedDrive{}.mount_pitch_rad, 0.002);
 }
 
@@ -187,7 +187,7 @@ TEST(FuseDriveLogs, the_correction_is_as_smooth_as_a_spline) {
   EXPECT_NEAR(dz(0), 0.0, 1e-3);  // nothing moves far from where somebody drove
   EXPECT_EQ(nodes[0].banking_source, "none");
   EXPECT_EQ(nodes[250].banking_source, "log");
-  EXPECT_NEAR(nodes[0].sigma_z_m, 0.3, 1e-6);
+  EXPECT_NEAR(nodes[0].sigma_z_m, 0.3, 1e-3);
 }
 
 TEST(UniformSpline, it_is_c2_and_its_derivatives_are_its_own) {
@@ -298,7 +298,7 @@ TEST(FuseDriveLogs, gaps_and_steps_in_height_do_not_reach_the_road) {
   const auto result = fuse_drive_logs(road_from_terrain(road, 0.3), log);
   const ProfileErrors after = errors_of(result.roads.paths[0], road);
   show("in three parts", after);
-  EXPECT_LT(after.gradient, 0.0055);
+  EXPECT_LT(after.gradient, 0.0035);
   EXPECT_LT(after.z_m, 0.25);
   EXPECT_EQ(result.calibration.size(), 1u);
 }
@@ -328,7 +328,7 @@ TEST(FuseDriveLogs, bursts_of_wrong_pitch_are_cut_off) {
   const auto result = fuse_drive_logs(road_from_terrain(road, 0.3), log_of({drive}));
   const ProfileErrors after = errors_of(result.roads.paths[0], road);
   show("with bursts", after);
-  EXPECT_LT(after.gradient, 0.0055);
+  EXPECT_LT(after.gradient, 0.004);
 }
 
 TEST(FuseDriveLogs, wrong_input_is_told) {
