@@ -11,6 +11,8 @@
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/fuse_drive_logs.hpp"
+#include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
@@ -19,7 +21,7 @@ namespace {
 
 struct ElevateCommand {
   std::filesystem::path roads, out;
-  std::vector<std::filesystem::path> dtm;
+  std::vector<std::filesystem::path> dtm, logs;
   ElevateOptions options;
 };
 
@@ -37,8 +39,18 @@ void run(const ElevateCommand& command, const Context& context) {
   const std::vector<HeightGrid> dtms = io::read_dtms(command.dtm, site_of(command.roads, roads));
   ElevateOptions options = command.options;
   options.threads = context.threads;
-  const EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
-  io::write_roads(command.out, result.roads);
+  const io::DriveLogs logs = io::read_drive_logs(command.logs, site_of(command.roads, roads));
+  EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
+  std::vector<RoughnessStretch> roughness;
+  if (!command.logs.empty()) {
+    FuseDriveLogsResult fused = fuse_drive_logs(result.roads, logs.log, {.clearance_m = options.clearance_m}, context.monitor);
+    result.roads = std::move(fused.roads), roughness = std::move(fused.roughness);
+    result.findings.insert(result.findings.end(), logs.findings.begin(), logs.findings.end());
+    result.findings.insert(result.findings.end(), fused.findings.begin(), fused.findings.end());
+    context.monitor->info(fmt::format("drive logs: {:.0f} of {:.0f} m on roads, roughness of {} stretches", fused.matched_m, fused.length_m,
+                                      roughness.size()));
+  }
+  io::write_roads(command.out, result.roads, roughness);
   for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
   context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2",
                                     command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2));
@@ -51,6 +63,7 @@ void add_elevate(CLI::App& app, Context& context) {
   CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile from terrain models.");
   cmd->add_option("--roads", command->roads, "roads of `orthodrive refine` (GeoPackage)")->required();
   cmd->add_option("--dtm", command->dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")->required();
+  cmd->add_option("--log", command->logs, "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
   cmd->add_option("-o,--output", command->out, "roads with heights (GeoPackage); may be the input")->required();
   const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}};
   cmd->add_option("--sampling", command->options.sampling, "how heights are taken between the terrain's pixels")
@@ -61,10 +74,12 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
       ->check(CLI::NonNegativeNumber)->capture_default_str();
   cmd->footer(
-      "Reads roads and terrain; writes the roads with z, gradient and the standard deviation of z.\n"
+      "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient and the standard deviation of z.\n"
+      "Where a log was driven: banking with the source 'log' and a layer of roughness (ISO 8608) as well.\n"
       "Examples:\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
-      "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o roads_3d.gpkg");
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o roads_3d.gpkg\n"
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o roads_3d.gpkg");
   cmd->callback([command, &context] { run(*command, context); });
 }
 

@@ -64,6 +64,17 @@ TEST(Crs, utm_round_trip_and_axis_order) {
   EXPECT_NEAR(back.y, 50.0, 1e-10);
 }
 
+TEST(Crs, places_come_back_from_ecef) {
+  for (const double lat : {-90.0, -60.0, 0.0, 37.7, 89.999})
+    for (const double lon : {-179.0, -122.4, 0.0, 15.0})
+      for (const double height : {-400.0, 0.0, 30.0, 9000.0, 100'000.0}) {
+        const Vec3 back = geographic_from_ecef(ecef_from_geographic(lon, lat, height));
+        if (std::abs(lat) < 90.0) EXPECT_NEAR(back.x, lon, 1e-9);
+        EXPECT_NEAR(back.y, lat, 1e-9);
+        EXPECT_NEAR(back.z, height, 1e-4);
+      }
+}
+
 TEST(Crs, ecef_of_known_places) {
   const Vec3 equator = ecef_from_geographic(0.0, 0.0, 0.0), pole = ecef_from_geographic(0.0, 90.0, 10.0);
   EXPECT_NEAR(equator.x, 6378137.0, 1e-6);

@@ -52,6 +52,14 @@ TEST(Site, overrides_take_toml_values_and_bare_words) {
   EXPECT_EQ(site.dtm[0].filename(), "c.tif");
 }
 
+TEST(Site, drive_logs_are_sources_that_a_site_may_have) {
+  EXPECT_TRUE(read_site(site_file(area + sources)).drive_logs.empty());
+  const Site site = read_site(site_file(area + sources + "drive_logs=['a.csv', 'comma/segment']\n"));
+  ASSERT_EQ(site.drive_logs.size(), 2u);
+  EXPECT_TRUE(site.drive_logs[1].is_absolute());
+  EXPECT_EQ(site.drive_logs[1].filename(), "segment");
+}
+
 TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
   const Site without = read_site(site_file(area + sources));
   EXPECT_TRUE(without.gpx.empty());

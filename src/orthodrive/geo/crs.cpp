@@ -69,4 +69,19 @@ Vec3 ecef_from_geographic(double longitude_deg, double latitude_deg, double heig
           (n * (1.0 - e2) + height_m) * std::sin(lat)};
 }
 
+Vec3 geographic_from_ecef(const Vec3& p) {
+  constexpr double a = 6378137.0, f = 1.0 / 298.257223563, e2 = f * (2.0 - f), b = a * (1.0 - f);  // WGS84
+  const double r = std::hypot(p.x, p.y);
+  double beta = std::atan2(p.z, (1.0 - f) * r), lat = 0.0;  // the reduced latitude
+  for (int pass = 0; pass < 3; ++pass) {
+    lat = std::atan2(p.z + e2 / (1.0 - e2) * b * std::pow(std::sin(beta), 3), r - e2 * a * std::pow(std::cos(beta), 3));
+    beta = std::atan2((1.0 - f) * std::sin(lat), std::cos(lat));
+  }
+  const double n = a / std::sqrt(1.0 - e2 * std::sin(lat) * std::sin(lat));
+  // Along the normal: good at the poles as well, where r / cos(lat) is not.
+  const double height = r * std::cos(lat) + p.z * std::sin(lat) - a * a / n;
+  constexpr double deg = 180.0 / std::numbers::pi;
+  return {std::atan2(p.y, p.x) * deg, lat * deg, height};
+}
+
 }  // namespace orthodrive

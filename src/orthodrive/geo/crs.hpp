@@ -37,4 +37,8 @@ class CoordinateTransform {
 /// WGS84 longitude, latitude (degrees) and ellipsoidal height (m) to earth-centred earth-fixed metres.
 [[nodiscard]] Vec3 ecef_from_geographic(double longitude_deg, double latitude_deg, double height_m);
 
+/// Inverse of ecef_from_geographic: longitude (deg), latitude (deg), ellipsoidal height (m), to 1e-9 deg and 1e-4 m for
+/// places within 100 km of the ellipsoid (Bowring, Transformation from spatial to geographical coordinates, 1976).
+[[nodiscard]] Vec3 geographic_from_ecef(const Vec3& p);
+
 }  // namespace orthodrive

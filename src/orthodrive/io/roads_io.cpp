@@ -41,6 +41,9 @@ constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"banking_source", OFTString}};
 constexpr Field surface_fields[] = {
     {"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
+constexpr Field roughness_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},   {"s_begin_m", OFTReal},
+                                      {"s_end_m", OFTReal},     {"iso_8608_class", OFTString}, {"gd_n0_m3", OFTReal},
+                                      {"waviness", OFTReal},    {"sigma_ln_gd", OFTReal}};
 
 template <std::size_t n>
 OGRLayer& create_layer(GDALDataset& dataset, const char* name, OGRwkbGeometryType type, OGRSpatialReference& reference,
@@ -136,11 +139,44 @@ class RoadsWriter {
 };
 }  // namespace
 
-void write_roads(const fs::path& path, const RoadNetwork& roads) {
+namespace {
+/// The centre line of every stretch, to look at, with its numbers.
+void write_roughness(GDALDataset& dataset, OGRSpatialReference& reference, const RoadNetwork& roads,
+                     const std::vector<RoughnessStretch>& roughness, const std::string& file, const GdalErrors& errors) {
+  std::map<std::pair<std::int64_t, int>, const RoadPath*> path_of;
+  for (const RoadPath& path : roads.paths) path_of[{path.osm_id, path.part}] = &path;
+  OGRLayer& layer = create_layer(dataset, "roughness", wkbLineString, reference, roughness_fields);
+  for (const RoughnessStretch& stretch : roughness) {
+    OGRFeature row(layer.GetLayerDefn());
+    row.SetField("osm_id", static_cast<GIntBig>(stretch.osm_id));
+    row.SetField("part", stretch.part);
+    row.SetField("s_begin_m", stretch.s_begin_m);
+    row.SetField("s_end_m", stretch.s_end_m);
+    row.SetField("iso_8608_class", std::string(1, stretch.iso_8608_class).c_str());
+    row.SetField("gd_n0_m3", stretch.gd_n0_m3);
+    row.SetField("waviness", stretch.waviness);
+    row.SetField("sigma_ln_gd", stretch.sigma_ln_gd);
+    Polyline line;
+    const auto at = path_of.find({stretch.osm_id, stretch.part});
+    if (at == path_of.end())
+      throw Error(fmt::format("{}: roughness of way {} part {}, which is not there", file, stretch.osm_id, stretch.part));
+    const Polyline whole = centerline(*at->second);
+    line.push_back(point_at(whole, stretch.s_begin_m));
+    for (const RoadNode& node : at->second->nodes)
+      if (node.s_m > stretch.s_begin_m && node.s_m < stretch.s_end_m) line.push_back(node.p);
+    line.push_back(point_at(whole, stretch.s_end_m));
+    row.SetGeometryDirectly(to_ogr(line).release());
+    add_feature(layer, row, file, errors);
+  }
+}
+}  // namespace
+
+void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vector<RoughnessStretch>& roughness) {
   write_geopackage(path, [&](GDALDataset& dataset, const GdalErrors& errors) {
     OGRSpatialReference reference = spatial_reference(roads.crs);
     RoadsWriter writer(dataset, reference, path.string(), errors);
     for (const RoadPath& road : roads.paths) writer.add(road);
+    if (!roughness.empty()) write_roughness(dataset, reference, roads, roughness, path.string(), errors);
   });
 }
 
@@ -239,6 +275,26 @@ RoadNetwork read_roads(const fs::path& path) {
                        fmt::format("way {} part {} has {} nodes, need two", road.osm_id, road.part, road.nodes.size()));
   }
   return roads;
+}
+
+std::vector<RoughnessStretch> read_roughness(const fs::path& path) {
+  const DatasetPtr dataset = open_dataset(path, GDAL_OF_VECTOR);
+  std::vector<RoughnessStretch> roughness;
+  OGRLayer* layer = dataset->GetLayerByName("roughness");
+  if (!layer) return roughness;
+  need_fields(path, *layer, roughness_fields);
+  for (const auto& row : *layer) {
+    RoughnessStretch& stretch = roughness.emplace_back();
+    std::tie(stretch.osm_id, stretch.part) = key_of(*row);
+    stretch.s_begin_m = row->GetFieldAsDouble("s_begin_m"), stretch.s_end_m = row->GetFieldAsDouble("s_end_m");
+    stretch.gd_n0_m3 = row->GetFieldAsDouble("gd_n0_m3"), stretch.waviness = row->GetFieldAsDouble("waviness");
+    stretch.sigma_ln_gd = row->GetFieldAsDouble("sigma_ln_gd");
+    stretch.iso_8608_class = iso_8608_class(stretch.gd_n0_m3);
+  }
+  std::stable_sort(roughness.begin(), roughness.end(), [](const RoughnessStretch& a, const RoughnessStretch& b) {
+    return std::tie(a.osm_id, a.part, a.s_begin_m) < std::tie(b.osm_id, b.part, b.s_begin_m);
+  });
+  return roughness;
 }
 
 }  // namespace orthodrive::io

@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/road_roughness.hpp"
 #include "orthodrive/model/site_frame.hpp"
 
 namespace orthodrive::io {
@@ -34,8 +35,11 @@ struct Feature {
 [[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);
 
 /// roads.gpkg: layers centrelines, nodes, surface as docs/architecture.md lists them. Dates are fixed unless the
-/// environment sets OGR_CURRENT_DATE, so that the same roads give the same bytes.
-void write_roads(const std::filesystem::path& path, const RoadNetwork& roads);
+/// environment sets OGR_CURRENT_DATE, so that the same roads give the same bytes. Measured roughness makes a layer more.
+void write_roads(const std::filesystem::path& path, const RoadNetwork& roads,
+                 const std::vector<RoughnessStretch>& roughness = {});
+/// The layer roughness of a roads.gpkg, ordered by way, part and s; empty when there is none.
+[[nodiscard]] std::vector<RoughnessStretch> read_roughness(const std::filesystem::path& path);
 [[nodiscard]] RoadNetwork read_roads(const std::filesystem::path& path);
 /// Whether the file has the layers that read_roads needs. Throws InputError when it is no vector file at all.
 [[nodiscard]] bool holds_roads(const std::filesystem::path& path);

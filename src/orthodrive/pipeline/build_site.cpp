@@ -12,6 +12,8 @@
 #include "orthodrive/drive/drive_report.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/fuse_drive_logs.hpp"
+#include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
@@ -39,6 +41,7 @@ struct Sources {
   RoadNetwork osm;
   Findings osm_findings;
   io::GpxTraces gpx;
+  io::DriveLogs drive_logs;
   std::vector<HeightGrid> dtms;
   SegmentModel model;
   RefineWeights refine_weights;
@@ -65,6 +68,7 @@ Sources open_sources(const Site& site) {
   (void)io::raster_info(site.photo);
   sources.osm = read_all_osm(site, sources.osm_findings);
   sources.gpx = io::read_gpx(site.gpx, site.frame);
+  sources.drive_logs = io::read_drive_logs(site.drive_logs, site.frame);
   sources.dtms = io::read_dtms(site.dtm, site.frame);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
@@ -84,6 +88,8 @@ Sources open_sources(const Site& site) {
   add_raster("photo", site.photo);
   for (const fs::path& file : site.osm) add("osm", file);
   for (const fs::path& file : site.gpx) add("gpx", file);
+  for (const fs::path& log : site.drive_logs)
+    for (const fs::path& file : io::drive_log_files(log)) add("drive_logs", file);
   for (const fs::path& file : site.dtm) add_raster("dtm", file);
   add("model", model_file);
   if (!site.refine_weights.empty()) {
@@ -211,17 +217,25 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         refined.findings};
   });
 
-  stage("elevate", {sources.hashes["dtm"], site.dtm_sampling}, {"roads.gpkg"}, [&] {
+  stage("elevate", {sources.hashes["dtm"], site.dtm_sampling, sources.hashes.value("drive_logs", json())}, {"roads.gpkg"}, [&] {
     const HeightSampling sampling = site.dtm_sampling == "cubic" ? HeightSampling::cubic : HeightSampling::bilinear;
-    const EstimateProfilesResult elevated =
+    EstimateProfilesResult elevated =
         estimate_profiles(io::read_roads(refined_file), sources.dtms, {.sampling = sampling, .threads = options.threads}, monitor);
-    io::write_roads(out_dir / "roads.gpkg", elevated.roads);
-    return StageOutcome{{{"gradient_energy_of_terrain", elevated.before.gradient},
-                         {"gradient_energy", elevated.after.gradient},
-                         {"height_error_energy_m2", elevated.after.height_error_m2},
-                         {"converged", elevated.solve.converged},
-                         {"iterations", elevated.solve.iterations}},
-                        elevated.findings};
+    json numbers{{"gradient_energy_of_terrain", elevated.before.gradient},
+                 {"gradient_energy", elevated.after.gradient},
+                 {"height_error_energy_m2", elevated.after.height_error_m2},
+                 {"converged", elevated.solve.converged},
+                 {"iterations", elevated.solve.iterations}};
+    std::vector<RoughnessStretch> roughness;
+    if (!site.drive_logs.empty()) {
+      FuseDriveLogsResult fused = fuse_drive_logs(elevated.roads, sources.drive_logs.log, {}, monitor);
+      elevated.roads = std::move(fused.roads), roughness = std::move(fused.roughness);
+      for (const Findings& more : {sources.drive_logs.findings, fused.findings})
+        elevated.findings.insert(elevated.findings.end(), more.begin(), more.end());
+      numbers["driven_m"] = fused.length_m, numbers["driven_on_roads_m"] = fused.matched_m;
+    }
+    io::write_roads(out_dir / "roads.gpkg", elevated.roads, roughness);
+    return StageOutcome{numbers, elevated.findings};
   });
 
   const std::vector<std::string> network_files =

@@ -47,7 +47,7 @@ void check_keys(const toml::table& table, const std::string& where) {
   static const std::map<std::string, std::vector<std::string>> known{
       {"", {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
-      {"sources", {"photo", "osm", "dtm", "gpx"}},
+      {"sources", {"photo", "osm", "dtm", "gpx", "drive_logs"}},
       {"segment", {"model", "crf"}},
       {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
@@ -160,6 +160,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   for (const std::string& name : texts(table, path, "sources", "osm")) site.osm.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "gpx")) site.gpx.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "dtm")) site.dtm.push_back(located(name));
+  for (const std::string& name : texts(table, path, "sources", "drive_logs")) site.drive_logs.push_back(located(name));
   const std::string truth = text(table, path, "truth", "dir", "");
   if (!truth.empty()) site.truth_dir = located(truth);
   site.attribution = texts(table, path, "attribution", "text");

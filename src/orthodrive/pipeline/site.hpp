@@ -16,6 +16,7 @@ struct Site {
   std::vector<std::filesystem::path> osm;
   std::vector<std::filesystem::path> gpx;    ///< tracks of GPS receivers; none needed
   std::vector<std::filesystem::path> dtm;    ///< best first
+  std::vector<std::filesystem::path> drive_logs;  ///< CSV files and comma2k19 folders; none needed
   std::filesystem::path truth_dir;           ///< empty: none
   std::vector<std::string> attribution;
   std::string model = "default";             ///< name or file of the segmentation network
