@@ -204,7 +204,7 @@ TEST(GpsTraces, a_receiver_errs_alike_over_hundreds_of_metres) {
   GpsTraces traces = no_traces();
   add_trace(traces, line, {{}, 0.25 * 5.5});
   const auto sigma_m = [&] {
-    const auto& nodes = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0).nodes;
+    const auto nodes = refine_roads(scene.osm, scene.labels, {}, nullptr, traces).roads.paths.at(0).nodes;
     return nodes[nodes.size() / 2].sigma_offset_m;
   };
   EXPECT_GT(sigma_m(), 2.1);  // 3 m of the receiver, 5 m of the map: 2.6 m

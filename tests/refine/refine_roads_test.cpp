@@ -169,7 +169,7 @@ TEST(RefineRoads, hidden_stretches_have_the_width_of_what_is_seen_of_the_road) {
   add_truth(scene, straight(at(20, 200), at(580, 200)), 8.0);
   add_way(scene, 1, map_line(scene.truth[0].line, {}, 5.5));
   paint(scene.labels, {at(200, 190), at(400, 190), at(400, 210), at(200, 210)}, label_vegetation);
-  const auto& nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
+  const auto nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
   EXPECT_NEAR(nodes[nodes.size() / 2].width_m, 8.0, 0.3);
   EXPECT_GT(nodes[nodes.size() / 2].sigma_width_m, 1.2 * nodes[nodes.size() / 8].sigma_width_m);
 }
@@ -197,7 +197,7 @@ TEST(RefineRoads, curvature_changes_smoothly) {
   RoadScene scene = make_scene(400.0);
   add_truth(scene, line, 7.0);
   add_way(scene, 1, map_line(line, {}, 6.0));
-  const auto& nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
+  const auto nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
   double largest_jump = 0.0, before = 0.0;
   for (std::size_t i = 5; i + 6 < nodes.size(); ++i) {  // the ends of a line are seen by one side only
     const Vec2 a = nodes[i].p - nodes[i - 1].p, b = nodes[i + 1].p - nodes[i].p;
