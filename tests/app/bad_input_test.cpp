@@ -99,6 +99,15 @@ TEST(BadInput, dtm_without_a_height_in_the_roads_bounds) {
       dtm, {"elevate", "--roads", small.site / "truth/roads.gpkg", "--dtm", dtm, "-o", small.out / "roads.gpkg"});
 }
 
+TEST(BadInput, drive_log_with_a_broken_line) {
+  const SmallSite small;
+  const std::string log = small.scratch / "drive.csv";
+  write_bytes(log, "time_s,lat,lon\n1,57.6,12.0\n2,57.6\n");
+  small.expect_failure(log, {"elevate", "--roads", small.site / "truth/roads.gpkg", "--dtm", small.site / "dtm_1m.tif",
+                             "--log", log, "-o", small.out / "roads.gpkg"});
+  small.expect_build_failure(log, "sources.drive_logs=[\"" + log + "\"]");
+}
+
 TEST(BadInput, class_table_that_does_not_match_the_weights) {
   const SmallSite small;
   // A model file is 8 bytes of length, that many bytes of JSON, and the weights.

@@ -77,6 +77,29 @@ TEST(Roads, come_back_as_written) {
   EXPECT_EQ(scratch.file_count(), 1) << "no journal left";
 }
 
+TEST(Roads, measured_roughness_comes_back_in_order) {
+  const Scratch scratch;
+  const RoadNetwork roads = two_roads();
+  const RoughnessStretch late{.osm_id = 123456789012345, .part = 1, .s_begin_m = 11.0, .s_end_m = 22.0, .iso_8608_class = 'C',
+                              .gd_n0_m3 = 2e-4, .waviness = 1.7, .sigma_ln_gd = 0.5};
+  RoughnessStretch early = late;
+  early.s_begin_m = 0.0, early.s_end_m = 11.0, early.gd_n0_m3 = 1e-5, early.iso_8608_class = 'A';
+  io::write_roads(scratch / "roads.gpkg", roads, {late, early});
+  expect_same(roads, io::read_roads(scratch / "roads.gpkg"));
+  const auto back = io::read_roughness(scratch / "roads.gpkg");
+  ASSERT_EQ(back.size(), 2u);
+  const auto fields = [](const RoughnessStretch& r) {
+    return std::tie(r.osm_id, r.part, r.s_begin_m, r.s_end_m, r.iso_8608_class, r.gd_n0_m3, r.waviness, r.sigma_ln_gd);
+  };
+  EXPECT_EQ(fields(back[0]), fields(early));
+  EXPECT_EQ(fields(back[1]), fields(late));
+  io::write_roads(scratch / "plain.gpkg", roads);
+  EXPECT_TRUE(io::read_roughness(scratch / "plain.gpkg").empty());
+  RoughnessStretch stray = late;
+  stray.osm_id = 4;
+  EXPECT_THROW(io::write_roads(scratch / "stray.gpkg", roads, {stray}), Error);
+}
+
 TEST(Layers, numbers_and_geometries_come_back) {
   const Scratch scratch;
   Polygon with_hole = rectangle(origin.x, origin.y, origin.x + 40, origin.y + 30);

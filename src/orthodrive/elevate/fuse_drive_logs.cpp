@@ -27,7 +27,7 @@ constexpr double height_offset_sigma_m = 1000.0;  // datum, geoid and antenna: n
 constexpr double gyro_bias_sigma_radps = 0.01;    // of an uncalibrated MEMS gyroscope
 constexpr double yaw_mounting_sigma_rad = 0.05;
 constexpr double robust_scale = 3.0;  // residuals beyond so many standard deviations lose their weight (Cauchy)
-constexpr double tie_height_m = 1e-4, tie_slope = 5e-4;  // how exactly roads agree where they meet
+constexpr double tie_height_m = 2e-5, tie_slope = 5e-4;  // how exactly roads agree where they meet
 constexpr double smallest_sigma_z_m = 0.02;
 constexpr double driven_reach_m = 10.0;
 constexpr int most_passes = 12;

@@ -344,10 +344,11 @@ class Placer {
   /// The grid's north is not the true one: a small step in the heading's direction is drawn in the grid.
   double grid_heading(Vec2 lonlat, double true_heading_rad) const {
     if (std::isnan(true_heading_rad)) return not_recorded;
-    constexpr double step_deg = 1e-4;
-    const Vec2 ahead = lonlat + Vec2{std::cos(true_heading_rad) / std::max(0.01, std::cos(lonlat.y * rad)),
-                                     std::sin(true_heading_rad)} *
-                                    step_deg;
+    constexpr double step_deg = 1e-4, e2 = 0.00669437999014;  // WGS84
+    const double sine = std::sin(lonlat.y * rad), cosine = std::max(0.01, std::cos(lonlat.y * rad));
+    const double n_over_m = (1.0 - e2 * sine * sine) / (1.0 - e2);  // radii of curvature: a degree north is shorter
+    const Vec2 ahead =
+        lonlat + Vec2{std::cos(true_heading_rad) / cosine, std::sin(true_heading_rad) * n_over_m} * step_deg;
     const Vec2 d = site_from_lonlat_.target_from_source(ahead) - site_from_lonlat_.target_from_source(lonlat);
     return std::atan2(d.y, d.x);
   }
