@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/elevate/cross_fall.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -21,6 +22,7 @@ struct ElevateCommand {
   std::filesystem::path roads, out;
   std::vector<std::filesystem::path> dtm;
   ElevateOptions options;
+  CrossFallOptions cross_fall;
 };
 
 /// The hull of the roads: a box would ask for terrain in corners that a slanting area does not have.
@@ -38,17 +40,21 @@ void run(const ElevateCommand& command, const Context& context) {
   ElevateOptions options = command.options;
   options.threads = context.threads;
   const EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
-  io::write_roads(command.out, result.roads);
-  for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
-  context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2",
-                                    command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2));
+  const EstimateCrossFallResult cross_fall = estimate_cross_fall(result.roads, dtms, command.cross_fall);
+  io::write_roads(command.out, cross_fall.roads);
+  for (const Findings* findings : {&result.findings, &cross_fall.findings})
+    for (const Finding& finding : *findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
+  context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2, "
+                                    "cross-fall measured at {:.0f} % of the nodes",
+                                    command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2,
+                                    100.0 * cross_fall.measured_share));
 }
 
 }  // namespace
 
 void add_elevate(CLI::App& app, Context& context) {
   auto command = std::make_shared<ElevateCommand>();
-  CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile from terrain models.");
+  CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile and cross-fall from terrain models.");
   cmd->add_option("--roads", command->roads, "roads of `orthodrive refine` (GeoPackage)")->required();
   cmd->add_option("--dtm", command->dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")->required();
   cmd->add_option("-o,--output", command->out, "roads with heights (GeoPackage); may be the input")->required();
@@ -60,8 +66,10 @@ void add_elevate(CLI::App& app, Context& context) {
       ->check(CLI::NonNegativeNumber)->capture_default_str();
   cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
       ->check(CLI::NonNegativeNumber)->capture_default_str();
+  cmd->add_flag("--drives-left", command->cross_fall.drives_left, "one-way roads fall to their left edge where nothing is measured");
   cmd->footer(
-      "Reads roads and terrain; writes the roads with z, gradient and the standard deviation of z.\n"
+      "Reads roads and terrain; writes the roads with z, gradient, banking and crown and their standard deviations. Banking and\n"
+      "crown are measured where terrain of 2 m or finer shows them, else taken from design rules (banking_source).\n"
       "Examples:\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o roads_3d.gpkg");

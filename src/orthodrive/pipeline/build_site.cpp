@@ -11,6 +11,7 @@
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/drive/drive_report.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/elevate/cross_fall.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
@@ -210,14 +211,17 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         refined.findings};
   });
 
-  stage("elevate", {sources.hashes["dtm"], site.dtm_sampling}, {"roads.gpkg"}, [&] {
+  stage("elevate", {sources.hashes["dtm"], site.dtm_sampling, site.drives_left}, {"roads.gpkg"}, [&] {
     const HeightSampling sampling = site.dtm_sampling == "cubic" ? HeightSampling::cubic : HeightSampling::bilinear;
-    const EstimateProfilesResult elevated =
+    EstimateProfilesResult elevated =
         estimate_profiles(io::read_roads(refined_file), sources.dtms, {.sampling = sampling, .threads = options.threads}, monitor);
-    io::write_roads(out_dir / "roads.gpkg", elevated.roads);
+    const EstimateCrossFallResult cross_fall = estimate_cross_fall(elevated.roads, sources.dtms, {.drives_left = site.drives_left});
+    elevated.findings.insert(elevated.findings.end(), cross_fall.findings.begin(), cross_fall.findings.end());
+    io::write_roads(out_dir / "roads.gpkg", cross_fall.roads);
     return StageOutcome{{{"gradient_energy_of_terrain", elevated.before.gradient},
                          {"gradient_energy", elevated.after.gradient},
                          {"height_error_energy_m2", elevated.after.height_error_m2},
+                         {"cross_fall_measured_share", cross_fall.measured_share},
                          {"converged", elevated.solve.converged},
                          {"iterations", elevated.solve.iterations}},
                         elevated.findings};
