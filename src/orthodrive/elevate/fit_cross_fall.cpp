@@ -44,6 +44,7 @@ constexpr double switch_cost = 3.0;               // log likelihood: one change 
 constexpr double roof_cost_per_m = 0.023;         // BIC: half the log of 100 pixels for one crown slope in 100 m
 constexpr double least_crown = 0.005;             // less is none; a gutter in the middle (negative) is none either
 constexpr double largest_crown = 0.06;
+constexpr double zero_crown = 5e-4;               // what held planes leave
 
 constexpr double beside_m = 5.0;                  // a station this near to pixels is measured
 constexpr double longest_gap_m = 100.0;           // between measured stations; longer ones follow the design in their middle
@@ -145,7 +146,7 @@ class CrossFallProblem {
     }
     const Field field = system(plane).solve(true);
     CrossFallFit fit{field.slope, field.crown, {}, source_};
-    for (double& c : fit.crown) c = c < least_crown ? std::max(0.0, c) : std::min(c, largest_crown);
+    for (double& c : fit.crown) c = c < zero_crown ? 0.0 : std::min(c, largest_crown);
     for (std::size_t i = 0; i < field.slope.size(); ++i)
       fit.sigma_slope.push_back(std::sqrt(field.slope_variance[i] + (source_[i] == CrossFallSource::design ? design_sigma * design_sigma : 0.0)));
     return fit;
