@@ -20,12 +20,13 @@ namespace orthodrive {
 namespace {
 
 // Smoothness. Found on synthetic villages, circuits and junctions (docs/cross_fall.md).
-constexpr double slope_bend_density = 5e-8;       // 1/m3: variance a metre of the change of the slope's rate
-constexpr double slope_walk_density = 2e-4;       // 1/m: keeps long gaps from swinging; weak
+constexpr double slope_bend_density = 2e-8;       // 1/m3: variance a metre of the change of the slope's rate
+constexpr double slope_walk_density = 5e-6;       // 1/m: keeps gaps from swinging; 2 % in 80 m
+constexpr double runout_haste = 30.0;             // both are so many times as large where a side road turns into its main road's plane
 constexpr double crown_walk_density = 2e-6;       // 1/m: 1.4 % in 100 m
 constexpr double rise_walk_density = 2.5e-4;      // m2/m: 5 cm in 10 m, what a smoothed profile may be off
 // Weak pulls, each of them one observation with this sigma in so many metres.
-constexpr double slope_pull_sigma = 0.03, slope_pull_m = 50.0;  // to the design
+constexpr double slope_pull_sigma = 0.03, slope_pull_m = 50.0;   // to the design
 constexpr double crown_pull_sigma = 0.05, crown_pull_m = 100.0;  // to 0
 constexpr double rise_pull_sigma_m = 0.5, rise_pull_m = 50.0;    // to 0
 constexpr double held_sigma = 0.002;              // of what is given: design, planes of junctions
@@ -132,6 +133,10 @@ class CrossFallProblem {
       : chain_(chain), samples_(samples), design_(design), sigma_m_(options.terrain_sigma_m), given_sigma_m_(options.terrain_sigma_m), base_(chain) {
     weights_.resize(samples.size(), 1.0);
     find_sources();
+    std::vector<bool> anchored(chain.stations.size(), false);
+    for (const CrossFallAnchor& anchor : anchors) anchored[anchor.station] = true;
+    const Nearness near = distances_to(chain, anchored);
+    for (std::size_t i = 0; i < anchored.size(); ++i) runs_out_.push_back(std::min(near.behind_m[i], near.ahead_m[i]) < runout_m);
     add_smoothness();
     add_given(anchors);
   }
@@ -179,12 +184,13 @@ class CrossFallProblem {
       base_.add({{i, 1.0}}, crown, 0.0, cell / (crown_pull_sigma * crown_pull_sigma * crown_pull_m));
       base_.add({{i, 1.0}}, rise, 0.0, cell / (rise_pull_sigma_m * rise_pull_sigma_m * rise_pull_m));
       if (!has_next) continue;
-      base_.add({{i, -1.0}, {next, 1.0}}, slope, 0.0, 1.0 / (slope_walk_density * ahead));
+      const double haste = runs_out_[i] ? runout_haste : 1.0;
+      base_.add({{i, -1.0}, {next, 1.0}}, slope, 0.0, 1.0 / (haste * slope_walk_density * ahead));
       base_.add({{i, -1.0}, {next, 1.0}}, crown, 0.0, 1.0 / (crown_walk_density * ahead));
       base_.add({{i, -1.0}, {next, 1.0}}, rise, 0.0, 1.0 / (rise_walk_density * ahead));
       if (has_previous)
         base_.add({{previous, 1.0 / behind}, {i, -1.0 / behind - 1.0 / ahead}, {next, 1.0 / ahead}}, slope, 0.0,
-                  1.0 / (slope_bend_density * cell));
+                  1.0 / (haste * slope_bend_density * cell));
     }
   }
 
@@ -192,16 +198,12 @@ class CrossFallProblem {
   void add_given(const std::vector<CrossFallAnchor>& anchors) {
     constexpr double weight = 1.0 / (held_sigma * held_sigma);
     const std::size_t n = chain_.stations.size();
-    std::vector<bool> anchored(n, false);
-    std::vector<double> largest(n, 0.0);
     for (const CrossFallAnchor& anchor : anchors) {
       base_.add({{anchor.station, 1.0}}, slope, anchor.slope, weight);
       base_.add({{anchor.station, 1.0}}, crown, 0.0, weight);
-      anchored[anchor.station] = true;
     }
-    const Nearness near = distances_to(chain_, anchored);
     for (std::size_t i = 0; i < n; ++i) {
-      if (source_[i] != CrossFallSource::design || std::min(near.behind_m[i], near.ahead_m[i]) < runout_m) continue;
+      if (source_[i] != CrossFallSource::design || runs_out_[i]) continue;
       base_.add({{i, 1.0}}, slope, design_.slope[i], weight);
       base_.add({{i, 1.0}}, crown, design_.crown[i], weight);
     }
@@ -283,6 +285,7 @@ class CrossFallProblem {
   ChainSystem base_;
   std::vector<double> weights_;  // [sample]
   std::vector<CrossFallSource> source_;
+  std::vector<bool> runs_out_;   // [station] near a plane that the road must lie in
 };
 
 }  // namespace

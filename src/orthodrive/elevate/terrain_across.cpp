@@ -8,6 +8,7 @@ namespace orthodrive {
 namespace {
 
 constexpr double least_edge_margin_m = 0.25;  // refined edges err by this much even where they are good
+constexpr double edge_margin_px = 0.25;       // a quarter of a pixel may reach over the edge: the outer pixels tell most about the slope
 constexpr double other_road_margin_m = 1.0;   // kerbs, gutters, rounded corners of a mouth
 constexpr double abutment_m = 5.0;            // bare earth is smeared beside a bridge or portal, by a pixel or this
 constexpr double same_place_m = 30.0;         // further apart along a chain it is another place: a loop over itself
@@ -45,7 +46,7 @@ std::vector<bool> on_the_ground(const StationChain& chain, double margin_m) {
 
 class Gatherer {
  public:
-  Gatherer(const NetworkStations& network, const HeightGrid& grid) : network_(network), grid_(grid), margin_m_(std::max(least_edge_margin_m, 0.5 * grid.frame.gsd_m)) {}
+  Gatherer(const NetworkStations& network, const HeightGrid& grid) : network_(network), grid_(grid), margin_m_(std::max(least_edge_margin_m, edge_margin_px * grid.frame.gsd_m)) {}
 
   /// Of a chain; `wanted` stations may use their pixels, all others are only in the way of other roads.
   void add(std::size_t chain_index, const std::vector<bool>& wanted) {

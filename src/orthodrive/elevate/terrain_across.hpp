@@ -19,7 +19,7 @@ struct AcrossSample {
   float gsd_m = 0.0f;
 };
 
-/// Samples of every chain, by station. Left out: pixels that reach over the edge (the shoulder falls away), on and beside bridges and
+/// Samples of every chain, by station. Left out: pixels with more than a quarter over the edge (the shoulder falls away), on and beside bridges and
 /// tunnels, and where another road's surface is (junctions, and within 1 m of an edge of another one).
 /// The first of the models with a pixel at a station counts there; models coarser than `coarsest_gsd_m` do not count.
 [[nodiscard]] std::vector<std::vector<AcrossSample>> gather_across_samples(const NetworkStations& network, std::span<const HeightGrid> dtms,
