@@ -22,7 +22,7 @@ namespace {
 // Smoothness. Found on synthetic villages, circuits and junctions (docs/cross_fall.md).
 constexpr double slope_bend_density = 2e-8;       // 1/m3: variance a metre of the change of the slope's rate
 constexpr double slope_walk_density = 5e-6;       // 1/m: keeps gaps from swinging; 2 % in 80 m
-constexpr double runout_haste = 30.0;             // both are so many times as large where a side road turns into its main road's plane
+constexpr double runout_haste = 15.0;             // both are so many times as large where a side road turns into its main road's plane
 constexpr double crown_walk_density = 2e-6;       // 1/m: 1.4 % in 100 m
 constexpr double rise_walk_density = 2.5e-4;      // m2/m: 5 cm in 10 m, what a smoothed profile may be off
 // Weak pulls, each of them one observation with this sigma in so many metres.
