@@ -23,7 +23,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double nan_height = std::numeric_limits<double>::quiet_NaN();
 
 /// Mean of the terrain over each pixel (4 x 4 points), with independent noise.
-HeightGrid make_dtm(const Terrain& z, double gsd_m, double noise_m = 0.0, std::uint64_t seed = 1, double size_m = 600.0) {
+HeightGrid make_dtm(const Terrain& z, double gsd_m, double noise_m = 0.0, std::uint64_t seed = 1,
+                    double size_m = 600.0) {
   const int n = static_cast<int>(size_m / gsd_m);
   HeightGrid grid{crs, {-50.0, size_m - 50.0, gsd_m, n, n}, Raster<float>(n, n)};
   Random random(seed);
@@ -48,8 +49,8 @@ double bed(double t, double slope, double crown = 0.0) {
 }
 
 /// Nodes every 2 m along a curve; heights and gradients as given along it.
-RoadPath make_path(std::int64_t osm_id, const Polyline& line, const Terrain& z, const std::string& highway = "residential",
-                   std::int64_t node_a = 0, std::int64_t node_b = 0) {
+RoadPath make_path(std::int64_t osm_id, const Polyline& line, const Terrain& z,
+                   const std::string& highway = "residential", std::int64_t node_a = 0, std::int64_t node_b = 0) {
   RoadPath path;
   path.osm_id = osm_id, path.highway = highway;
   const std::vector<double> s = arc_lengths_m(line);
@@ -83,7 +84,8 @@ Polyline reversed(Polyline line) {
   return line;
 }
 RoadNetwork network(std::vector<RoadPath> paths) { return {crs, std::move(paths)}; }
-EstimateCrossFallResult measure(std::vector<RoadPath> paths, const HeightGrid& dtm, const CrossFallOptions& options = {}) {
+EstimateCrossFallResult measure(std::vector<RoadPath> paths, const HeightGrid& dtm,
+                                const CrossFallOptions& options = {}) {
   return estimate_cross_fall(network(std::move(paths)), std::span(&dtm, 1), options);
 }
 EstimateCrossFallResult design(std::vector<RoadPath> paths, const CrossFallOptions& options = {}) {
@@ -111,7 +113,8 @@ double crown_of(const RoadNode& node) { return std::tan(node.crown); }
 
 const Terrain flat = [](double, double) { return 20.0; };
 
-/// A straight road across the rows of the grid (along them, a grid of 2 m has two rows of pixels on the road and shows no crown).
+/// A straight road across the rows of the grid (along them, a grid of 2 m has two rows of pixels on the road and shows
+/// no crown).
 const Vec2 slant_begin{0, 60}, slant_end{400, 190};
 double slant_t(double x, double y) { return cross(normalized(slant_end - slant_begin), Vec2{x, y} - slant_begin); }
 
@@ -119,7 +122,9 @@ double slant_t(double x, double y) { return cross(normalized(slant_end - slant_b
 
 TEST(CrossFall, bend_falls_to_the_inside_with_opendrives_sign) {
   const Vec2 centre{250, 250};
-  const Terrain z = [&](double x, double y) { return 30.0 + bed(100.0 - distance({x, y}, centre), -0.05); };  // t: left is the centre
+  const Terrain z = [&](double x, double y) {
+    return 30.0 + bed(100.0 - distance({x, y}, centre), -0.05);
+  };  // t: left is the centre
   for (const double gsd_m : {1.0, 2.0}) {
     const HeightGrid dtm = make_dtm(z, gsd_m, 0.03);
     const auto left = measure({make_path(1, arc(centre, 100.0, 0.0, pi), z)}, dtm).roads.paths[0];
@@ -135,7 +140,9 @@ TEST(CrossFall, bend_falls_to_the_inside_with_opendrives_sign) {
 }
 
 TEST(CrossFall, slope_and_hills_of_the_profile_are_no_banking) {
-  const Terrain z = [](double x, double y) { return 30.0 + 0.08 * x + 2.0 * std::sin(x / 25.0) + bed(y - 100.0, 0.03); };
+  const Terrain z = [](double x, double y) {
+    return 30.0 + 0.08 * x + 2.0 * std::sin(x / 25.0) + bed(y - 100.0, 0.03);
+  };
   const auto result = measure({make_path(1, straight({0, 100}, {400, 100}), z)}, make_dtm(z, 2.0, 0.02));
   EXPECT_LT(against(result.roads.paths[0], slope_of, 0.03).mean, 0.003);
 }
@@ -145,7 +152,8 @@ TEST(CrossFall, sigmas_hold) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Terrain z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.02); };
     const auto result = measure({make_path(1, straight(slant_begin, slant_end), z)}, make_dtm(z, 2.0, 0.05, seed));
-    for (const RoadNode& node : result.roads.paths[0].nodes) ratios.push_back((slope_of(node) - 0.02) / node.sigma_banking);
+    for (const RoadNode& node : result.roads.paths[0].nodes)
+      ratios.push_back((slope_of(node) - 0.02) / node.sigma_banking);
   }
   double squares = 0.0;
   for (const double r : ratios) squares += r * r / static_cast<double>(ratios.size());
@@ -158,7 +166,8 @@ TEST(CrossFall, crown_is_found_in_noise) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const Terrain z = [](double x, double y) { return 30.0 + bed(slant_t(x, y), 0.0, 0.025); };
       const auto result = measure({make_path(1, straight(slant_begin, slant_end), z)}, make_dtm(z, gsd_m, 0.05, seed));
-      EXPECT_LT(against(result.roads.paths[0], crown_of, 0.025).mean, gsd_m < 1.5 ? 0.005 : 0.010) << gsd_m << " seed " << seed;
+      EXPECT_LT(against(result.roads.paths[0], crown_of, 0.025).mean, gsd_m < 1.5 ? 0.005 : 0.010)
+          << gsd_m << " seed " << seed;
       EXPECT_LT(against(result.roads.paths[0], slope_of, 0.0).mean, 0.006) << gsd_m << " seed " << seed;
     }
 }
@@ -178,10 +187,14 @@ TEST(CrossFall, roof_turns_into_a_plane) {
     const double f = std::clamp((x - 180.0) / 40.0, 0.0, 1.0);
     return 30.0 + bed(y - 100.0, 0.04 * f, 0.025 * (1.0 - f));
   };
-  const auto nodes = measure({make_path(1, straight({0, 100}, {400, 100}), z)}, make_dtm(z, 1.0, 0.03)).roads.paths[0].nodes;
+  const auto nodes =
+      measure({make_path(1, straight({0, 100}, {400, 100}), z)}, make_dtm(z, 1.0, 0.03)).roads.paths[0].nodes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    EXPECT_NEAR(crown_of(nodes[i]), nodes[i].p.x < 200.0 ? 0.025 : 0.0, std::abs(nodes[i].p.x - 200.0) < 50.0 ? 0.025 : 0.008) << i;
-    EXPECT_LT(i == 0 ? 0.0 : std::abs(crown_of(nodes[i]) - crown_of(nodes[i - 1])), 0.004) << "no jump of the crown " << i;
+    EXPECT_NEAR(crown_of(nodes[i]), nodes[i].p.x < 200.0 ? 0.025 : 0.0,
+                std::abs(nodes[i].p.x - 200.0) < 50.0 ? 0.025 : 0.008)
+        << i;
+    EXPECT_LT(i == 0 ? 0.0 : std::abs(crown_of(nodes[i]) - crown_of(nodes[i - 1])), 0.004)
+        << "no jump of the crown " << i;
   }
 }
 
@@ -204,7 +217,8 @@ TEST(CrossFall, ways_in_a_row_are_one_road_and_against_it_the_sign_changes) {
   const auto paths = measure({make_path(1, arc(centre, 100.0, 0.0, 1.0), z, "tertiary", 1, 2),
                               make_path(2, reversed(arc(centre, 100.0, 1.0, 2.0)), z, "tertiary", 3, 2),
                               make_path(3, arc(centre, 100.0, 2.0, 3.0), z, "tertiary", 3, 4)},
-                             make_dtm(z, 2.0, 0.03)).roads.paths;
+                             make_dtm(z, 2.0, 0.03))
+                         .roads.paths;
   EXPECT_EQ(paths[0].nodes.back().banking, -paths[1].nodes.back().banking);
   EXPECT_EQ(paths[1].nodes.front().banking, -paths[2].nodes.front().banking);
   EXPECT_EQ(paths[0].nodes.back().crown, paths[1].nodes.back().crown);
@@ -256,14 +270,16 @@ TEST(CrossFall, roads_beside_and_above_do_not_count) {
 }
 
 TEST(CrossFall, side_road_runs_out_into_the_plane_of_the_main_road) {
-  // The main road rises by 6 % to the east and falls by 4 % to the north: going north, the side road leans to its left (west).
+  // The main road rises by 6 % to the east and falls by 4 % to the north: going north, the side road leans to its left
+  // (west).
   const Terrain z = [](double x, double y) { return 30.0 + 0.06 * x - 0.04 * std::clamp(y - 100.0, -half_m, half_m); };
   RoadPath main = make_path(1, straight({0, 100}, {400, 100}), z, "secondary");
   main.nodes[100].osm_node = 7;
   const auto side = straight({200, 100}, {200, 250});
   const Terrain level = [&](double, double y) { return z(200.0, y); };
   for (const bool fine : {true, false}) {
-    const HeightGrid dtm = make_dtm([&](double x, double y) { return y > 104.0 ? level(x, y) : z(x, y); }, fine ? 1.0 : 10.0, 0.02);
+    const HeightGrid dtm =
+        make_dtm([&](double x, double y) { return y > 104.0 ? level(x, y) : z(x, y); }, fine ? 1.0 : 10.0, 0.02);
     const auto paths = measure({main, make_path(2, side, level, "residential", 7)}, dtm).roads.paths;
     EXPECT_NEAR(slope_of(paths[1].nodes.front()), -0.06, 0.004) << fine;  // the left of north is west, which is lower
     EXPECT_NEAR(slope_of(paths[1].nodes[1]), -0.06, 0.012) << fine;
@@ -288,15 +304,18 @@ TEST(CrossFall, more_than_roads_have_is_cut_and_reported) {
 TEST(CrossFall, the_first_fine_terrain_with_pixels_counts) {
   const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
   const Terrain wrong = [](double, double y) { return 30.0 + bed(y - 100.0, -0.06); };
-  const std::vector<HeightGrid> dtms{make_dtm([&](double x, double y) { return x < 200 ? z(x, y) : nan_height; }, 1.0), make_dtm(wrong, 1.0)};
-  const auto nodes = estimate_cross_fall(network({make_path(1, straight({0, 100}, {400, 100}), z)}), dtms).roads.paths[0].nodes;
+  const std::vector<HeightGrid> dtms{make_dtm([&](double x, double y) { return x < 200 ? z(x, y) : nan_height; }, 1.0),
+                                     make_dtm(wrong, 1.0)};
+  const auto nodes =
+      estimate_cross_fall(network({make_path(1, straight({0, 100}, {400, 100}), z)}), dtms).roads.paths[0].nodes;
   EXPECT_NEAR(slope_of(nodes[40]), 0.03, 0.003);
   EXPECT_NEAR(slope_of(nodes[170]), -0.06, 0.003);
 }
 
 TEST(CrossFall, holes_are_bridged_and_long_ones_follow_the_design) {
   const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
-  const HeightGrid dtm = make_dtm([&](double x, double y) { return (x > 60 && x < 100) || x > 250 ? nan_height : z(x, y); }, 1.0, 0.02);
+  const HeightGrid dtm =
+      make_dtm([&](double x, double y) { return (x > 60 && x < 100) || x > 250 ? nan_height : z(x, y); }, 1.0, 0.02);
   const auto nodes = measure({make_path(1, straight({0, 100}, {500, 100}), z)}, dtm).roads.paths[0].nodes;
   EXPECT_EQ(nodes[40].banking_source, "interpolated");
   EXPECT_NEAR(slope_of(nodes[40]), 0.03, 0.008);
@@ -310,7 +329,9 @@ TEST(CrossFall, holes_are_bridged_and_long_ones_follow_the_design) {
 TEST(CrossFallDesign, straights_have_a_crown_and_one_way_roads_fall_outwards) {
   RoadPath one_way = make_path(2, straight({0, 200}, {200, 200}), flat, "secondary");
   one_way.oneway = Oneway::forward;
-  const auto paths = design({make_path(1, straight({0, 100}, {200, 100}), flat), one_way, make_path(3, straight({0, 300}, {200, 300}), flat, "raceway")}).roads.paths;
+  const auto paths = design({make_path(1, straight({0, 100}, {200, 100}), flat), one_way,
+                             make_path(3, straight({0, 300}, {200, 300}), flat, "raceway")})
+                         .roads.paths;
   EXPECT_LT(against(paths[0], slope_of, 0.0).worst, 1e-6);
   EXPECT_LT(against(paths[0], crown_of, 0.025).worst, 1e-3);
   EXPECT_LT(against(paths[1], slope_of, 0.025).worst, 1e-4) << "the right edge is lower";
@@ -346,7 +367,8 @@ TEST(CrossFallDesign, bends_are_superelevated_to_the_inside_over_a_gentle_transi
     EXPECT_NEAR(crown_of(nodes[10]), 0.025, 1e-3);
     for (std::size_t i = 1; i < nodes.size(); ++i) {
       const double run = nodes[i].s_m - nodes[i - 1].s_m;
-      EXPECT_LT(std::abs(slope_of(nodes[i]) - slope_of(nodes[i - 1])) / run, 1.3 * 0.0055 / half_m) << i;  // Green Book, 70 km/h
+      EXPECT_LT(std::abs(slope_of(nodes[i]) - slope_of(nodes[i - 1])) / run, 1.3 * 0.0055 / half_m)
+          << i;  // Green Book, 70 km/h
       EXPECT_GT(std::abs(slope_of(nodes[i])) + crown_of(nodes[i]), 0.02) << "water runs off, " << i;
     }
   }
@@ -390,12 +412,15 @@ TEST(CrossFallDesign, superelevation_grows_with_curvature_and_with_friction_bala
 // ---- what must always hold
 
 TEST(CrossFall, degenerate_ways) {
-  RoadPath dot = make_path(1, {{10, 10}, {10, 10}}, flat), loop = make_path(2, {{50, 50}, {52, 50}}, flat, "service", 8, 8);
-  RoadPath pair = make_path(3, {{90, 90}, {120, 90}}, flat), tunnel = make_path(4, straight({150, 150}, {190, 150}), flat);
+  RoadPath dot = make_path(1, {{10, 10}, {10, 10}}, flat),
+           loop = make_path(2, {{50, 50}, {52, 50}}, flat, "service", 8, 8);
+  RoadPath pair = make_path(3, {{90, 90}, {120, 90}}, flat),
+           tunnel = make_path(4, straight({150, 150}, {190, 150}), flat);
   tunnel.tunnel = true;
   RoadPath unknown = make_path(5, straight({0, 200}, {100, 200}), [](double, double) { return nan_height; });
   RoadPath triangle = make_path(6, {{200, 200}, {230, 200}, {215, 220}, {200, 200}}, flat, "service", 9, 9);
-  for (const auto& result : {design({dot, loop, pair, tunnel, unknown, triangle}), measure({dot, loop, pair, tunnel, unknown, triangle}, make_dtm(flat, 1.0))})
+  for (const auto& result : {design({dot, loop, pair, tunnel, unknown, triangle}),
+                             measure({dot, loop, pair, tunnel, unknown, triangle}, make_dtm(flat, 1.0))})
     for (const RoadPath& path : result.roads.paths)
       for (const RoadNode& node : path.nodes) {
         EXPECT_TRUE(std::isfinite(node.banking) && std::isfinite(node.sigma_banking)) << path.osm_id;

@@ -11,7 +11,8 @@ namespace orthodrive {
 BandedNormal::BandedNormal(std::size_t unknowns, std::size_t bandwidth)
     : unknowns_(unknowns), bandwidth_(bandwidth), normal_(unknowns * (bandwidth + 1), 0.0), right_(unknowns, 0.0) {}
 
-void BandedNormal::add(std::span<const std::size_t> index, std::span<const double> coefficients, double target, double weight) {
+void BandedNormal::add(std::span<const std::size_t> index, std::span<const double> coefficients, double target,
+                       double weight) {
   for (std::size_t a = 0; a < index.size(); ++a) {
     const double scaled = weight * coefficients[a];
     right_[index[a]] += scaled * target;
@@ -36,7 +37,8 @@ BandedNormal::Solution BandedNormal::solve(bool with_variances) const {
       if (k < i) {
         factor[at(i, k)] = sum / factor[at(k, k)];
       } else {
-        if (!(sum > 1e-14 * normal_[at(i, i)])) throw Error("the normal matrix is not positive definite: a parameter is not determined");
+        if (!(sum > 1e-14 * normal_[at(i, i)]))
+          throw Error("the normal matrix is not positive definite: a parameter is not determined");
         factor[at(i, i)] = std::sqrt(sum);
       }
     }

@@ -1,6 +1,6 @@
 #pragma once
-// Linear least squares whose unknowns lie along a line: each residual joins neighbours only, so the normal matrix is banded
-// and everything is linear in the number of unknowns.
+// Linear least squares whose unknowns lie along a line: each residual joins neighbours only, so the normal matrix is
+// banded and everything is linear in the number of unknowns.
 
 #include <cstddef>
 #include <span>

@@ -9,11 +9,12 @@
 namespace orthodrive {
 namespace {
 
-constexpr double one_spot_m = 0.05;        // nodes nearer than this are one station
-constexpr double heading_window_m = 8.0;   // refined lines wiggle by centimetres from node to node
+constexpr double one_spot_m = 0.05;          // nodes nearer than this are one station
+constexpr double heading_window_m = 8.0;     // refined lines wiggle by centimetres from node to node
 constexpr double curvature_window_m = 20.0;  // a designed curve is longer; a drawn corner of one node is not a curve
 
-StationChain gather(const RoadNetwork& roads, const PathChain& paths, std::size_t chain_index, NetworkStations& network) {
+StationChain gather(const RoadNetwork& roads, const PathChain& paths, std::size_t chain_index,
+                    NetworkStations& network) {
   StationChain chain{.closed = paths.closed};
   for (const ChainPath& member : paths.paths) {
     const RoadPath& path = roads.paths[member.path];
@@ -26,8 +27,12 @@ StationChain gather(const RoadNetwork& roads, const PathChain& paths, std::size_
       const double step = chain.stations.empty() ? 0.0 : distance(chain.stations.back().p, node.p);
       // Where ways join they are one place, whatever little the lines disagree there.
       if (chain.stations.empty() || (i > 0 && step > one_spot_m)) {
-        chain.stations.push_back({.p = node.p, .s_m = chain.length_m += step, .half_width_m = 0.5 * node.width_m, .z_m = node.z_m,
-                                  .gradient = member.reversed ? -node.gradient : node.gradient, .path = member.path,
+        chain.stations.push_back({.p = node.p,
+                                  .s_m = chain.length_m += step,
+                                  .half_width_m = 0.5 * node.width_m,
+                                  .z_m = node.z_m,
+                                  .gradient = member.reversed ? -node.gradient : node.gradient,
+                                  .path = member.path,
                                   .against = member.reversed});
       }
       chain.stations.back().bridge = chain.stations.back().bridge || path.bridge;
@@ -62,10 +67,12 @@ Headings lay_out(const StationChain& chain) {
     const Vec2 d = chain.stations[(i + 1) % n].p - chain.stations[i].p;
     const double direction = std::atan2(d.y, d.x);
     heading = i == 0 ? direction : heading + std::remainder(direction - heading, 2.0 * std::numbers::pi);
-    one.s_m.push_back(chain.stations[i].s_m + 0.5 * length(d)), one.rad.push_back(heading), one.length_m.push_back(length(d));
+    one.s_m.push_back(chain.stations[i].s_m + 0.5 * length(d)), one.rad.push_back(heading),
+        one.length_m.push_back(length(d));
   }
   if (!chain.closed) return one;
-  const double turn = one.rad.back() + std::remainder(one.rad.front() - one.rad.back(), 2.0 * std::numbers::pi) - one.rad.front();
+  const double turn =
+      one.rad.back() + std::remainder(one.rad.front() - one.rad.back(), 2.0 * std::numbers::pi) - one.rad.front();
   Headings all;
   for (const double round : {-1.0, 0.0, 1.0})
     for (std::size_t i = 0; i < segments; ++i) {
@@ -83,11 +90,14 @@ LocalLine fit_locally(const Headings& headings, double s_m, double window_m) {
   const auto begin = std::lower_bound(headings.s_m.begin(), headings.s_m.end(), s_m - window_m) - headings.s_m.begin();
   double w = 0.0, wx = 0.0, wy = 0.0, wxx = 0.0, wxy = 0.0;
   const auto add = [&](std::size_t i) {
-    const double x = headings.s_m[i] - s_m, kernel = headings.length_m[i] * std::max(1e-6, 1.0 - x * x / (window_m * window_m));
-    w += kernel, wx += kernel * x, wy += kernel * headings.rad[i], wxx += kernel * x * x, wxy += kernel * x * headings.rad[i];
+    const double x = headings.s_m[i] - s_m,
+                 kernel = headings.length_m[i] * std::max(1e-6, 1.0 - x * x / (window_m * window_m));
+    w += kernel, wx += kernel * x, wy += kernel * headings.rad[i], wxx += kernel * x * x,
+        wxy += kernel * x * headings.rad[i];
   };
   std::size_t count = 0;
-  for (auto i = static_cast<std::size_t>(begin); i < headings.s_m.size() && headings.s_m[i] <= s_m + window_m; ++i) add(i), ++count;
+  for (auto i = static_cast<std::size_t>(begin); i < headings.s_m.size() && headings.s_m[i] <= s_m + window_m; ++i)
+    add(i), ++count;
   if (count == 0) {  // in the middle of a long segment, or beside it
     const std::size_t next = std::min(static_cast<std::size_t>(begin), headings.s_m.size() - 1);
     const std::size_t nearest = next > 0 && s_m - headings.s_m[next - 1] < headings.s_m[next] - s_m ? next - 1 : next;
@@ -102,7 +112,8 @@ LocalLine fit_locally(const Headings& headings, double s_m, double window_m) {
 }  // namespace
 
 double step_m(const StationChain& chain, std::size_t i) {
-  return i + 1 < chain.stations.size() ? chain.stations[i + 1].s_m - chain.stations[i].s_m : chain.length_m - chain.stations[i].s_m;
+  return i + 1 < chain.stations.size() ? chain.stations[i + 1].s_m - chain.stations[i].s_m
+                                       : chain.length_m - chain.stations[i].s_m;
 }
 
 NetworkStations make_stations(const RoadNetwork& roads) {
@@ -111,7 +122,8 @@ NetworkStations make_stations(const RoadNetwork& roads) {
   for (const PathChain& paths : chain_paths(roads, link_path_ends(roads))) {
     StationChain chain = gather(roads, paths, network.chains.size(), network);
     if (chain.stations.size() >= 2) {
-      if (chain.closed) chain.length_m = chain.stations.back().s_m + distance(chain.stations.back().p, chain.stations.front().p);
+      if (chain.closed)
+        chain.length_m = chain.stations.back().s_m + distance(chain.stations.back().p, chain.stations.front().p);
       const Headings headings = lay_out(chain);
       for (Station& station : chain.stations) {
         const double heading = fit_locally(headings, station.s_m, heading_window_m).heading_rad;

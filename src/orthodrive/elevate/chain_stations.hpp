@@ -11,22 +11,22 @@ namespace orthodrive {
 /// A place of a chain, seen in the chain's direction. Nodes on one spot (where ways join, or doubled) are one station.
 struct Station {
   Vec2 p;
-  Vec2 along;                  ///< unit tangent of the smoothed line
+  Vec2 along;  ///< unit tangent of the smoothed line
   double s_m = 0.0;
   double curvature_1pm = 0.0;  ///< of the line smoothed over tens of metres; positive = left
   double half_width_m = 0.0;
-  double z_m = 0.0;            ///< NaN where the profile is unknown
+  double z_m = 0.0;  ///< NaN where the profile is unknown
   double gradient = 0.0;
   std::size_t path = 0;
-  bool against = false;        ///< the chain runs against the path
+  bool against = false;  ///< the chain runs against the path
   bool bridge = false, tunnel = false;
 };
 
 struct StationChain {
   std::vector<Station> stations;  ///< closed: the first is not repeated
   bool closed = false;
-  double length_m = 0.0;          ///< closed: all the way round
-  int rank = 0;                   ///< highest road_rank of its paths
+  double length_m = 0.0;  ///< closed: all the way round
+  int rank = 0;           ///< highest road_rank of its paths
 };
 
 /// Where a node of a path is found, and the sign of angles across the road there.
@@ -36,8 +36,8 @@ struct StationOfNode {
 };
 
 struct NetworkStations {
-  std::vector<StationChain> chains;                    ///< in the order of chain_paths
-  std::vector<std::vector<StationOfNode>> of_node;     ///< [path][node]
+  std::vector<StationChain> chains;                 ///< in the order of chain_paths
+  std::vector<std::vector<StationOfNode>> of_node;  ///< [path][node]
 };
 
 [[nodiscard]] NetworkStations make_stations(const RoadNetwork& roads);

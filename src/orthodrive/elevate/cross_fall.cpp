@@ -18,11 +18,14 @@ constexpr double longest_overlap_m = 20.0;  // of a slip road that leaves at a n
 void check(const RoadNetwork& roads, std::span<const HeightGrid> dtms, const CrossFallOptions& options) {
   for (const HeightGrid& dtm : dtms)
     if (!(dtm.crs == roads.crs))
-      throw OptionError(fmt::format("cross-fall: roads are in {} but terrain in {}, need one CRS", roads.crs.definition, dtm.crs.definition));
-  if (!(options.design_crown >= 0.0) || !(options.largest_slope > 0.0) || !(options.largest_raceway_slope > 0.0) || !(options.terrain_sigma_m > 0.0))
+      throw OptionError(fmt::format("cross-fall: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
+                                    dtm.crs.definition));
+  if (!(options.design_crown >= 0.0) || !(options.largest_slope > 0.0) || !(options.largest_raceway_slope > 0.0) ||
+      !(options.terrain_sigma_m > 0.0))
     throw OptionError("cross-fall: limits and the noise of the terrain must be positive, the crown not negative");
   for (const RoadPath& path : roads.paths)
-    if (path.nodes.size() < 2) throw OptionError(fmt::format("cross-fall: way {} has fewer than two nodes", path.osm_id));
+    if (path.nodes.size() < 2)
+      throw OptionError(fmt::format("cross-fall: way {} has fewer than two nodes", path.osm_id));
 }
 
 /// Higher ranked chains first, then longer ones: whose plane counts where chains meet.
@@ -41,7 +44,8 @@ struct Meeting {
   std::size_t station = 0, main_chain = 0, main_station = 0;
 };
 
-std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const NetworkStations& network, const std::vector<std::size_t>& order) {
+std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const NetworkStations& network,
+                                                const std::vector<std::size_t>& order) {
   std::vector<std::size_t> importance(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) importance[order[k]] = k;
   std::map<std::int64_t, std::vector<StationOfNode>> at_node;
@@ -50,18 +54,19 @@ std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const 
       if (const auto id = roads.paths[p].nodes[n].osm_node; id > 0) at_node[id].push_back(network.of_node[p][n]);
   std::vector<std::vector<Meeting>> meetings(network.chains.size());
   for (const auto& [id, places] : at_node) {
-    const StationOfNode main = *std::min_element(places.begin(), places.end(), [&](const StationOfNode& a, const StationOfNode& b) {
-      return importance[a.chain] < importance[b.chain];
-    });
+    const StationOfNode main = *std::min_element(
+        places.begin(), places.end(),
+        [&](const StationOfNode& a, const StationOfNode& b) { return importance[a.chain] < importance[b.chain]; });
     for (const StationOfNode& place : places)
       if (place.chain != main.chain) meetings[place.chain].push_back({place.station, main.chain, main.station});
   }
   return meetings;
 }
 
-/// Stations of the chain on the main road's carriageway lie in its plane there (the half of its roof that they leave over).
-void add_anchors(const StationChain& chain, const Meeting& meeting, const StationChain& main, const CrossFallFit& main_fit,
-                 double largest_slope, std::vector<CrossFallAnchor>& anchors) {
+/// Stations of the chain on the main road's carriageway lie in its plane there (the half of its roof that they leave
+/// over).
+void add_anchors(const StationChain& chain, const Meeting& meeting, const StationChain& main,
+                 const CrossFallFit& main_fit, double largest_slope, std::vector<CrossFallAnchor>& anchors) {
   const Station& at = main.stations[meeting.main_station];
   const Vec2 left = left_normal(at.along);
   const std::size_t n = chain.stations.size();
@@ -89,16 +94,18 @@ void add_anchors(const StationChain& chain, const Meeting& meeting, const Statio
 }
 
 /// Cuts slopes at the limit; one finding for every stretch that was measured beyond it.
-void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const CrossFallOptions& options, CrossFallFit& fit, Findings& findings) {
+void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const CrossFallOptions& options,
+                  CrossFallFit& fit, Findings& findings) {
   std::size_t worst = 0;
   double worst_slope = 0.0;
   const auto report = [&] {
     if (worst_slope == 0.0) return;
     const Station& station = chain.stations[worst];
-    findings.push_back({Severity::warning, "elevate.banking_limit",
-                        fmt::format("way {}: a cross-fall of {:.1f} % was measured, {:.1f} % are taken; is the line on the road?",
-                                    roads.paths[station.path].osm_id, 100.0 * worst_slope, 100.0 * options.largest_slope),
-                        station.p.x, station.p.y});
+    findings.push_back(
+        {Severity::warning, "elevate.banking_limit",
+         fmt::format("way {}: a cross-fall of {:.1f} % was measured, {:.1f} % are taken; is the line on the road?",
+                     roads.paths[station.path].osm_id, 100.0 * worst_slope, 100.0 * options.largest_slope),
+         station.p.x, station.p.y});
     worst_slope = 0.0;
   };
   for (std::size_t i = 0; i < chain.stations.size(); ++i) {
@@ -108,7 +115,8 @@ void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const Cro
       report();
       continue;
     }
-    if (std::abs(fit.slope[i]) > worst_slope && fit.source[i] == CrossFallSource::dtm) worst = i, worst_slope = std::abs(fit.slope[i]);
+    if (std::abs(fit.slope[i]) > worst_slope && fit.source[i] == CrossFallSource::dtm)
+      worst = i, worst_slope = std::abs(fit.slope[i]);
     fit.slope[i] = std::copysign(limit, fit.slope[i]);
   }
   report();
@@ -116,17 +124,22 @@ void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const Cro
 
 const char* name_of(CrossFallSource source) {
   switch (source) {
-    case CrossFallSource::none: return "none";
-    case CrossFallSource::dtm: return "dtm";
-    case CrossFallSource::interpolated: return "interpolated";
-    case CrossFallSource::design: break;
+    case CrossFallSource::none:
+      return "none";
+    case CrossFallSource::dtm:
+      return "dtm";
+    case CrossFallSource::interpolated:
+      return "interpolated";
+    case CrossFallSource::design:
+      break;
   }
   return "design";
 }
 
 }  // namespace
 
-EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<const HeightGrid> dtms, const CrossFallOptions& options) {
+EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<const HeightGrid> dtms,
+                                            const CrossFallOptions& options) {
   check(roads, dtms, options);
   EstimateCrossFallResult result{.roads = roads};
   const NetworkStations network = make_stations(roads);
@@ -140,7 +153,8 @@ EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<
     const DesignCrossFall design = design_cross_fall(roads, chain, options.design_crown, options.drives_left);
     std::vector<CrossFallAnchor> anchors;
     for (const Meeting& meeting : meetings[c])
-      add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], options.largest_slope, anchors);
+      add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], options.largest_slope,
+                  anchors);
     fits[c] = fit_cross_fall(chain, samples[c], design, anchors, options);
     for (std::size_t i = 0; i < chain.stations.size(); ++i)
       if (fits[c].source[i] == CrossFallSource::design && roads.paths[chain.stations[i].path].highway == "raceway")

@@ -12,11 +12,13 @@ namespace {
 struct SpeedRow {
   double speed_kmh, running_kmh, friction, relative_gradient;
 };
-// Green Book 2011, metric: average running speed (table 3-6), maximum side friction (3-7), maximum relative gradient (3-15).
-constexpr std::array rows{SpeedRow{20, 20, 0.35, 0.0080},  SpeedRow{30, 30, 0.28, 0.0075},  SpeedRow{40, 40, 0.23, 0.0070},
-                          SpeedRow{50, 47, 0.19, 0.0065},  SpeedRow{60, 55, 0.17, 0.0060},  SpeedRow{70, 63, 0.15, 0.0055},
-                          SpeedRow{80, 70, 0.14, 0.0050},  SpeedRow{90, 77, 0.13, 0.0047},  SpeedRow{100, 85, 0.12, 0.0044},
-                          SpeedRow{110, 91, 0.11, 0.0041}, SpeedRow{120, 98, 0.09, 0.0038}, SpeedRow{130, 102, 0.08, 0.0035}};
+// Green Book 2011, metric: average running speed (table 3-6), maximum side friction (3-7), maximum relative gradient
+// (3-15).
+constexpr std::array rows{
+    SpeedRow{20, 20, 0.35, 0.0080},  SpeedRow{30, 30, 0.28, 0.0075},  SpeedRow{40, 40, 0.23, 0.0070},
+    SpeedRow{50, 47, 0.19, 0.0065},  SpeedRow{60, 55, 0.17, 0.0060},  SpeedRow{70, 63, 0.15, 0.0055},
+    SpeedRow{80, 70, 0.14, 0.0050},  SpeedRow{90, 77, 0.13, 0.0047},  SpeedRow{100, 85, 0.12, 0.0044},
+    SpeedRow{110, 91, 0.11, 0.0041}, SpeedRow{120, 98, 0.09, 0.0038}, SpeedRow{130, 102, 0.08, 0.0035}};
 constexpr double keeps_crown_below = 0.015;  // Green Book: the normal crown stays where less than 1.5 % is wanted
 constexpr double narrowest_half_width_m = 2.0;
 
@@ -28,8 +30,8 @@ SpeedRow at_speed(double speed_kmh) {
   return {v, mix(&SpeedRow::running_kmh), mix(&SpeedRow::friction), mix(&SpeedRow::relative_gradient)};
 }
 
-/// No change faster than `rate` (1/m) a metre: the mean of the lower and the upper Lipschitz envelope, so that a jump becomes a
-/// ramp with its middle at the jump.
+/// No change faster than `rate` (1/m) a metre: the mean of the lower and the upper Lipschitz envelope, so that a jump
+/// becomes a ramp with its middle at the jump.
 void limit_rate(std::vector<double>& values, const StationChain& chain, const std::vector<double>& rate) {
   const std::size_t n = values.size();
   std::vector<double> low = values, high = values;
@@ -66,7 +68,8 @@ double superelevation(const SuperelevationRule& rule, double curvature_1pm) {
   const double k_max = 127.0 * (largest + v.friction) / (v.speed_kmh * v.speed_kmh);
   if (k >= k_max) return largest;
   if (rule.friction_first) return std::clamp(demand - v.friction, 0.0, largest);
-  // Method 5: a driver at running speed needs no side friction up to the point of intersection; two parabolas round the corner.
+  // Method 5: a driver at running speed needs no side friction up to the point of intersection; two parabolas round the
+  // corner.
   const double k_pi = 127.0 * largest / (v.running_kmh * v.running_kmh);
   const double h_pi = largest * (v.speed_kmh * v.speed_kmh / (v.running_kmh * v.running_kmh) - 1.0);
   const double s1 = h_pi / k_pi, s2 = (v.friction - h_pi) / (k_max - k_pi);
@@ -83,7 +86,8 @@ DesignCrossFall design_cross_fall(const RoadNetwork& roads, const StationChain& 
   for (std::size_t i = 0; i < n; ++i) {
     const Station& station = chain.stations[i];
     const RoadPath& path = roads.paths[station.path];
-    rate[i] = at_speed(design_speed_kmh(path.highway)).relative_gradient / std::max(narrowest_half_width_m, station.half_width_m);
+    rate[i] = at_speed(design_speed_kmh(path.highway)).relative_gradient /
+              std::max(narrowest_half_width_m, station.half_width_m);
     if (path.highway == "raceway") continue;
     const bool one_way = path.oneway != Oneway::no || path.roundabout;
     const double e = path.roundabout ? 0.0 : superelevation(superelevation_rule(path.highway), station.curvature_1pm);

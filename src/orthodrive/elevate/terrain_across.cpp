@@ -8,10 +8,11 @@ namespace orthodrive {
 namespace {
 
 constexpr double least_edge_margin_m = 0.25;  // refined edges err by this much even where they are good
-constexpr double edge_margin_px = 0.25;       // a quarter of a pixel may reach over the edge: the outer pixels tell most about the slope
-constexpr double other_road_margin_m = 1.0;   // kerbs, gutters, rounded corners of a mouth
-constexpr double abutment_m = 5.0;            // bare earth is smeared beside a bridge or portal, by a pixel or this
-constexpr double same_place_m = 30.0;         // further apart along a chain it is another place: a loop over itself
+constexpr double edge_margin_px =
+    0.25;  // a quarter of a pixel may reach over the edge: the outer pixels tell most about the slope
+constexpr double other_road_margin_m = 1.0;  // kerbs, gutters, rounded corners of a mouth
+constexpr double abutment_m = 5.0;           // bare earth is smeared beside a bridge or portal, by a pixel or this
+constexpr double same_place_m = 30.0;        // further apart along a chain it is another place: a loop over itself
 
 /// A pixel below the carriageway of a chain or within a margin of it.
 struct Footprint {
@@ -46,7 +47,8 @@ std::vector<bool> on_the_ground(const StationChain& chain, double margin_m) {
 
 class Gatherer {
  public:
-  Gatherer(const NetworkStations& network, const HeightGrid& grid) : network_(network), grid_(grid), margin_m_(std::max(least_edge_margin_m, edge_margin_px * grid.frame.gsd_m)) {}
+  Gatherer(const NetworkStations& network, const HeightGrid& grid)
+      : network_(network), grid_(grid), margin_m_(std::max(least_edge_margin_m, edge_margin_px * grid.frame.gsd_m)) {}
 
   /// Of a chain; `wanted` stations may use their pixels, all others are only in the way of other roads.
   void add(std::size_t chain_index, const std::vector<bool>& wanted) {
@@ -54,7 +56,8 @@ class Gatherer {
     const std::size_t n = chain.stations.size();
     for (std::size_t i = 0; i < n && n >= 2; ++i) {
       const bool has_next = i + 1 < n || chain.closed, has_previous = i > 0 || chain.closed;
-      const double ahead_m = has_next ? 0.5 * step_m(chain, i) : 0.0, behind_m = has_previous ? 0.5 * step_m(chain, i > 0 ? i - 1 : n - 1) : 0.0;
+      const double ahead_m = has_next ? 0.5 * step_m(chain, i) : 0.0,
+                   behind_m = has_previous ? 0.5 * step_m(chain, i > 0 ? i - 1 : n - 1) : 0.0;
       if (!chain.stations[i].tunnel) add_cell(chain_index, i, ahead_m, behind_m, wanted[i]);
     }
   }
@@ -62,19 +65,22 @@ class Gatherer {
   /// Keeps the pixels that only one place claims and hands them to their chains.
   void settle(std::vector<std::vector<AcrossSample>>& samples) {
     std::sort(footprints_.begin(), footprints_.end(), [](const Footprint& a, const Footprint& b) {
-      return std::tuple(a.pixel, a.chain, std::abs(a.u_m), a.station) < std::tuple(b.pixel, b.chain, std::abs(b.u_m), b.station);
+      return std::tuple(a.pixel, a.chain, std::abs(a.u_m), a.station) <
+             std::tuple(b.pixel, b.chain, std::abs(b.u_m), b.station);
     });
     for (std::size_t begin = 0, end = 0; begin < footprints_.size(); begin = end) {
       const Footprint& best = footprints_[begin];
       bool alone = true;
       for (end = begin; end < footprints_.size() && footprints_[end].pixel == best.pixel; ++end)
-        alone = alone && footprints_[end].chain == best.chain && apart_m(best.chain, best.station, footprints_[end].station) < same_place_m;
+        alone = alone && footprints_[end].chain == best.chain &&
+                apart_m(best.chain, best.station, footprints_[end].station) < same_place_m;
       if (!alone || !best.usable) continue;
       const Station& station = network_.chains[best.chain].stations[best.station];
       const double height_m = grid_.height_m.data[best.pixel];
       // A metre of the centre line is 1 - k t metres at the offset t.
       const double along_m = best.u_m / std::max(0.3, 1.0 - station.curvature_1pm * best.t_m);
-      samples[best.chain].push_back({best.station, best.t_m, static_cast<float>(height_m - station.z_m - station.gradient * along_m),
+      samples[best.chain].push_back({best.station, best.t_m,
+                                     static_cast<float>(height_m - station.z_m - station.gradient * along_m),
                                      static_cast<float>(grid_.frame.gsd_m)});
     }
   }
@@ -89,7 +95,8 @@ class Gatherer {
   void add_cell(std::size_t chain_index, std::size_t i, double ahead_m, double behind_m, bool wanted) {
     const Station& station = network_.chains[chain_index].stations[i];
     const GridFrame& frame = grid_.frame;
-    const double inner_m = station.half_width_m - margin_m_, reach_m = station.half_width_m + 0.5 * frame.gsd_m + other_road_margin_m;
+    const double inner_m = station.half_width_m - margin_m_,
+                 reach_m = station.half_width_m + 0.5 * frame.gsd_m + other_road_margin_m;
     // On the outside of a bend cells gape: they overlap instead, and the nearest station takes the pixel.
     const double stretch = 1.05 + std::abs(station.curvature_1pm) * reach_m;
     const double radius_m = std::hypot(reach_m, stretch * std::max(ahead_m, behind_m));
@@ -106,8 +113,9 @@ class Gatherer {
         if (std::abs(t) > reach_m || u > stretch * ahead_m || u < -stretch * behind_m) continue;
         const std::size_t pixel = grid_.height_m.index(col, row);
         if (std::isnan(grid_.height_m.data[pixel])) continue;
-        footprints_.push_back({pixel, static_cast<std::uint32_t>(chain_index), static_cast<std::uint32_t>(i), static_cast<float>(t),
-                               static_cast<float>(u), wanted && std::abs(t) <= inner_m && !std::isnan(station.z_m)});
+        footprints_.push_back({pixel, static_cast<std::uint32_t>(chain_index), static_cast<std::uint32_t>(i),
+                               static_cast<float>(t), static_cast<float>(u),
+                               wanted && std::abs(t) <= inner_m && !std::isnan(station.z_m)});
       }
   }
 
@@ -119,8 +127,8 @@ class Gatherer {
 
 }  // namespace
 
-std::vector<std::vector<AcrossSample>> gather_across_samples(const NetworkStations& network, std::span<const HeightGrid> dtms,
-                                                             double coarsest_gsd_m) {
+std::vector<std::vector<AcrossSample>> gather_across_samples(const NetworkStations& network,
+                                                             std::span<const HeightGrid> dtms, double coarsest_gsd_m) {
   std::vector<std::vector<AcrossSample>> samples(network.chains.size());
   std::vector<std::vector<bool>> seen(network.chains.size());  // stations that a better model has measured
   for (std::size_t c = 0; c < network.chains.size(); ++c) seen[c].resize(network.chains[c].stations.size(), false);
@@ -137,7 +145,8 @@ std::vector<std::vector<AcrossSample>> gather_across_samples(const NetworkStatio
       for (const AcrossSample& sample : samples[c]) seen[c][sample.station] = true;
   }
   for (auto& of_chain : samples)
-    std::stable_sort(of_chain.begin(), of_chain.end(), [](const AcrossSample& a, const AcrossSample& b) { return a.station < b.station; });
+    std::stable_sort(of_chain.begin(), of_chain.end(),
+                     [](const AcrossSample& a, const AcrossSample& b) { return a.station < b.station; });
   return samples;
 }
 

@@ -11,13 +11,15 @@ struct ClassSpeed {
   double speed_kmh;
   bool local;
 };
-constexpr std::array speeds{
-    ClassSpeed{"motorway", 120.0, false},    ClassSpeed{"motorway_link", 60.0, false}, ClassSpeed{"trunk", 100.0, false},
-    ClassSpeed{"trunk_link", 60.0, false},   ClassSpeed{"primary", 80.0, false},       ClassSpeed{"primary_link", 50.0, false},
-    ClassSpeed{"secondary", 70.0, false},    ClassSpeed{"secondary_link", 50.0, false}, ClassSpeed{"tertiary", 60.0, false},
-    ClassSpeed{"tertiary_link", 50.0, false}, ClassSpeed{"raceway", 200.0, false},     ClassSpeed{"unclassified", 50.0, false},
-    ClassSpeed{"road", 50.0, false},         ClassSpeed{"residential", 40.0, true},    ClassSpeed{"living_street", 20.0, true},
-    ClassSpeed{"service", 30.0, true},       ClassSpeed{"track", 30.0, true}};
+constexpr std::array speeds{ClassSpeed{"motorway", 120.0, false},    ClassSpeed{"motorway_link", 60.0, false},
+                            ClassSpeed{"trunk", 100.0, false},       ClassSpeed{"trunk_link", 60.0, false},
+                            ClassSpeed{"primary", 80.0, false},      ClassSpeed{"primary_link", 50.0, false},
+                            ClassSpeed{"secondary", 70.0, false},    ClassSpeed{"secondary_link", 50.0, false},
+                            ClassSpeed{"tertiary", 60.0, false},     ClassSpeed{"tertiary_link", 50.0, false},
+                            ClassSpeed{"raceway", 200.0, false},     ClassSpeed{"unclassified", 50.0, false},
+                            ClassSpeed{"road", 50.0, false},         ClassSpeed{"residential", 40.0, true},
+                            ClassSpeed{"living_street", 20.0, true}, ClassSpeed{"service", 30.0, true},
+                            ClassSpeed{"track", 30.0, true}};
 
 const ClassSpeed& find(const std::string& highway) {
   const auto same = [](std::string_view value) { return [value](const ClassSpeed& c) { return c.highway == value; }; };
