@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/elevate/cross_fall.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
 #include "orthodrive/elevate/fuse_drive_logs.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
@@ -23,6 +24,7 @@ struct ElevateCommand {
   std::filesystem::path roads, out;
   std::vector<std::filesystem::path> dtm, logs;
   ElevateOptions options;
+  CrossFallOptions cross_fall;
 };
 
 /// The hull of the roads: a box would ask for terrain in corners that a slanting area does not have.
@@ -41,6 +43,9 @@ void run(const ElevateCommand& command, const Context& context) {
   options.threads = context.threads;
   const io::DriveLogs logs = io::read_drive_logs(command.logs, site_of(command.roads, roads));
   EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
+  EstimateCrossFallResult cross_fall = estimate_cross_fall(result.roads, dtms, command.cross_fall);
+  result.roads = std::move(cross_fall.roads);
+  result.findings.insert(result.findings.end(), cross_fall.findings.begin(), cross_fall.findings.end());
   std::vector<RoughnessStretch> roughness;
   if (!command.logs.empty()) {
     FuseDriveLogsResult fused = fuse_drive_logs(result.roads, logs.log, {.clearance_m = options.clearance_m}, context.monitor);
@@ -52,15 +57,17 @@ void run(const ElevateCommand& command, const Context& context) {
   }
   io::write_roads(command.out, result.roads, roughness);
   for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
-  context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2",
-                                    command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2));
+  context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2, "
+                                    "cross-fall measured at {:.0f} % of the nodes",
+                                    command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2,
+                                    100.0 * cross_fall.measured_share));
 }
 
 }  // namespace
 
 void add_elevate(CLI::App& app, Context& context) {
   auto command = std::make_shared<ElevateCommand>();
-  CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile from terrain models.");
+  CLI::App* cmd = app.add_subcommand("elevate", "Give roads a smooth height profile and cross-fall from terrain models.");
   cmd->add_option("--roads", command->roads, "roads of `orthodrive refine` (GeoPackage)")->required();
   cmd->add_option("--dtm", command->dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")->required();
   cmd->add_option("--log", command->logs, "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
@@ -73,9 +80,11 @@ void add_elevate(CLI::App& app, Context& context) {
       ->check(CLI::NonNegativeNumber)->capture_default_str();
   cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
       ->check(CLI::NonNegativeNumber)->capture_default_str();
+  cmd->add_flag("--drives-left", command->cross_fall.drives_left, "one-way roads fall to their left edge where nothing is measured");
   cmd->footer(
-      "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient and the standard deviation of z.\n"
-      "Where a log was driven: banking with the source 'log' and a layer of roughness (ISO 8608) as well.\n"
+      "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient, banking and crown and their\n"
+      "standard deviations. Banking and crown are measured where terrain of 2 m or finer shows them, else taken from design\n"
+      "rules (banking_source). Where a log was driven: banking with the source 'log' and a layer of roughness (ISO 8608) as well.\n"
       "Examples:\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o roads_3d.gpkg\n"

@@ -29,6 +29,24 @@ TEST(PathLinks, two_ways_alone_at_a_node_may_bend_but_not_turn_back) {
   EXPECT_EQ(count({10, 5}), 0u);
 }
 
+TEST(PathLinks, chains_hold_every_path_once_and_say_which_run_backwards) {
+  const RoadNetwork roads{{}, {make_path({{{50, 0}, 2}, {{50, 60}, 5}}), make_path({{{100, 0}, 3}, {{50, 0}, 2}}), make_path({{{0, 0}, 1}, {{50, 0}, 2}}),
+                               make_path({{{300, 0}, 8}, {{320, 20}, 0}, {{280, 20}, 0}, {{300, 0}, 8}})}};
+  const auto chains = chain_paths(roads, link_path_ends(roads));
+  ASSERT_EQ(chains.size(), 3u);
+  ASSERT_EQ(chains[1].paths.size(), 2u);
+  EXPECT_EQ(chains[1].paths[0].path, 1u);
+  EXPECT_FALSE(chains[1].paths[0].reversed);
+  EXPECT_EQ(chains[1].paths[1].path, 2u);
+  EXPECT_TRUE(chains[1].paths[1].reversed);
+  EXPECT_FALSE(chains[1].closed);
+  const RoadNetwork ring{{}, {make_path({{{0, 0}, 1}, {{30, 0}, 0}, {{30, 30}, 2}}), make_path({{{0, 0}, 1}, {{0, 30}, 0}, {{30, 30}, 2}})}};
+  const auto round = chain_paths(ring, link_path_ends(ring));
+  ASSERT_EQ(round.size(), 1u);
+  EXPECT_TRUE(round[0].closed);
+  EXPECT_TRUE(round[0].paths[1].reversed);
+}
+
 TEST(PathCrossings, found_once_with_their_place) {
   // The crossing lies on a node of both lines and on a corner of the search grid.
   const RoadNetwork roads{{}, {make_path({{{0, 50}, 1}, {{50, 50}, 0}, {{120, 50}, 2}}), make_path({{{50, -30}, 3}, {{50, 50}, 0}, {{50, 90}, 4}})}};

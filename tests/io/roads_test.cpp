@@ -41,7 +41,9 @@ RoadNetwork two_roads() {
                           .z_m = 200.0 + i / 3.0,
                           .gradient = 0.01,
                           .banking = -0.02,
+                          .crown = 0.001 * i,
                           .sigma_z_m = 0.1,
+                          .sigma_banking = 0.004,
                           .banking_source = "dtm"});
   RoadPath& raw = roads.paths.emplace_back(RoadPath{.osm_id = 5, .highway = "service", .roundabout = true});
   raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
@@ -62,9 +64,9 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
       const RoadNode &m = p.nodes[k], &n = q.nodes[k];
       EXPECT_EQ(m.p, n.p);
       EXPECT_EQ(std::tie(m.osm_node, m.s_m, m.offset_m, m.width_m, m.sigma_offset_m, m.sigma_width_m, m.gradient,
-                         m.banking, m.sigma_z_m, m.banking_source),
+                         m.banking, m.crown, m.sigma_z_m, m.sigma_banking, m.banking_source),
                 std::tie(n.osm_node, n.s_m, n.offset_m, n.width_m, n.sigma_offset_m, n.sigma_width_m, n.gradient,
-                         n.banking, n.sigma_z_m, n.banking_source));
+                         n.banking, n.crown, n.sigma_z_m, n.sigma_banking, n.banking_source));
       EXPECT_TRUE(m.z_m == n.z_m || (std::isnan(m.z_m) && std::isnan(n.z_m)));
     }
   }

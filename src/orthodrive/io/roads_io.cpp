@@ -39,6 +39,7 @@ constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"banking", OFTReal},
                                  {"sigma_z_m", OFTReal},
                                  {"banking_source", OFTString}};
+constexpr Field cross_fall_fields[] = {{"crown", OFTReal}, {"sigma_banking", OFTReal}};  // of nodes; older files lack them
 constexpr Field surface_fields[] = {
     {"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
 constexpr Field roughness_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},   {"s_begin_m", OFTReal},
@@ -79,7 +80,9 @@ class RoadsWriter {
         nodes_(create_layer(dataset, "nodes", wkbPoint, reference, node_fields)),
         surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)),
         file_(std::move(file)),
-        errors_(errors) {}
+        errors_(errors) {
+    for (const Field& field : cross_fall_fields) create_field(nodes_, field.name, field.type);
+  }
 
   void add(const RoadPath& path) {
     add_centreline(path);
@@ -119,6 +122,8 @@ class RoadsWriter {
     row.SetField("banking", node.banking);
     row.SetField("sigma_z_m", node.sigma_z_m);
     row.SetField("banking_source", node.banking_source.c_str());
+    row.SetField("crown", node.crown);
+    row.SetField("sigma_banking", node.sigma_banking);
     OGRPoint point(node.p.x, node.p.y);
     row.SetGeometry(&point);
     add_feature(nodes_, row, file_, errors_);
@@ -233,6 +238,8 @@ RoadNode node_of(const fs::path& path, const OGRFeature& row) {
   node.banking = row.GetFieldAsDouble("banking");
   node.sigma_z_m = row.GetFieldAsDouble("sigma_z_m");
   node.banking_source = row.GetFieldAsString("banking_source");
+  if (const int crown = row.GetFieldIndex("crown"); crown >= 0) node.crown = row.GetFieldAsDouble(crown);
+  if (const int sigma = row.GetFieldIndex("sigma_banking"); sigma >= 0) node.sigma_banking = row.GetFieldAsDouble(sigma);
   return node;
 }
 }  // namespace

@@ -35,6 +35,30 @@ std::optional<double> continuation_cost(const RoadNetwork& roads, PathEnd a, Pat
   return turn + (pa.highway != pb.highway ? 30.0 * deg : 0.0) + (pa.name != pb.name ? 15.0 * deg : 0.0);
 }
 
+/// Goes from `path` against its direction to the beginning of the chain, then along the chain to its end.
+PathChain walk_chain(const PathLinks& links, std::size_t path) {
+  const auto next_of = [&](PathEnd leaving) -> std::optional<PathEnd> {
+    const auto it = links.find(leaving);
+    return it == links.end() ? std::nullopt : std::optional(it->second);
+  };
+  PathEnd entry{path, false};
+  while (const auto previous = next_of(entry)) {
+    entry = {previous->path, !previous->at_back};
+    if (entry == PathEnd{path, false}) break;  // all the way round
+  }
+  PathChain chain;
+  const PathEnd start = entry;
+  for (;;) {
+    chain.paths.push_back({entry.path, entry.at_back});
+    const auto next = next_of({entry.path, !entry.at_back});
+    if (!next) return chain;
+    if (*next == start) break;
+    entry = *next;
+  }
+  chain.closed = true;
+  return chain;
+}
+
 }  // namespace
 
 PathLinks link_path_ends(const RoadNetwork& roads) {
@@ -63,6 +87,17 @@ PathLinks link_path_ends(const RoadNetwork& roads) {
       if (!links.contains(pair.a) && !links.contains(pair.b)) links[pair.a] = pair.b, links[pair.b] = pair.a;
   }
   return links;
+}
+
+std::vector<PathChain> chain_paths(const RoadNetwork& roads, const PathLinks& links) {
+  std::vector<PathChain> chains;
+  std::vector<bool> taken(roads.paths.size(), false);
+  for (std::size_t p = 0; p < roads.paths.size(); ++p) {
+    if (taken[p]) continue;
+    chains.push_back(walk_chain(links, p));
+    for (const ChainPath& member : chains.back().paths) taken[member.path] = true;
+  }
+  return chains;
 }
 
 }  // namespace orthodrive

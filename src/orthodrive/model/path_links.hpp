@@ -2,6 +2,7 @@
 // Which ways continue each other: the same road, cut by OSM where a tag changes or at a junction.
 
 #include <map>
+#include <vector>
 
 #include "orthodrive/model/road_network.hpp"
 
@@ -18,5 +19,18 @@ struct PathEnd {
 /// A closed way may continue itself.
 using PathLinks = std::map<PathEnd, PathEnd>;
 [[nodiscard]] PathLinks link_path_ends(const RoadNetwork& roads);
+
+/// A path of a chain, run through in the chain's direction or against it.
+struct ChainPath {
+  std::size_t path = 0;
+  bool reversed = false;
+};
+/// Paths that continue each other, end to end.
+struct PathChain {
+  std::vector<ChainPath> paths;
+  bool closed = false;  ///< the last path continues in the first
+};
+/// Every path is in exactly one chain; chains are ordered by their lowest path, which they run along in its direction.
+[[nodiscard]] std::vector<PathChain> chain_paths(const RoadNetwork& roads, const PathLinks& links);
 
 }  // namespace orthodrive

@@ -26,9 +26,9 @@ struct RoadNode {
   double z_m = std::numeric_limits<double>::quiet_NaN();  ///< height of the road surface at p
   double gradient = 0.0;       ///< dz/ds
   double banking = 0.0;        ///< superelevation in rad, OpenDRIVE's sign: positive = left side higher
-  double crown = 0.0;          ///< rad, >= 0: cross-fall of both halves away from the middle
-  double sigma_z_m = 0.0;
-  std::string banking_source;  ///< "none", "dtm", "curvature", ...
+  double crown = 0.0;          ///< rad, >= 0: both halves fall away from p by this. z(t) = z + t tan(banking) - |t| tan(crown)
+  double sigma_z_m = 0.0, sigma_banking = 0.0;
+  std::string banking_source;  ///< of banking and crown: "dtm" measured, "log", "interpolated" between those, "design", "none"
 };
 
 /// Where the width of an OSM way comes from: its class alone, its number of lanes, or a tag.

@@ -11,6 +11,7 @@
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/drive/drive_report.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/elevate/cross_fall.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
 #include "orthodrive/elevate/fuse_drive_logs.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
@@ -217,13 +218,18 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                         refined.findings};
   });
 
-  stage("elevate", {sources.hashes["dtm"], site.dtm_sampling, sources.hashes.value("drive_logs", json())}, {"roads.gpkg"}, [&] {
+  const json of_elevate{sources.hashes["dtm"], site.dtm_sampling, site.drives_left, sources.hashes.value("drive_logs", json())};
+  stage("elevate", of_elevate, {"roads.gpkg"}, [&] {
     const HeightSampling sampling = site.dtm_sampling == "cubic" ? HeightSampling::cubic : HeightSampling::bilinear;
     EstimateProfilesResult elevated =
         estimate_profiles(io::read_roads(refined_file), sources.dtms, {.sampling = sampling, .threads = options.threads}, monitor);
+    EstimateCrossFallResult cross_fall = estimate_cross_fall(elevated.roads, sources.dtms, {.drives_left = site.drives_left});
+    elevated.roads = std::move(cross_fall.roads);
+    elevated.findings.insert(elevated.findings.end(), cross_fall.findings.begin(), cross_fall.findings.end());
     json numbers{{"gradient_energy_of_terrain", elevated.before.gradient},
                  {"gradient_energy", elevated.after.gradient},
                  {"height_error_energy_m2", elevated.after.height_error_m2},
+                 {"cross_fall_measured_share", cross_fall.measured_share},
                  {"converged", elevated.solve.converged},
                  {"iterations", elevated.solve.iterations}};
     std::vector<RoughnessStretch> roughness;

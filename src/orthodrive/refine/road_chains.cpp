@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <span>
 
 #include "orthodrive/model/path_crossings.hpp"
@@ -11,35 +10,6 @@
 
 namespace orthodrive {
 namespace {
-
-struct Walk {
-  std::vector<ChainPiece> pieces;  // path and reversed only
-  bool closed = false;
-};
-
-/// Goes from `path` against its direction to the beginning of the chain, then along the chain to its end.
-Walk walk_chain(const PathLinks& links, std::size_t path) {
-  const auto next_of = [&](PathEnd leaving) -> std::optional<PathEnd> {
-    const auto it = links.find(leaving);
-    return it == links.end() ? std::nullopt : std::optional(it->second);
-  };
-  PathEnd entry{path, false};
-  while (const auto previous = next_of(entry)) {
-    entry = {previous->path, !previous->at_back};
-    if (entry == PathEnd{path, false}) break;  // all the way round
-  }
-  Walk walk;
-  const PathEnd start = entry;
-  for (;;) {
-    walk.pieces.push_back({entry.path, entry.at_back});
-    const auto next = next_of({entry.path, !entry.at_back});
-    if (!next) return walk;
-    if (*next == start) break;
-    entry = *next;
-  }
-  walk.closed = true;
-  return walk;
-}
 
 /// Point of a polyline with known arc lengths at s; beyond the ends it clamps, or wraps when closed.
 Vec2 point_along(std::span<const Vec2> line, std::span<const double> s, double at, bool closed) {
@@ -62,9 +32,10 @@ double width_sigma_share(WidthSource source) {
   return 0.3;
 }
 
-RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std::int64_t, int>& incidences,
+RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::map<std::int64_t, int>& incidences,
                    const ChainOptions& options) {
-  RoadChain chain{.closed = walk.closed, .pieces = walk.pieces};
+  RoadChain chain{.closed = paths.closed};
+  for (const ChainPath& member : paths.paths) chain.pieces.push_back({member.path, member.reversed});
   Polyline osm_line;  // of the whole chain, without repeated points
   const auto append = [&](Vec2 p) {
     if (osm_line.empty() || !(osm_line.back() == p)) osm_line.push_back(p);
@@ -121,19 +92,12 @@ RoadChain resample(const RoadNetwork& osm, const Walk& walk, const std::map<std:
 }  // namespace
 
 std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& options) {
-  const PathLinks links = link_path_ends(osm);
   std::map<std::int64_t, int> incidences;
   for (const RoadPath& path : osm.paths)
     for (const RoadNode& node : path.nodes)
       if (node.osm_node > 0) ++incidences[node.osm_node];
   std::vector<RoadChain> chains;
-  std::vector<bool> taken(osm.paths.size(), false);
-  for (std::size_t p = 0; p < osm.paths.size(); ++p) {
-    if (taken[p]) continue;
-    const Walk walk = walk_chain(links, p);
-    for (const ChainPiece& piece : walk.pieces) taken[piece.path] = true;
-    chains.push_back(resample(osm, walk, incidences, options));
-  }
+  for (const PathChain& paths : chain_paths(osm, link_path_ends(osm))) chains.push_back(resample(osm, paths, incidences, options));
   return chains;
 }
 

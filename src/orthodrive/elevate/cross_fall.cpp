@@ -1,0 +1,182 @@
+#include "orthodrive/elevate/cross_fall.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/elevate/fit_cross_fall.hpp"
+
+namespace orthodrive {
+namespace {
+
+constexpr double longest_overlap_m = 20.0;  // of a slip road that leaves at a narrow angle
+
+void check(const RoadNetwork& roads, std::span<const HeightGrid> dtms, const CrossFallOptions& options) {
+  for (const HeightGrid& dtm : dtms)
+    if (!(dtm.crs == roads.crs))
+      throw OptionError(fmt::format("cross-fall: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
+                                    dtm.crs.definition));
+  if (!(options.design_crown >= 0.0) || !(options.largest_slope > 0.0) || !(options.largest_raceway_slope > 0.0) ||
+      !(options.terrain_sigma_m > 0.0))
+    throw OptionError("cross-fall: limits and the noise of the terrain must be positive, the crown not negative");
+  for (const RoadPath& path : roads.paths)
+    if (path.nodes.size() < 2)
+      throw OptionError(fmt::format("cross-fall: way {} has fewer than two nodes", path.osm_id));
+}
+
+/// Higher ranked chains first, then longer ones: whose plane counts where chains meet.
+std::vector<std::size_t> by_importance(const NetworkStations& network) {
+  std::vector<std::size_t> order(network.chains.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const StationChain &ca = network.chains[a], &cb = network.chains[b];
+    return ca.rank != cb.rank ? ca.rank > cb.rank : ca.length_m > cb.length_m;
+  });
+  return order;
+}
+
+/// A place where a chain meets a more important one.
+struct Meeting {
+  std::size_t station = 0, main_chain = 0, main_station = 0;
+};
+
+std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const NetworkStations& network,
+                                                const std::vector<std::size_t>& order) {
+  std::vector<std::size_t> importance(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) importance[order[k]] = k;
+  std::map<std::int64_t, std::vector<StationOfNode>> at_node;
+  for (std::size_t p = 0; p < roads.paths.size(); ++p)
+    for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n)
+      if (const auto id = roads.paths[p].nodes[n].osm_node; id > 0) at_node[id].push_back(network.of_node[p][n]);
+  std::vector<std::vector<Meeting>> meetings(network.chains.size());
+  for (const auto& [id, places] : at_node) {
+    const StationOfNode main = *std::min_element(
+        places.begin(), places.end(),
+        [&](const StationOfNode& a, const StationOfNode& b) { return importance[a.chain] < importance[b.chain]; });
+    for (const StationOfNode& place : places)
+      if (place.chain != main.chain) meetings[place.chain].push_back({place.station, main.chain, main.station});
+  }
+  return meetings;
+}
+
+/// Stations of the chain on the main road's carriageway lie in its plane there (the half of its roof that they leave
+/// over).
+void add_anchors(const StationChain& chain, const Meeting& meeting, const StationChain& main,
+                 const CrossFallFit& main_fit, double largest_slope, std::vector<CrossFallAnchor>& anchors) {
+  const Station& at = main.stations[meeting.main_station];
+  const Vec2 left = left_normal(at.along);
+  const std::size_t n = chain.stations.size();
+  const auto anchor = [&](std::size_t i) {
+    const double t = dot(chain.stations[i].p - chain.stations[meeting.station].p, left);
+    if (std::abs(t) > at.half_width_m) return false;
+    const double side = i == meeting.station ? 0.0 : std::copysign(1.0, t);
+    const double across = main_fit.slope[meeting.main_station] - side * main_fit.crown[meeting.main_station];
+    const Vec2 own_left = left_normal(chain.stations[i].along);
+    const double slope = at.gradient * dot(at.along, own_left) + across * dot(left, own_left);
+    anchors.push_back({i, std::clamp(slope, -largest_slope, largest_slope)});
+    return true;
+  };
+  anchor(meeting.station);
+  for (const int way : {1, -1}) {
+    double gone_m = 0.0;
+    for (std::size_t i = meeting.station, count = 1; count < n; ++count) {
+      if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
+      const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
+      gone_m += step_m(chain, way > 0 ? i : next);
+      i = next;
+      if (gone_m > longest_overlap_m || !anchor(i)) break;
+    }
+  }
+}
+
+/// Cuts slopes at the limit; one finding for every stretch that was measured beyond it.
+void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const CrossFallOptions& options,
+                  CrossFallFit& fit, Findings& findings) {
+  std::size_t worst = 0;
+  double worst_slope = 0.0;
+  const auto report = [&] {
+    if (worst_slope == 0.0) return;
+    const Station& station = chain.stations[worst];
+    findings.push_back(
+        {Severity::warning, "elevate.banking_limit",
+         fmt::format("way {}: a cross-fall of {:.1f} % was measured, {:.1f} % are taken; is the line on the road?",
+                     roads.paths[station.path].osm_id, 100.0 * worst_slope, 100.0 * options.largest_slope),
+         station.p.x, station.p.y});
+    worst_slope = 0.0;
+  };
+  for (std::size_t i = 0; i < chain.stations.size(); ++i) {
+    const bool raceway = roads.paths[chain.stations[i].path].highway == "raceway";
+    const double limit = raceway ? options.largest_raceway_slope : options.largest_slope;
+    if (std::abs(fit.slope[i]) <= limit) {
+      report();
+      continue;
+    }
+    if (std::abs(fit.slope[i]) > worst_slope && fit.source[i] == CrossFallSource::dtm)
+      worst = i, worst_slope = std::abs(fit.slope[i]);
+    fit.slope[i] = std::copysign(limit, fit.slope[i]);
+  }
+  report();
+}
+
+const char* name_of(CrossFallSource source) {
+  switch (source) {
+    case CrossFallSource::none:
+      return "none";
+    case CrossFallSource::dtm:
+      return "dtm";
+    case CrossFallSource::interpolated:
+      return "interpolated";
+    case CrossFallSource::design:
+      break;
+  }
+  return "design";
+}
+
+}  // namespace
+
+EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<const HeightGrid> dtms,
+                                            const CrossFallOptions& options) {
+  check(roads, dtms, options);
+  EstimateCrossFallResult result{.roads = roads};
+  const NetworkStations network = make_stations(roads);
+  const std::vector<std::vector<AcrossSample>> samples = gather_across_samples(network, dtms, options.coarsest_gsd_m);
+  const std::vector<std::size_t> order = by_importance(network);
+  const std::vector<std::vector<Meeting>> meetings = find_meetings(roads, network, order);
+
+  std::vector<CrossFallFit> fits(network.chains.size());
+  for (const std::size_t c : order) {  // a chain needs the planes of those before it
+    const StationChain& chain = network.chains[c];
+    const DesignCrossFall design = design_cross_fall(roads, chain, options.design_crown, options.drives_left);
+    std::vector<CrossFallAnchor> anchors;
+    for (const Meeting& meeting : meetings[c])
+      add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], options.largest_slope,
+                  anchors);
+    fits[c] = fit_cross_fall(chain, samples[c], design, anchors, options);
+    for (std::size_t i = 0; i < chain.stations.size(); ++i)
+      if (fits[c].source[i] == CrossFallSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
+        fits[c].source[i] = CrossFallSource::none;
+    limit_slopes(roads, chain, options, fits[c], result.findings);
+  }
+
+  std::size_t nodes = 0, measured = 0;
+  for (std::size_t p = 0; p < roads.paths.size(); ++p)
+    for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n) {
+      const StationOfNode& at = network.of_node[p][n];
+      const CrossFallFit& fit = fits[at.chain];
+      RoadNode& node = result.roads.paths[p].nodes[n];
+      node.banking = at.sign * std::atan(fit.slope[at.station]);
+      node.crown = std::atan(fit.crown[at.station]);
+      node.sigma_banking = fit.sigma_slope[at.station];
+      node.banking_source = name_of(fit.source[at.station]);
+      ++nodes;
+      if (fit.source[at.station] == CrossFallSource::dtm) ++measured;
+    }
+  result.measured_share = nodes > 0 ? static_cast<double>(measured) / static_cast<double>(nodes) : 0.0;
+  return result;
+}
+
+}  // namespace orthodrive

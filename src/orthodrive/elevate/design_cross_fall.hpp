@@ -1,0 +1,37 @@
+#pragma once
+// Cross-fall as roads are designed, for where nothing can be measured.
+//
+// Sources. Crown and one-sided cross-fall of 2.5 %: RASt 06 and RAL 2012 (least cross-fall q = 2.5 %). Superelevation
+// in curves: AASHTO, A Policy on Geometric Design of Highways and Streets (Green Book), 2011, sec. 3.3: e + f = v^2 /
+// (127 R), side friction by design speed (tables 3-7), method 5 on highways (sec. 3.3.4, eqs. of "method 5 procedure
+// for development"), method 2 on low-speed streets; transitions no steeper than the maximum relative gradient of the
+// edge (table 3-15). Largest rates: RAL 2012 7 %, RASt 06 6 %.
+
+#include <string>
+#include <vector>
+
+#include "orthodrive/elevate/chain_stations.hpp"
+
+namespace orthodrive {
+
+struct SuperelevationRule {
+  double design_speed_kmh = 50.0;
+  double largest = 0.06;        ///< e_max
+  bool friction_first = false;  ///< method 2: no superelevation until side friction is used up; else method 5
+};
+[[nodiscard]] SuperelevationRule superelevation_rule(const std::string& highway);
+
+/// e (a slope, >= 0) for a curve of this curvature (1/m, either sign); e_max where the curve is too sharp for the
+/// speed.
+[[nodiscard]] double superelevation(const SuperelevationRule& rule, double curvature_1pm);
+
+struct DesignCrossFall {
+  std::vector<double> slope, crown;  ///< [station], tangents of the angles; slope positive = left side higher
+};
+/// Straights have a crown, one-way carriageways fall to their outer edge (to the right where traffic keeps right),
+/// roundabouts to the outside. Curves that want 1.5 % or more fall to the inside as a plane by 2.5 % or more; on the
+/// way there the outer half is turned first (crown = 2.5 % - |slope|). Raceways have none.
+[[nodiscard]] DesignCrossFall design_cross_fall(const RoadNetwork& roads, const StationChain& chain, double crown,
+                                                bool drives_left);
+
+}  // namespace orthodrive
