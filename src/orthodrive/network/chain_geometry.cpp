@@ -39,7 +39,7 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
 
   std::vector<Vec2> points;
   for (const ChainNode& node : line.nodes) points.push_back(node.p);
-  PlanFit plan = fit_plan(points, {options.plan_tolerance_m, chain.closed});
+  PlanFit plan = fit_plan(points, {.tolerance_m = options.plan_tolerance_m, .closed = chain.closed});
   geometry.plan = std::move(plan.elements);
   geometry.length_m = plan_length(geometry.plan);
   geometry.max_plan_deviation_m = plan.max_deviation_m;

@@ -1,5 +1,5 @@
-// Based on: K. M. Bolton, Biarc curves, Computer-Aided Design 7 (1975); closed form as in R. N. Goldman's and
-// J. Stepanyan's notes: the joint lies where both control lengths d are equal, d being the root of
+// See fit_plan.hpp for the method; docs/network.md for what it reaches. The biarc is that of K. M. Bolton, Biarc curves,
+// Computer-Aided Design 7 (1975), in closed form: the joint lies where both control lengths d are equal, d being the root of
 //   |v|^2 - 2 d v.(t1 + t2) + 2 d^2 (t1.t2 - 1) = 0.
 
 #include "orthodrive/network/fit_plan.hpp"
@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <optional>
 
+#include "orthodrive/network/clothoid_chain.hpp"
+#include "orthodrive/network/smooth_points.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
@@ -18,23 +20,24 @@ namespace {
 using roadquery::Arc;
 using roadquery::Line;
 using roadquery::PlanElement;
+using roadquery::Spiral;
 
-// Tangents look this far to both sides: two node spacings against node noise, less where the line bends more within that
-// than a circle does.
-constexpr double stencils_m[] = {4.0, 2.0};
-// A stretch counts as straight when it is this long and within half the tolerance of its chord: an arc as flat as that
-// has a radius of 5 km and more (at 0.08 m).
-constexpr double straight_min_length_m = 40.0;
-constexpr double straight_run_in_m = 5.0;  // left to curves at both ends, so that neighbouring straights can join
+// Waves shorter than this are noise of the nodes: refined roads have nodes every 2 m that err together over some 10 m.
+constexpr double cutoff_m = 20.0;
+// Knots of the first line, dense enough for any road: they are taken out again where they are not needed.
+constexpr double first_spacing_m = 10.0;
+constexpr double first_turn_rad = 0.3;
+constexpr double first_min_spacing_m = 0.6;
+constexpr int max_start_rounds = 8;  // each puts knots in where the line is still too far from its nodes
 
 double wrap_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 double curvature_of(const PlanElement& e) {
   const Arc* arc = std::get_if<Arc>(&e.shape);
   return arc ? arc->curvature : 0.0;
 }
-
-Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 /// Circle arc that leaves `from` in its direction and ends at `end`; a line when it bends by less than shows.
 PlanElement arc_to(const Pose& from, Vec2 end) {
@@ -50,64 +53,28 @@ PlanElement arc_to(const Pose& from, Vec2 end) {
   return e;
 }
 
-struct Foot {
-  double ds = 0.0, distance = 0.0;
-};
-
-/// Nearest point of a line or arc of less than a full turn.
-Foot project(const PlanElement& e, Vec2 p) {
-  const Vec2 d = unit(e.hdg), r = p - Vec2{e.x, e.y};
-  const double k = curvature_of(e);
-  double ds = dot(r, d);
-  if (k != 0.0) {
-    const double radius = 1.0 / k;
-    const Vec2 from_center = r - left_normal(d) * radius;
-    // Angle turned since the start, measured around the centre in the sense of the arc, in (-pi, pi] about the middle.
-    const double middle = 0.5 * k * e.length;
-    const Vec2 a = left_normal(d) * -radius;
-    const double angle = std::atan2(cross(a, from_center), dot(a, from_center));
-    ds = (middle + wrap_angle(angle - middle)) / k;
+/// Nodes at which the first line has its knots, ascending; first and last for open lines.
+std::vector<std::size_t> choose_knots(std::span<const Vec2> q, bool closed, std::span<const char> wanted) {
+  const std::size_t n = q.size();
+  std::vector<std::size_t> at{0};
+  double walked = 0.0, turned = 0.0;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double step = distance(q[i - 1], q[i]);
+    walked += step;
+    const bool end = !closed && i + 1 == n;
+    const Vec2 in = q[i] - q[i - 1], out = q[i + 1 < n ? i + 1 : (closed ? 0 : i)] - q[i];
+    const double turn = end ? 0.0 : std::abs(std::atan2(cross(in, out), dot(in, out)));
+    turned += turn;
+    const bool far = walked >= first_spacing_m || turned >= first_turn_rad || wanted[i];
+    if (!end && (!far || walked < first_min_spacing_m)) continue;
+    // A last piece too short for its neighbours joins the one before.
+    if (end && walked < first_min_spacing_m && at.size() > 1) at.pop_back();
+    at.push_back(i);
+    walked = turned = 0.0;
   }
-  ds = std::clamp(ds, 0.0, e.length);
-  const roadquery::PlanPoint q = roadquery::evaluate(e, ds);
-  return {ds, distance(p, {q.x, q.y})};
+  if (closed && at.size() > 3 && distance(q[at.back()], q[0]) < first_min_spacing_m) at.pop_back();
+  return at;
 }
-
-/// Points, their arc length, and what lies before the first and after the last one of a closed line.
-class PointLine {
- public:
-  PointLine(std::span<const Vec2> points, bool closed) : points_(points), closed_(closed), s_(points.size(), 0.0) {
-    for (std::size_t i = 1; i < points.size(); ++i) s_[i] = s_[i - 1] + distance(points[i - 1], points[i]);
-  }
-  [[nodiscard]] std::size_t size() const { return points_.size(); }
-  [[nodiscard]] Vec2 operator[](std::size_t i) const { return points_[i]; }
-  [[nodiscard]] double s(std::size_t i) const { return s_[i]; }
-
-  /// The first point at least `reach` away before (step -1) or after (+1) point i; the end of an open line at worst.
-  [[nodiscard]] std::size_t neighbour(std::size_t i, int step, double reach) const {
-    const std::size_t n = points_.size();
-    double walked = 0.0;
-    std::size_t at = i;
-    for (std::size_t guard = 0; guard < n && walked < reach; ++guard) {
-      if (step > 0 && at + 1 == n) {
-        if (!closed_) break;
-        at = 0;
-      } else if (step < 0 && at == 0) {
-        if (!closed_) break;
-        at = n - 1;
-      }
-      const std::size_t to = step > 0 ? at + 1 : at - 1;
-      walked += distance(points_[at], points_[to]);
-      at = to;
-    }
-    return at;
-  }
-
- private:
-  std::span<const Vec2> points_;
-  bool closed_;
-  std::vector<double> s_;
-};
 
 /// Tangent at b of the circle through a, b, c: exact on circles for any spacing.
 Vec2 circle_tangent(Vec2 a, Vec2 b, Vec2 c) {
@@ -118,138 +85,73 @@ Vec2 circle_tangent(Vec2 a, Vec2 b, Vec2 c) {
   return length(t) > 0.0 ? t : normalized(out);
 }
 
-Vec2 mirrored(Vec2 t, Vec2 chord) {
-  const Vec2 c = normalized(chord);
-  return normalized(c * (2.0 * dot(t, c)) - t);
-}
-
-double distance_to_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 p) {
-  const Vec2 u = b - a, v = c - a;
-  const double area = 2.0 * cross(u, v);
-  if (std::abs(area) < 1e-9) return std::abs(cross(normalized(v), p - a));
-  const Vec2 center = a + Vec2{v.y * dot(u, u) - u.y * dot(v, v), u.x * dot(v, v) - v.x * dot(u, u)} * (1.0 / area);
-  return std::abs(distance(center, p) - distance(center, a));
-}
-
-/// The points before and after i that its tangent is taken from (i itself at the ends of open lines).
-struct Stencil {
-  std::size_t before = 0, after = 0;
-};
-
-Stencil stencil_of(const PointLine& line, std::size_t i, double tolerance) {
-  const auto on_circle = [&](Stencil s) {
-    for (const int step : {-1, 1})
-      for (std::size_t k = line.neighbour(i, step, 1e-9); k != (step < 0 ? s.before : s.after); k = line.neighbour(k, step, 1e-9))
-        if (distance_to_circle(line[s.before], line[i], line[s.after], line[k]) > tolerance) return false;
-    return true;
-  };
-  for (const double reach : stencils_m) {
-    const Stencil s{line.neighbour(i, -1, reach), line.neighbour(i, 1, reach)};
-    if (s.before == i || s.after == i || on_circle(s)) return s;
-  }
-  return {line.neighbour(i, -1, 1e-9), line.neighbour(i, 1, 1e-9)};
-}
-
-std::vector<Vec2> point_tangents(const PointLine& line, double tolerance) {
-  const std::size_t n = line.size();
-  std::vector<Vec2> t(n);
+ClothoidSpline first_line(std::span<const Vec2> q, std::span<const std::size_t> at, bool closed) {
+  const std::size_t n = at.size();
+  std::vector<Vec2> points;
+  for (const std::size_t i : at) points.push_back(q[i]);
+  std::vector<double> headings;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto [a, c] = stencil_of(line, i, tolerance);
-    if (a != i && c != i) {
-      t[i] = circle_tangent(line[a], line[i], line[c]);
-    } else {  // an end of an open line: the circle through it and two points further in
-      const int step = a == i ? 1 : -1;
-      const std::size_t b = step > 0 ? c : a, far = line.neighbour(b, step, stencils_m[0]);
-      const Vec2 chord = (line[b] - line[i]) * static_cast<double>(step);
-      t[i] = far == b ? normalized(chord)
-                      : mirrored(circle_tangent(line[i], line[b], line[far]) * static_cast<double>(step), chord);
+    const bool first = i == 0 && !closed, last = i + 1 == n && !closed;
+    Vec2 t;
+    if (n == 2) t = points[1] - points[0];
+    else if (first) {
+      const Vec2 inner = circle_tangent(points[0], points[1], points[2]), c = normalized(points[1] - points[0]);
+      t = c * (2.0 * dot(inner, c)) - inner;
+    } else if (last) {
+      const Vec2 inner = circle_tangent(points[n - 3], points[n - 2], points[n - 1]), c = normalized(points[n - 1] - points[n - 2]);
+      t = c * (2.0 * dot(inner, c)) - inner;
+    } else {
+      t = circle_tangent(points[(i + n - 1) % n], points[i], points[(i + 1) % n]);
     }
-    if (!(length(t[i]) > 0.5)) t[i] = {1.0, 0.0};
+    headings.push_back(std::atan2(t.y, t.x));
   }
-  return t;
+  return clothoid_spline(points, headings, closed);
 }
 
-double distance_to_chord(Vec2 a, Vec2 b, Vec2 p) {
-  const Vec2 d = normalized(b - a);
-  return std::abs(cross(d, p - a));
-}
-
-/// Last index of the longest straight stretch that starts at i (found by doubling, then halving).
-std::size_t straight_reach(const PointLine& line, std::size_t i, double tolerance) {
-  const auto straight = [&](std::size_t j) {
-    for (std::size_t k = i + 1; k < j; ++k)
-      if (distance_to_chord(line[i], line[j], line[k]) > tolerance) return false;
-    return distance(line[i], line[j]) > 0.999 * (line.s(j) - line.s(i));
-  };
-  std::size_t good = i + 1, step = 1;
-  while (good + step < line.size() && straight(good + step)) good += step, step *= 2;
-  for (; step > 0; step /= 2)
-    if (good + step < line.size() && straight(good + step)) good += step;
-  return good;
-}
-
-struct Straight {
-  std::size_t first = 0, last = 0;
-};
-
-std::vector<Straight> find_straights(const PointLine& line, const FitPlanOptions& options) {
-  std::vector<Straight> found;
-  const std::size_t end = line.size() - 1;
-  for (std::size_t i = 0; i < end;) {
-    const std::size_t j = straight_reach(line, i, 0.5 * options.tolerance_m);
-    if (line.s(j) - line.s(i) < straight_min_length_m) {
-      ++i;
-      continue;
+/// Clothoids through some nodes of the smoothed line, dense enough for all nodes to lie near.
+std::optional<ClothoidChain> start_line(std::span<const Vec2> nodes, bool closed, const ChainLimits& limits) {
+  const std::vector<Vec2> q = smooth_points(nodes, closed, cutoff_m, 0.3 * limits.tolerance_m);
+  std::optional<ClothoidChain> chain;
+  std::vector<char> wanted(nodes.size(), 0);
+  for (int round = 0; round < max_start_rounds; ++round) {
+    const std::vector<std::size_t> at = choose_knots(q, closed, wanted);
+    const ClothoidSpline spline = first_line(q, at, closed);
+    if (!spline.found) break;
+    chain.emplace(nodes, closed, spline, at, limits);
+    // A knot more at the farthest node of every piece that leaves its nodes.
+    const std::vector<ClothoidChain::Foot> feet = chain->feet();
+    bool near = true;
+    for (std::size_t i = 0; i < feet.size();) {
+      std::size_t worst = i, j = i;
+      for (; j < feet.size() && feet[j].piece == feet[i].piece; ++j)
+        if (feet[j].distance_m > feet[worst].distance_m) worst = j;
+      if (feet[worst].distance_m > 0.8 * limits.tolerance_m && !wanted[worst]) wanted[worst] = 1, near = false;
+      i = j;
     }
-    std::size_t first = i, last = j;
-    while ((i > 0 || options.closed) && line.s(first) - line.s(i) < straight_run_in_m) ++first;
-    while ((j < end || options.closed) && line.s(j) - line.s(last) < straight_run_in_m) --last;
-    found.push_back({first, last});
-    i = j;
+    if (near) break;
   }
-  return found;
+  return chain;
 }
 
-/// Biarc over points i..j if it stays within the tolerance of those between.
-bool biarc_fits(const PointLine& line, std::span<const Vec2> tangent, std::size_t i, std::size_t j, double tolerance,
-                std::vector<PlanElement>& elements) {
-  elements = biarc({line[i], tangent[i]}, {line[j], tangent[j]});
-  if (j == i + 1) return true;
-  // A biarc may reach all points and still swing wide between them: then it is much longer than they are.
-  if (plan_length(elements) > 1.02 * (line.s(j) - line.s(i)) + 0.05) return false;
-  for (std::size_t k = i + 1; k < j; ++k) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const PlanElement& e : elements) nearest = std::min(nearest, project(e, line[k]).distance);
-    if (nearest > tolerance) return false;
-  }
-  return true;
+PlanElement element_of(const ClothoidChain::Piece& piece, double s, Vec2 origin) {
+  PlanElement e{.s = s, .x = piece.start.p.x + origin.x, .y = piece.start.p.y + origin.y,
+                .hdg = wrap_angle(piece.start.heading_rad), .length = piece.length_m};
+  if (piece.kind == PieceKind::arc) e.shape = Arc{piece.start.curvature};
+  if (piece.kind == PieceKind::clothoid) e.shape = Spiral{piece.start.curvature, piece.end_curvature};
+  return e;
 }
 
-std::size_t biarc_reach(const PointLine& line, std::span<const Vec2> tangent, std::size_t i, std::size_t limit,
-                        double tolerance) {
-  std::vector<PlanElement> scratch;
-  std::size_t good = i + 1, step = 1;
-  while (good + step <= limit && biarc_fits(line, tangent, i, good + step, tolerance, scratch)) good += step, step *= 2;
-  for (; step > 0; step /= 2)
-    if (good + step <= limit && biarc_fits(line, tangent, i, good + step, tolerance, scratch)) good += step;
-  return good;
+/// A closed plan, begun elsewhere.
+std::vector<PlanElement> begin_at(std::span<const PlanElement> plan, double s0) {
+  const double length = plan_length(plan);
+  std::vector<PlanElement> twice(plan.begin(), plan.end());
+  for (PlanElement e : plan) e.s += length, twice.push_back(e);
+  return slice_plan(twice, s0, s0 + length);
 }
 
-/// Neighbouring arcs of one circle become one.
-void append(std::vector<PlanElement>& plan, std::span<const PlanElement> elements, Vec2 origin) {
-  for (PlanElement e : elements) {
-    if (!plan.empty()) {
-      PlanElement& last = plan.back();
-      const double k0 = curvature_of(last), k1 = curvature_of(e), l = last.length + e.length;
-      if (std::abs(k1 - k0) * l < 1e-8 && std::abs(k0 * l) < std::numbers::pi) {
-        last.length = l;
-        continue;
-      }
-    }
-    e.x += origin.x, e.y += origin.y;
-    e.s = plan.empty() ? 0.0 : plan.back().s + plan.back().length;
-    plan.push_back(e);
-  }
+PlanElement line_through(Vec2 a, Vec2 b) {
+  const Vec2 d = b - a;
+  return {.x = a.x, .y = a.y, .hdg = std::atan2(d.y, d.x), .length = length(d)};
 }
 
 }  // namespace
@@ -310,8 +212,14 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
     const double a = std::max(s0, e.s), b = std::min(s1, e.s + e.length);
     if (b - a < sliver_m) continue;
     const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
-    result.push_back({.s = result.empty() ? 0.0 : plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg),
-                      .length = b - a, .shape = e.shape});
+    PlanElement part{.s = result.empty() ? 0.0 : plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg),
+                     .length = b - a, .shape = e.shape};
+    if (Spiral* spiral = std::get_if<Spiral>(&part.shape)) {
+      const auto [k0, k1] = *spiral;  // as weighted means: exact at both ends
+      const double u = (a - e.s) / e.length, v = (b - e.s) / e.length;
+      *spiral = {k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v};
+    }
+    result.push_back(part);
   }
   return result;
 }
@@ -323,6 +231,7 @@ std::vector<PlanElement> reverse_plan(std::span<const PlanElement> plan) {
     PlanElement e{.s = plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg + std::numbers::pi),
                   .length = it->length, .shape = it->shape};
     if (Arc* arc = std::get_if<Arc>(&e.shape)) arc->curvature = -arc->curvature;
+    if (Spiral* spiral = std::get_if<Spiral>(&e.shape)) *spiral = {-spiral->curvature_end, -spiral->curvature_start};
     result.push_back(e);
   }
   return result;
@@ -330,49 +239,44 @@ std::vector<PlanElement> reverse_plan(std::span<const PlanElement> plan) {
 
 PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
   assert(points.size() >= 2);
-  // Differences of UTM coordinates lose digits: work relative to the first point.
-  const Vec2 origin = points.front();
-  std::vector<Vec2> local(points.begin(), points.end());
-  for (Vec2& p : local) p = p - origin;
-  const PointLine line(local, options.closed);
-  std::vector<Vec2> tangent = point_tangents(line, 0.5 * options.tolerance_m);
-  if (options.closed) tangent.back() = tangent.front();
-
-  const std::vector<Straight> straights = find_straights(line, options);
-  for (const Straight& straight : straights)
-    tangent[straight.first] = tangent[straight.last] = normalized(local[straight.last] - local[straight.first]);
-
   PlanFit fit;
   fit.point_s.assign(points.size(), 0.0);
-  const auto add = [&](std::size_t i, std::size_t j) {
-    const std::vector<PlanElement> elements = biarc({local[i], tangent[i]}, {local[j], tangent[j]});
-    const double start = plan_length(fit.elements);
-    append(fit.elements, elements, origin);
-    for (std::size_t k = i + 1; k < j; ++k) {
-      Foot best{0.0, std::numeric_limits<double>::infinity()};
-      for (const PlanElement& e : elements) {
-        const Foot foot = project(e, local[k]);
-        if (foot.distance < best.distance) best = {e.s + foot.ds, foot.distance};
-      }
-      fit.max_deviation_m = std::max(fit.max_deviation_m, best.distance);
-      fit.point_s[k] = std::max(fit.point_s[k - 1], start + best.ds);
-    }
-    fit.point_s[j] = start + plan_length(elements);
-  };
-  std::size_t at = 0;
-  const auto curve_to = [&](std::size_t limit) {
-    while (at < limit) {
-      const std::size_t to = biarc_reach(line, tangent, at, limit, options.tolerance_m);
-      add(at, to);
-      at = to;
-    }
-  };
-  for (const Straight& straight : straights) {
-    curve_to(straight.first);
-    add(straight.first, straight.last);
-    at = straight.last;
+  // Differences of UTM coordinates lose digits: work relative to the first point.
+  const Vec2 origin = points.front();
+  std::vector<Vec2> local;
+  for (const Vec2 p : points) local.push_back(p - origin);
+  if (options.closed) local.pop_back();
+  if (local.size() < 3) {
+    fit.elements = {line_through(points.front(), points[1])};
+    fit.point_s.back() = fit.elements[0].length;
+    return fit;
   }
-  curve_to(line.size() - 1);
+  const ChainLimits limits{.tolerance_m = options.tolerance_m,
+                           .max_curvature_rate = options.max_curvature_rate,
+                           .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
+  std::optional<ClothoidChain> chain = start_line(local, options.closed, limits);
+  if (!chain) throw 1;
+  chain->remove_knots();
+  chain->snap_kinds();
+  chain->remove_knots();
+
+  double s = 0.0;
+  std::vector<double> begin;
+  for (const ClothoidChain::Piece& piece : chain->pieces()) {
+    fit.elements.push_back(element_of(piece, s, origin));
+    begin.push_back(s);
+    s += piece.length_m;
+  }
+  const std::vector<ClothoidChain::Foot> feet = chain->feet();
+  const double seam = options.closed ? begin[feet[0].piece] + feet[0].ds_m : 0.0;
+  if (seam > 0.0) fit.elements = begin_at(fit.elements, seam);
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    const double foot = begin[feet[i].piece] + feet[i].ds_m - seam;
+    fit.point_s[i] = i == 0 ? 0.0 : std::max(fit.point_s[i - 1], foot < 0.0 ? foot + s : foot);
+    fit.mean_deviation_m += feet[i].distance_m / static_cast<double>(feet.size());
+    if (feet[i].distance_m > fit.max_deviation_m) fit.max_deviation_m = feet[i].distance_m, fit.farthest_point = i;
+  }
+  fit.point_s.back() = s;
   return fit;
 }
 
