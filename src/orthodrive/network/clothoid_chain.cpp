@@ -15,7 +15,10 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 constexpr int max_unknowns = 20;
-constexpr int least_iterations = 2, max_iterations = 14;
+constexpr int max_iterations = 16;
+constexpr int trial_iterations = 3, polish_iterations = 6;  // of least squares before the window may close
+constexpr double hopeless = 10.0;  // times the tolerance after the trial iterations: more of them would not help
+constexpr int polish_stride = 4;
 constexpr double closed_m = 1e-10, closed_rad = 1e-11;  // what may be left of a window's end condition
 
 /// Cholesky factor of a small symmetric matrix, in place (lower half); false when it is not positive definite.
@@ -208,6 +211,10 @@ void ClothoidChain::evaluate(Window& w, bool derive) {
     }
     if (w.u_shift >= 0) by_u[at(w.u_shift)] = left_normal(unit(w.knot[0].heading_rad)), turn_by_u[at(w.u_heading)] = 1.0;
   }
+  if (w.free_start) {  // the line begins beside the first node
+    const Vec2 along = unit(w.knot[0].heading_rad);
+    w.knot[0].p = w.knot[0].p + along * dot(along, nodes_.front() - w.knot[0].p);
+  }
   std::size_t j = 0;
   double begin = 0.0;
   w.max_e = 0.0;
@@ -283,9 +290,12 @@ void ClothoidChain::evaluate(Window& w, bool derive) {
 bool ClothoidChain::Window::step(bool only_close) {
   const int n = unknowns;
   // Lengths and curvatures that no node sees stay where they are: as if one more node said so, weakly.
+  // Lengths act on the rest with a product: the farther the line is off, the less they may change at once.
+  double off = max_e * max_e;
+  for (int i = 0; i < std::min(conditions, 2); ++i) off += rest[i] * rest[i];
   for (int p = 0; p < pieces; ++p) {
-    const double slack = 0.5 * length_m[at(p)];
-    h[u_length[at(p)]][u_length[at(p)]] += 4e-4 / (slack * slack);
+    const double slack = 0.3 * length_m[at(p)];
+    h[u_length[at(p)]][u_length[at(p)]] += (4e-4 + off) / (slack * slack);
   }
   for (int i = 0; i <= pieces; ++i)
     if (u_curvature[at(i)] >= 0) h[u_curvature[at(i)]][u_curvature[at(i)]] += 1e-2;
@@ -346,14 +356,14 @@ bool ClothoidChain::within_limits(const Window& w) const {
   return true;
 }
 
-bool ClothoidChain::solve(Window& w) {
+bool ClothoidChain::solve(Window& w, int least_iterations) {
   const double limit = std::max(limits_.tolerance_m, w.max_e);
   if (!w.number_unknowns() || w.unknowns < w.conditions) return false;
   bool closing = false;
   double before = INFINITY;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     evaluate(w, true);
-    if (!std::isfinite(w.max_e) || w.max_e > 20.0) return false;
+    if (!std::isfinite(w.max_e) || w.max_e > (iteration == 0 ? 100.0 : 20.0)) return false;
     if (closing && w.closes()) {
       if (w.max_e <= limit) return within_limits(w);
       closing = false;
@@ -361,7 +371,7 @@ bool ClothoidChain::solve(Window& w) {
     if (iteration >= least_iterations && !closing) {
       // The last steps only close the window: they converge quadratically, those that also move the line do not.
       if (w.max_e <= limit) closing = true;
-      else if (w.max_e > 4.0 * limit || w.max_e > before * 0.97) return false;
+      else if (w.max_e > hopeless * limit || w.max_e > before * 0.97) return false;
       before = w.max_e;
       // Towards the smallest largest distance: what is far counts more (iteratively reweighted, as for the 4-norm).
       for (std::size_t j = 0; j < w.nodes && !closing; ++j) {
@@ -397,26 +407,32 @@ void ClothoidChain::commit(const Window& w) {
   if (w.free_end) joints_[at(w.joint[at(w.pieces)])].knot = w.knot[at(w.pieces)];
 }
 
-bool ClothoidChain::remove(int j) {
-  const Joint& joint = joints_[at(j)];
-  if (!joint.alive || joint.previous < 0 || joint.next < 0 || alive_pieces_ < (closed_ ? 3 : 2)) return false;
+/// Takes out `count` joints from j on: one piece instead of count + 1.
+bool ClothoidChain::remove(int j, int count) {
+  if (!joints_[at(j)].alive || joints_[at(j)].previous < 0 || alive_pieces_ < count + (closed_ ? 2 : 1)) return false;
   Window w;
-  if (!collect(j, 3, 3, w)) return false;
+  if (!collect(j, 3, count + 2, w)) return false;
   int p = 0;
-  while (p <= w.pieces && w.joint[at(p)] != j) ++p;
-  if (p == 0 || p >= w.pieces) return false;
-  const std::size_t a = at(p) - 1, b = at(p);
-  w.kind[a] = w.kind[a] == w.kind[b] ? w.kind[a] : PieceKind::clothoid;
-  w.length_m[a] += w.length_m[b];
-  for (std::size_t i = b; i + 1 < at(w.pieces); ++i) w.length_m[i] = w.length_m[i + 1], w.kind[i] = w.kind[i + 1];
-  for (std::size_t i = b; i < at(w.pieces); ++i) w.joint[i] = w.joint[i + 1], w.knot[i] = w.knot[i + 1];
-  --w.pieces;
-  if (!solve(w)) return false;
+  while (p < w.pieces && w.joint[at(p)] != j) ++p;
+  if (p == 0 || p + count > w.pieces) return false;
+  const std::size_t a = at(p) - 1, shift = at(count), left = at(w.pieces - count);
+  const std::array<int, max_pieces + 1> before = w.joint;
+  for (std::size_t i = a + 1; i <= a + shift; ++i) {
+    w.kind[a] = w.kind[a] == w.kind[i] ? w.kind[a] : PieceKind::clothoid;
+    w.length_m[a] += w.length_m[i];
+  }
+  for (std::size_t i = a + 1; i < left; ++i) w.length_m[i] = w.length_m[i + shift], w.kind[i] = w.kind[i + shift];
+  for (std::size_t i = a + 1; i <= left; ++i) w.joint[i] = w.joint[i + shift], w.knot[i] = w.knot[i + shift];
+  w.pieces -= count;
+  if (!solve(w, trial_iterations)) return false;
   commit(w);
-  joints_[at(j)].alive = false;
-  joints_[at(j)].next = joints_[at(j)].previous = -1;
-  if (first_ == j) first_ = w.joint[0];
-  --alive_pieces_;
+  for (std::size_t i = a + 1; i <= a + shift; ++i) {
+    Joint& joint = joints_[at(before[i])];
+    joint.alive = false;
+    joint.next = joint.previous = -1;
+    if (first_ == before[i]) first_ = w.joint[0];
+  }
+  alive_pieces_ -= count;
   return true;
 }
 
@@ -427,20 +443,44 @@ bool ClothoidChain::change_kind(int j, PieceKind kind) {
   while (p < w.pieces && w.joint[at(p)] != j) ++p;
   if (p == w.pieces) return false;
   w.kind[at(p)] = kind;
-  if (!solve(w)) return false;
+  if (!solve(w, trial_iterations)) return false;
   commit(w);
   return true;
 }
 
-/// About how far the line moves when a joint goes: the triangle of curvature that is lost, integrated twice.
-double ClothoidChain::removal_cost(int j) const {
-  const Joint &joint = joints_[at(j)], &a = joints_[at(joint.previous)], &b = joints_[at(joint.next)];
-  const double l0 = a.length_m, l1 = joint.length_m, l = l0 + l1;
-  const double chord = a.knot.curvature + (b.knot.curvature - a.knot.curvature) * l0 / l;
-  return std::abs(joint.knot.curvature - chord) * l * l;
+void ClothoidChain::polish() {
+  // Windows overlap by half: what stood still at the border of one moves in the next.
+  int i = first_;
+  for (int k = 0; k < alive_pieces_; k += polish_stride)
+    for (int step = 0; step < polish_stride; ++step) {
+      if (step == 0) {
+        Window w;
+        if (collect(i, 0, 2 * polish_stride, w) && solve(w, polish_iterations)) commit(w);
+      }
+      if (joints_[at(i)].next < 0) return;
+      i = joints_[at(i)].next;
+    }
 }
 
-void ClothoidChain::remove_knots() {
+/// About how far the line moves when joints go: the triangles of curvature that are lost, integrated twice.
+double ClothoidChain::removal_cost(int j, int count) const {
+  int end = j;
+  double l = joints_[at(joints_[at(j)].previous)].length_m;
+  for (int k = 0; k < count; ++k) {
+    if (joints_[at(end)].next < 0) return INFINITY;
+    l += joints_[at(end)].length_m, end = joints_[at(end)].next;
+  }
+  const Joint& a = joints_[at(joints_[at(j)].previous)];
+  const double k0 = a.knot.curvature, k1 = joints_[at(end)].knot.curvature;
+  double s = a.length_m, cost = 0.0;
+  for (; j != end; j = joints_[at(j)].next) {
+    cost = std::max(cost, std::abs(joints_[at(j)].knot.curvature - (k0 + (k1 - k0) * s / l)));
+    s += joints_[at(j)].length_m;
+  }
+  return cost * l * l;
+}
+
+void ClothoidChain::remove_knots(int count) {
   struct Trial {
     double cost;
     int joint, stamp;
@@ -450,20 +490,19 @@ void ClothoidChain::remove_knots() {
   std::vector<int> stamp(joints_.size(), 0);
   const auto push = [&](int j) {
     const Joint& joint = joints_[at(j)];
-    if (joint.alive && joint.previous >= 0 && joint.next >= 0) queue.push({removal_cost(j), j, ++stamp[at(j)]});
+    if (!joint.alive || joint.previous < 0 || joint.next < 0) return;
+    if (const double cost = removal_cost(j, count); std::isfinite(cost)) queue.push({cost, j, ++stamp[at(j)]});
   };
   for (std::size_t i = 0; i < joints_.size(); ++i) push(static_cast<int>(i));
   while (!queue.empty()) {
     const Trial trial = queue.top();
     queue.pop();
-    if (trial.stamp != stamp[at(trial.joint)]) continue;
-    const int before = joints_[at(trial.joint)].previous, after = joints_[at(trial.joint)].next;
-    if (!remove(trial.joint)) continue;
-    for (int side = 0; side < 2; ++side)
-      for (int i = side == 0 ? before : after, k = 0; k < 2 && i >= 0; ++k) {
-        push(i);
-        i = side == 0 ? joints_[at(i)].previous : joints_[at(i)].next;
-      }
+    if (trial.stamp != stamp[at(trial.joint)] || !joints_[at(trial.joint)].alive) continue;
+    const int before = joints_[at(trial.joint)].previous;
+    if (!remove(trial.joint, count)) continue;
+    int i = before;
+    for (int k = 0; k < count && joints_[at(i)].previous >= 0; ++k) i = joints_[at(i)].previous;
+    for (int k = 0; k < 3 + count && i >= 0; ++k, i = joints_[at(i)].next) push(i);
   }
 }
 

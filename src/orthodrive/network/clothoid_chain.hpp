@@ -31,10 +31,13 @@ class ClothoidChain {
   ClothoidChain(std::span<const Vec2> nodes, bool closed, const ClothoidSpline& start, std::span<const std::size_t> at,
                 const ChainLimits& limits);
 
-  /// Takes joints out, those that bend least first, as long as the limits hold.
-  void remove_knots();
+  /// Takes joints out, `count` neighbours at a time, those that bend least first, as long as the limits hold.
+  void remove_knots(int count);
   /// Makes straight pieces lines and round ones arcs where the limits hold.
   void snap_kinds();
+
+  /// Moves the line to where least squares wants it.
+  void polish();
 
   struct Piece {
     Knot start;
@@ -63,13 +66,13 @@ class ClothoidChain {
 
   [[nodiscard]] std::size_t wrapped(std::size_t node) const { return node < nodes_.size() ? node : node - nodes_.size(); }
   [[nodiscard]] bool collect(int from, int back, int ahead, Window& window) const;
-  [[nodiscard]] bool solve(Window& window);
+  [[nodiscard]] bool solve(Window& window, int least_iterations);
   void evaluate(Window& window, bool derive);
   [[nodiscard]] bool within_limits(const Window& window) const;
   void commit(const Window& window);
-  [[nodiscard]] bool remove(int joint);
+  [[nodiscard]] bool remove(int joint, int count);
   [[nodiscard]] bool change_kind(int joint, PieceKind kind);
-  [[nodiscard]] double removal_cost(int joint) const;
+  [[nodiscard]] double removal_cost(int joint, int count) const;
 
   std::span<const Vec2> nodes_;
   bool closed_;

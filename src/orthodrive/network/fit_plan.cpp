@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "orthodrive/network/clothoid_chain.hpp"
+#include "orthodrive/network/cubic_plan.hpp"
 #include "orthodrive/network/smooth_points.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -19,6 +20,7 @@ namespace {
 
 using roadquery::Arc;
 using roadquery::Line;
+using roadquery::ParamPoly3;
 using roadquery::PlanElement;
 using roadquery::Spiral;
 
@@ -133,11 +135,69 @@ std::optional<ClothoidChain> start_line(std::span<const Vec2> nodes, bool closed
   return chain;
 }
 
+/// The circle near all nodes of a closed line, if there is one: two arcs.
+std::optional<PlanFit> circle_fit(std::span<const Vec2> nodes, Vec2 origin, double tolerance_m) {
+  // Least squares for x^2 + y^2 = 2 a x + 2 b y + c (Kasa 1976), about the mean.
+  const auto n = static_cast<double>(nodes.size());
+  Vec2 mean;
+  for (const Vec2 p : nodes) mean = mean + p * (1.0 / n);
+  double xx = 0.0, xy = 0.0, yy = 0.0, rx = 0.0, ry = 0.0, r2 = 0.0;
+  for (const Vec2 p : nodes) {
+    const Vec2 d = p - mean;
+    const double q = dot(d, d);
+    xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y, rx += d.x * q, ry += d.y * q, r2 += q / n;
+  }
+  const double det = xx * yy - xy * xy;
+  if (!(det > 1e-9 * xx * yy)) return std::nullopt;
+  const Vec2 shift{0.5 * (rx * yy - ry * xy) / det, 0.5 * (ry * xx - rx * xy) / det}, center = mean + shift;
+  const double radius = std::sqrt(r2 + dot(shift, shift));
+  PlanFit fit;
+  double turn = 0.0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const double off = std::abs(distance(nodes[i], center) - radius);
+    if (off > tolerance_m) return std::nullopt;
+    if (off > fit.max_deviation_m) fit.max_deviation_m = off, fit.farthest_point = i;
+    fit.mean_deviation_m += off / n;
+    fit.point_s.push_back(std::abs(turn) * radius);
+    const Vec2 a = nodes[i] - center, b = nodes[i + 1 < nodes.size() ? i + 1 : 0] - center;
+    turn += std::atan2(cross(a, b), dot(a, b));
+  }
+  if (std::abs(std::abs(turn) - 2.0 * std::numbers::pi) > 1e-6) return std::nullopt;
+  const double side = turn > 0.0 ? 1.0 : -1.0, half = std::numbers::pi * radius;
+  const Vec2 out = normalized(nodes[0] - center) * radius;
+  for (const double sign : {1.0, -1.0}) {
+    const Vec2 p = center + out * sign + origin, t = left_normal(out) * (side * sign);
+    fit.elements.push_back({sign > 0.0 ? 0.0 : half, p.x, p.y, std::atan2(t.y, t.x), half, Arc{side / radius}});
+  }
+  for (std::size_t i = 1; i < fit.point_s.size(); ++i) fit.point_s[i] = std::max(fit.point_s[i], fit.point_s[i - 1]);
+  fit.point_s.push_back(2.0 * half);
+  return fit;
+}
+
+PlanFit cubic_fit(std::span<const Vec2> points, bool closed) {
+  PlanFit fit;
+  fit.elements = cubic_plan(points, closed);
+  for (const PlanElement& e : fit.elements) fit.point_s.push_back(e.s);
+  fit.point_s.push_back(plan_length(fit.elements));
+  fit.clothoids = false;
+  return fit;
+}
+
+/// Curvatures that differ by less than a file or a reader can tell are one: SUMO drops spirals whose ends are the same.
+/// Place and heading at the end move by less than 1e-8 by it.
+roadquery::PlanShape shape_of(double curvature0, double curvature1, double length) {
+  const double change = std::abs(curvature1 - curvature0);
+  if (change > 1e-9 || (change > 1e-12 && change * length * length > 1e-8)) return Spiral{curvature0, curvature1};
+  const double mean = 0.5 * (curvature0 + curvature1);
+  if (mean == 0.0) return Line{};
+  return Arc{mean};
+}
+
 PlanElement element_of(const ClothoidChain::Piece& piece, double s, Vec2 origin) {
   PlanElement e{.s = s, .x = piece.start.p.x + origin.x, .y = piece.start.p.y + origin.y,
                 .hdg = wrap_angle(piece.start.heading_rad), .length = piece.length_m};
   if (piece.kind == PieceKind::arc) e.shape = Arc{piece.start.curvature};
-  if (piece.kind == PieceKind::clothoid) e.shape = Spiral{piece.start.curvature, piece.end_curvature};
+  if (piece.kind == PieceKind::clothoid) e.shape = shape_of(piece.start.curvature, piece.end_curvature, piece.length_m);
   return e;
 }
 
@@ -211,14 +271,20 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
   for (const PlanElement& e : plan) {
     const double a = std::max(s0, e.s), b = std::min(s1, e.s + e.length);
     if (b - a < sliver_m) continue;
-    const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
-    PlanElement part{.s = result.empty() ? 0.0 : plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg),
-                     .length = b - a, .shape = e.shape};
-    if (Spiral* spiral = std::get_if<Spiral>(&part.shape)) {
-      const auto [k0, k1] = *spiral;  // as weighted means: exact at both ends
-      const double u = (a - e.s) / e.length, v = (b - e.s) / e.length;
-      *spiral = {k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v};
+    const double u = (a - e.s) / e.length, v = (b - e.s) / e.length;
+    PlanElement part;
+    if (std::holds_alternative<ParamPoly3>(e.shape)) {
+      part = cubic_part(e, u, v);
+    } else {
+      const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
+      part = {0.0, q.x, q.y, wrap_angle(q.hdg), 0.0, e.shape};
+      if (const Spiral* spiral = std::get_if<Spiral>(&e.shape)) {  // weighted means: exact at both ends
+        const auto [k0, k1] = *spiral;
+        part.shape = shape_of(k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v, b - a);
+      }
     }
+    part.s = result.empty() ? 0.0 : plan_length(result);
+    part.length = b - a;
     result.push_back(part);
   }
   return result;
@@ -227,11 +293,16 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
 std::vector<PlanElement> reverse_plan(std::span<const PlanElement> plan) {
   std::vector<PlanElement> result;
   for (auto it = plan.rbegin(); it != plan.rend(); ++it) {
-    const roadquery::PlanPoint q = roadquery::evaluate(*it, it->length);
-    PlanElement e{.s = plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg + std::numbers::pi),
-                  .length = it->length, .shape = it->shape};
-    if (Arc* arc = std::get_if<Arc>(&e.shape)) arc->curvature = -arc->curvature;
-    if (Spiral* spiral = std::get_if<Spiral>(&e.shape)) *spiral = {-spiral->curvature_end, -spiral->curvature_start};
+    PlanElement e;
+    if (std::holds_alternative<ParamPoly3>(it->shape)) {
+      e = cubic_part(*it, 1.0, 0.0);
+    } else {
+      const roadquery::PlanPoint q = roadquery::evaluate(*it, it->length);
+      e = {0.0, q.x, q.y, wrap_angle(q.hdg + std::numbers::pi), it->length, it->shape};
+      if (Arc* arc = std::get_if<Arc>(&e.shape)) arc->curvature = -arc->curvature;
+      if (Spiral* spiral = std::get_if<Spiral>(&e.shape)) *spiral = {-spiral->curvature_end, -spiral->curvature_start};
+    }
+    e.s = plan_length(result);
     result.push_back(e);
   }
   return result;
@@ -251,14 +322,17 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
     fit.point_s.back() = fit.elements[0].length;
     return fit;
   }
+  if (options.closed)
+    if (std::optional<PlanFit> circle = circle_fit(local, origin, options.tolerance_m)) return *circle;
   const ChainLimits limits{.tolerance_m = options.tolerance_m,
                            .max_curvature_rate = options.max_curvature_rate,
                            .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
   std::optional<ClothoidChain> chain = start_line(local, options.closed, limits);
-  if (!chain) throw 1;
-  chain->remove_knots();
+  if (!chain) return cubic_fit(points, options.closed);
+  chain->remove_knots(1);
   chain->snap_kinds();
-  chain->remove_knots();
+  chain->remove_knots(1);
+  chain->polish();
 
   double s = 0.0;
   std::vector<double> begin;

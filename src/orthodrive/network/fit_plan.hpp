@@ -28,6 +28,7 @@ struct PlanFit {
   std::vector<double> point_s;  ///< of the points' feet on the line, not decreasing; 0 and its length for the ends
   double max_deviation_m = 0.0, mean_deviation_m = 0.0;
   std::size_t farthest_point = 0;
+  bool clothoids = true;  ///< false: none were found, cubics (ParamPoly3) go through all points
 };
 
 /// At least two points, neighbours at different places.
