@@ -119,7 +119,7 @@ ClothoidChain::ClothoidChain(std::span<const Vec2> nodes, bool closed, const Clo
     for (int pass = 0; pass < 3; ++pass) evaluate(window, false);
     for (std::size_t j = 0; j < window.nodes; ++j) {
       const std::size_t node = wrapped(window.first_node + j);
-      ds_[node] = window.s[j], distance_[node] = std::abs(window.e[j]);
+      ds_[node] = std::clamp(window.s[j], 0.0, joints_[at(i)].length_m), distance_[node] = std::abs(window.e[j]);
     }
   }
 }

@@ -154,10 +154,7 @@ std::optional<PlanFit> circle_fit(std::span<const Vec2> nodes, Vec2 origin, doub
   PlanFit fit;
   double turn = 0.0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const double off = std::abs(distance(nodes[i], center) - radius);
-    if (off > tolerance_m) return std::nullopt;
-    if (off > fit.max_deviation_m) fit.max_deviation_m = off, fit.farthest_point = i;
-    fit.mean_deviation_m += off / n;
+    if (std::abs(distance(nodes[i], center) - radius) > tolerance_m) return std::nullopt;
     fit.point_s.push_back(std::abs(turn) * radius);
     const Vec2 a = nodes[i] - center, b = nodes[i + 1 < nodes.size() ? i + 1 : 0] - center;
     turn += std::atan2(cross(a, b), dot(a, b));
@@ -201,12 +198,12 @@ PlanElement element_of(const ClothoidChain::Piece& piece, double s, Vec2 origin)
   return e;
 }
 
-/// A closed plan, begun elsewhere.
-std::vector<PlanElement> begin_at(std::span<const PlanElement> plan, double s0) {
-  const double length = plan_length(plan);
-  std::vector<PlanElement> twice(plan.begin(), plan.end());
-  for (PlanElement e : plan) e.s += length, twice.push_back(e);
-  return slice_plan(twice, s0, s0 + length);
+void measure(PlanFit& fit, std::span<const Vec2> points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double off = distance(pose_at(fit.elements, fit.point_s[i]).p, points[i]);
+    fit.mean_deviation_m += off / static_cast<double>(points.size());
+    if (off > fit.max_deviation_m) fit.max_deviation_m = off, fit.farthest_point = i;
+  }
 }
 
 PlanElement line_through(Vec2 a, Vec2 b) {
@@ -323,7 +320,10 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
     return fit;
   }
   if (options.closed)
-    if (std::optional<PlanFit> circle = circle_fit(local, origin, options.tolerance_m)) return *circle;
+    if (std::optional<PlanFit> circle = circle_fit(local, origin, options.tolerance_m)) {
+      measure(*circle, points);
+      return *circle;
+    }
   const ChainLimits limits{.tolerance_m = options.tolerance_m,
                            .max_curvature_rate = options.max_curvature_rate,
                            .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
@@ -341,16 +341,25 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
     begin.push_back(s);
     s += piece.length_m;
   }
+  // The plan begins beside the first node and ends beside the last one.
   const std::vector<ClothoidChain::Foot> feet = chain->feet();
-  const double seam = options.closed ? begin[feet[0].piece] + feet[0].ds_m : 0.0;
-  if (seam > 0.0) fit.elements = begin_at(fit.elements, seam);
-  for (std::size_t i = 0; i < feet.size(); ++i) {
-    const double foot = begin[feet[i].piece] + feet[i].ds_m - seam;
-    fit.point_s[i] = i == 0 ? 0.0 : std::max(fit.point_s[i - 1], foot < 0.0 ? foot + s : foot);
-    fit.mean_deviation_m += feet[i].distance_m / static_cast<double>(feet.size());
-    if (feet[i].distance_m > fit.max_deviation_m) fit.max_deviation_m = feet[i].distance_m, fit.farthest_point = i;
+  const auto foot_s = [&](std::size_t i) { return begin[feet[i].piece] + feet[i].ds_m; };
+  const double seam = foot_s(0), end = options.closed ? seam + s : foot_s(feet.size() - 1);
+  if (seam > 0.0 || end < s) {
+    for (std::size_t i = 0; options.closed && i < begin.size(); ++i) {
+      fit.elements.push_back(PlanElement(fit.elements[i]));
+      fit.elements.back().s += s;
+    }
+    fit.elements = slice_plan(fit.elements, seam, end);
   }
-  fit.point_s.back() = s;
+  const double length = plan_length(fit.elements);
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    double at_s = foot_s(i) - seam;
+    if (at_s < 0.0) at_s += s;
+    fit.point_s[i] = i == 0 ? 0.0 : std::clamp(at_s, fit.point_s[i - 1], length);
+  }
+  fit.point_s.back() = length;
+  measure(fit, points);
   return fit;
 }
 
