@@ -112,7 +112,7 @@ ClothoidSpline first_line(std::span<const Vec2> q, std::span<const std::size_t> 
 
 /// Clothoids through some nodes of the smoothed line, dense enough for all nodes to lie near.
 std::optional<ClothoidChain> start_line(std::span<const Vec2> nodes, bool closed, const ChainLimits& limits) {
-  const std::vector<Vec2> q = smooth_points(nodes, closed, cutoff_m, 0.3 * limits.tolerance_m);
+  const std::vector<Vec2> q = smooth_points(nodes, closed, cutoff_m, 0.6 * limits.tolerance_m);
   std::optional<ClothoidChain> chain;
   std::vector<char> wanted(nodes.size(), 0);
   for (int round = 0; round < max_start_rounds; ++round) {
