@@ -324,7 +324,7 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
       measure(*circle, points);
       return *circle;
     }
-  const ChainLimits limits{.tolerance_m = options.tolerance_m,
+  const ChainLimits limits{.tolerance_m = 0.999 * options.tolerance_m,  // measured across the line, stated to the foot
                            .max_curvature_rate = options.max_curvature_rate,
                            .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
   std::optional<ClothoidChain> chain = start_line(local, options.closed, limits);
