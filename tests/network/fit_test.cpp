@@ -293,20 +293,24 @@ TEST(FitPlan, two_points_give_their_line) {
 
 TEST(Biarc, meets_both_poses_whatever_they_are) {
   Random random(5);
+  int clothoids = 0;
   for (int i = 0; i < 2000; ++i) {
     const auto pose = [&] {
       const double heading = random.uniform(-M_PI, M_PI);
       return Pose{{random.uniform(-20.0, 20.0), random.uniform(-20.0, 20.0)}, {std::cos(heading), std::sin(heading)}};
     };
     const Pose a = pose(), b = pose();
-    const std::vector<PlanElement> elements = biarc(a, b);
-    expect_smooth(elements, false, false);
-    const Pose start = pose_at(elements, 0.0), end = pose_at(elements, plan_length(elements));
-    ASSERT_LT(distance(start.p, a.p), 1e-7);
-    ASSERT_LT(distance(end.p, b.p), 1e-6);
-    ASSERT_GT(dot(start.direction, a.direction), 1.0 - 1e-9);
-    ASSERT_GT(dot(end.direction, b.direction), 1.0 - 1e-9);
+    for (const std::vector<PlanElement>& elements : {biarc(a, b), turn(a, b)}) {
+      expect_smooth(elements, false, false);
+      const Pose start = pose_at(elements, 0.0), end = pose_at(elements, plan_length(elements));
+      ASSERT_LT(distance(start.p, a.p), 1e-7);
+      ASSERT_LT(distance(end.p, b.p), 1e-6);
+      ASSERT_GT(dot(start.direction, a.direction), 1.0 - 1e-9);
+      ASSERT_GT(dot(end.direction, b.direction), 1.0 - 1e-9);
+      clothoids += count<roadquery::Spiral>(elements);
+    }
   }
+  EXPECT_GT(clothoids, 500);  // of the turns
 }
 
 TEST(SlicePlan, slices_and_reversed_plans_lie_on_the_line) {

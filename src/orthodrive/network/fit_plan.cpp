@@ -252,6 +252,17 @@ std::vector<PlanElement> biarc(const Pose& from, const Pose& to) {
   return elements;
 }
 
+std::vector<PlanElement> turn(const Pose& from, const Pose& to) {
+  const auto heading = [](const Pose& pose) { return std::atan2(pose.direction.y, pose.direction.x); };
+  const std::vector<PlanElement> arcs = biarc(from, to);
+  const ClothoidFit fit = fit_clothoid(to.p - from.p, heading(from), heading(to));
+  if (!fit.found || fit.length_m > 1.5 * plan_length(arcs)) return arcs;
+  const double sharpest = std::max(std::abs(fit.curvature0), std::abs(fit.curvature1));
+  if (std::none_of(arcs.begin(), arcs.end(), [&](const PlanElement& e) { return 2.0 * std::abs(curvature_of(e)) >= sharpest; }))
+    return arcs;
+  return {{0.0, from.p.x, from.p.y, heading(from), fit.length_m, shape_of(fit.curvature0, fit.curvature1, fit.length_m)}};
+}
+
 double plan_length(std::span<const PlanElement> plan) { return plan.empty() ? 0.0 : plan.back().s + plan.back().length; }
 
 Pose pose_at(std::span<const PlanElement> plan, double s) {

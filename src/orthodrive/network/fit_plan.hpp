@@ -40,6 +40,9 @@ struct Pose {
   Vec2 p, direction;  ///< unit vector
 };
 [[nodiscard]] std::vector<roadquery::PlanElement> biarc(const Pose& from, const Pose& to);
+/// For turning roads: the one clothoid between the poses (clothoid.hpp), or their biarc where the clothoid is a detour or more
+/// than twice as sharp.
+[[nodiscard]] std::vector<roadquery::PlanElement> turn(const Pose& from, const Pose& to);
 
 /// Element lists ("plans") start at s = 0. The part from s0 to s1, again from 0.
 [[nodiscard]] std::vector<roadquery::PlanElement> slice_plan(std::span<const roadquery::PlanElement> plan, double s0,
