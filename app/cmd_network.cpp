@@ -58,7 +58,7 @@ void run(const NetworkCommand& command, const Context& context) {
 
 void add_network(CLI::App& app, Context& context) {
   auto command = std::make_shared<NetworkCommand>();
-  CLI::App* cmd = app.add_subcommand("network", "Write roads as OpenDRIVE 1.7 or 1.8: lines and arcs, profiles, lanes, junctions.");
+  CLI::App* cmd = app.add_subcommand("network", "Write roads as OpenDRIVE 1.7 or 1.8: lines, arcs and clothoids, profiles, lanes, junctions.");
   cmd->add_option("--roads", command->roads, "roads with widths and heights (GeoPackage of refine and elevate)")->required();
   cmd->add_option("-o,--output", command->out, "OpenDRIVE file to write (.xodr)")->required();
   cmd->add_option("--findings", command->findings, "also write what was odd, as GeoJSON points");
@@ -90,8 +90,8 @@ void add_network(CLI::App& app, Context& context) {
   cmd->add_flag("--left-hand-traffic", command->options.left_hand_traffic, "drive on the left");
   cmd->footer(
       "Reads roads.gpkg (layers centrelines and nodes). Writes one OpenDRIVE file in the CRS of the roads. Roads without\n"
-      "heights lie flat at z = 0. Takes a second and 200 MB for 250 km of roads; a kilometre of OpenCRG surface a quarter\n"
-      "of a second and half a megabyte.\n\n"
+      "heights lie flat at z = 0. Takes three seconds and 300 MB for 250 km of roads; a kilometre of OpenCRG surface a\n"
+      "quarter of a second and half a megabyte.\n\n"
       "Examples:\n"
       "  orthodrive network --roads out/roads.gpkg -o out/roads.xodr\n"
       "  orthodrive network --roads roads.gpkg -o roads.xodr --elevation-tolerance 0.01 --findings odd.geojson\n"

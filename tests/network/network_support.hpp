@@ -73,12 +73,12 @@ inline const roadquery::Road* road_by_id(const roadquery::RoadMap& map, int id) 
 
 /// How roads differ where they are linked.
 struct JointGaps {
-  double position_m = 0.0, heading_rad = 0.0, z_m = 0.0, gradient = 0.0, banking_rad = 0.0, edge_m = 0.0;
+  double position_m = 0.0, heading_rad = 0.0, curvature = 0.0, z_m = 0.0, gradient = 0.0, banking_rad = 0.0, edge_m = 0.0;
   int joints = 0;
 };
 
 struct EndPose {
-  double x, y, heading, z, gradient, banking, left_t, right_t;
+  double x, y, heading, curvature, z, gradient, banking, left_t, right_t;
 };
 
 /// A road's end seen in the direction in which it is left (`leaving`) or entered.
@@ -87,7 +87,7 @@ inline EndPose end_pose(const roadquery::Road& road, roadquery::ContactPoint con
   const double s = at_end ? road.length : 0.0, sign = along ? 1.0 : -1.0;
   const roadquery::PlanPoint q = roadquery::reference_point(road, s);
   const roadquery::Edges edges = roadquery::road_edges(road, s);
-  return {q.x, q.y, q.hdg + (along ? 0.0 : M_PI), roadquery::elevation(road, s), sign * roadquery::gradient(road, s),
+  return {q.x, q.y, q.hdg + (along ? 0.0 : M_PI), sign * q.curvature, roadquery::elevation(road, s), sign * roadquery::gradient(road, s),
           sign * roadquery::superelevation(road, s), along ? edges.left_t : -edges.right_t,
           along ? edges.right_t : -edges.left_t};
 }
@@ -95,6 +95,7 @@ inline EndPose end_pose(const roadquery::Road& road, roadquery::ContactPoint con
 inline void measure(const EndPose& a, const EndPose& b, bool edges, JointGaps& gaps) {
   gaps.position_m = std::max(gaps.position_m, std::hypot(a.x - b.x, a.y - b.y));
   gaps.heading_rad = std::max(gaps.heading_rad, std::abs(std::remainder(a.heading - b.heading, 2.0 * M_PI)));
+  if (edges) gaps.curvature = std::max(gaps.curvature, std::abs(a.curvature - b.curvature));
   gaps.z_m = std::max(gaps.z_m, std::abs(a.z - b.z));
   gaps.gradient = std::max(gaps.gradient, std::abs(a.gradient - b.gradient));
   gaps.banking_rad = std::max(gaps.banking_rad, std::abs(a.banking - b.banking));
@@ -102,7 +103,8 @@ inline void measure(const EndPose& a, const EndPose& b, bool edges, JointGaps& g
   ++gaps.joints;
 }
 
-/// Over all road links. The edges are compared for links outside junctions: a connecting road holds one direction only.
+/// Over all road links. Edges and curvature are compared for links outside junctions: a connecting road holds one direction
+/// only and may be made of biarcs.
 inline JointGaps joint_gaps(const roadquery::RoadMap& map) {
   using roadquery::ContactPoint;
   JointGaps gaps;
@@ -128,6 +130,7 @@ inline JointGaps element_gaps(const roadquery::RoadMap& map) {
       const roadquery::PlanPoint b = roadquery::evaluate(road.plan[i], 0.0);
       gaps.position_m = std::max(gaps.position_m, std::hypot(a.x - b.x, a.y - b.y));
       gaps.heading_rad = std::max(gaps.heading_rad, std::abs(std::remainder(a.hdg - b.hdg, 2.0 * M_PI)));
+      if (road.junction < 0) gaps.curvature = std::max(gaps.curvature, std::abs(a.curvature - b.curvature));
     }
     for (std::size_t i = 1; i < road.elevation.size(); ++i) {
       const roadquery::Cubic &a = road.elevation[i - 1], &b = road.elevation[i];
@@ -144,6 +147,8 @@ inline void expect_sound(const roadquery::RoadMap& map) {
   const JointGaps joints = joint_gaps(map), elements = element_gaps(map);
   EXPECT_LT(joints.position_m, 1e-6);
   EXPECT_LT(joints.heading_rad, 1e-6);
+  EXPECT_LT(joints.curvature, 1e-6);
+  EXPECT_LT(elements.curvature, 1e-6);
   EXPECT_LT(joints.z_m, 1e-6);
   EXPECT_LT(joints.gradient, 1e-6);
   EXPECT_LT(joints.banking_rad, 1e-6);

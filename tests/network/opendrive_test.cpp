@@ -167,7 +167,28 @@ TEST_F(OpenDrive, kvarnbyn_from_osm_alone) {
   EXPECT_GT(plain_roads(result.map).size(), roads.paths.size());
   io::write_opendrive(file("a.xodr"), result.map);
   if (fs::exists(opendrive_schema)) expect_valid_opendrive(file("a.xodr"));
+  expect_sound(roadquery::read_opendrive(file("a.xodr").string()));
   expect_sumo_finds_all_roads(file("a.xodr"), folder());
+}
+
+TEST_F(OpenDrive, refined_towns_take_one_element_every_twenty_metres) {
+  const fs::path folder = fs::path(ORTHODRIVE_SOURCE_DIR) / "out" / "refinement" / "roads";
+  if (!fs::exists(folder)) GTEST_SKIP() << "NOT TESTED: no refined roads at " << folder;
+  for (const char* town : {"kvarnbyn", "pardubice"}) {
+    const fs::path path = folder / (std::string(town) + " drawn.default.gpkg");
+    if (!fs::exists(path)) GTEST_SKIP() << "NOT TESTED: no refined roads at " << path;
+    const NetworkResult result = build_network(io::read_roads(path));
+    EXPECT_LE(result.max_plan_deviation_m, 0.1) << town;
+    double length = 0.0, elements = 0.0;
+    for (const Road* road : plain_roads(result.map)) {
+      length += road->length, elements += static_cast<double>(road->plan.size());
+      for (const roadquery::PlanElement& e : road->plan)
+        EXPECT_FALSE(std::holds_alternative<roadquery::ParamPoly3>(e.shape)) << town << ", road " << road->id;
+    }
+    EXPECT_GE(length / elements, 20.0) << town;
+    io::write_opendrive(file("a.xodr"), result.map);
+    expect_sound(roadquery::read_opendrive(file("a.xodr").string()));
+  }
 }
 
 }  // namespace

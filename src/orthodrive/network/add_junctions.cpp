@@ -137,7 +137,7 @@ Geometry chain_through(const NetworkPlan& plan, const JunctionEnd& from, const J
 Geometry turning(const Gate& in, const Gate& out) {
   Geometry result;
   // Differences of UTM coordinates lose digits: work relative to the start.
-  result.plan = biarc({{}, in.pose.direction}, {out.pose.p - in.pose.p, out.pose.direction});
+  result.plan = turn({{}, in.pose.direction}, {out.pose.p - in.pose.p, out.pose.direction});
   for (roadquery::PlanElement& e : result.plan) e.x += in.pose.p.x, e.y += in.pose.p.y;
   const double length = plan_length(result.plan);
   result.elevation = {hermite(0.0, length, in.z_m, out.z_m, in.gradient, out.gradient)};

@@ -14,7 +14,7 @@ struct BuildNetworkOptions {
   std::string name = "orthodrive";       ///< header/@name
   /// Largest distance of a node from the reference line. Refined lines are uncertain by some decimetres; following them
   /// more closely turns their noise into curvature.
-  double plan_tolerance_m = 0.08;
+  double plan_tolerance_m = 0.10;
   double elevation_tolerance_m = 0.02;   ///< largest height error at a node
   double banking_tolerance_rad = 0.002;  ///< largest superelevation error at a node
   double width_tolerance_m = 0.05;       ///< largest error of the carriageway width at a node

@@ -1,5 +1,7 @@
 #include "orthodrive/network/chain_geometry.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -38,8 +40,22 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
   if (line.nodes.size() < 2) return geometry;
 
   std::vector<Vec2> points;
-  for (const ChainNode& node : line.nodes) points.push_back(node.p);
-  PlanFit plan = fit_plan(points, {options.plan_tolerance_m, chain.closed});
+  std::vector<double> max_curvature;
+  for (const ChainNode& node : line.nodes) {
+    points.push_back(node.p);
+    // Where the inner edge of the carriageway would fold over.
+    max_curvature.push_back(2.0 / std::max({node.width_before_m, node.width_after_m, 1.0}));
+  }
+  PlanFit plan = fit_plan(
+      points, {.tolerance_m = options.plan_tolerance_m, .closed = chain.closed, .max_curvature = max_curvature});
+  const Vec2 where = points[plan.farthest_point];
+  if (!plan.clothoids)
+    geometry.findings.push_back({Severity::warning, "network.no_clothoids",
+                                 "no chain of clothoids follows these nodes; the road is made of cubics", where.x, where.y});
+  else if (plan.max_deviation_m > options.plan_tolerance_m + 1e-6)
+    geometry.findings.push_back({Severity::info, "network.off_the_nodes",
+                                 fmt::format("the road's nodes lie up to {:.2f} m from its reference line", plan.max_deviation_m),
+                                 where.x, where.y});
   geometry.plan = std::move(plan.elements);
   geometry.length_m = plan_length(geometry.plan);
   geometry.max_plan_deviation_m = plan.max_deviation_m;

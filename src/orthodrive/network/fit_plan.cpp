@@ -1,5 +1,5 @@
-// Based on: K. M. Bolton, Biarc curves, Computer-Aided Design 7 (1975); closed form as in R. N. Goldman's and
-// J. Stepanyan's notes: the joint lies where both control lengths d are equal, d being the root of
+// See fit_plan.hpp for the method; docs/network.md for what it reaches. The biarc is that of K. M. Bolton, Biarc curves,
+// Computer-Aided Design 7 (1975), in closed form: the joint lies where both control lengths d are equal, d being the root of
 //   |v|^2 - 2 d v.(t1 + t2) + 2 d^2 (t1.t2 - 1) = 0.
 
 #include "orthodrive/network/fit_plan.hpp"
@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <optional>
 
+#include "orthodrive/network/clothoid_chain.hpp"
+#include "orthodrive/network/cubic_plan.hpp"
+#include "orthodrive/network/smooth_points.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
@@ -17,24 +20,26 @@ namespace {
 
 using roadquery::Arc;
 using roadquery::Line;
+using roadquery::ParamPoly3;
 using roadquery::PlanElement;
+using roadquery::Spiral;
 
-// Tangents look this far to both sides: two node spacings against node noise, less where the line bends more within that
-// than a circle does.
-constexpr double stencils_m[] = {4.0, 2.0};
-// A stretch counts as straight when it is this long and within half the tolerance of its chord: an arc as flat as that
-// has a radius of 5 km and more (at 0.08 m).
-constexpr double straight_min_length_m = 40.0;
-constexpr double straight_run_in_m = 5.0;  // left to curves at both ends, so that neighbouring straights can join
+// Waves shorter than this are noise of the nodes: refined roads have nodes every 2 m that err together over some 10 m.
+constexpr double cutoff_m = 20.0;
+// Knots of the first line, dense enough for any road: they are taken out again where they are not needed.
+constexpr double first_spacing_m = 10.0;
+constexpr double first_turn_rad = 0.3;
+constexpr double first_min_spacing_m = 0.6;
+constexpr int max_start_rounds = 8;  // each puts knots in where the line is still too far from its nodes
 
 double wrap_angle(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 double curvature_of(const PlanElement& e) {
   const Arc* arc = std::get_if<Arc>(&e.shape);
   return arc ? arc->curvature : 0.0;
 }
-
-Vec2 unit(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 /// Circle arc that leaves `from` in its direction and ends at `end`; a line when it bends by less than shows.
 PlanElement arc_to(const Pose& from, Vec2 end) {
@@ -50,64 +55,28 @@ PlanElement arc_to(const Pose& from, Vec2 end) {
   return e;
 }
 
-struct Foot {
-  double ds = 0.0, distance = 0.0;
-};
-
-/// Nearest point of a line or arc of less than a full turn.
-Foot project(const PlanElement& e, Vec2 p) {
-  const Vec2 d = unit(e.hdg), r = p - Vec2{e.x, e.y};
-  const double k = curvature_of(e);
-  double ds = dot(r, d);
-  if (k != 0.0) {
-    const double radius = 1.0 / k;
-    const Vec2 from_center = r - left_normal(d) * radius;
-    // Angle turned since the start, measured around the centre in the sense of the arc, in (-pi, pi] about the middle.
-    const double middle = 0.5 * k * e.length;
-    const Vec2 a = left_normal(d) * -radius;
-    const double angle = std::atan2(cross(a, from_center), dot(a, from_center));
-    ds = (middle + wrap_angle(angle - middle)) / k;
+/// Nodes at which the first line has its knots, ascending; first and last for open lines.
+std::vector<std::size_t> choose_knots(std::span<const Vec2> q, bool closed, std::span<const char> wanted) {
+  const std::size_t n = q.size();
+  std::vector<std::size_t> at{0};
+  double walked = 0.0, turned = 0.0;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double step = distance(q[i - 1], q[i]);
+    walked += step;
+    const bool end = !closed && i + 1 == n;
+    const Vec2 in = q[i] - q[i - 1], out = q[i + 1 < n ? i + 1 : (closed ? 0 : i)] - q[i];
+    const double turn = end ? 0.0 : std::abs(std::atan2(cross(in, out), dot(in, out)));
+    turned += turn;
+    const bool far = walked >= first_spacing_m || turned >= first_turn_rad || wanted[i];
+    if (!end && (!far || walked < first_min_spacing_m)) continue;
+    // A last piece too short for its neighbours joins the one before.
+    if (end && walked < first_min_spacing_m && at.size() > 1) at.pop_back();
+    at.push_back(i);
+    walked = turned = 0.0;
   }
-  ds = std::clamp(ds, 0.0, e.length);
-  const roadquery::PlanPoint q = roadquery::evaluate(e, ds);
-  return {ds, distance(p, {q.x, q.y})};
+  if (closed && at.size() > 3 && distance(q[at.back()], q[0]) < first_min_spacing_m) at.pop_back();
+  return at;
 }
-
-/// Points, their arc length, and what lies before the first and after the last one of a closed line.
-class PointLine {
- public:
-  PointLine(std::span<const Vec2> points, bool closed) : points_(points), closed_(closed), s_(points.size(), 0.0) {
-    for (std::size_t i = 1; i < points.size(); ++i) s_[i] = s_[i - 1] + distance(points[i - 1], points[i]);
-  }
-  [[nodiscard]] std::size_t size() const { return points_.size(); }
-  [[nodiscard]] Vec2 operator[](std::size_t i) const { return points_[i]; }
-  [[nodiscard]] double s(std::size_t i) const { return s_[i]; }
-
-  /// The first point at least `reach` away before (step -1) or after (+1) point i; the end of an open line at worst.
-  [[nodiscard]] std::size_t neighbour(std::size_t i, int step, double reach) const {
-    const std::size_t n = points_.size();
-    double walked = 0.0;
-    std::size_t at = i;
-    for (std::size_t guard = 0; guard < n && walked < reach; ++guard) {
-      if (step > 0 && at + 1 == n) {
-        if (!closed_) break;
-        at = 0;
-      } else if (step < 0 && at == 0) {
-        if (!closed_) break;
-        at = n - 1;
-      }
-      const std::size_t to = step > 0 ? at + 1 : at - 1;
-      walked += distance(points_[at], points_[to]);
-      at = to;
-    }
-    return at;
-  }
-
- private:
-  std::span<const Vec2> points_;
-  bool closed_;
-  std::vector<double> s_;
-};
 
 /// Tangent at b of the circle through a, b, c: exact on circles for any spacing.
 Vec2 circle_tangent(Vec2 a, Vec2 b, Vec2 c) {
@@ -118,138 +87,128 @@ Vec2 circle_tangent(Vec2 a, Vec2 b, Vec2 c) {
   return length(t) > 0.0 ? t : normalized(out);
 }
 
-Vec2 mirrored(Vec2 t, Vec2 chord) {
-  const Vec2 c = normalized(chord);
-  return normalized(c * (2.0 * dot(t, c)) - t);
-}
-
-double distance_to_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 p) {
-  const Vec2 u = b - a, v = c - a;
-  const double area = 2.0 * cross(u, v);
-  if (std::abs(area) < 1e-9) return std::abs(cross(normalized(v), p - a));
-  const Vec2 center = a + Vec2{v.y * dot(u, u) - u.y * dot(v, v), u.x * dot(v, v) - v.x * dot(u, u)} * (1.0 / area);
-  return std::abs(distance(center, p) - distance(center, a));
-}
-
-/// The points before and after i that its tangent is taken from (i itself at the ends of open lines).
-struct Stencil {
-  std::size_t before = 0, after = 0;
-};
-
-Stencil stencil_of(const PointLine& line, std::size_t i, double tolerance) {
-  const auto on_circle = [&](Stencil s) {
-    for (const int step : {-1, 1})
-      for (std::size_t k = line.neighbour(i, step, 1e-9); k != (step < 0 ? s.before : s.after); k = line.neighbour(k, step, 1e-9))
-        if (distance_to_circle(line[s.before], line[i], line[s.after], line[k]) > tolerance) return false;
-    return true;
-  };
-  for (const double reach : stencils_m) {
-    const Stencil s{line.neighbour(i, -1, reach), line.neighbour(i, 1, reach)};
-    if (s.before == i || s.after == i || on_circle(s)) return s;
-  }
-  return {line.neighbour(i, -1, 1e-9), line.neighbour(i, 1, 1e-9)};
-}
-
-std::vector<Vec2> point_tangents(const PointLine& line, double tolerance) {
-  const std::size_t n = line.size();
-  std::vector<Vec2> t(n);
+ClothoidSpline first_line(std::span<const Vec2> q, std::span<const std::size_t> at, bool closed) {
+  const std::size_t n = at.size();
+  std::vector<Vec2> points;
+  for (const std::size_t i : at) points.push_back(q[i]);
+  std::vector<double> headings;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto [a, c] = stencil_of(line, i, tolerance);
-    if (a != i && c != i) {
-      t[i] = circle_tangent(line[a], line[i], line[c]);
-    } else {  // an end of an open line: the circle through it and two points further in
-      const int step = a == i ? 1 : -1;
-      const std::size_t b = step > 0 ? c : a, far = line.neighbour(b, step, stencils_m[0]);
-      const Vec2 chord = (line[b] - line[i]) * static_cast<double>(step);
-      t[i] = far == b ? normalized(chord)
-                      : mirrored(circle_tangent(line[i], line[b], line[far]) * static_cast<double>(step), chord);
+    const bool first = i == 0 && !closed, last = i + 1 == n && !closed;
+    Vec2 t;
+    if (n == 2) t = points[1] - points[0];
+    else if (first) {
+      const Vec2 inner = circle_tangent(points[0], points[1], points[2]), c = normalized(points[1] - points[0]);
+      t = c * (2.0 * dot(inner, c)) - inner;
+    } else if (last) {
+      const Vec2 inner = circle_tangent(points[n - 3], points[n - 2], points[n - 1]), c = normalized(points[n - 1] - points[n - 2]);
+      t = c * (2.0 * dot(inner, c)) - inner;
+    } else {
+      t = circle_tangent(points[(i + n - 1) % n], points[i], points[(i + 1) % n]);
     }
-    if (!(length(t[i]) > 0.5)) t[i] = {1.0, 0.0};
+    headings.push_back(std::atan2(t.y, t.x));
   }
-  return t;
+  return clothoid_spline(points, headings, closed);
 }
 
-double distance_to_chord(Vec2 a, Vec2 b, Vec2 p) {
-  const Vec2 d = normalized(b - a);
-  return std::abs(cross(d, p - a));
-}
-
-/// Last index of the longest straight stretch that starts at i (found by doubling, then halving).
-std::size_t straight_reach(const PointLine& line, std::size_t i, double tolerance) {
-  const auto straight = [&](std::size_t j) {
-    for (std::size_t k = i + 1; k < j; ++k)
-      if (distance_to_chord(line[i], line[j], line[k]) > tolerance) return false;
-    return distance(line[i], line[j]) > 0.999 * (line.s(j) - line.s(i));
-  };
-  std::size_t good = i + 1, step = 1;
-  while (good + step < line.size() && straight(good + step)) good += step, step *= 2;
-  for (; step > 0; step /= 2)
-    if (good + step < line.size() && straight(good + step)) good += step;
-  return good;
-}
-
-struct Straight {
-  std::size_t first = 0, last = 0;
-};
-
-std::vector<Straight> find_straights(const PointLine& line, const FitPlanOptions& options) {
-  std::vector<Straight> found;
-  const std::size_t end = line.size() - 1;
-  for (std::size_t i = 0; i < end;) {
-    const std::size_t j = straight_reach(line, i, 0.5 * options.tolerance_m);
-    if (line.s(j) - line.s(i) < straight_min_length_m) {
-      ++i;
-      continue;
+/// Clothoids through some nodes of the smoothed line, dense enough for all nodes to lie near.
+std::optional<ClothoidChain> start_line(std::span<const Vec2> nodes, bool closed, const ChainLimits& limits) {
+  const std::vector<Vec2> q = smooth_points(nodes, closed, cutoff_m, 0.6 * limits.tolerance_m);
+  std::optional<ClothoidChain> chain;
+  std::vector<char> wanted(nodes.size(), 0);
+  for (int round = 0; round < max_start_rounds; ++round) {
+    const std::vector<std::size_t> at = choose_knots(q, closed, wanted);
+    const ClothoidSpline spline = first_line(q, at, closed);
+    if (!spline.found) break;
+    chain.emplace(nodes, closed, spline, at, limits);
+    // A knot more at the farthest node of every piece that leaves its nodes.
+    const std::vector<ClothoidChain::Foot> feet = chain->feet();
+    bool near = true;
+    for (std::size_t i = 0; i < feet.size();) {
+      std::size_t worst = i, j = i;
+      for (; j < feet.size() && feet[j].piece == feet[i].piece; ++j)
+        if (feet[j].distance_m > feet[worst].distance_m) worst = j;
+      if (feet[worst].distance_m > 0.8 * limits.tolerance_m && !wanted[worst]) wanted[worst] = 1, near = false;
+      i = j;
     }
-    std::size_t first = i, last = j;
-    while ((i > 0 || options.closed) && line.s(first) - line.s(i) < straight_run_in_m) ++first;
-    while ((j < end || options.closed) && line.s(j) - line.s(last) < straight_run_in_m) --last;
-    found.push_back({first, last});
-    i = j;
+    if (near) break;
   }
-  return found;
+  return chain;
 }
 
-/// Biarc over points i..j if it stays within the tolerance of those between.
-bool biarc_fits(const PointLine& line, std::span<const Vec2> tangent, std::size_t i, std::size_t j, double tolerance,
-                std::vector<PlanElement>& elements) {
-  elements = biarc({line[i], tangent[i]}, {line[j], tangent[j]});
-  if (j == i + 1) return true;
-  // A biarc may reach all points and still swing wide between them: then it is much longer than they are.
-  if (plan_length(elements) > 1.02 * (line.s(j) - line.s(i)) + 0.05) return false;
-  for (std::size_t k = i + 1; k < j; ++k) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const PlanElement& e : elements) nearest = std::min(nearest, project(e, line[k]).distance);
-    if (nearest > tolerance) return false;
+/// The circle near all nodes of a closed line, if there is one: two arcs.
+std::optional<PlanFit> circle_fit(std::span<const Vec2> nodes, Vec2 origin, double tolerance_m) {
+  // Least squares for x^2 + y^2 = 2 a x + 2 b y + c (Kasa 1976), about the mean.
+  const auto n = static_cast<double>(nodes.size());
+  Vec2 mean;
+  for (const Vec2 p : nodes) mean = mean + p * (1.0 / n);
+  double xx = 0.0, xy = 0.0, yy = 0.0, rx = 0.0, ry = 0.0, r2 = 0.0;
+  for (const Vec2 p : nodes) {
+    const Vec2 d = p - mean;
+    const double q = dot(d, d);
+    xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y, rx += d.x * q, ry += d.y * q, r2 += q / n;
   }
-  return true;
+  const double det = xx * yy - xy * xy;
+  if (!(det > 1e-9 * xx * yy)) return std::nullopt;
+  const Vec2 shift{0.5 * (rx * yy - ry * xy) / det, 0.5 * (ry * xx - rx * xy) / det}, center = mean + shift;
+  const double radius = std::sqrt(r2 + dot(shift, shift));
+  PlanFit fit;
+  double turn = 0.0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (std::abs(distance(nodes[i], center) - radius) > tolerance_m) return std::nullopt;
+    fit.point_s.push_back(std::abs(turn) * radius);
+    const Vec2 a = nodes[i] - center, b = nodes[i + 1 < nodes.size() ? i + 1 : 0] - center;
+    turn += std::atan2(cross(a, b), dot(a, b));
+  }
+  if (std::abs(std::abs(turn) - 2.0 * std::numbers::pi) > 1e-6) return std::nullopt;
+  const double side = turn > 0.0 ? 1.0 : -1.0, half = std::numbers::pi * radius;
+  const Vec2 out = normalized(nodes[0] - center) * radius;
+  for (const double sign : {1.0, -1.0}) {
+    const Vec2 p = center + out * sign + origin, t = left_normal(out) * (side * sign);
+    fit.elements.push_back({sign > 0.0 ? 0.0 : half, p.x, p.y, std::atan2(t.y, t.x), half, Arc{side / radius}});
+  }
+  for (std::size_t i = 1; i < fit.point_s.size(); ++i) fit.point_s[i] = std::max(fit.point_s[i], fit.point_s[i - 1]);
+  fit.point_s.push_back(2.0 * half);
+  return fit;
 }
 
-std::size_t biarc_reach(const PointLine& line, std::span<const Vec2> tangent, std::size_t i, std::size_t limit,
-                        double tolerance) {
-  std::vector<PlanElement> scratch;
-  std::size_t good = i + 1, step = 1;
-  while (good + step <= limit && biarc_fits(line, tangent, i, good + step, tolerance, scratch)) good += step, step *= 2;
-  for (; step > 0; step /= 2)
-    if (good + step <= limit && biarc_fits(line, tangent, i, good + step, tolerance, scratch)) good += step;
-  return good;
+PlanFit cubic_fit(std::span<const Vec2> points, bool closed) {
+  PlanFit fit;
+  fit.elements = cubic_plan(points, closed);
+  for (const PlanElement& e : fit.elements) fit.point_s.push_back(e.s);
+  fit.point_s.push_back(plan_length(fit.elements));
+  fit.clothoids = false;
+  return fit;
 }
 
-/// Neighbouring arcs of one circle become one.
-void append(std::vector<PlanElement>& plan, std::span<const PlanElement> elements, Vec2 origin) {
-  for (PlanElement e : elements) {
-    if (!plan.empty()) {
-      PlanElement& last = plan.back();
-      const double k0 = curvature_of(last), k1 = curvature_of(e), l = last.length + e.length;
-      if (std::abs(k1 - k0) * l < 1e-8 && std::abs(k0 * l) < std::numbers::pi) {
-        last.length = l;
-        continue;
-      }
-    }
-    e.x += origin.x, e.y += origin.y;
-    e.s = plan.empty() ? 0.0 : plan.back().s + plan.back().length;
-    plan.push_back(e);
+/// Curvatures that differ by less than a file or a reader can tell are one: SUMO drops spirals whose ends are the same.
+/// Place and heading at the end move by less than 1e-8 by it.
+roadquery::PlanShape shape_of(double curvature0, double curvature1, double length) {
+  const double change = std::abs(curvature1 - curvature0);
+  if (change > 1e-9 || (change > 1e-12 && change * length * length > 1e-8)) return Spiral{curvature0, curvature1};
+  const double mean = 0.5 * (curvature0 + curvature1);
+  if (mean == 0.0) return Line{};
+  return Arc{mean};
+}
+
+PlanElement element_of(const ClothoidChain::Piece& piece, double s, Vec2 origin) {
+  PlanElement e{.s = s, .x = piece.start.p.x + origin.x, .y = piece.start.p.y + origin.y,
+                .hdg = wrap_angle(piece.start.heading_rad), .length = piece.length_m};
+  if (piece.kind == PieceKind::arc) e.shape = Arc{piece.start.curvature};
+  if (piece.kind == PieceKind::clothoid) e.shape = shape_of(piece.start.curvature, piece.end_curvature, piece.length_m);
+  return e;
+}
+
+void measure(PlanFit& fit, std::span<const Vec2> points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double off = distance(pose_at(fit.elements, fit.point_s[i]).p, points[i]);
+    fit.mean_deviation_m += off / static_cast<double>(points.size());
+    if (off > fit.max_deviation_m) fit.max_deviation_m = off, fit.farthest_point = i;
   }
+}
+
+PlanElement line_through(Vec2 a, Vec2 b) {
+  const Vec2 d = b - a;
+  return {.x = a.x, .y = a.y, .hdg = std::atan2(d.y, d.x), .length = length(d)};
 }
 
 }  // namespace
@@ -293,6 +252,17 @@ std::vector<PlanElement> biarc(const Pose& from, const Pose& to) {
   return elements;
 }
 
+std::vector<PlanElement> turn(const Pose& from, const Pose& to) {
+  const auto heading = [](const Pose& pose) { return std::atan2(pose.direction.y, pose.direction.x); };
+  const std::vector<PlanElement> arcs = biarc(from, to);
+  const ClothoidFit fit = fit_clothoid(to.p - from.p, heading(from), heading(to));
+  if (!fit.found || fit.length_m > 1.5 * plan_length(arcs)) return arcs;
+  const double sharpest = std::max(std::abs(fit.curvature0), std::abs(fit.curvature1));
+  if (std::none_of(arcs.begin(), arcs.end(), [&](const PlanElement& e) { return 2.0 * std::abs(curvature_of(e)) >= sharpest; }))
+    return arcs;
+  return {{0.0, from.p.x, from.p.y, heading(from), fit.length_m, shape_of(fit.curvature0, fit.curvature1, fit.length_m)}};
+}
+
 double plan_length(std::span<const PlanElement> plan) { return plan.empty() ? 0.0 : plan.back().s + plan.back().length; }
 
 Pose pose_at(std::span<const PlanElement> plan, double s) {
@@ -309,9 +279,21 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
   for (const PlanElement& e : plan) {
     const double a = std::max(s0, e.s), b = std::min(s1, e.s + e.length);
     if (b - a < sliver_m) continue;
-    const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
-    result.push_back({.s = result.empty() ? 0.0 : plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg),
-                      .length = b - a, .shape = e.shape});
+    const double u = (a - e.s) / e.length, v = (b - e.s) / e.length;
+    PlanElement part;
+    if (std::holds_alternative<ParamPoly3>(e.shape)) {
+      part = cubic_part(e, u, v);
+    } else {
+      const roadquery::PlanPoint q = roadquery::evaluate(e, a - e.s);
+      part = {0.0, q.x, q.y, wrap_angle(q.hdg), 0.0, e.shape};
+      if (const Spiral* spiral = std::get_if<Spiral>(&e.shape)) {  // weighted means: exact at both ends
+        const auto [k0, k1] = *spiral;
+        part.shape = shape_of(k0 * (1.0 - u) + k1 * u, k0 * (1.0 - v) + k1 * v, b - a);
+      }
+    }
+    part.s = result.empty() ? 0.0 : plan_length(result);
+    part.length = b - a;
+    result.push_back(part);
   }
   return result;
 }
@@ -319,10 +301,16 @@ std::vector<PlanElement> slice_plan(std::span<const PlanElement> plan, double s0
 std::vector<PlanElement> reverse_plan(std::span<const PlanElement> plan) {
   std::vector<PlanElement> result;
   for (auto it = plan.rbegin(); it != plan.rend(); ++it) {
-    const roadquery::PlanPoint q = roadquery::evaluate(*it, it->length);
-    PlanElement e{.s = plan_length(result), .x = q.x, .y = q.y, .hdg = wrap_angle(q.hdg + std::numbers::pi),
-                  .length = it->length, .shape = it->shape};
-    if (Arc* arc = std::get_if<Arc>(&e.shape)) arc->curvature = -arc->curvature;
+    PlanElement e;
+    if (std::holds_alternative<ParamPoly3>(it->shape)) {
+      e = cubic_part(*it, 1.0, 0.0);
+    } else {
+      const roadquery::PlanPoint q = roadquery::evaluate(*it, it->length);
+      e = {0.0, q.x, q.y, wrap_angle(q.hdg + std::numbers::pi), it->length, it->shape};
+      if (Arc* arc = std::get_if<Arc>(&e.shape)) arc->curvature = -arc->curvature;
+      if (Spiral* spiral = std::get_if<Spiral>(&e.shape)) *spiral = {-spiral->curvature_end, -spiral->curvature_start};
+    }
+    e.s = plan_length(result);
     result.push_back(e);
   }
   return result;
@@ -330,49 +318,59 @@ std::vector<PlanElement> reverse_plan(std::span<const PlanElement> plan) {
 
 PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
   assert(points.size() >= 2);
-  // Differences of UTM coordinates lose digits: work relative to the first point.
-  const Vec2 origin = points.front();
-  std::vector<Vec2> local(points.begin(), points.end());
-  for (Vec2& p : local) p = p - origin;
-  const PointLine line(local, options.closed);
-  std::vector<Vec2> tangent = point_tangents(line, 0.5 * options.tolerance_m);
-  if (options.closed) tangent.back() = tangent.front();
-
-  const std::vector<Straight> straights = find_straights(line, options);
-  for (const Straight& straight : straights)
-    tangent[straight.first] = tangent[straight.last] = normalized(local[straight.last] - local[straight.first]);
-
   PlanFit fit;
   fit.point_s.assign(points.size(), 0.0);
-  const auto add = [&](std::size_t i, std::size_t j) {
-    const std::vector<PlanElement> elements = biarc({local[i], tangent[i]}, {local[j], tangent[j]});
-    const double start = plan_length(fit.elements);
-    append(fit.elements, elements, origin);
-    for (std::size_t k = i + 1; k < j; ++k) {
-      Foot best{0.0, std::numeric_limits<double>::infinity()};
-      for (const PlanElement& e : elements) {
-        const Foot foot = project(e, local[k]);
-        if (foot.distance < best.distance) best = {e.s + foot.ds, foot.distance};
-      }
-      fit.max_deviation_m = std::max(fit.max_deviation_m, best.distance);
-      fit.point_s[k] = std::max(fit.point_s[k - 1], start + best.ds);
-    }
-    fit.point_s[j] = start + plan_length(elements);
-  };
-  std::size_t at = 0;
-  const auto curve_to = [&](std::size_t limit) {
-    while (at < limit) {
-      const std::size_t to = biarc_reach(line, tangent, at, limit, options.tolerance_m);
-      add(at, to);
-      at = to;
-    }
-  };
-  for (const Straight& straight : straights) {
-    curve_to(straight.first);
-    add(straight.first, straight.last);
-    at = straight.last;
+  // Differences of UTM coordinates lose digits: work relative to the first point.
+  const Vec2 origin = points.front();
+  std::vector<Vec2> local;
+  for (const Vec2 p : points) local.push_back(p - origin);
+  if (options.closed) local.pop_back();
+  if (local.size() < 3) {
+    fit.elements = {line_through(points.front(), points[1])};
+    fit.point_s.back() = fit.elements[0].length;
+    return fit;
   }
-  curve_to(line.size() - 1);
+  if (options.closed)
+    if (std::optional<PlanFit> circle = circle_fit(local, origin, options.tolerance_m)) {
+      measure(*circle, points);
+      return *circle;
+    }
+  const ChainLimits limits{.tolerance_m = 0.999 * options.tolerance_m,  // measured across the line, stated to the foot
+                           .max_curvature_rate = options.max_curvature_rate,
+                           .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
+  std::optional<ClothoidChain> chain = start_line(local, options.closed, limits);
+  if (!chain) return cubic_fit(points, options.closed);
+  chain->remove_knots(1);
+  chain->snap_kinds();
+  chain->remove_knots(1);
+  chain->polish();
+
+  double s = 0.0;
+  std::vector<double> begin;
+  for (const ClothoidChain::Piece& piece : chain->pieces()) {
+    fit.elements.push_back(element_of(piece, s, origin));
+    begin.push_back(s);
+    s += piece.length_m;
+  }
+  // The plan begins beside the first node and ends beside the last one.
+  const std::vector<ClothoidChain::Foot> feet = chain->feet();
+  const auto foot_s = [&](std::size_t i) { return begin[feet[i].piece] + feet[i].ds_m; };
+  const double seam = foot_s(0), end = options.closed ? seam + s : foot_s(feet.size() - 1);
+  if (seam > 0.0 || end < s) {
+    for (std::size_t i = 0; options.closed && i < begin.size(); ++i) {
+      fit.elements.push_back(PlanElement(fit.elements[i]));
+      fit.elements.back().s += s;
+    }
+    fit.elements = slice_plan(fit.elements, seam, end);
+  }
+  const double length = plan_length(fit.elements);
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    double at_s = foot_s(i) - seam;
+    if (at_s < 0.0) at_s += s;
+    fit.point_s[i] = i == 0 ? 0.0 : std::clamp(at_s, fit.point_s[i - 1], length);
+  }
+  fit.point_s.back() = length;
+  measure(fit, points);
   return fit;
 }
 

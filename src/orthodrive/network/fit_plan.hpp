@@ -1,9 +1,10 @@
 #pragma once
-// Reference lines: lines and arcs that join without gap or kink (G1) through a dense line of points.
+// Reference lines: lines, arcs and clothoids (OpenDRIVE's spirals) that join without gap, kink or jump of curvature (G2)
+// beside a dense line of points.
 //
-// Pairs of arcs ("biarcs", Bolton 1975) are stretched over as many points as stay within the tolerance. Between points
-// i and j with tangents there is one biarc with equal control lengths, in closed form; a straight one is a line. Long
-// straights are found first and their ends get the straight's direction, so that noise does not turn them into arcs.
+// A clothoid spline (clothoid.hpp) through the smoothed points is the start. Then joints are taken out as long as every
+// point stays within the tolerance, the pieces around being fitted anew each time, their lengths too (clothoid_chain.hpp);
+// what is straight or round within the tolerance becomes a line or an arc. The result is short, not proven shortest.
 
 #include <span>
 #include <vector>
@@ -16,12 +17,18 @@ namespace orthodrive::network {
 struct FitPlanOptions {
   double tolerance_m = 0.05;
   bool closed = false;  ///< the last point repeats the first and the line goes on there
+  /// Bound of |d curvature / ds| in 1/m^2. The line through the points may need more at a sharp corner: then it is not
+  /// made worse there.
+  double max_curvature_rate = 0.25;
+  std::span<const double> max_curvature;  ///< bound of |curvature| in 1/m, one a point, likewise; empty: none
 };
 
 struct PlanFit {
-  std::vector<roadquery::PlanElement> elements;  ///< Line and Arc only
-  std::vector<double> point_s;                   ///< of the points' feet on the line, not decreasing
-  double max_deviation_m = 0.0;
+  std::vector<roadquery::PlanElement> elements;
+  std::vector<double> point_s;  ///< of the points' feet on the line, not decreasing; 0 and its length for the ends
+  double max_deviation_m = 0.0, mean_deviation_m = 0.0;
+  std::size_t farthest_point = 0;
+  bool clothoids = true;  ///< false: none were found, cubics (ParamPoly3) go through all points
 };
 
 /// At least two points, neighbours at different places.
@@ -33,6 +40,9 @@ struct Pose {
   Vec2 p, direction;  ///< unit vector
 };
 [[nodiscard]] std::vector<roadquery::PlanElement> biarc(const Pose& from, const Pose& to);
+/// For turning roads: the one clothoid between the poses (clothoid.hpp), or their biarc where the clothoid is a detour or more
+/// than twice as sharp.
+[[nodiscard]] std::vector<roadquery::PlanElement> turn(const Pose& from, const Pose& to);
 
 /// Element lists ("plans") start at s = 0. The part from s0 to s1, again from 0.
 [[nodiscard]] std::vector<roadquery::PlanElement> slice_plan(std::span<const roadquery::PlanElement> plan, double s0,

@@ -15,6 +15,7 @@ constexpr double step_m = 0.5;
 constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
 constexpr double min_road_m = 1.0;     // what is left of a road between two junctions
 constexpr double join_share = 0.4;     // junctions join when less than this share of the wished cuts fits between them
+constexpr double cut_room_m = 5.0;     // a cut moves this far out to end its road where an element ends
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -111,6 +112,7 @@ class JunctionPlanner {
     join_close_junctions();
     cut_back();  // joined junctions have more arms
     shorten_cuts();
+    move_cuts_to_joints();
     number_junctions();
     return std::move(plan_);
   }
@@ -159,6 +161,29 @@ class JunctionPlanner {
       if (stretch.inside || wished <= room) continue;
       stretch.trim0_m *= room / wished;
       stretch.trim1_m *= room / wished;
+    }
+  }
+
+  /// Cuts through the first metres of an element would leave a sliver of it to the road.
+  void move_cuts_to_joints() {
+    for (Stretch& stretch : plan_.stretches) {
+      if (stretch.inside) continue;
+      const std::vector<roadquery::PlanElement>& plan = geometry_[at(stretch.chain)].plan;
+      const auto joint_after = [&](double s) {
+        return std::upper_bound(plan.begin(), plan.end(), s,
+                                [](double x, const roadquery::PlanElement& e) { return x < e.s; });
+      };
+      const double room = 0.5 * (stretch.s1 - stretch.trim1_m - stretch.s0 - stretch.trim0_m) - 0.5 * min_road_m;
+      const double begin = stretch.s0 + stretch.trim0_m, end = stretch.s1 - stretch.trim1_m;
+      double reach = std::min(cut_room_m, room);
+      // Not past where one way follows another: its road would be lost.
+      for (const double s : geometry_[at(stretch.chain)].vertex_s)
+        if (s > begin && s < end) reach = std::min({reach, 0.5 * (s - begin), 0.5 * (end - s)});
+      if (reach <= 0.0) continue;
+      if (const auto next = joint_after(begin); stretch.vertex0 >= 0 && next != plan.end() && next->s <= begin + reach)
+        stretch.trim0_m = next->s - stretch.s0;
+      if (const auto next = joint_after(end); stretch.vertex1 >= 0 && next != plan.begin() && (next - 1)->s >= end - reach)
+        stretch.trim1_m = stretch.s1 - (next - 1)->s;
     }
   }
 
