@@ -12,8 +12,22 @@ struct SparseJacobian {
   std::vector<double> value;
 };
 
-/// Diagonal of (J^T J)^-1, by the recurrence of Takahashi, Fagan and Chen (1973) on the pattern of the sparse Cholesky
-/// factor: linear in the size for the chain-like graphs of roads. Throws Error when J^T J is not positive definite.
+/// (J^T J)^-1 on the pattern of the sparse Cholesky factor, by the recurrence of Takahashi, Fagan and Chen (1973): linear
+/// in the size for the chain-like graphs of roads.
+class InverseNormal {
+ public:
+  /// Throws Error when J^T J is not positive definite.
+  explicit InverseNormal(const SparseJacobian& jacobian);
+  /// An entry. i == k, or some row of J has both columns: others are not known (asserted).
+  [[nodiscard]] double at(int i, int k) const;
+
+ private:
+  [[nodiscard]] std::size_t index_of(int low, int high) const;  // of the permuted columns
+  std::vector<int> start_, row_, position_;                    // position_: permuted place of each column
+  std::vector<double> value_;
+};
+
+/// Diagonal of (J^T J)^-1. Throws Error when J^T J is not positive definite.
 [[nodiscard]] std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian);
 
 }  // namespace orthodrive
