@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
@@ -141,32 +142,32 @@ void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain,
 
 void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const NodeHeights& start, const std::vector<LevelCrossing>& levels,
                       const ElevateOptions& options, Monitor* monitor, EstimateProfilesResult& result) {
-  constexpr int noise_passes = 2, clearance_passes = 5;  // the latter: one a level of a stack of bridges, and one for what they move
-  const auto progress = [&](int pass) {
-    if (monitor) monitor->progress(static_cast<double>(pass) / (noise_passes + clearance_passes + 2), "elevate");
+  constexpr std::array loosenings{8.0, 3.0, 1.0, 1.0};  // the terrain's noise is seen after the third and the fourth
+  constexpr int clearance_passes = 5;  // one a level of a stack of bridges, and one for what they move
+  int passes = 0;
+  const auto progress = [&] {
+    if (monitor) monitor->progress(static_cast<double>(passes++) / (loosenings.size() + clearance_passes + 2.0), "elevate");
   };
   const PathLinks links = link_path_ends(roads);
   const ProfileChains chains = make_profile_chains(roads, links);
   const std::vector<PathJunction> junctions = find_junctions(roads, links);
   NetworkProfiles profiles(roads, chains, junctions, terrain, start);
-  const auto solve = [&](const std::vector<HeightLimit>& limits) {
-    const RobustFit::Summary summary = profiles.solve(limits, options.max_iterations);
+  const auto solve = [&](const std::vector<HeightLimit>& limits, double loosening) {
+    progress();
+    const RobustFit::Summary summary = profiles.solve(limits, options.max_iterations, loosening);
     if (result.solve.iterations == 0) result.solve.cost_before = summary.cost_before;
     result.solve.iterations += summary.iterations;
     result.solve.converged = summary.converged;
     result.solve.cost_after = summary.cost_after;
   };
-  int pass = 0;
-  for (; pass < noise_passes; ++pass) {
-    progress(pass);
-    solve({});
-    profiles.estimate_terrain_sigma();
+  for (const double loosening : loosenings) {
+    solve({}, loosening);
+    if (loosening == 1.0) profiles.estimate_terrain_sigma();
   }
   std::vector<HeightLimit> limits;
   std::vector<bool> tight(levels.size(), false);
-  for (; pass < noise_passes + clearance_passes; ++pass) {
-    progress(pass);
-    solve(limits);
+  for (int pass = 0; pass < clearance_passes; ++pass) {
+    solve(limits, 1.0);
     bool changed = false;
     for (std::size_t i = 0; i < levels.size(); ++i)
       if (room_m(levels[i], profiles) < options.clearance_m - 1e-6) changed = true, tight[i] = true;

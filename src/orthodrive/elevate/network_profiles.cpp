@@ -10,13 +10,14 @@ namespace {
 
 // Terrain.
 constexpr double cauchy_scale = 2.385;        // in sigma: 95 % efficient where errors are normal (Huber, Robust Statistics)
-constexpr double smallest_terrain_sigma_m = 0.02;
+// No model knows a carriageway better: rounding and survey, and a pixel averages over crown (2.5 %), edge and verge.
+constexpr double smallest_sigma_m = 0.02, smallest_sigma_per_gsd = 0.01;
 constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the residuals have been seen
 // Junctions: exact to what drivers and tools could notice, with room to the precision of the solver.
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
 constexpr double cross_slope_sigma = 0.025;   // drainage (RASt 06, 6.1.5: 2.5 %) is all that is known of it beforehand
 // Limits give way where they would keep a road off a terrain that is sure of itself over more than this length.
-constexpr double give_way_length_m = 30.0, give_way_pixels = 3.0;
+constexpr double give_way_length_m = 20.0, give_way_pixels = 3.0;
 constexpr double limit_margin = 0.01;         // aim this much inside, so that the slack of the bounds stays inside too
 // Clearance and tunnels hold against the terrain of a ramp this long, to a millimetre.
 constexpr double clearance_pull_m = 2000.0, clearance_slack_m = 1e-3;
@@ -111,7 +112,7 @@ double NetworkProfiles::pull_per_m() const {
     for (std::size_t n = 0; n + 1 < roads_.paths[p].nodes.size(); ++n) {
       const TerrainSample& sample = terrain_.of_node[p][n];
       if (!sample.is_road) continue;
-      pull += 0.5 * cauchy_scale * observation_share(p, n) / sigma_m_[sample.source];
+      pull += 0.5 * cauchy_scale * observation_share(p, n) / (loosening_ * sigma_m_[sample.source]);
       length += distance(roads_.paths[p].nodes[n].p, roads_.paths[p].nodes[n + 1].p);
     }
   return length > 0.0 ? pull / length : 1.0;
@@ -126,7 +127,7 @@ void NetworkProfiles::add_terrain(RobustFit& fit) const {
       if (!chain_is_grounded_[c]) {
         fit.add_square(terms, start_m_[place.path][place.node], 1.0 / (unknown_sigma_m * unknown_sigma_m));
       } else if (sample.is_road) {
-        const double sigma_m = sigma_m_[sample.source];
+        const double sigma_m = loosening_ * sigma_m_[sample.source];
         fit.add_cauchy(terms, sample.z_m, observation_share(place.path, place.node) / (sigma_m * sigma_m), cauchy_scale * sigma_m);
       }
     }
@@ -217,7 +218,8 @@ RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
   return fit;
 }
 
-RobustFit::Summary NetworkProfiles::solve(const std::vector<HeightLimit>& limits, int max_iterations) {
+RobustFit::Summary NetworkProfiles::solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening) {
+  loosening_ = loosening;
   constexpr double step_tolerance_m = 1e-4;
   return build(limits).solve(x_, max_iterations, step_tolerance_m);
 }
@@ -237,7 +239,7 @@ void NetworkProfiles::estimate_terrain_sigma() {
     if (sizes.size() < least_nodes) continue;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    sigma_m_[d] = std::max(smallest_terrain_sigma_m, *middle / mad_of_normal);
+    sigma_m_[d] = std::max(smallest_sigma_m + smallest_sigma_per_gsd * terrain_.gsd_m[d], *middle / mad_of_normal);
   }
 }
 

@@ -29,8 +29,10 @@ class NetworkProfiles {
   NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains, const std::vector<PathJunction>& junctions,
                   const TerrainSamples& terrain, const std::vector<std::vector<double>>& start_m);
 
-  /// From where the last call ended.
-  RobustFit::Summary solve(const std::vector<HeightLimit>& limits, int max_iterations);
+  /// From where the last call ended. `loosening` widens the terrain's standard deviation and with it the loss: begun wide
+  /// and narrowed, the fit does not follow the terrain into a valley that a bridge spans (graduated non-convexity, Blake
+  /// and Zisserman, Visual Reconstruction, 1987).
+  RobustFit::Summary solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening = 1.0);
   /// Takes the terrain models' standard deviations from what is left between them and the profiles.
   void estimate_terrain_sigma();
 
@@ -68,6 +70,7 @@ class NetworkProfiles {
   std::vector<std::vector<Knot>> knots_;     // of each chain
   std::vector<bool> chain_is_grounded_;      // or hangs together with one that is
   std::vector<double> sigma_m_;              // of each terrain model
+  double loosening_ = 1.0;
   std::vector<double> x_;                    // coefficients of all chains; height and gradient east, north of each junction
 };
 

@@ -69,14 +69,17 @@ using Matrix = Eigen::SparseMatrix<double>;
 Matrix make_pattern(std::size_t unknowns, const std::vector<std::size_t>& start, const std::vector<Term>& terms) {
   std::vector<std::uint64_t> places;  // column, row
   for (std::size_t i = 0; i < unknowns; ++i) places.push_back((static_cast<std::uint64_t>(i) << 32U) | i);
-  const auto same_unknowns = [&](std::size_t a, std::size_t b) {
-    if (start[a + 1] - start[a] != start[b + 1] - start[b]) return false;
-    for (std::size_t k = 0; k < start[a + 1] - start[a]; ++k)
-      if (terms[start[a] + k].unknown != terms[start[b] + k].unknown) return false;
+  std::size_t last = 0;  // row put in last: the next ones mostly have the same unknowns, or some of them
+  const auto is_covered = [&](std::size_t row) {
+    for (std::size_t a = start[row], b = start[last]; a < start[row + 1]; ++a, ++b) {
+      while (b < start[last + 1] && terms[b].unknown < terms[a].unknown) ++b;
+      if (b == start[last + 1] || terms[b].unknown != terms[a].unknown) return false;
+    }
     return true;
   };
   for (std::size_t row = 0; row + 1 < start.size(); ++row) {
-    if (row > 0 && same_unknowns(row - 1, row)) continue;  // as nodes between the same knots
+    if (row > 0 && is_covered(row)) continue;
+    last = row;
     for (std::size_t a = start[row]; a < start[row + 1]; ++a)
       for (std::size_t b = a + 1; b < start[row + 1]; ++b)
         places.push_back((static_cast<std::uint64_t>(terms[a].unknown) << 32U) | static_cast<std::uint64_t>(terms[b].unknown));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "orthodrive/network/fit_spline.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -49,7 +51,7 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
     z.push_back({plan.point_s[i], line.nodes[i].z_m});
     banking.push_back({plan.point_s[i], line.nodes[i].banking});
   }
-  ProfileFit elevation = fit_profile(z, {options.elevation_tolerance_m, chain.closed});
+  ProfileFit elevation = fit_spline(z, {options.elevation_tolerance_m, chain.closed});
   geometry.elevation = std::move(elevation.cubics);
   geometry.max_elevation_error_m = elevation.max_error;
   if (std::any_of(banking.begin(), banking.end(), [](const ProfileSample& b) { return b.value != 0.0; }))
