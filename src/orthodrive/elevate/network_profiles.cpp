@@ -15,7 +15,8 @@ constexpr double smallest_sigma_m = 0.02, smallest_sigma_per_gsd = 0.01;
 constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the residuals have been seen
 // Junctions: exact to what drivers and tools could notice, with room to the precision of the solver.
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
-constexpr double cross_slope_sigma = 0.025;   // drainage (RASt 06, 6.1.5: 2.5 %) is all that is known of it beforehand
+constexpr double cross_slope_sigma = 0.025;   // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
+constexpr double known_banking_sigma = 0.005;
 // Limits give way where they would keep a road off a terrain that is sure of itself over more than this length.
 constexpr double give_way_length_m = 20.0, give_way_pixels = 3.0;
 constexpr double limit_margin = 0.01;         // aim this much inside, so that the slack of the bounds stays inside too
@@ -190,8 +191,9 @@ void NetworkProfiles::add_junctions(RobustFit& fit) const {
       if (!main || road_rank(roads_.paths[arm.path].highway) > road_rank(roads_.paths[main->path].highway)) main = &arm;
     }
     const Vec2 left = left_normal(main->direction);
-    fit.add_square(std::array{Term{east, left.x}, Term{north, left.y}}, std::tan(roads_.paths[main->path].nodes[main->node].banking),
-                   1.0 / (cross_slope_sigma * cross_slope_sigma));
+    const RoadNode& node = roads_.paths[main->path].nodes[main->node];
+    const double sigma = node.banking_source.empty() || node.banking_source == "none" ? cross_slope_sigma : known_banking_sigma;
+    fit.add_square(std::array{Term{east, left.x}, Term{north, left.y}}, std::tan(node.banking), 1.0 / (sigma * sigma));
   }
 }
 
