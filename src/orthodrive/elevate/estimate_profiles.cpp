@@ -142,7 +142,7 @@ void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain,
 
 void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const NodeHeights& start, const std::vector<LevelCrossing>& levels,
                       const ElevateOptions& options, Monitor* monitor, EstimateProfilesResult& result) {
-  constexpr std::array loosenings{8.0, 3.0, 1.0, 1.0};  // the terrain's noise is seen after the third and the fourth
+  constexpr std::array loosenings{8.0, 3.0, 1.0, 1.0};  // noise and curvature are seen after the third and the fourth
   constexpr int clearance_passes = 5;  // one a level of a stack of bridges, and one for what they move
   int passes = 0;
   const auto progress = [&] {
@@ -162,7 +162,7 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const N
   };
   for (const double loosening : loosenings) {
     solve({}, loosening);
-    if (loosening == 1.0) profiles.estimate_terrain_sigma();
+    if (loosening == 1.0) profiles.estimate_scales();
   }
   std::vector<HeightLimit> limits;
   std::vector<bool> tight(levels.size(), false);

@@ -86,6 +86,15 @@ double terrain_dip_m(const std::vector<double>& s, const std::vector<TerrainSamp
   return std::isnan(dip) ? 0.0 : dip;
 }
 
+bool is_never_crossed_at_grade(const RoadPath& path) { return path.highway.starts_with("motorway") || path.highway.starts_with("trunk"); }
+
+void report_missing_junction(const RoadPath& a, const RoadPath& b, const PathCrossing& crossing, const char* why, Findings& findings) {
+  findings.push_back({Severity::info, "elevate.missing_junction",
+                      fmt::format("ways {} and {} cross without a common node, {}: taken for a junction that the map lacks", a.osm_id,
+                                  b.osm_id, why),
+                      crossing.p.x, crossing.p.y});
+}
+
 double half_width_m(const RoadPath& path, std::size_t segment) { return 0.5 * std::max(3.0, path.nodes[segment].width_m); }
 
 }  // namespace
@@ -111,17 +120,17 @@ std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const 
                (shared.is_loose_end(roads, path, true) && shared.length_m(path) - s <= half_of_other + overshoot_m);
       };
       if (overshoots(crossing.path_a, s_a, half_b) || overshoots(crossing.path_b, s_b, half_a)) {
-        findings.push_back({Severity::info, "elevate.missing_junction",
-                            fmt::format("ways {} and {} cross near the end of one of them without a common node, taken for a "
-                                        "junction that the map lacks",
-                                        a.osm_id, b.osm_id),
-                            crossing.p.x, crossing.p.y});
+        report_missing_junction(a, b, crossing, "near the end of one of them", findings);
         continue;
       }
       const double reach_m = 15.0 + 2.0 * terrain.coarsest_gsd_m;
       const double dip_a = terrain_dip_m(shared.stations(crossing.path_a), terrain.of_node[crossing.path_a], s_a, half_b + reach_m);
       const double dip_b = terrain_dip_m(shared.stations(crossing.path_b), terrain.of_node[crossing.path_b], s_b, half_a + reach_m);
       const bool terrain_tells = std::abs(dip_a - dip_b) > clear_dip_m;
+      if (!terrain_tells && !is_never_crossed_at_grade(a) && !is_never_crossed_at_grade(b)) {
+        report_missing_junction(a, b, crossing, "and the terrain shows no second level", findings);
+        continue;
+      }
       a_is_above = terrain_tells ? dip_a > dip_b : road_rank(a.highway) < road_rank(b.highway);
       reason = terrain_tells ? fmt::format("as the terrain dips by {:.1f} m below it", *a_is_above ? dip_a : dip_b)
                              : "as the less important one";

@@ -20,10 +20,11 @@ struct LevelCrossing {
 };
 
 /// By layer, then by the tags bridge and tunnel, then by the terrain: it dips below the road that passes over, as decks are
-/// not in it. Where it says nothing the less important road passes over, as most overbridges of motorways do.
-/// Crossings that OSM's node is merely missing at are left out: roads that meet within 50 m along the network (their lines
-/// overlap there), and ends that reach over a road by no more than its half width and 5 m ("elevate.missing_junction").
-/// Where nothing was tagged: "elevate.assumed_bridge".
+/// not in it. Where it says nothing either, motorways and trunk roads are passed over by the others, as they are never
+/// crossed at grade. What was not tagged is reported: "elevate.assumed_bridge".
+/// Left out are crossings that the map merely lacks a node at: roads that meet within 50 m along the network (their lines
+/// overlap there); ends that reach over a road by no more than its half width and 5 m, and crossings of which neither tags nor
+/// terrain nor class show two levels (both "elevate.missing_junction").
 [[nodiscard]] std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const TerrainSamples& terrain, Findings& findings);
 
 /// The part of the upper (or lower) road that is bridge (tunnel) without being tagged so.

@@ -38,6 +38,19 @@ std::array<Term, 2> knot_gradient(const ProfileChain& chain, int k) {
   return {Term{chain.coefficient(k), -c}, Term{chain.coefficient(k + 2), c}};
 }
 
+/// F(a): integral of (1 - |p|) (1 - |q|) exp(-a |p - q|) over p and q in [-1, 1].
+double second_difference_response(double a) {
+  constexpr int steps = 32;
+  constexpr double h = 2.0 / steps;
+  double sum = 0.0;
+  for (int i = 0; i < steps; ++i)
+    for (int k = 0; k < steps; ++k) {
+      const double p = -1.0 + (i + 0.5) * h, q = -1.0 + (k + 0.5) * h;
+      sum += (1.0 - std::abs(p)) * (1.0 - std::abs(q)) * std::exp(-a * std::abs(p - q)) * h * h;
+    }
+  return sum;
+}
+
 }  // namespace
 
 NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains, const std::vector<PathJunction>& junctions,
@@ -46,6 +59,9 @@ NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& 
   for (const RoadPath& path : roads.paths) limits_of_path_.push_back(profile_limits(path.highway));
   for (const ProfileChain& chain : chains.chains) knots_.push_back(knots_of(chain));
   for (const double gsd_m : terrain.gsd_m) sigma_m_.push_back(first_sigma_m + first_sigma_per_gsd * gsd_m);
+  seen_sigma_m_ = sigma_m_;
+  for (const ProfileLimits& limits : limits_of_path_)
+    curvature_sigma_1pm_[limits.design_speed_kmh] = comfortable_curvature_1pm(limits.design_speed_kmh);
   find_grounded_chains();
   for (const ProfileChain& chain : chains.chains)
     for (int i = 0; i < chain.unknowns(); ++i) {  // a coefficient is near the height at its own knot
@@ -143,9 +159,8 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
       const ProfileLimits& limits = *knot.limits;
       const auto gradient = knot_gradient(chain, k);
       const auto curvature = knot_curvature(chain, k);
-      // Vertical curvature is a first-order autoregressive process: of the size that drivers find comfortable, and
-      // alike over the length of a vertical curve.
-      const double sigma = comfortable_curvature_1pm(limits.design_speed_kmh);
+      // Vertical curvature is a first-order autoregressive process, alike over the length of a vertical curve.
+      const double sigma = curvature_sigma_1pm_.at(limits.design_speed_kmh);
       const double alike = std::exp(-chain.step_m / vertical_curve_length_m(limits.design_speed_kmh));
       if (k == 0 && !chain.closed) {
         fit.add_square(curvature, 0.0, 1.0 / (sigma * sigma));
@@ -221,9 +236,14 @@ RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
 }
 
 RobustFit::Summary NetworkProfiles::solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening) {
+  constexpr double step_tolerance_m = 2e-4;
   loosening_ = loosening;
-  constexpr double step_tolerance_m = 1e-4;
-  return build(limits).solve(x_, max_iterations, step_tolerance_m);
+  return build(limits).solve(x_, max_iterations, loosening * step_tolerance_m);
+}
+
+void NetworkProfiles::estimate_scales() {
+  estimate_terrain_sigma();
+  estimate_curvature_sigma();
 }
 
 void NetworkProfiles::estimate_terrain_sigma() {
@@ -241,7 +261,56 @@ void NetworkProfiles::estimate_terrain_sigma() {
     if (sizes.size() < least_nodes) continue;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    sigma_m_[d] = std::max(smallest_sigma_m + smallest_sigma_per_gsd * terrain_.gsd_m[d], *middle / mad_of_normal);
+    seen_sigma_m_[d] = *middle / mad_of_normal;
+    sigma_m_[d] = std::max(smallest_sigma_m + smallest_sigma_per_gsd * terrain_.gsd_m[d], seen_sigma_m_[d]);
+  }
+}
+
+/// Method of moments: second differences z(s - L) - 2 z(s) + z(s + L) of the terrain have the variance
+/// sigma^2 L^4 F(L / length) + 6 sigma_terrain^2 when curvature is the process of add_design. Comfort (AASHTO) is the most, as
+/// second differences also see what is not road; a twentieth of it the least.
+void NetworkProfiles::estimate_curvature_sigma() {
+  constexpr double widest_gap_m = 6.0, outlier_sigmas = 5.0, mad_of_normal = 0.6745, least_share = 0.05;
+  constexpr std::size_t least_samples = 50;
+  const auto reach_m = [&](double speed_kmh) { return std::max(1.5 * vertical_curve_length_m(speed_kmh), 3.0 * terrain_.coarsest_gsd_m); };
+  struct Sample {
+    double difference_m, noise_m2;
+  };
+  std::map<double, std::vector<Sample>> samples;
+  for (const ProfileChain& chain : chains_.chains) {
+    std::vector<const ChainPlace*> grounded;
+    for (const ChainPlace& place : chain.places)
+      if (terrain_.of_node[place.path][place.node].is_road) grounded.push_back(&place);
+    const auto terrain = [&](const ChainPlace* place) -> const TerrainSample& { return terrain_.of_node[place->path][place->node]; };
+    const auto z_at = [&](double s_m) {
+      const auto after = std::lower_bound(grounded.begin(), grounded.end(), s_m, [](const ChainPlace* place, double s) { return place->s_m < s; });
+      if (after == grounded.end() || after == grounded.begin()) return std::nan("");
+      const ChainPlace *a = *(after - 1), *b = *after;
+      if (b->s_m - a->s_m > widest_gap_m) return std::nan("");
+      const double f = b->s_m > a->s_m ? (s_m - a->s_m) / (b->s_m - a->s_m) : 0.0;
+      return terrain(a).z_m * (1.0 - f) + terrain(b).z_m * f;
+    };
+    for (const ChainPlace* place : grounded) {
+      const double speed_kmh = limits_of_path_[place->path].design_speed_kmh, reach = reach_m(speed_kmh);
+      const double difference_m = z_at(place->s_m - reach) - 2.0 * terrain(place).z_m + z_at(place->s_m + reach);
+      const double sigma_m = seen_sigma_m_[terrain(place).source];
+      if (!std::isnan(difference_m)) samples[speed_kmh].push_back({difference_m, 6.0 * sigma_m * sigma_m});
+    }
+  }
+  for (auto& [speed_kmh, of_speed] : samples) {
+    if (of_speed.size() < least_samples) continue;
+    std::vector<double> sizes;
+    for (const Sample& sample : of_speed) sizes.push_back(std::abs(sample.difference_m));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double largest_m = outlier_sigmas * *middle / mad_of_normal;
+    double sum = 0.0, count = 0.0;
+    for (const Sample& sample : of_speed)
+      if (std::abs(sample.difference_m) <= largest_m) sum += sample.difference_m * sample.difference_m - sample.noise_m2, count += 1.0;
+    const double reach = reach_m(speed_kmh), comfort = comfortable_curvature_1pm(speed_kmh);
+    const double response = second_difference_response(reach / vertical_curve_length_m(speed_kmh));
+    const double sigma = std::sqrt(std::max(0.0, sum / count) / response) / (reach * reach);
+    curvature_sigma_1pm_[speed_kmh] = std::clamp(sigma, least_share * comfort, comfort);
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // The profiles of all roads of a network, fitted at once. docs/heights.md tells the model and where its numbers come from.
 
-#include <string>
+#include <map>
 #include <vector>
 
 #include "orthodrive/elevate/profile_chains.hpp"
@@ -33,8 +33,9 @@ class NetworkProfiles {
   /// and narrowed, the fit does not follow the terrain into a valley that a bridge spans (graduated non-convexity, Blake
   /// and Zisserman, Visual Reconstruction, 1987).
   RobustFit::Summary solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening = 1.0);
-  /// Takes the terrain models' standard deviations from what is left between them and the profiles.
-  void estimate_terrain_sigma();
+  /// Takes the terrain models' standard deviations from what is left between them and the profiles, and then the size of the
+  /// roads' vertical curvature, by design speed, from the terrain along them.
+  void estimate_scales();
 
   [[nodiscard]] double height_m(std::size_t path, std::size_t segment, double fraction) const;
   [[nodiscard]] const std::vector<double>& terrain_sigma_m() const { return sigma_m_; }
@@ -55,6 +56,8 @@ class NetworkProfiles {
   void add_design(RobustFit& fit) const;
   void add_junctions(RobustFit& fit) const;
   void find_grounded_chains();
+  void estimate_terrain_sigma();
+  void estimate_curvature_sigma();
   [[nodiscard]] double observation_share(std::size_t path, std::size_t node) const;
   [[nodiscard]] double pull_per_m() const;
   [[nodiscard]] double value(std::span<const Term> terms) const;
@@ -70,6 +73,8 @@ class NetworkProfiles {
   std::vector<std::vector<Knot>> knots_;     // of each chain
   std::vector<bool> chain_is_grounded_;      // or hangs together with one that is
   std::vector<double> sigma_m_;              // of each terrain model
+  std::vector<double> seen_sigma_m_;         // the same without the floor
+  std::map<double, double> curvature_sigma_1pm_;  // by design speed
   double loosening_ = 1.0;
   std::vector<double> x_;                    // coefficients of all chains; height and gradient east, north of each junction
 };

@@ -36,18 +36,22 @@ void RobustFit::add_bounds(std::span<const Term> terms, double low, double high,
 }
 
 RobustFit::Pull RobustFit::pull(const Row& row, double v) {
+  constexpr double least_bend = 0.1;
   if (row.kind == Kind::square) {
     const double r = v - row.low;
-    return {0.5 * row.weight * r * r, row.weight * r, row.weight};
+    return {0.5 * row.weight * r * r, row.weight * r, row.weight, row.weight};
   }
   if (row.kind == Kind::cauchy) {
-    const double r = v - row.low, c2 = row.scale * row.scale, weight = row.weight / (1.0 + r * r / c2);
-    return {0.5 * row.weight * c2 * std::log1p(r * r / c2), weight * r, weight};
+    const double r = v - row.low, c2 = row.scale * row.scale, x2 = r * r / c2, weight = row.weight / (1.0 + x2);
+    return {0.5 * row.weight * c2 * std::log1p(x2), weight * r, weight, weight * std::max(least_bend, (1.0 - x2) / (1.0 + x2))};
   }
   const double excess = v < row.low ? v - row.low : v > row.high ? v - row.high : 0.0, size = std::abs(excess);
-  if (size <= row.scale) return {0.5 * row.weight * size * size, row.weight * excess, size > 0.0 ? row.weight : 0.0};
+  if (size <= row.scale) {
+    const double weight = size > 0.0 ? row.weight : 0.0;
+    return {0.5 * row.weight * size * size, row.weight * excess, weight, weight};
+  }
   const double weight = row.weight * row.scale / size;
-  return {row.weight * row.scale * (size - 0.5 * row.scale), weight * excess, weight};
+  return {row.weight * row.scale * (size - 0.5 * row.scale), weight * excess, weight, least_bend * weight};
 }
 
 double RobustFit::value(std::size_t row, const std::vector<double>& x) const {
@@ -121,11 +125,11 @@ RobustFit::Summary RobustFit::solve(std::vector<double>& x, int max_iterations, 
     gradient.setZero();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Pull p = pull(rows_[i], value(i, x));
-      if (p.weight == 0.0) continue;
+      if (p.bend == 0.0) continue;
       for (std::size_t a = start_[i]; a < start_[i + 1]; ++a) {
         gradient[terms_[a].unknown] += p.force * terms_[a].factor;
         for (std::size_t b = a; b < start_[i + 1]; ++b)
-          add_at(normal, terms_[b].unknown, terms_[a].unknown, p.weight * terms_[a].factor * terms_[b].factor);
+          add_at(normal, terms_[b].unknown, terms_[a].unknown, p.bend * terms_[a].factor * terms_[b].factor);
       }
     }
     cholesky.factorize(normal);

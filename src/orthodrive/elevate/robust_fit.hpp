@@ -1,8 +1,8 @@
 #pragma once
-// Robust least squares whose residuals are all linear in the unknowns, as heights make them: sparse Newton steps on a
-// convex majorant (iteratively reweighted least squares) with a line search.
+// Robust least squares whose residuals are all linear in the unknowns, as heights make them: sparse Newton steps with a line
+// search. Where the loss is not convex, a tenth of the reweighted (majorising) curvature keeps the step a descent.
 //
-// Cauchy rows: Hampel et al., Robust Statistics, 1986; reweighting never raises their sum (concave in the square).
+// Cauchy rows: Hampel et al., Robust Statistics, 1986.
 // Bounds are one-sided Huber rows: quadratic up to `slack` beyond the bound, then with the constant force weight * slack,
 // an exact penalty that holds the bound until what pulls at it is stronger (Nocedal and Wright, Numerical Optimization, 17.2).
 
@@ -51,7 +51,9 @@ class RobustFit {
     double weight = 0.0, scale = 0.0;
   };
   struct Pull {
-    double cost = 0.0, force = 0.0, weight = 0.0;  // value, derivative and majorant's second derivative by v
+    double cost = 0.0, force = 0.0;  // value and derivative by v
+    double weight = 0.0;             // of the square with the same force: what the row is worth as an observation
+    double bend = 0.0;               // second derivative, kept positive
   };
   void add(std::span<const Term> terms, const Row& row);
   [[nodiscard]] static Pull pull(const Row& row, double v);
