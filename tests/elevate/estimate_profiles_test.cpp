@@ -159,8 +159,8 @@ TEST(EstimateProfiles, a_layer_without_a_bridge_tag_is_a_bridge) {
   EXPECT_GT(result.roads.paths[1].nodes[10].z_m - result.roads.paths[3].nodes[20].z_m, 4.69);
 }
 
-TEST(EstimateProfiles, a_ramp_that_no_car_could_climb_is_reported) {
-  // A loop of 30 m leaves a road and passes over it.
+TEST(EstimateProfiles, clearance_that_cannot_be_made_is_reported) {
+  // A loop of 30 m leaves a road and passes over it: no ramp is that steep, and none is tried.
   RoadPath below = make_path(1, {0, 0}, {200, 0}, 1, 2);
   below.nodes[50].osm_node = 7;
   RoadPath loop = make_path(2, {100, 0}, {104, 6}, 7, 8), over = make_path(3, {104, 6}, {106, -6}, 8, 9);
@@ -168,9 +168,9 @@ TEST(EstimateProfiles, a_ramp_that_no_car_could_climb_is_reported) {
   RoadPath back = make_path(4, {106, -6}, {94, 0}, 9, 10);
   below.nodes[47].osm_node = 10;
   const auto result = estimate_profiles(network({below, loop, over, back}), {make_dtm(valley(0.0))});
-  EXPECT_THAT(codes(result.findings), testing::Contains("elevate.gradient_over_limit"));
+  EXPECT_THAT(codes(result.findings), testing::Contains("elevate.low_clearance"));
   for (const RoadPath& path : result.roads.paths)
-    for (const RoadNode& node : path.nodes) EXPECT_TRUE(std::isfinite(node.z_m) && std::abs(node.z_m - 30.0) < 10.0);
+    for (const RoadNode& node : path.nodes) EXPECT_TRUE(std::isfinite(node.z_m) && std::abs(node.z_m - 30.0) < 1.0);
 }
 
 TEST(EstimateProfiles, a_tunnel_ignores_the_hill_and_passes_below_its_road) {

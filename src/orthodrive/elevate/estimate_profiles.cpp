@@ -170,7 +170,7 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const N
     solve(limits, 1.0);
     bool changed = false;
     for (std::size_t i = 0; i < levels.size(); ++i)
-      if (room_m(levels[i], profiles) < options.clearance_m - 1e-6) changed = true, tight[i] = true;
+      if (levels[i].has_room && room_m(levels[i], profiles) < options.clearance_m - 1e-6) changed = true, tight[i] = true;
     if (!changed) break;
     limits = clearance_limits(levels, tight, profiles, options.clearance_m);
   }

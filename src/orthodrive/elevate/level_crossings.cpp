@@ -112,9 +112,10 @@ std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const 
     const double s_a = shared.s_m(crossing.path_a, crossing.segment_a, crossing.fraction_a);
     const double s_b = shared.s_m(crossing.path_b, crossing.segment_b, crossing.fraction_b);
     const double half_a = half_width_m(a, crossing.segment_a), half_b = half_width_m(b, crossing.segment_b);
-    std::string reason = "of its layer";
+    std::string reason = "by its layer";
+    level.has_room = !shared.meet_within(crossing.path_a, s_a, crossing.path_b, s_b, meeting_m);
     if (!a_is_above) {
-      if (shared.meet_within(crossing.path_a, s_a, crossing.path_b, s_b, meeting_m)) continue;
+      if (!level.has_room) continue;
       const auto overshoots = [&](std::size_t path, double s, double half_of_other) {
         return (shared.is_loose_end(roads, path, false) && s <= half_of_other + overshoot_m) ||
                (shared.is_loose_end(roads, path, true) && shared.length_m(path) - s <= half_of_other + overshoot_m);

@@ -13,6 +13,7 @@ struct LevelCrossing {
   PathCrossing crossing;
   bool a_is_above = false;
   bool raise = true;     ///< the upper road gives way (a bridge), else the lower one (a tunnel)
+  bool has_room = true;  ///< the roads do not meet within 50 m along the network: no ramp gains the clearance on so little
   bool untagged = false; ///< the one that gives way is neither tagged as bridge nor as tunnel
 
   [[nodiscard]] std::size_t upper() const { return a_is_above ? crossing.path_a : crossing.path_b; }

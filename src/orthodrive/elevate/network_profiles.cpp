@@ -16,13 +16,15 @@ constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the
 // Junctions: exact to what drivers and tools could notice, with room to the precision of the solver.
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
 constexpr double cross_slope_sigma = 0.025;   // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
-constexpr double known_banking_sigma = 0.005;
-// Limits give way where they would keep a road off a terrain that is sure of itself over more than this length.
-constexpr double give_way_length_m = 20.0, give_way_pixels = 3.0;
+constexpr double known_banking_sigma = 0.002;
+// Limits give way where they would keep a road off a terrain that is sure of itself over more than this length: those of the
+// gradient, and those of the curvature (which a bump in the terrain breaks over a longer one).
+constexpr double gradient_gives_way_m = 10.0, gradient_gives_way_pixels = 1.0;
+constexpr double curvature_gives_way_m = 20.0, curvature_gives_way_pixels = 2.0;
 constexpr double limit_margin = 0.01;         // aim this much inside, so that the slack of the bounds stays inside too
 // Clearance and tunnels hold against the terrain of a ramp this long, to a millimetre.
 constexpr double clearance_pull_m = 2000.0, clearance_slack_m = 1e-3;
-constexpr double tunnel_slack_m = 0.02;
+constexpr double tunnel_pull_m = 30.0, tunnel_slack_m = 0.02;
 // Where nothing is measured gradients fade over this length (bridges hang between their ends, roads run out level).
 constexpr double fading_length_m = 200.0;
 constexpr double determined_weight = 1e-4;    // of a gradient of 1: only decides what nothing else does
@@ -84,9 +86,11 @@ std::vector<NetworkProfiles::Knot> NetworkProfiles::knots_of(const ProfileChain&
     const double s_m = k * chain.step_m, reach_m = 1.5 * chain.step_m;
     while (place + 1 < chain.places.size() && chain.places[place + 1].s_m <= s_m) ++place;
     while (from < chain.places.size() && chain.places[from].s_m < s_m - reach_m) ++from;
-    Knot knot{place, &limits_of_path_[chain.places[place].path], false};
+    Knot knot{place, &limits_of_path_[chain.places[place].path], false, false};
     for (std::size_t i = from; i < chain.places.size() && chain.places[i].s_m <= s_m + reach_m; ++i)
       knot.is_grounded = knot.is_grounded || terrain_.of_node[chain.places[i].path][chain.places[i].node].is_road;
+    const double curve_m = vertical_curve_length_m(knot.limits->design_speed_kmh);
+    knot.is_near_end = !chain.closed && std::min(s_m, chain.length_m - s_m) < curve_m;
     knots.push_back(knot);
   }
   return knots;
@@ -151,7 +155,9 @@ void NetworkProfiles::add_terrain(RobustFit& fit) const {
 }
 
 void NetworkProfiles::add_design(RobustFit& fit) const {
-  const double pull = pull_per_m(), length_m = std::max(give_way_length_m, give_way_pixels * terrain_.coarsest_gsd_m);
+  const double pull = pull_per_m(), gsd_m = terrain_.coarsest_gsd_m;
+  const double gradient_length_m = std::max(gradient_gives_way_m, gradient_gives_way_pixels * gsd_m);
+  const double curvature_length_m = std::max(curvature_gives_way_m, curvature_gives_way_pixels * gsd_m);
   for (std::size_t c = 0; c < chains_.chains.size(); ++c) {
     const ProfileChain& chain = chains_.chains[c];
     for (int k = 0; k < chain.intervals + (chain.closed ? 0 : 1); ++k) {
@@ -160,7 +166,9 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
       const auto gradient = knot_gradient(chain, k);
       const auto curvature = knot_curvature(chain, k);
       // Vertical curvature is a first-order autoregressive process, alike over the length of a vertical curve.
-      const double sigma = curvature_sigma_1pm_.at(limits.design_speed_kmh);
+      // What the terrain tells of roads does not hold where there is none, and less where a road bends into another one.
+      const double usual_sigma = curvature_sigma_1pm_.at(limits.design_speed_kmh), comfort = comfortable_curvature_1pm(limits.design_speed_kmh);
+      const double sigma = !knot.is_grounded ? comfort : knot.is_near_end ? std::sqrt(usual_sigma * comfort) : usual_sigma;
       const double alike = std::exp(-chain.step_m / vertical_curve_length_m(limits.design_speed_kmh));
       if (k == 0 && !chain.closed) {
         fit.add_square(curvature, 0.0, 1.0 / (sigma * sigma));
@@ -173,14 +181,14 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
       const double usual = 0.5 * limits.gradient;
       fit.add_square(gradient, 0.0, determined_weight + (knot.is_grounded ? 0.0 : chain.step_m / (fading_length_m * usual * usual)));
 
-      // The force that holds the limits is that of terrain which pulls with all its might over length_m: of a gradient
-      // the sum of the forces on one side, of a curvature their moment.
+      // The force that holds the limits is that of terrain which pulls with all its might over these lengths: of a
+      // gradient the sum of the forces on one side, of a curvature their moment.
       const double inside = 1.0 - limit_margin, steepest = inside * limits.gradient;
       const double gradient_slack = limit_margin * limits.gradient;
-      fit.add_bounds(gradient, -steepest, steepest, pull * 0.5 * length_m * chain.step_m / gradient_slack, gradient_slack);
+      fit.add_bounds(gradient, -steepest, steepest, pull * 0.5 * gradient_length_m * chain.step_m / gradient_slack, gradient_slack);
       const double curvature_slack = limit_margin / std::max(limits.crest_radius_m, limits.sag_radius_m);
       fit.add_bounds(curvature, -inside / limits.crest_radius_m, inside / limits.sag_radius_m,
-                     pull * 0.125 * length_m * length_m * chain.step_m / curvature_slack, curvature_slack);
+                     pull * 0.125 * curvature_length_m * curvature_length_m * chain.step_m / curvature_slack, curvature_slack);
     }
   }
 }
@@ -224,7 +232,7 @@ RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
       const NodePlace& place = chains_.of_node[p][n];
       const double z_m = terrain_.of_node[p][n].z_m;
       if (!std::isnan(z_m))
-        fit.add_bounds(chains_.chains[place.chain].height(place.s_m), -INFINITY, z_m, pull * give_way_length_m / tunnel_slack_m, tunnel_slack_m);
+        fit.add_bounds(chains_.chains[place.chain].height(place.s_m), -INFINITY, z_m, pull * tunnel_pull_m / tunnel_slack_m, tunnel_slack_m);
     }
   }
   for (const HeightLimit& limit : limits) {
@@ -268,9 +276,10 @@ void NetworkProfiles::estimate_terrain_sigma() {
 
 /// Method of moments: second differences z(s - L) - 2 z(s) + z(s + L) of the terrain have the variance
 /// sigma^2 L^4 F(L / length) + 6 sigma_terrain^2 when curvature is the process of add_design. Comfort (AASHTO) is the most, as
-/// second differences also see what is not road; a twentieth of it the least.
+/// second differences also see what is not road, a tenth of it the least.
+/// Differences beyond five robust sigmas, as at bridges and cuttings, count as that much.
 void NetworkProfiles::estimate_curvature_sigma() {
-  constexpr double widest_gap_m = 6.0, outlier_sigmas = 5.0, mad_of_normal = 0.6745, least_share = 0.05;
+  constexpr double widest_gap_m = 6.0, outlier_sigmas = 5.0, mad_of_normal = 0.6745, least_share = 0.1;
   constexpr std::size_t least_samples = 50;
   const auto reach_m = [&](double speed_kmh) { return std::max(1.5 * vertical_curve_length_m(speed_kmh), 3.0 * terrain_.coarsest_gsd_m); };
   struct Sample {
@@ -304,12 +313,12 @@ void NetworkProfiles::estimate_curvature_sigma() {
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     const double largest_m = outlier_sigmas * *middle / mad_of_normal;
-    double sum = 0.0, count = 0.0;
-    for (const Sample& sample : of_speed)
-      if (std::abs(sample.difference_m) <= largest_m) sum += sample.difference_m * sample.difference_m - sample.noise_m2, count += 1.0;
+    double sum = 0.0;
+    for (const Sample& sample : of_speed) sum += std::pow(std::min(std::abs(sample.difference_m), largest_m), 2) - sample.noise_m2;
+    const double variance_m2 = std::max(0.0, sum / static_cast<double>(of_speed.size()));
     const double reach = reach_m(speed_kmh), comfort = comfortable_curvature_1pm(speed_kmh);
     const double response = second_difference_response(reach / vertical_curve_length_m(speed_kmh));
-    const double sigma = std::sqrt(std::max(0.0, sum / count) / response) / (reach * reach);
+    const double sigma = std::sqrt(variance_m2 / response) / (reach * reach);
     curvature_sigma_1pm_[speed_kmh] = std::clamp(sigma, least_share * comfort, comfort);
   }
 }

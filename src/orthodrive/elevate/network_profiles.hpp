@@ -49,6 +49,7 @@ class NetworkProfiles {
     std::size_t place = 0;      // of the chain, nearest before
     const ProfileLimits* limits = nullptr;
     bool is_grounded = false;   // terrain within one and a half knots
+    bool is_near_end = false;   // within a vertical curve of the end of an open chain
   };
   [[nodiscard]] std::vector<Knot> knots_of(const ProfileChain& chain) const;
   [[nodiscard]] RobustFit build(const std::vector<HeightLimit>& limits) const;
