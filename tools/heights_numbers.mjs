@@ -52,14 +52,24 @@ const longest_way = (file) => +execFileSync('python3', ['-c', `
 import sqlite3, sys
 print(sqlite3.connect(sys.argv[1]).execute('select osm_id from nodes where part = 0 group by osm_id order by max(s_m) desc, osm_id').fetchone()[0])`, file], { encoding: 'utf8' });
 
-function measure(name, roads, dtm, truths, way) {
+// Where Kvarnbyn's terrain shows a bridge that the map has no tag for (findings elevate.assumed_bridge): decks are not in the
+// 2 m grid either, so 45 m around them are left out of the comparison, as bridges are.
+const untagged_bridges = [[12.0341532, 57.6570488], [12.0259758, 57.6592385]];
+function bridge_polygons() {
+  const file = join(out, 'kvarnbyn_bridges.geojson'), lat_m = 111320;
+  const ring = ([lon, lat]) => Array.from({ length: 17 }, (_, i) => [lon + (45 * Math.cos((i % 16) * Math.PI / 8)) / (lat_m * Math.cos(lat * Math.PI / 180)), lat + (45 * Math.sin((i % 16) * Math.PI / 8)) / lat_m]);
+  writeFileSync(file, JSON.stringify({ type: 'FeatureCollection', features: untagged_bridges.map((p) => ({ type: 'Feature', properties: {}, geometry: { type: 'Polygon', coordinates: [ring(p)] } })) }));
+  return file;
+}
+
+function measure(name, roads, dtm, truths, way, ignore) {
   for (const sampling of samplings)
     for (const [method, [, options]] of Object.entries(methods)) {
       const file = join(out, `${name}.${sampling}.${method}.gpkg`.replaceAll(' ', '_'));
       const start = Date.now();
       orthodrive('elevate', '--roads', roads, '--dtm', dtm, '--sampling', sampling, ...options, '-o', file);
       const row = { name, sampling, method, seconds: (Date.now() - start) / 1000, commit, cores: cpus().length };
-      for (const [kind, truth] of Object.entries(truths)) row[kind] = JSON.parse(orthodrive('evaluate', 'heights', file, truth, '--json'));
+      for (const [kind, truth] of Object.entries(truths)) row[kind] = JSON.parse(orthodrive('evaluate', 'heights', file, truth, ...(ignore ? ['--ignore', ignore] : []), '--json'));
       numbers.rows[`${name} ${sampling} ${method}`] = row;
       if (way && sampling === 'bilinear' && ['none', 'ma35', 'reference', 'default'].includes(method)) (numbers.profiles[name] ??= { way })[method] = nodes_of(file, way);
       const t = row.truth;
@@ -72,7 +82,7 @@ function measure(name, roads, dtm, truths, way) {
 if (!process.argv.includes('--table')) {
   if (only.includes('kvarnbyn')) {
     const dtm = join(data, 'kvarnbyn/dtm_10m_utm33.tif');
-    measure('kvarnbyn 10 m', refined, dtm, { dtm, truth: join(data, 'kvarnbyn/dtm_2m_west.tif') }, longest_way(refined));
+    measure('kvarnbyn 10 m', refined, dtm, { dtm, truth: join(data, 'kvarnbyn/dtm_2m_west.tif') }, longest_way(refined), bridge_polygons());
   }
   const synthetic = { village: ['village-99', '--preset', 'village', '--seed', '99'], circuit: ['circuit', '--preset', 'circuit'], junction: ['junction', '--preset', 'junction'] };
   for (const [name, [folder, ...options]] of Object.entries(synthetic)) {
@@ -175,9 +185,13 @@ function summary() {
     for (const sampling of samplings) {
       const d = row(name, sampling, 'default')?.truth, n = row(name, sampling, 'reference')?.truth, averages = ['ma11', 'ma35', 'ma67'].map((m) => row(name, sampling, m)?.truth);
       if (!d || !n || averages.some((a) => !a)) continue;
-      for (const [what, key, scale, digits] of [['E_RG', 'gradient_energy', 1e4, 2], ['squared error of the gradient', 'gradient_error_energy', 1e4, 3], ['E_h to the truth', 'height_error_energy', 1, 4]]) {
-        const best = Math.min(...averages.map((a) => a[key]));
-        add(`${name}, ${sampling}: ${what}, NLO below every moving average, default below NLO`, 'yes', `${fixed(scale * best, digits)} (best average), ${fixed(scale * n[key], digits)}, ${fixed(scale * d[key], digits)}`, n[key] < best && d[key] < n[key]);
+      const truth = d.true_gradient_energy;
+      for (const [what, value, scale, digits] of [
+        ['E_RG', (r) => r.gradient_energy, 1e4, 2], ['distance of E_RG to that of the truth', (r) => Math.abs(r.gradient_energy - truth), 1e4, 2],
+        ['squared error of the gradient', (r) => r.gradient_error_energy, 1e4, 3], ['E_h to the truth', (r) => r.height_error_energy, 1, 4]]) {
+        const best = Math.min(...averages.map(value)), shown = (r) => fixed(scale * value(r), digits);
+        add(`${name}, ${sampling}: ${what}, NLO below every moving average`, `< ${fixed(scale * best, digits)}`, shown(n), value(n) < best);
+        if (what !== 'E_RG') add(`${name}, ${sampling}: ${what}, default below NLO`, `< ${shown(n)}`, shown(d), value(d) < value(n));
       }
     }
   const k = row('kvarnbyn 10 m', 'cubic', 'default')?.truth, v = row('village 1 m', 'cubic', 'default')?.truth;

@@ -1,6 +1,7 @@
-// Heights and network against the length of the roads: a town of streets every 100 m, every seventh one a tertiary road that
-// others pass under where both are, on hills seen through a grid of 10 m with noise. Nodes every 2 m.
-// Usage: bench_heights [kilometres ...]; a line a case: km, nodes, seconds of elevate and of network, peak memory of the process.
+// Heights and network against the length of the roads: a town of streets every 100 m, every seventh one a tertiary road
+// that others pass under where both are, on hills seen through a grid of 10 m with noise. Nodes every 2 m. Usage:
+// bench_heights [kilometres ...]; a line a case: km, nodes, seconds of elevate and of network, peak memory of the
+// process.
 
 #include <fmt/format.h>
 
@@ -25,7 +26,9 @@ const Crs crs{"EPSG:32633"};
 constexpr double block_m = 100.0, spacing_m = 2.0;
 constexpr int fast_every = 7;
 
-double hills_m(Vec2 p) { return 200.0 + 12.0 * std::sin(p.x / 310.0) * std::cos(p.y / 270.0) + 3.0 * std::sin(p.x / 90.0 + p.y / 70.0); }
+double hills_m(Vec2 p) {
+  return 200.0 + 12.0 * std::sin(p.x / 310.0) * std::cos(p.y / 270.0) + 3.0 * std::sin(p.x / 90.0 + p.y / 70.0);
+}
 
 /// One way a street and direction, with a shared node at each crossing but those of two tertiary roads.
 RoadNetwork make_town(int streets) {
@@ -34,14 +37,16 @@ RoadNetwork make_town(int streets) {
   const int nodes = static_cast<int>(length_m / spacing_m), nodes_per_block = static_cast<int>(block_m / spacing_m);
   for (const bool north : {false, true})
     for (int street = 0; street < streets; ++street) {
-      RoadPath path{.osm_id = (north ? 100000 : 0) + street + 1, .highway = street % fast_every == 3 ? "tertiary" : "residential"};
+      RoadPath path{.osm_id = (north ? 100000 : 0) + street + 1,
+                    .highway = street % fast_every == 3 ? "tertiary" : "residential"};
       for (int i = 0; i <= nodes; ++i) {
         const double along = i * spacing_m, across = street * block_m;
         RoadNode node{.p = north ? Vec2{across, along} : Vec2{along, across}, .s_m = along, .width_m = 6.0};
         const int other = i / nodes_per_block;
         const bool fast_crossing = street % fast_every == 3 && other % fast_every == 3;
         if (i % nodes_per_block == 0 && !fast_crossing)
-          node.osm_node = 1 + (north ? static_cast<std::int64_t>(other) * streets + street : static_cast<std::int64_t>(street) * streets + other);
+          node.osm_node = 1 + (north ? static_cast<std::int64_t>(other) * streets + street
+                                     : static_cast<std::int64_t>(street) * streets + other);
         path.nodes.push_back(std::move(node));
       }
       roads.paths.push_back(std::move(path));
@@ -64,7 +69,8 @@ HeightGrid make_dtm(double size_m) {
 class Stopwatch {
  public:
   [[nodiscard]] std::string text() const {
-    return fmt::format("{:.1f} s ({:.1f} s CPU)", std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(),
+    return fmt::format("{:.1f} s ({:.1f} s CPU)",
+                       std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(),
                        static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC);
   }
 
@@ -93,7 +99,8 @@ int main(int argc, char** argv) {
     const Stopwatch build;
     const NetworkResult network = build_network(heights.roads);
     fmt::print("{:.0f} km, {} nodes: elevate {}, {} iterations, {} findings; network {}, {} roads; peak {:.2f} GB\n",
-               2.0 * streets * (streets - 1) * block_m / 1000.0, nodes, elevate_time, heights.solve.iterations, heights.findings.size(),
-               build.text(), network.map.roads.size(), static_cast<double>(peak_memory_bytes()) / 1e9);
+               2.0 * streets * (streets - 1) * block_m / 1000.0, nodes, elevate_time, heights.solve.iterations,
+               heights.findings.size(), build.text(), network.map.roads.size(),
+               static_cast<double>(peak_memory_bytes()) / 1e9);
   }
 }

@@ -11,7 +11,8 @@
 namespace orthodrive {
 
 std::size_t InverseNormal::index_of(int low, int high) const {
-  const auto begin = row_.begin() + start_[static_cast<std::size_t>(low)], end = row_.begin() + start_[static_cast<std::size_t>(low) + 1];
+  const auto begin = row_.begin() + start_[static_cast<std::size_t>(low)],
+             end = row_.begin() + start_[static_cast<std::size_t>(low) + 1];
   const auto found = std::lower_bound(begin, end, high);
   assert(found != end && *found == high);
   return static_cast<std::size_t>(found - row_.begin());
@@ -21,11 +22,12 @@ InverseNormal::InverseNormal(const SparseJacobian& jacobian) {
   const int n = jacobian.columns, rows = static_cast<int>(jacobian.row_start.size()) - 1;
   if (n == 0) return;
   using RowMajor = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-  const Eigen::Map<const RowMajor> j(rows, n, static_cast<Eigen::Index>(jacobian.value.size()), jacobian.row_start.data(),
-                                     jacobian.column.data(), jacobian.value.data());
+  const Eigen::Map<const RowMajor> j(rows, n, static_cast<Eigen::Index>(jacobian.value.size()),
+                                     jacobian.row_start.data(), jacobian.column.data(), jacobian.value.data());
   const Eigen::SparseMatrix<double> normal = RowMajor(j.transpose() * j);
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> cholesky(normal);
-  if (cholesky.info() != Eigen::Success) throw Error("the normal matrix is not positive definite: a parameter is not determined");
+  if (cholesky.info() != Eigen::Success)
+    throw Error("the normal matrix is not positive definite: a parameter is not determined");
 
   const Eigen::SparseMatrix<double> factor = cholesky.matrixL();  // lower triangle, rows ascending in each column
   start_.assign(factor.outerIndexPtr(), factor.outerIndexPtr() + n + 1);

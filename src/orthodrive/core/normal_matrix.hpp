@@ -12,8 +12,8 @@ struct SparseJacobian {
   std::vector<double> value;
 };
 
-/// (J^T J)^-1 on the pattern of the sparse Cholesky factor, by the recurrence of Takahashi, Fagan and Chen (1973): linear
-/// in the size for the chain-like graphs of roads.
+/// (J^T J)^-1 on the pattern of the sparse Cholesky factor, by the recurrence of Takahashi, Fagan and Chen (1973):
+/// linear in the size for the chain-like graphs of roads.
 class InverseNormal {
  public:
   /// Throws Error when J^T J is not positive definite.
@@ -23,7 +23,7 @@ class InverseNormal {
 
  private:
   [[nodiscard]] std::size_t index_of(int low, int high) const;  // of the permuted columns
-  std::vector<int> start_, row_, position_;                    // position_: permuted place of each column
+  std::vector<int> start_, row_, position_;                     // position_: permuted place of each column
   std::vector<double> value_;
 };
 

@@ -17,16 +17,20 @@ namespace {
 using namespace elevate;
 
 constexpr double clearance_tolerance_m = 0.01;
-constexpr double clearance_aim_m = 0.02;  // above what is asked: cubics between nodes, and of the network stage, differ a little
+constexpr double clearance_aim_m =
+    0.02;  // above what is asked: cubics between nodes, and of the network stage, differ a little
 
 void check(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const ElevateOptions& options) {
   if (dtms.empty()) throw OptionError("elevate: no terrain model given");
-  if (dtms.size() > 255) throw OptionError(fmt::format("elevate: {} terrain models given, at most 255 are taken", dtms.size()));
+  if (dtms.size() > 255)
+    throw OptionError(fmt::format("elevate: {} terrain models given, at most 255 are taken", dtms.size()));
   for (const HeightGrid& dtm : dtms)
     if (!(dtm.crs == roads.crs))
-      throw OptionError(fmt::format("elevate: roads are in {} but terrain in {}, need one CRS", roads.crs.definition, dtm.crs.definition));
+      throw OptionError(fmt::format("elevate: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
+                                    dtm.crs.definition));
   if (options.window < 1 || options.window % 2 == 0)
-    throw OptionError(fmt::format("elevate: the window of the moving average is {} samples, need an odd number", options.window));
+    throw OptionError(
+        fmt::format("elevate: the window of the moving average is {} samples, need an odd number", options.window));
   if (options.max_iterations < 1) throw OptionError("elevate: need at least one iteration");
   for (const RoadPath& path : roads.paths)
     if (path.nodes.size() < 2) throw OptionError(fmt::format("elevate: way {} has fewer than two nodes", path.osm_id));
@@ -42,8 +46,8 @@ RoadNetwork without_contradictions(RoadNetwork roads, Findings& findings) {
     if (!path.bridge || !path.tunnel) continue;
     (path.layer < 0 ? path.bridge : path.tunnel) = false;
     report(findings, Severity::warning, "elevate.contradicting_tags", path.nodes[path.nodes.size() / 2],
-           fmt::format("way {} is tagged as bridge and as tunnel, with layer {}: taken for a {}", path.osm_id, path.layer,
-                       path.bridge ? "bridge" : "tunnel"));
+           fmt::format("way {} is tagged as bridge and as tunnel, with layer {}: taken for a {}", path.osm_id,
+                       path.layer, path.bridge ? "bridge" : "tunnel"));
   }
   return roads;
 }
@@ -61,7 +65,8 @@ ProfileEnergy energy(const RoadNetwork& roads, const TerrainSamples& terrain, co
       if (run > 0.0) gradients += std::pow((z_m[k][n + 1] - z_m[k][n]) / run, 2), ++segments;
     }
   }
-  return {segments > 0 ? gradients / static_cast<double>(segments) : 0.0, nodes > 0 ? errors / static_cast<double>(nodes) : 0.0};
+  return {segments > 0 ? gradients / static_cast<double>(segments) : 0.0,
+          nodes > 0 ? errors / static_cast<double>(nodes) : 0.0};
 }
 
 // ---- the reference's methods
@@ -73,7 +78,8 @@ void write_way_profiles(const NodeHeights& z_m, RoadNetwork& roads) {
     for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n].z_m = z_m[k][n], nodes[n].sigma_z_m = 0.0;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
       const RoadNode &a = nodes[n > 0 ? n - 1 : 0], &b = nodes[std::min(n + 1, nodes.size() - 1)];
-      const double run_m = (n > 0 ? distance(a.p, nodes[n].p) : 0.0) + (n + 1 < nodes.size() ? distance(nodes[n].p, b.p) : 0.0);
+      const double run_m =
+          (n > 0 ? distance(a.p, nodes[n].p) : 0.0) + (n + 1 < nodes.size() ? distance(nodes[n].p, b.p) : 0.0);
       nodes[n].gradient = run_m > 0.0 ? (b.z_m - a.z_m) / run_m : 0.0;
     }
   }
@@ -88,9 +94,11 @@ std::vector<HeightLimit> clearance_limits(const std::vector<LevelCrossing>& leve
   for (std::size_t i = 0; i < levels.size(); ++i) {
     if (!tight[i]) continue;
     const PathCrossing& c = levels[i].crossing;
-    const double z_a = profiles.height_m(c.path_a, c.segment_a, c.fraction_a), z_b = profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
+    const double z_a = profiles.height_m(c.path_a, c.segment_a, c.fraction_a),
+                 z_b = profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
     const bool a_moves = levels[i].a_is_above == levels[i].raise;
-    HeightLimit limit{a_moves ? c.path_a : c.path_b, a_moves ? c.segment_a : c.segment_b, a_moves ? c.fraction_a : c.fraction_b};
+    HeightLimit limit{a_moves ? c.path_a : c.path_b, a_moves ? c.segment_a : c.segment_b,
+                      a_moves ? c.fraction_a : c.fraction_b};
     const double other_m = a_moves ? z_b : z_a, wanted_m = clearance_m + clearance_aim_m;
     (levels[i].raise ? limit.low_m : limit.high_m) = other_m + (levels[i].raise ? wanted_m : -wanted_m);
     limits.push_back(limit);
@@ -100,23 +108,28 @@ std::vector<HeightLimit> clearance_limits(const std::vector<LevelCrossing>& leve
 
 double room_m(const LevelCrossing& level, const NetworkProfiles& profiles) {
   const PathCrossing& c = level.crossing;
-  const double rise_m = profiles.height_m(c.path_a, c.segment_a, c.fraction_a) - profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
+  const double rise_m =
+      profiles.height_m(c.path_a, c.segment_a, c.fraction_a) - profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
   return level.a_is_above ? rise_m : -rise_m;
 }
 
 void report_breaches(const RoadNetwork& roads, const NetworkProfiles& profiles, Findings& findings) {
   for (const LimitBreach& b : profiles.gradient_breaches())
-    report(findings, Severity::info, "elevate.gradient_over_limit", roads.paths[b.path].nodes[b.node],
-           fmt::format("way {} ({}): {:.1f} % steep along {:.0f} m, its class allows {:.0f} %", roads.paths[b.path].osm_id,
-                       roads.paths[b.path].highway, 100.0 * b.worst, b.length_m, 100.0 * b.limit));
+    report(
+        findings, Severity::info, "elevate.gradient_over_limit", roads.paths[b.path].nodes[b.node],
+        fmt::format("way {} ({}): {:.1f} % steep along {:.0f} m, its class allows {:.0f} %", roads.paths[b.path].osm_id,
+                    roads.paths[b.path].highway, 100.0 * b.worst, b.length_m, 100.0 * b.limit));
   for (const LimitBreach& b : profiles.curvature_breaches())
-    report(findings, Severity::info, "elevate.curvature_over_limit", roads.paths[b.path].nodes[b.node],
-           fmt::format("way {} ({}): vertical radius of {:.0f} m along {:.0f} m, its class asks for {:.0f} m", roads.paths[b.path].osm_id,
-                       roads.paths[b.path].highway, 1.0 / b.worst, b.length_m, 1.0 / b.limit));
+    report(
+        findings, Severity::info, "elevate.curvature_over_limit", roads.paths[b.path].nodes[b.node],
+        fmt::format("way {} ({}): vertical radius of {:.0f} m along {:.0f} m, its class asks for {:.0f} m",
+                    roads.paths[b.path].osm_id, roads.paths[b.path].highway, 1.0 / b.worst, b.length_m, 1.0 / b.limit));
 }
 
-/// Stretches where the loss has given up on the terrain: a bridge or cutting that nobody tagged, or an error of the model.
-void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, const std::vector<double>& sigma_m, Findings& findings) {
+/// Stretches where the loss has given up on the terrain: a bridge or cutting that nobody tagged, or an error of the
+/// model.
+void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, const std::vector<double>& sigma_m,
+                        Findings& findings) {
   constexpr double least_m = 1.0, least_sigmas = 4.0, least_length_m = 10.0;
   for (std::size_t k = 0; k < roads.paths.size(); ++k) {
     const auto& nodes = roads.paths[k].nodes;
@@ -132,21 +145,24 @@ void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain,
       }
       if (length_m >= least_length_m)
         report(findings, Severity::warning, "elevate.off_terrain", nodes[worst],
-               fmt::format("way {} ({}) lies up to {:.1f} m {} the terrain along {:.0f} m: a {} without a tag, or an error of the terrain model",
-                           roads.paths[k].osm_id, roads.paths[k].highway, std::abs(worst_m), worst_m > 0.0 ? "above" : "below", length_m,
-                           worst_m > 0.0 ? "bridge" : "tunnel"));
+               fmt::format("way {} ({}) lies up to {:.1f} m {} the terrain along {:.0f} m: a {} without a tag, or an "
+                           "error of the terrain model",
+                           roads.paths[k].osm_id, roads.paths[k].highway, std::abs(worst_m),
+                           worst_m > 0.0 ? "above" : "below", length_m, worst_m > 0.0 ? "bridge" : "tunnel"));
       n = std::max(n, end);
     }
   }
 }
 
-void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const NodeHeights& start, const std::vector<LevelCrossing>& levels,
-                      const ElevateOptions& options, Monitor* monitor, EstimateProfilesResult& result) {
+void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const NodeHeights& start,
+                      const std::vector<LevelCrossing>& levels, const ElevateOptions& options, Monitor* monitor,
+                      EstimateProfilesResult& result) {
   constexpr std::array loosenings{8.0, 3.0, 1.0, 1.0};  // noise and curvature are seen after the third and the fourth
-  constexpr int clearance_passes = 5;  // one a level of a stack of bridges, and one for what they move
+  constexpr int clearance_passes = 5;                   // one a level of a stack of bridges, and one for what they move
   int passes = 0;
   const auto progress = [&] {
-    if (monitor) monitor->progress(static_cast<double>(passes++) / (loosenings.size() + clearance_passes + 2.0), "elevate");
+    if (monitor)
+      monitor->progress(static_cast<double>(passes++) / (loosenings.size() + clearance_passes + 2.0), "elevate");
   };
   const PathLinks links = link_path_ends(roads);
   const ProfileChains chains = make_profile_chains(roads, links);
@@ -170,7 +186,8 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const N
     solve(limits, 1.0);
     bool changed = false;
     for (std::size_t i = 0; i < levels.size(); ++i)
-      if (levels[i].has_room && room_m(levels[i], profiles) < options.clearance_m - 1e-6) changed = true, tight[i] = true;
+      if (levels[i].has_room && room_m(levels[i], profiles) < options.clearance_m - 1e-6)
+        changed = true, tight[i] = true;
     if (!changed) break;
     limits = clearance_limits(levels, tight, profiles, options.clearance_m);
   }
@@ -184,17 +201,18 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const N
   for (const LevelCrossing& level : levels) {
     const double room = room_m(level, profiles);
     if (room >= options.clearance_m - clearance_tolerance_m) continue;
-    result.findings.push_back({Severity::warning, "elevate.low_clearance",
-                               fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
-                                           roads.paths[level.lower()].osm_id, options.clearance_m),
-                               level.crossing.p.x, level.crossing.p.y});
+    result.findings.push_back(
+        {Severity::warning, "elevate.low_clearance",
+         fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
+                     roads.paths[level.lower()].osm_id, options.clearance_m),
+         level.crossing.p.x, level.crossing.p.y});
   }
 }
 
 }  // namespace
 
-EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::vector<HeightGrid>& dtms, const ElevateOptions& options,
-                                         Monitor* monitor) {
+EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::vector<HeightGrid>& dtms,
+                                         const ElevateOptions& options, Monitor* monitor) {
   check(input, dtms, options);
   EstimateProfilesResult result{.roads = input};
   if (input.paths.empty()) return result;
@@ -213,7 +231,8 @@ EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::ve
     write_way_profiles(moving_average(roads, as_sampled, options.window), result.roads);
   } else {
     const WayProfiles profiles = reference_profiles(roads, as_sampled, options.max_iterations);
-    result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before, profiles.solve.cost_after};
+    result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
+                    profiles.solve.cost_after};
     write_way_profiles(profiles.z_m, result.roads);
   }
   NodeHeights z_m;

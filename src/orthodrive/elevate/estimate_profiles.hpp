@@ -38,7 +38,8 @@ struct EstimateProfilesResult {
   RoadNetwork roads;  ///< z_m, gradient and (network only) sigma_z_m of every node; banking as it came
   SolveSummary solve;
   ProfileEnergy before, after;  ///< of the sampled terrain and of the result
-  /// Robust standard deviation of the terrain models about the roads, as given; 0 where a model is not used. Network only.
+  /// Robust standard deviation of the terrain models about the roads, as given; 0 where a model is not used. Network
+  /// only.
   std::vector<double> terrain_sigma_m;
   /// "elevate.no_terrain", "elevate.implausible_terrain", "elevate.not_converged"; of the network method also
   /// "elevate.gradient_over_limit", "elevate.curvature_over_limit", "elevate.off_terrain", "elevate.low_clearance",
@@ -46,8 +47,8 @@ struct EstimateProfilesResult {
   Findings findings;
 };
 
-/// Terrain models share the roads' CRS (throws OptionError), best first: a node takes the first one that has a height there.
-/// Throws OptionError when there is none at all on the whole network.
+/// Terrain models share the roads' CRS (throws OptionError), best first: a node takes the first one that has a height
+/// there. Throws OptionError when there is none at all on the whole network.
 [[nodiscard]] EstimateProfilesResult estimate_profiles(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms,
                                                        const ElevateOptions& options = {}, Monitor* monitor = nullptr);
 

@@ -12,9 +12,9 @@
 namespace orthodrive::elevate {
 namespace {
 
-constexpr double meeting_m = 50.0;     // roads that meet this near cross because their lines overlap
-constexpr double overshoot_m = 5.0;    // beyond the half width: an end drawn across the road it should meet
-constexpr double clear_dip_m = 0.75;   // difference of two dips that decides: several sigma of a 10 m grid
+constexpr double meeting_m = 50.0;    // roads that meet this near cross because their lines overlap
+constexpr double overshoot_m = 5.0;   // beyond the half width: an end drawn across the road it should meet
+constexpr double clear_dip_m = 0.75;  // difference of two dips that decides: several sigma of a 10 m grid
 
 /// Where the shared nodes of the network are, and how far along the ways from each other.
 class SharedNodes {
@@ -44,7 +44,8 @@ class SharedNodes {
   [[nodiscard]] bool meet_within(std::size_t path_a, double s_a, std::size_t path_b, double s_b, double reach_m) const {
     if (path_a == path_b && std::abs(s_a - s_b) <= reach_m) return true;
     std::map<std::int64_t, double> nearest;
-    std::priority_queue<std::pair<double, std::int64_t>, std::vector<std::pair<double, std::int64_t>>, std::greater<>> queue;
+    std::priority_queue<std::pair<double, std::int64_t>, std::vector<std::pair<double, std::int64_t>>, std::greater<>>
+        queue;
     const auto visit = [&](std::size_t path, double s, double so_far) {
       for (const auto& [id, at] : of_path_[path]) {
         const double d = so_far + std::abs(at - s);
@@ -75,7 +76,8 @@ class SharedNodes {
 };
 
 /// By how much the terrain at a place of a way lies below the line through it at both sides; 0 where it is not known.
-double terrain_dip_m(const std::vector<double>& s, const std::vector<TerrainSample>& samples, double at_m, double reach_m) {
+double terrain_dip_m(const std::vector<double>& s, const std::vector<TerrainSample>& samples, double at_m,
+                     double reach_m) {
   const auto z_at = [&](double s_m) {
     const auto after = std::lower_bound(s.begin(), s.end(), std::clamp(s_m, s.front(), s.back()));
     return samples[static_cast<std::size_t>(after - s.begin())].z_m;
@@ -86,29 +88,39 @@ double terrain_dip_m(const std::vector<double>& s, const std::vector<TerrainSamp
   return std::isnan(dip) ? 0.0 : dip;
 }
 
-bool is_never_crossed_at_grade(const RoadPath& path) { return path.highway.starts_with("motorway") || path.highway.starts_with("trunk"); }
-
-void report_missing_junction(const RoadPath& a, const RoadPath& b, const PathCrossing& crossing, const char* why, Findings& findings) {
-  findings.push_back({Severity::info, "elevate.missing_junction",
-                      fmt::format("ways {} and {} cross without a common node, {}: taken for a junction that the map lacks", a.osm_id,
-                                  b.osm_id, why),
-                      crossing.p.x, crossing.p.y});
+bool is_never_crossed_at_grade(const RoadPath& path) {
+  return path.highway.starts_with("motorway") || path.highway.starts_with("trunk");
 }
 
-double half_width_m(const RoadPath& path, std::size_t segment) { return 0.5 * std::max(3.0, path.nodes[segment].width_m); }
+void report_missing_junction(const RoadPath& a, const RoadPath& b, const PathCrossing& crossing, const char* why,
+                             Findings& findings) {
+  findings.push_back(
+      {Severity::info, "elevate.missing_junction",
+       fmt::format("ways {} and {} cross without a common node, {}: taken for a junction that the map lacks", a.osm_id,
+                   b.osm_id, why),
+       crossing.p.x, crossing.p.y});
+}
+
+double half_width_m(const RoadPath& path, std::size_t segment) {
+  return 0.5 * std::max(3.0, path.nodes[segment].width_m);
+}
 
 }  // namespace
 
-std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const TerrainSamples& terrain, Findings& findings) {
+std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const TerrainSamples& terrain,
+                                                Findings& findings) {
   const SharedNodes shared(roads);
   std::vector<LevelCrossing> levels;
   for (const PathCrossing& crossing : find_crossings(roads)) {
     const RoadPath &a = roads.paths[crossing.path_a], &b = roads.paths[crossing.path_b];
     LevelCrossing level{.crossing = crossing};
     std::optional<bool> a_is_above;
-    if (a.layer != b.layer) a_is_above = a.layer > b.layer;
-    else if (a.bridge != b.bridge) a_is_above = a.bridge;
-    else if (a.tunnel != b.tunnel) a_is_above = b.tunnel;
+    if (a.layer != b.layer)
+      a_is_above = a.layer > b.layer;
+    else if (a.bridge != b.bridge)
+      a_is_above = a.bridge;
+    else if (a.tunnel != b.tunnel)
+      a_is_above = b.tunnel;
     const double s_a = shared.s_m(crossing.path_a, crossing.segment_a, crossing.fraction_a);
     const double s_b = shared.s_m(crossing.path_b, crossing.segment_b, crossing.fraction_b);
     const double half_a = half_width_m(a, crossing.segment_a), half_b = half_width_m(b, crossing.segment_b);
@@ -125,8 +137,10 @@ std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const 
         continue;
       }
       const double reach_m = 15.0 + 2.0 * terrain.coarsest_gsd_m;
-      const double dip_a = terrain_dip_m(shared.stations(crossing.path_a), terrain.of_node[crossing.path_a], s_a, half_b + reach_m);
-      const double dip_b = terrain_dip_m(shared.stations(crossing.path_b), terrain.of_node[crossing.path_b], s_b, half_a + reach_m);
+      const double dip_a =
+          terrain_dip_m(shared.stations(crossing.path_a), terrain.of_node[crossing.path_a], s_a, half_b + reach_m);
+      const double dip_b =
+          terrain_dip_m(shared.stations(crossing.path_b), terrain.of_node[crossing.path_b], s_b, half_a + reach_m);
       const bool terrain_tells = std::abs(dip_a - dip_b) > clear_dip_m;
       if (!terrain_tells && !is_never_crossed_at_grade(a) && !is_never_crossed_at_grade(b)) {
         report_missing_junction(a, b, crossing, "and the terrain shows no second level", findings);
@@ -141,11 +155,13 @@ std::vector<LevelCrossing> find_level_crossings(const RoadNetwork& roads, const 
     level.raise = upper.bridge || !lower.tunnel;
     level.untagged = level.raise ? !upper.bridge : !lower.tunnel;
     if (level.untagged)
-      findings.push_back({Severity::info, "elevate.assumed_bridge",
-                          fmt::format("ways {} and {} cross without a common node and neither is tagged as bridge or tunnel: {} passes "
-                                      "over, {}",
-                                      a.osm_id, b.osm_id, upper.osm_id, reason),
-                          crossing.p.x, crossing.p.y});
+      findings.push_back(
+          {Severity::info, "elevate.assumed_bridge",
+           fmt::format(
+               "ways {} and {} cross without a common node and neither is tagged as bridge or tunnel: {} passes "
+               "over, {}",
+               a.osm_id, b.osm_id, upper.osm_id, reason),
+           crossing.p.x, crossing.p.y});
     levels.push_back(level);
   }
   return levels;
@@ -156,14 +172,19 @@ std::vector<Span> untagged_spans(const RoadNetwork& roads, const std::vector<Lev
   for (const LevelCrossing& level : levels) {
     if (!level.untagged) continue;
     const PathCrossing& c = level.crossing;
-    const auto segment = [&](std::size_t path, std::size_t index) { return roads.paths[path].nodes[index + 1].p - roads.paths[path].nodes[index].p; };
-    const Vec2 along_a = normalized(segment(c.path_a, c.segment_a)), along_b = normalized(segment(c.path_b, c.segment_b));
+    const auto segment = [&](std::size_t path, std::size_t index) {
+      return roads.paths[path].nodes[index + 1].p - roads.paths[path].nodes[index].p;
+    };
+    const Vec2 along_a = normalized(segment(c.path_a, c.segment_a)),
+               along_b = normalized(segment(c.path_b, c.segment_b));
     const double sine = std::max(0.25, std::abs(cross(along_a, along_b)));  // askew bridges are longer
     const std::size_t path = level.upper(), other_path = level.lower();
-    const std::size_t index = level.a_is_above ? c.segment_a : c.segment_b, other_index = level.a_is_above ? c.segment_b : c.segment_a;
+    const std::size_t index = level.a_is_above ? c.segment_a : c.segment_b,
+                      other_index = level.a_is_above ? c.segment_b : c.segment_a;
     const double fraction = level.a_is_above ? c.fraction_a : c.fraction_b;
     const std::vector<double> s = arc_lengths_m(centerline(roads.paths[path]));
-    const double half_m = (half_width_m(roads.paths[other_path], other_index) + 0.5 * half_width_m(roads.paths[path], index)) / sine;
+    const double half_m =
+        (half_width_m(roads.paths[other_path], other_index) + 0.5 * half_width_m(roads.paths[path], index)) / sine;
     spans.push_back({path, s[index] + fraction * (s[index + 1] - s[index]), half_m});
   }
   return spans;

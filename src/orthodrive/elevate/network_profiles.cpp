@@ -9,25 +9,25 @@ namespace orthodrive::elevate {
 namespace {
 
 // Terrain.
-constexpr double cauchy_scale = 2.385;        // in sigma: 95 % efficient where errors are normal (Huber, Robust Statistics)
+constexpr double cauchy_scale = 2.385;  // in sigma: 95 % efficient where errors are normal (Huber, Robust Statistics)
 // No model knows a carriageway better: rounding and survey, and a pixel averages over crown (2.5 %), edge and verge.
 constexpr double smallest_sigma_m = 0.02, smallest_sigma_per_gsd = 0.01;
 constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the residuals have been seen
 // Junctions: exact to what drivers and tools could notice, with room to the precision of the solver.
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
-constexpr double cross_slope_sigma = 0.025;   // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
+constexpr double cross_slope_sigma = 0.025;  // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
 constexpr double known_banking_sigma = 0.002;
-// Limits give way where they would keep a road off a terrain that is sure of itself over more than this length: those of the
-// gradient, and those of the curvature (which a bump in the terrain breaks over a longer one).
+// Limits give way where they would keep a road off a terrain that is sure of itself over more than this length: those
+// of the gradient, and those of the curvature (which a bump in the terrain breaks over a longer one).
 constexpr double gradient_gives_way_m = 10.0, gradient_gives_way_pixels = 1.0;
 constexpr double curvature_gives_way_m = 20.0, curvature_gives_way_pixels = 2.0;
-constexpr double limit_margin = 0.01;         // aim this much inside, so that the slack of the bounds stays inside too
+constexpr double limit_margin = 0.01;  // aim this much inside, so that the slack of the bounds stays inside too
 // Clearance and tunnels hold against the terrain of a ramp this long, to a millimetre.
 constexpr double clearance_pull_m = 2000.0, clearance_slack_m = 1e-3;
 constexpr double tunnel_pull_m = 30.0, tunnel_slack_m = 0.02;
 // Where nothing is measured gradients fade over this length (bridges hang between their ends, roads run out level).
 constexpr double fading_length_m = 200.0;
-constexpr double determined_weight = 1e-4;    // of a gradient of 1: only decides what nothing else does
+constexpr double determined_weight = 1e-4;  // of a gradient of 1: only decides what nothing else does
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -55,8 +55,9 @@ double second_difference_response(double a) {
 
 }  // namespace
 
-NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains, const std::vector<PathJunction>& junctions,
-                                 const TerrainSamples& terrain, const std::vector<std::vector<double>>& start_m)
+NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains,
+                                 const std::vector<PathJunction>& junctions, const TerrainSamples& terrain,
+                                 const std::vector<std::vector<double>>& start_m)
     : roads_(roads), chains_(chains), junctions_(junctions), terrain_(terrain), start_m_(start_m) {
   for (const RoadPath& path : roads.paths) limits_of_path_.push_back(profile_limits(path.highway));
   for (const ProfileChain& chain : chains.chains) knots_.push_back(knots_of(chain));
@@ -107,7 +108,8 @@ void NetworkProfiles::find_grounded_chains() {
   for (const PathJunction& junction : junctions_)
     for (const JunctionArm& arm : junction.arms) {
       const JunctionArm& first = junction.arms.front();
-      const std::size_t a = find(chains_.of_node[arm.path][arm.node].chain), b = find(chains_.of_node[first.path][first.node].chain);
+      const std::size_t a = find(chains_.of_node[arm.path][arm.node].chain),
+                        b = find(chains_.of_node[first.path][first.node].chain);
       leader[std::max(a, b)] = std::min(a, b);
     }
   std::vector<bool> grounded(n, false);
@@ -149,7 +151,8 @@ void NetworkProfiles::add_terrain(RobustFit& fit) const {
         fit.add_square(terms, start_m_[place.path][place.node], 1.0 / (unknown_sigma_m * unknown_sigma_m));
       } else if (sample.is_road) {
         const double sigma_m = loosening_ * sigma_m_[sample.source];
-        fit.add_cauchy(terms, sample.z_m, observation_share(place.path, place.node) / (sigma_m * sigma_m), cauchy_scale * sigma_m);
+        fit.add_cauchy(terms, sample.z_m, observation_share(place.path, place.node) / (sigma_m * sigma_m),
+                       cauchy_scale * sigma_m);
       }
     }
 }
@@ -166,29 +169,37 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
       const auto gradient = knot_gradient(chain, k);
       const auto curvature = knot_curvature(chain, k);
       // Vertical curvature is a first-order autoregressive process, alike over the length of a vertical curve.
-      // What the terrain tells of roads does not hold where there is none, and less where a road bends into another one.
-      const double usual_sigma = curvature_sigma_1pm_.at(limits.design_speed_kmh), comfort = comfortable_curvature_1pm(limits.design_speed_kmh);
-      const double sigma = !knot.is_grounded ? comfort : knot.is_near_end ? std::sqrt(usual_sigma * comfort) : usual_sigma;
+      // What the terrain tells of roads does not hold where there is none, and less where a road bends into another
+      // one.
+      const double usual_sigma = curvature_sigma_1pm_.at(limits.design_speed_kmh),
+                   comfort = comfortable_curvature_1pm(limits.design_speed_kmh);
+      const double sigma = !knot.is_grounded  ? comfort
+                           : knot.is_near_end ? std::sqrt(usual_sigma * comfort)
+                                              : usual_sigma;
       const double alike = std::exp(-chain.step_m / vertical_curve_length_m(limits.design_speed_kmh));
       if (k == 0 && !chain.closed) {
         fit.add_square(curvature, 0.0, 1.0 / (sigma * sigma));
       } else {
         const auto before = knot_curvature(chain, k > 0 ? k - 1 : chain.intervals - 1);
         std::array<Term, 6> terms;
-        for (std::size_t i = 0; i < 3; ++i) terms[i] = curvature[i], terms[i + 3] = {before[i].unknown, -alike * before[i].factor};
+        for (std::size_t i = 0; i < 3; ++i)
+          terms[i] = curvature[i], terms[i + 3] = {before[i].unknown, -alike * before[i].factor};
         fit.add_square(terms, 0.0, 1.0 / (sigma * sigma * (1.0 - alike * alike)));
       }
       const double usual = 0.5 * limits.gradient;
-      fit.add_square(gradient, 0.0, determined_weight + (knot.is_grounded ? 0.0 : chain.step_m / (fading_length_m * usual * usual)));
+      fit.add_square(gradient, 0.0,
+                     determined_weight + (knot.is_grounded ? 0.0 : chain.step_m / (fading_length_m * usual * usual)));
 
       // The force that holds the limits is that of terrain which pulls with all its might over these lengths: of a
       // gradient the sum of the forces on one side, of a curvature their moment.
       const double inside = 1.0 - limit_margin, steepest = inside * limits.gradient;
       const double gradient_slack = limit_margin * limits.gradient;
-      fit.add_bounds(gradient, -steepest, steepest, pull * 0.5 * gradient_length_m * chain.step_m / gradient_slack, gradient_slack);
+      fit.add_bounds(gradient, -steepest, steepest, pull * 0.5 * gradient_length_m * chain.step_m / gradient_slack,
+                     gradient_slack);
       const double curvature_slack = limit_margin / std::max(limits.crest_radius_m, limits.sag_radius_m);
       fit.add_bounds(curvature, -inside / limits.crest_radius_m, inside / limits.sag_radius_m,
-                     pull * 0.125 * curvature_length_m * curvature_length_m * chain.step_m / curvature_slack, curvature_slack);
+                     pull * 0.125 * curvature_length_m * curvature_length_m * chain.step_m / curvature_slack,
+                     curvature_slack);
     }
   }
 }
@@ -215,7 +226,8 @@ void NetworkProfiles::add_junctions(RobustFit& fit) const {
     }
     const Vec2 left = left_normal(main->direction);
     const RoadNode& node = roads_.paths[main->path].nodes[main->node];
-    const double sigma = node.banking_source.empty() || node.banking_source == "none" ? cross_slope_sigma : known_banking_sigma;
+    const double sigma =
+        node.banking_source.empty() || node.banking_source == "none" ? cross_slope_sigma : known_banking_sigma;
     fit.add_square(std::array{Term{east, left.x}, Term{north, left.y}}, std::tan(node.banking), 1.0 / (sigma * sigma));
   }
 }
@@ -232,18 +244,21 @@ RobustFit NetworkProfiles::build(const std::vector<HeightLimit>& limits) const {
       const NodePlace& place = chains_.of_node[p][n];
       const double z_m = terrain_.of_node[p][n].z_m;
       if (!std::isnan(z_m))
-        fit.add_bounds(chains_.chains[place.chain].height(place.s_m), -INFINITY, z_m, pull * tunnel_pull_m / tunnel_slack_m, tunnel_slack_m);
+        fit.add_bounds(chains_.chains[place.chain].height(place.s_m), -INFINITY, z_m,
+                       pull * tunnel_pull_m / tunnel_slack_m, tunnel_slack_m);
     }
   }
   for (const HeightLimit& limit : limits) {
-    const NodePlace &a = chains_.of_node[limit.path][limit.segment], &b = chains_.of_node[limit.path][limit.segment + 1];
+    const NodePlace &a = chains_.of_node[limit.path][limit.segment],
+                    &b = chains_.of_node[limit.path][limit.segment + 1];
     fit.add_bounds(chains_.chains[a.chain].height(a.s_m + limit.fraction * (b.s_m - a.s_m)), limit.low_m, limit.high_m,
                    pull * clearance_pull_m / clearance_slack_m, clearance_slack_m);
   }
   return fit;
 }
 
-RobustFit::Summary NetworkProfiles::solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening) {
+RobustFit::Summary NetworkProfiles::solve(const std::vector<HeightLimit>& limits, int max_iterations,
+                                          double loosening) {
   constexpr double step_tolerance_m = 2e-4;
   loosening_ = loosening;
   return build(limits).solve(x_, max_iterations, loosening * step_tolerance_m);
@@ -275,13 +290,15 @@ void NetworkProfiles::estimate_terrain_sigma() {
 }
 
 /// Method of moments: second differences z(s - L) - 2 z(s) + z(s + L) of the terrain have the variance
-/// sigma^2 L^4 F(L / length) + 6 sigma_terrain^2 when curvature is the process of add_design. Comfort (AASHTO) is the most, as
-/// second differences also see what is not road, a tenth of it the least.
-/// Differences beyond five robust sigmas, as at bridges and cuttings, count as that much.
+/// sigma^2 L^4 F(L / length) + 6 sigma_terrain^2 when curvature is the process of add_design. Comfort (AASHTO) is the
+/// most, as second differences also see what is not road, a tenth of it the least. Differences beyond five robust
+/// sigmas, as at bridges and cuttings, count as that much.
 void NetworkProfiles::estimate_curvature_sigma() {
   constexpr double widest_gap_m = 6.0, outlier_sigmas = 5.0, mad_of_normal = 0.6745, least_share = 0.1;
   constexpr std::size_t least_samples = 50;
-  const auto reach_m = [&](double speed_kmh) { return std::max(1.5 * vertical_curve_length_m(speed_kmh), 3.0 * terrain_.coarsest_gsd_m); };
+  const auto reach_m = [&](double speed_kmh) {
+    return std::max(1.5 * vertical_curve_length_m(speed_kmh), 3.0 * terrain_.coarsest_gsd_m);
+  };
   struct Sample {
     double difference_m, noise_m2;
   };
@@ -290,9 +307,12 @@ void NetworkProfiles::estimate_curvature_sigma() {
     std::vector<const ChainPlace*> grounded;
     for (const ChainPlace& place : chain.places)
       if (terrain_.of_node[place.path][place.node].is_road) grounded.push_back(&place);
-    const auto terrain = [&](const ChainPlace* place) -> const TerrainSample& { return terrain_.of_node[place->path][place->node]; };
+    const auto terrain = [&](const ChainPlace* place) -> const TerrainSample& {
+      return terrain_.of_node[place->path][place->node];
+    };
     const auto z_at = [&](double s_m) {
-      const auto after = std::lower_bound(grounded.begin(), grounded.end(), s_m, [](const ChainPlace* place, double s) { return place->s_m < s; });
+      const auto after = std::lower_bound(grounded.begin(), grounded.end(), s_m,
+                                          [](const ChainPlace* place, double s) { return place->s_m < s; });
       if (after == grounded.end() || after == grounded.begin()) return std::nan("");
       const ChainPlace *a = *(after - 1), *b = *after;
       if (b->s_m - a->s_m > widest_gap_m) return std::nan("");
@@ -314,7 +334,8 @@ void NetworkProfiles::estimate_curvature_sigma() {
     std::nth_element(sizes.begin(), middle, sizes.end());
     const double largest_m = outlier_sigmas * *middle / mad_of_normal;
     double sum = 0.0;
-    for (const Sample& sample : of_speed) sum += std::pow(std::min(std::abs(sample.difference_m), largest_m), 2) - sample.noise_m2;
+    for (const Sample& sample : of_speed)
+      sum += std::pow(std::min(std::abs(sample.difference_m), largest_m), 2) - sample.noise_m2;
     const double variance_m2 = std::max(0.0, sum / static_cast<double>(of_speed.size()));
     const double reach = reach_m(speed_kmh), comfort = comfortable_curvature_1pm(speed_kmh);
     const double response = second_difference_response(reach / vertical_curve_length_m(speed_kmh));
@@ -350,7 +371,8 @@ void NetworkProfiles::write(const std::vector<HeightLimit>& limits, RoadNetwork&
       node.sigma_z_m = std::sqrt(std::max(0.0, variance));
     }
   for (std::size_t j = 0; j < junctions_.size(); ++j)
-    for (const JunctionArm& arm : junctions_[j].arms) roads.paths[arm.path].nodes[arm.node].z_m = x_[at(chains_.unknowns) + 3 * j];
+    for (const JunctionArm& arm : junctions_[j].arms)
+      roads.paths[arm.path].nodes[arm.node].z_m = x_[at(chains_.unknowns) + 3 * j];
 }
 
 template <typename Excess>

@@ -1,5 +1,6 @@
 #pragma once
-// The profiles of all roads of a network, fitted at once. docs/heights.md tells the model and where its numbers come from.
+// The profiles of all roads of a network, fitted at once. docs/heights.md tells the model and where its numbers come
+// from.
 
 #include <map>
 #include <vector>
@@ -29,12 +30,12 @@ class NetworkProfiles {
   NetworkProfiles(const RoadNetwork& roads, const ProfileChains& chains, const std::vector<PathJunction>& junctions,
                   const TerrainSamples& terrain, const std::vector<std::vector<double>>& start_m);
 
-  /// From where the last call ended. `loosening` widens the terrain's standard deviation and with it the loss: begun wide
-  /// and narrowed, the fit does not follow the terrain into a valley that a bridge spans (graduated non-convexity, Blake
-  /// and Zisserman, Visual Reconstruction, 1987).
+  /// From where the last call ended. `loosening` widens the terrain's standard deviation and with it the loss: begun
+  /// wide and narrowed, the fit does not follow the terrain into a valley that a bridge spans (graduated non-convexity,
+  /// Blake and Zisserman, Visual Reconstruction, 1987).
   RobustFit::Summary solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening = 1.0);
-  /// Takes the terrain models' standard deviations from what is left between them and the profiles, and then the size of the
-  /// roads' vertical curvature, by design speed, from the terrain along them.
+  /// Takes the terrain models' standard deviations from what is left between them and the profiles, and then the size
+  /// of the roads' vertical curvature, by design speed, from the terrain along them.
   void estimate_scales();
 
   [[nodiscard]] double height_m(std::size_t path, std::size_t segment, double fraction) const;
@@ -46,10 +47,10 @@ class NetworkProfiles {
 
  private:
   struct Knot {
-    std::size_t place = 0;      // of the chain, nearest before
+    std::size_t place = 0;  // of the chain, nearest before
     const ProfileLimits* limits = nullptr;
-    bool is_grounded = false;   // terrain within one and a half knots
-    bool is_near_end = false;   // within a vertical curve of the end of an open chain
+    bool is_grounded = false;  // terrain within one and a half knots
+    bool is_near_end = false;  // within a vertical curve of the end of an open chain
   };
   [[nodiscard]] std::vector<Knot> knots_of(const ProfileChain& chain) const;
   [[nodiscard]] RobustFit build(const std::vector<HeightLimit>& limits) const;
@@ -71,13 +72,13 @@ class NetworkProfiles {
   const TerrainSamples& terrain_;
   const std::vector<std::vector<double>>& start_m_;
   std::vector<ProfileLimits> limits_of_path_;
-  std::vector<std::vector<Knot>> knots_;     // of each chain
-  std::vector<bool> chain_is_grounded_;      // or hangs together with one that is
-  std::vector<double> sigma_m_;              // of each terrain model
-  std::vector<double> seen_sigma_m_;         // the same without the floor
+  std::vector<std::vector<Knot>> knots_;          // of each chain
+  std::vector<bool> chain_is_grounded_;           // or hangs together with one that is
+  std::vector<double> sigma_m_;                   // of each terrain model
+  std::vector<double> seen_sigma_m_;              // the same without the floor
   std::map<double, double> curvature_sigma_1pm_;  // by design speed
   double loosening_ = 1.0;
-  std::vector<double> x_;                    // coefficients of all chains; height and gradient east, north of each junction
+  std::vector<double> x_;  // coefficients of all chains; height and gradient east, north of each junction
 };
 
 }  // namespace orthodrive::elevate

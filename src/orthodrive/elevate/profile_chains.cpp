@@ -41,7 +41,8 @@ std::array<Term, 4> ProfileChain::basis(double s_m, int derivative) const {
   const double u = std::clamp(s_m / step_m - k, 0.0, 1.0), v = 1.0 - u, h = step_m;
   std::array<double, 4> b{};
   if (derivative == 0)
-    b = {v * v * v / 6.0, (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0, (3.0 * v * v * v - 6.0 * v * v + 4.0) / 6.0, u * u * u / 6.0};
+    b = {v * v * v / 6.0, (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0, (3.0 * v * v * v - 6.0 * v * v + 4.0) / 6.0,
+         u * u * u / 6.0};
   else if (derivative == 1)
     b = {-0.5 * v * v / h, (1.5 * u * u - 2.0 * u) / h, (2.0 * v - 1.5 * v * v) / h, 0.5 * u * u / h};
   else
@@ -81,7 +82,8 @@ ProfileChains make_profile_chains(const RoadNetwork& roads, const PathLinks& lin
 
   for (const RoadPath& path : roads.paths) result.of_node.emplace_back(path.nodes.size());
   for (std::size_t c = 0; c < result.chains.size(); ++c)
-    for (const ChainPlace& place : result.chains[c].places) result.of_node[place.path][place.node] = {c, place.s_m, place.forward};
+    for (const ChainPlace& place : result.chains[c].places)
+      result.of_node[place.path][place.node] = {c, place.s_m, place.forward};
   return result;
 }
 

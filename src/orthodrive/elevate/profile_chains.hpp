@@ -1,5 +1,6 @@
 #pragma once
-// Roads as chains of ways that go on in each other, and the cubic B-splines that are their profiles: C2 by construction.
+// Roads as chains of ways that go on in each other, and the cubic B-splines that are their profiles: C2 by
+// construction.
 
 #include <array>
 #include <vector>
@@ -27,7 +28,8 @@ struct ProfileChain {
   [[nodiscard]] int unknowns() const { return closed ? intervals : intervals + 3; }
   [[nodiscard]] int coefficient(int k) const { return first_unknown + (closed ? k % intervals : k); }
 
-  /// Height and its derivatives by s as sums of coefficients. At a knot the outer coefficients of the fourth term are 0.
+  /// Height and its derivatives by s as sums of coefficients. At a knot the outer coefficients of the fourth term are
+  /// 0.
   [[nodiscard]] std::array<Term, 4> height(double s_m) const { return basis(s_m, 0); }
   [[nodiscard]] std::array<Term, 4> gradient(double s_m) const { return basis(s_m, 1); }
   [[nodiscard]] std::array<Term, 4> curvature(double s_m) const { return basis(s_m, 2); }
@@ -48,8 +50,9 @@ struct ProfileChains {
   int unknowns = 0;
 };
 
-/// The linked ends of ways joined. Knots are a third of the least vertical curve of the slowest class of the chain apart,
-/// 4 m to 8 m: closer ones would follow nothing but noise, wider ones could not follow the tightest curve allowed.
+/// The linked ends of ways joined. Knots are a third of the least vertical curve of the slowest class of the chain
+/// apart, 4 m to 8 m: closer ones would follow nothing but noise, wider ones could not follow the tightest curve
+/// allowed.
 [[nodiscard]] ProfileChains make_profile_chains(const RoadNetwork& roads, const PathLinks& links);
 
 }  // namespace orthodrive::elevate

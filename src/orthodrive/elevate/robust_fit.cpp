@@ -17,8 +17,10 @@ void RobustFit::add(std::span<const Term> terms, const Row& row) {
   std::stable_sort(first, terms_.end(), [](const Term& a, const Term& b) { return a.unknown < b.unknown; });
   auto last = first;
   for (auto it = first; it != terms_.end(); ++it) {
-    if (it != first && it->unknown == last->unknown) last->factor += it->factor;
-    else if (it != first) *++last = *it;
+    if (it != first && it->unknown == last->unknown)
+      last->factor += it->factor;
+    else if (it != first)
+      *++last = *it;
   }
   if (first != terms_.end()) terms_.erase(last + 1, terms_.end());
   start_.push_back(terms_.size());
@@ -43,7 +45,8 @@ RobustFit::Pull RobustFit::pull(const Row& row, double v) {
   }
   if (row.kind == Kind::cauchy) {
     const double r = v - row.low, c2 = row.scale * row.scale, x2 = r * r / c2, weight = row.weight / (1.0 + x2);
-    return {0.5 * row.weight * c2 * std::log1p(x2), weight * r, weight, weight * std::max(least_bend, (1.0 - x2) / (1.0 + x2))};
+    return {0.5 * row.weight * c2 * std::log1p(x2), weight * r, weight,
+            weight * std::max(least_bend, (1.0 - x2) / (1.0 + x2))};
   }
   const double excess = v < row.low ? v - row.low : v > row.high ? v - row.high : 0.0, size = std::abs(excess);
   if (size <= row.scale) {
@@ -56,7 +59,8 @@ RobustFit::Pull RobustFit::pull(const Row& row, double v) {
 
 double RobustFit::value(std::size_t row, const std::vector<double>& x) const {
   double sum = 0.0;
-  for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) sum += terms_[k].factor * x[static_cast<std::size_t>(terms_[k].unknown)];
+  for (std::size_t k = start_[row]; k < start_[row + 1]; ++k)
+    sum += terms_[k].factor * x[static_cast<std::size_t>(terms_[k].unknown)];
   return sum;
 }
 
@@ -86,7 +90,8 @@ Matrix make_pattern(std::size_t unknowns, const std::vector<std::size_t>& start,
     last = row;
     for (std::size_t a = start[row]; a < start[row + 1]; ++a)
       for (std::size_t b = a + 1; b < start[row + 1]; ++b)
-        places.push_back((static_cast<std::uint64_t>(terms[a].unknown) << 32U) | static_cast<std::uint64_t>(terms[b].unknown));
+        places.push_back((static_cast<std::uint64_t>(terms[a].unknown) << 32U) |
+                         static_cast<std::uint64_t>(terms[b].unknown));
   }
   std::sort(places.begin(), places.end());
   places.erase(std::unique(places.begin(), places.end()), places.end());
@@ -133,7 +138,8 @@ RobustFit::Summary RobustFit::solve(std::vector<double>& x, int max_iterations, 
       }
     }
     cholesky.factorize(normal);
-    if (cholesky.info() != Eigen::Success) throw Error("heights: the normal matrix is not positive definite, an unknown is not determined");
+    if (cholesky.info() != Eigen::Success)
+      throw Error("heights: the normal matrix is not positive definite, an unknown is not determined");
     const Eigen::VectorXd step = cholesky.solve(gradient);
     const double slope = gradient.dot(step);
     summary.converged = step.lpNorm<Eigen::Infinity>() <= step_tolerance;

@@ -1,10 +1,11 @@
 #pragma once
-// Robust least squares whose residuals are all linear in the unknowns, as heights make them: sparse Newton steps with a line
-// search. Where the loss is not convex, a tenth of the reweighted (majorising) curvature keeps the step a descent.
+// Robust least squares whose residuals are all linear in the unknowns, as heights make them: sparse Newton steps with a
+// line search. Where the loss is not convex, a tenth of the reweighted (majorising) curvature keeps the step a descent.
 //
 // Cauchy rows: Hampel et al., Robust Statistics, 1986.
-// Bounds are one-sided Huber rows: quadratic up to `slack` beyond the bound, then with the constant force weight * slack,
-// an exact penalty that holds the bound until what pulls at it is stronger (Nocedal and Wright, Numerical Optimization, 17.2).
+// Bounds are one-sided Huber rows: quadratic up to `slack` beyond the bound, then with the constant force weight *
+// slack, an exact penalty that holds the bound until what pulls at it is stronger (Nocedal and Wright, Numerical
+// Optimization, 17.2).
 
 #include <cstddef>
 #include <cstdint>

@@ -21,7 +21,8 @@ std::vector<double> stations(const RoadPath& path) { return arc_lengths_m(center
 
 }  // namespace
 
-TerrainSamples sample_terrain(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, HeightSampling sampling, int threads) {
+TerrainSamples sample_terrain(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, HeightSampling sampling,
+                              int threads) {
   TerrainSamples terrain;
   for (const HeightGrid& dtm : dtms) terrain.gsd_m.push_back(dtm.frame.gsd_m);
   terrain.of_node.resize(roads.paths.size());
@@ -64,7 +65,8 @@ void leave_out_structures(const RoadNetwork& roads, const std::vector<Span>& spa
       leave_out(k, s, s[n], margin_m);
     }
   }
-  for (const Span& span : spans) leave_out(span.path, stations(roads.paths[span.path]), span.s_m, span.half_length_m + margin_m);
+  for (const Span& span : spans)
+    leave_out(span.path, stations(roads.paths[span.path]), span.s_m, span.half_length_m + margin_m);
 }
 
 std::vector<std::vector<double>> start_heights(const RoadNetwork& roads, const TerrainSamples& terrain) {
@@ -110,8 +112,8 @@ std::vector<std::vector<double>> start_heights(const RoadNetwork& roads, const T
 
 namespace {
 
-/// Share of the length of roads that is steeper than its class allows, were the heights divided by `divisor`. Over at least
-/// two pixels and 20 m, so that noise does not count.
+/// Share of the length of roads that is steeper than its class allows, were the heights divided by `divisor`. Over at
+/// least two pixels and 20 m, so that noise does not count.
 double steep_share(const RoadNetwork& roads, const TerrainSamples& terrain, double divisor) {
   const double base_m = std::max(20.0, 2.0 * terrain.coarsest_gsd_m);
   double steep_m = 0.0, all_m = 0.0;
@@ -157,19 +159,21 @@ void report_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, Fin
   }
   if (low_m < lowest_m || high_m > highest_m) {
     const Vec2 p = low_m < lowest_m ? low_p : high_p;
-    findings.push_back({Severity::warning, "elevate.implausible_terrain",
-                        fmt::format("terrain heights on roads go from {:.0f} to {:.0f} m, no road of the earth lies there; check the "
-                                    "unit and the nodata value of the terrain model",
-                                    low_m, high_m),
-                        p.x, p.y});
+    findings.push_back(
+        {Severity::warning, "elevate.implausible_terrain",
+         fmt::format("terrain heights on roads go from {:.0f} to {:.0f} m, no road of the earth lies there; check the "
+                     "unit and the nodata value of the terrain model",
+                     low_m, high_m),
+         p.x, p.y});
   }
   const double steep = steep_share(roads, terrain, 1.0), steep_in_feet = steep_share(roads, terrain, feet_per_m);
   if (steep > 0.25 && steep_in_feet < 0.2 * steep)
-    findings.push_back({Severity::warning, "elevate.implausible_terrain",
-                        fmt::format("{:.0f} % of the roads are steeper than their class allows, {:.0f} % would be if the terrain's "
-                                    "heights were feet; check the unit of the terrain model",
-                                    100.0 * steep, 100.0 * steep_in_feet),
-                        high_p.x, high_p.y});
+    findings.push_back(
+        {Severity::warning, "elevate.implausible_terrain",
+         fmt::format("{:.0f} % of the roads are steeper than their class allows, {:.0f} % would be if the terrain's "
+                     "heights were feet; check the unit of the terrain model",
+                     100.0 * steep, 100.0 * steep_in_feet),
+         high_p.x, high_p.y});
 }
 
 }  // namespace orthodrive::elevate

@@ -25,24 +25,24 @@ struct TerrainSamples {
 };
 
 /// The first model with a height counts. Throws OptionError when no node at all has one.
-[[nodiscard]] TerrainSamples sample_terrain(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, HeightSampling sampling,
-                                            int threads);
+[[nodiscard]] TerrainSamples sample_terrain(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms,
+                                            HeightSampling sampling, int threads);
 
 /// A place along a path that a bridge or tunnel covers by this much to both sides.
 struct Span {
   std::size_t path = 0;
   double s_m = 0.0, half_length_m = 0.0;
 };
-/// Marks where the terrain is not the road: bridges and tunnels, `spans`, and the way to the next pixel beyond (at least
-/// 5 m): bare-earth models smear abutments and portals over about a pixel.
+/// Marks where the terrain is not the road: bridges and tunnels, `spans`, and the way to the next pixel beyond (at
+/// least 5 m): bare-earth models smear abutments and portals over about a pixel.
 void leave_out_structures(const RoadNetwork& roads, const std::vector<Span>& spans, TerrainSamples& terrain);
 
-/// Heights to start from, of every node: the terrain; linear along the path where it is not the road; the nearest height of
-/// the network where the path has none.
+/// Heights to start from, of every node: the terrain; linear along the path where it is not the road; the nearest
+/// height of the network where the path has none.
 [[nodiscard]] std::vector<std::vector<double>> start_heights(const RoadNetwork& roads, const TerrainSamples& terrain);
 
-/// "elevate.no_terrain" for each way with holes, "elevate.implausible_terrain" when heights are none of the earth's or the
-/// roads are as steep as feet taken for metres make them.
+/// "elevate.no_terrain" for each way with holes, "elevate.implausible_terrain" when heights are none of the earth's or
+/// the roads are as steep as feet taken for metres make them.
 void report_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, Findings& findings);
 
 }  // namespace orthodrive::elevate

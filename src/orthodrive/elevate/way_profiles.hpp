@@ -16,12 +16,13 @@ using NodeHeights = std::vector<std::vector<double>>;
 /// sides, so that an end stays where it is; around a closed way it goes on. What the thesis does there it does not say.
 [[nodiscard]] NodeHeights moving_average(const RoadNetwork& roads, const NodeHeights& terrain_m, int window);
 
-/// Residuals of eq. 3.15 to 3.17 with the weights of table 3.5, a Cauchy loss of 0.5 on the last, the terrain as initial
-/// condition. Ways share nothing, bridges are like any other road.
+/// Residuals of eq. 3.15 to 3.17 with the weights of table 3.5, a Cauchy loss of 0.5 on the last, the terrain as
+/// initial condition. Ways share nothing, bridges are like any other road.
 struct WayProfiles {
   NodeHeights z_m;
   RobustFit::Summary solve;
 };
-[[nodiscard]] WayProfiles reference_profiles(const RoadNetwork& roads, const NodeHeights& terrain_m, int max_iterations);
+[[nodiscard]] WayProfiles reference_profiles(const RoadNetwork& roads, const NodeHeights& terrain_m,
+                                             int max_iterations);
 
 }  // namespace orthodrive::elevate

@@ -14,8 +14,8 @@ void raise(ProfileKink& kink, double size, Vec2 where) {
   if (size > kink.size) kink = {size, where};
 }
 
-/// By how much the slope of a segment differs from the mean of its nodes' gradients. h^2/12 of the change of curvature in a
-/// smooth profile; a quarter of a kink in one node, with opposite signs on its two sides.
+/// By how much the slope of a segment differs from the mean of its nodes' gradients. h^2/12 of the change of curvature
+/// in a smooth profile; a quarter of a kink in one node, with opposite signs on its two sides.
 double misfit(const RoadNode& a, const RoadNode& b) {
   const double run_m = distance(a.p, b.p);
   return run_m > 0.0 ? (b.z_m - a.z_m) / run_m - 0.5 * (a.gradient + b.gradient) : 0.0;
@@ -55,7 +55,8 @@ void measure_junction(const RoadNetwork& roads, const PathJunction& junction, Pr
   }
   const double det = xx * yy - xy * xy;
   const Vec2 tilt{(yy * xg - xy * yg) / det, (xx * yg - xy * xg) / det};
-  for (const JunctionArm& arm : junction.arms) raise(shape.junction, std::abs(gradient(arm) - dot(tilt, arm.direction)), junction.p);
+  for (const JunctionArm& arm : junction.arms)
+    raise(shape.junction, std::abs(gradient(arm) - dot(tilt, arm.direction)), junction.p);
 }
 
 void measure_steps(const RoadNetwork& roads, const ScoreRegion& region, ProfileShape& shape) {

@@ -20,11 +20,12 @@ struct ProfileShape {
   ProfileKink along;
   /// Of any road at a junction from the plane that fits all of them best.
   ProfileKink junction;
-  ProfileKink step_m;          ///< between the heights of ways that share a node; size in metres
+  ProfileKink step_m;  ///< between the heights of ways that share a node; size in metres
   std::size_t junctions = 0;
-  std::size_t crossings = 0;   ///< on two levels: of other layers, or a metre and more apart in height
+  std::size_t crossings = 0;        ///< on two levels: of other layers, or a metre and more apart in height
   std::size_t level_crossings = 0;  ///< the others, mostly where lines of roads that meet overlap
-  double min_clearance_m = std::numeric_limits<double>::quiet_NaN();  ///< at the crossings on two levels, NaN without any
+  double min_clearance_m =
+      std::numeric_limits<double>::quiet_NaN();  ///< at the crossings on two levels, NaN without any
 };
 
 /// Nodes without height count for nothing.

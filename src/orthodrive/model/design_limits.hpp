@@ -8,9 +8,9 @@ namespace orthodrive {
 /// Of the profile along a road.
 struct ProfileLimits {
   double design_speed_kmh = 0.0;
-  double gradient = 0.0;         ///< largest, up or down
-  double crest_radius_m = 0.0;   ///< least; curvature d2z/ds2 >= -1 / crest_radius_m
-  double sag_radius_m = 0.0;     ///< least; curvature d2z/ds2 <= 1 / sag_radius_m
+  double gradient = 0.0;        ///< largest, up or down
+  double crest_radius_m = 0.0;  ///< least; curvature d2z/ds2 >= -1 / crest_radius_m
+  double sag_radius_m = 0.0;    ///< least; curvature d2z/ds2 <= 1 / sag_radius_m
 };
 
 /// Minima for existing roads of the class, in towns as in hills: OSM's class does not say where a road lies. Unknown

@@ -22,7 +22,9 @@ Vec2 through_direction(const RoadNetwork& roads, PathEnd end, PathEnd next) {
 std::vector<PathJunction> find_junctions(const RoadNetwork& roads, const PathLinks& links) {
   std::map<std::int64_t, int> visits;  // of paths; a linked pair of ends counts once
   const auto end_of = [&](std::size_t path, std::size_t node) { return PathEnd{path, node > 0}; };
-  const auto is_end = [&](std::size_t path, std::size_t node) { return node == 0 || node + 1 == roads.paths[path].nodes.size(); };
+  const auto is_end = [&](std::size_t path, std::size_t node) {
+    return node == 0 || node + 1 == roads.paths[path].nodes.size();
+  };
   const auto is_repeated = [&](std::size_t path, std::size_t node) {  // a node written twice in a row
     return node > 0 && roads.paths[path].nodes[node - 1].osm_node == roads.paths[path].nodes[node].osm_node;
   };
@@ -42,7 +44,8 @@ std::vector<PathJunction> find_junctions(const RoadNetwork& roads, const PathLin
       if (along.empty()) along = tangents(centerline(roads.paths[p]));
       const auto link = is_end(p, n) ? links.find(end_of(p, n)) : links.end();
       PathJunction& junction = found.try_emplace(node.osm_node, PathJunction{node.osm_node, node.p, {}}).first->second;
-      junction.arms.push_back({p, n, link == links.end() ? along[n] : through_direction(roads, link->first, link->second)});
+      junction.arms.push_back(
+          {p, n, link == links.end() ? along[n] : through_direction(roads, link->first, link->second)});
     }
   }
   std::vector<PathJunction> junctions;

@@ -21,8 +21,8 @@ struct PathJunction {
   std::vector<JunctionArm> arms;  ///< ordered by path, then node
 };
 
-/// All osm_nodes where at least two roads come together, ordered by id. A road is a path with those it is linked to: where
-/// one way goes on in the next and nothing else arrives there is no junction.
+/// All osm_nodes where at least two roads come together, ordered by id. A road is a path with those it is linked to:
+/// where one way goes on in the next and nothing else arrives there is no junction.
 [[nodiscard]] std::vector<PathJunction> find_junctions(const RoadNetwork& roads, const PathLinks& links);
 
 }  // namespace orthodrive

@@ -1,9 +1,9 @@
 #include "orthodrive/network/chain_geometry.hpp"
 
+#include "orthodrive/network/fit_spline.hpp"
+
 #include <algorithm>
 #include <cmath>
-
-#include "orthodrive/network/fit_spline.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -51,13 +51,13 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
     z.push_back({plan.point_s[i], line.nodes[i].z_m});
     banking.push_back({plan.point_s[i], line.nodes[i].banking});
   }
-  ProfileFit elevation = fit_spline(z, {options.elevation_tolerance_m, chain.closed});
+  for (const std::size_t joint : line.joint) geometry.vertex_s.push_back(plan.point_s[joint]);
+  ProfileFit elevation = fit_spline(z, {options.elevation_tolerance_m, chain.closed}, geometry.vertex_s);
   geometry.elevation = std::move(elevation.cubics);
   geometry.max_elevation_error_m = elevation.max_error;
   if (std::any_of(banking.begin(), banking.end(), [](const ProfileSample& b) { return b.value != 0.0; }))
     geometry.superelevation = fit_profile(banking, {options.banking_tolerance_rad, chain.closed}).cubics;
 
-  for (const std::size_t joint : line.joint) geometry.vertex_s.push_back(plan.point_s[joint]);
   for (std::size_t k = 0; k + 1 < line.joint.size(); ++k) {
     std::vector<ProfileSample> widths;
     for (std::size_t i = line.joint[k]; i <= line.joint[k + 1]; ++i)

@@ -22,20 +22,23 @@ double end_slope(const std::vector<ProfileSample>& samples, bool at_back) {
   while (near + 1 < n && away(near) < reach_m) ++near;
   std::size_t far = near;
   while (far + 1 < n && away(far) < 2.0 * reach_m) ++far;
-  const auto slope_to = [&](std::size_t i) { return (sample(i).value - sample(0).value) / (sample(i).s - sample(0).s); };
+  const auto slope_to = [&](std::size_t i) {
+    return (sample(i).value - sample(0).value) / (sample(i).s - sample(0).s);
+  };
   if (far == near) return slope_to(near);
   return (slope_to(near) * away(far) - slope_to(far) * away(near)) / (away(far) - away(near));
 }
 
 /// Thomas algorithm: diagonal d, off-diagonals below[i] (row i, column i - 1) and above[i] (row i, column i + 1).
-std::vector<double> solve_tridiagonal(const std::vector<double>& below, std::vector<double> d, const std::vector<double>& above,
-                                      std::vector<double> right) {
+std::vector<double> solve_tridiagonal(const std::vector<double>& below, std::vector<double> d,
+                                      const std::vector<double>& above, std::vector<double> right) {
   for (std::size_t i = 1; i < d.size(); ++i) {
     const double m = below[i] / d[i - 1];
     d[i] -= m * above[i - 1];
     right[i] -= m * right[i - 1];
   }
-  for (std::size_t i = d.size(); i-- > 0;) right[i] = (right[i] - (i + 1 < d.size() ? above[i] * right[i + 1] : 0.0)) / d[i];
+  for (std::size_t i = d.size(); i-- > 0;)
+    right[i] = (right[i] - (i + 1 < d.size() ? above[i] * right[i + 1] : 0.0)) / d[i];
   return right;
 }
 
@@ -66,7 +69,8 @@ std::vector<double> closed_moments(const std::vector<ProfileSample>& knots) {
   d[0] -= gamma;
   d[n - 1] -= edge * edge / gamma;
   corner[0] = gamma, corner[n - 1] = edge;
-  const std::vector<double> y = solve_tridiagonal(below, d, above, right), q = solve_tridiagonal(below, d, above, corner);
+  const std::vector<double> y = solve_tridiagonal(below, d, above, right),
+                            q = solve_tridiagonal(below, d, above, corner);
   const double share = (y[0] + edge / gamma * y[n - 1]) / (1.0 + q[0] + edge / gamma * q[n - 1]);
   std::vector<double> moments(n);
   for (std::size_t i = 0; i < n; ++i) moments[i] = y[i] - share * q[i];
@@ -76,7 +80,8 @@ std::vector<double> closed_moments(const std::vector<ProfileSample>& knots) {
 
 Cubic piece(const ProfileSample& a, const ProfileSample& b, double moment_a, double moment_b) {
   const double h = b.s - a.s;
-  return {a.s, a.value, (b.value - a.value) / h - h * (2.0 * moment_a + moment_b) / 6.0, 0.5 * moment_a, (moment_b - moment_a) / (6.0 * h)};
+  return {a.s, a.value, (b.value - a.value) / h - h * (2.0 * moment_a + moment_b) / 6.0, 0.5 * moment_a,
+          (moment_b - moment_a) / (6.0 * h)};
 }
 
 double value_at(const Cubic& cubic, double s) {
@@ -84,9 +89,32 @@ double value_at(const Cubic& cubic, double s) {
   return cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d));
 }
 
+/// Evenly some 64 m apart, at least three around a closed profile, and the ones asked for.
+std::vector<std::size_t> first_knots(const std::vector<ProfileSample>& samples, bool closed,
+                                     std::span<const double> exact_s) {
+  const std::size_t n = samples.size();
+  const auto nearest = [&](double s) {
+    const auto after = std::lower_bound(samples.begin(), samples.end(), s,
+                                        [](const ProfileSample& sample, double x) { return sample.s < x; });
+    const auto i = static_cast<std::size_t>(after - samples.begin());
+    return i == n || (i > 0 && s - samples[i - 1].s < samples[i].s - s) ? i - 1 : i;
+  };
+  const double length_m = samples.back().s - samples.front().s,
+               wanted = std::max(closed ? 3.0 : 1.0, std::round(length_m / first_knots_m));
+  std::vector<std::size_t> at{0, n - 1};
+  for (double k = 1.0; k < wanted; k += 1.0) at.push_back(nearest(samples.front().s + length_m * k / wanted));
+  for (const double s : exact_s) at.push_back(nearest(s));
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end()), at.end());
+  for (std::size_t i = 1; closed && at.size() < 4; ++i)  // the nodes are unevenly apart
+    if (!std::binary_search(at.begin(), at.end(), i)) at.insert(std::upper_bound(at.begin(), at.end(), i), i);
+  return at;
+}
+
 }  // namespace
 
-ProfileFit fit_spline(std::span<const ProfileSample> all, const FitProfileOptions& options) {
+ProfileFit fit_spline(std::span<const ProfileSample> all, const FitProfileOptions& options,
+                      std::span<const double> exact_s) {
   assert(!all.empty());
   const std::vector<ProfileSample> samples = without_repeats(all);
   const std::size_t n = samples.size();
@@ -96,18 +124,7 @@ ProfileFit fit_spline(std::span<const ProfileSample> all, const FitProfileOption
     fit.cubics.push_back({samples[0].s, samples[0].value, 0.0, 0.0, 0.0});
     return fit;
   }
-  std::vector<std::size_t> at{0};  // samples that are knots
-  const double length_m = samples.back().s - samples.front().s, wanted = std::max(closed ? 3.0 : 1.0, std::round(length_m / first_knots_m));
-  for (double k = 1.0; k < wanted; k += 1.0) {
-    const auto after = std::lower_bound(samples.begin(), samples.end(), samples.front().s + length_m * k / wanted,
-                                        [](const ProfileSample& sample, double s) { return sample.s < s; });
-    const auto i = static_cast<std::size_t>(after - samples.begin());
-    if (i > at.back() && i + 1 < n) at.push_back(i);
-  }
-  if (closed)
-    for (std::size_t i = 1; at.size() < 3; ++i)
-      if (i > at.back()) at.push_back(i);
-  at.push_back(n - 1);
+  std::vector<std::size_t> at = first_knots(samples, closed, exact_s);
   const double slope_begin = end_slope(samples, false), slope_end = end_slope(samples, true);
   for (bool fits = false; !fits;) {
     std::vector<ProfileSample> knots;
