@@ -57,7 +57,7 @@ void run(const ElevateCommand& command, const Context& context) {
   }
   io::write_roads(command.out, result.roads, roughness);
   for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
-  context.monitor->info(fmt::format("{}: mean squared gradient {:.3e} (terrain {:.3e}), mean squared height difference {:.3f} m2, "
+  context.monitor->info(fmt::format("{}: mean squared gradient E_RG {:.3e} (terrain {:.3e}), mean squared height difference E_h {:.3f} m2, "
                                     "cross-fall measured at {:.0f} % of the nodes",
                                     command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2,
                                     100.0 * cross_fall.measured_share));
@@ -76,20 +76,33 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--sampling", command->options.sampling, "how heights are taken between the terrain's pixels")
       ->transform(CLI::CheckedTransformer(samplings))->default_str("cubic");
   ElevateOptions& o = command->options;
-  cmd->add_option("--weight-gradient", o.weight_gradient, "w_g: pulls gradients to zero (reference: 1.2)")
-      ->check(CLI::NonNegativeNumber)->capture_default_str();
+  const std::map<std::string, HeightMethod> methods{{"default", HeightMethod::network},
+                                                    {"reference", HeightMethod::reference},
+                                                    {"moving-average", HeightMethod::moving_average}};
+  cmd->add_option("--method", o.method,
+                  "default: the whole network at once, C2, within the limits of the road classes; reference: the thesis' "
+                  "optimisation, way by way; moving-average: of the terrain along each way")
+      ->transform(CLI::CheckedTransformer(methods))->default_str("default");
+  CLI::Option* window = cmd->add_option("--window", o.window, "samples of the moving average, odd; 1 is the terrain as sampled")
+      ->check(CLI::PositiveNumber)->capture_default_str();
   cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
       ->check(CLI::NonNegativeNumber)->capture_default_str();
   cmd->add_flag("--drives-left", command->cross_fall.drives_left, "one-way roads fall to their left edge where nothing is measured");
   cmd->footer(
       "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient, banking and crown and their\n"
-      "standard deviations. Banking and crown are measured where terrain of 2 m or finer shows them, else taken from design\n"
-      "rules (banking_source). Where a log was driven: banking with the source 'log' and a layer of roughness (ISO 8608) as well.\n"
+      "standard deviations (of z: default method only). Banking and crown are measured where terrain of 2 m or finer shows them,\n"
+      "else taken from design rules (banking_source). Where a log was driven: banking with the source 'log' and a layer of\n"
+      "roughness (ISO 8608) as well.\n"
       "Examples:\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif -o roads.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm_1m.tif --dtm dtm_10m.tif --sampling bilinear -o roads_3d.gpkg\n"
+      "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o roads_3d.gpkg");
-  cmd->callback([command, &context] { run(*command, context); });
+  cmd->callback([command, window, &context] {
+    if (window->count() > 0 && command->options.method != HeightMethod::moving_average)
+      throw OptionError("--window is the moving average's; give --method moving-average with it");
+    run(*command, context);
+  });
 }
 
 }  // namespace orthodrive::app

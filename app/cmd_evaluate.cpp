@@ -110,6 +110,12 @@ void add_evaluate(CLI::App& app, Context&) {
 
   CLI::App* heights = add("heights", "Errors of z (m), gradient (dz/ds) and banking (rad) at the nodes of roads.",
                           "A terrain model has no decks: with one as truth, bridges and tunnels are left out.\n"
+                          "gradient_energy: E_RG, height_error_energy: E_h of the thesis (eq. 3.13, 3.12); "
+                          "gradient_error_energy: mean squared difference to the true gradient.\n"
+                          "sigma_coverage: share of the heights within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
+                          "largest_kink: jump of dz/ds along ways; largest_junction_kink: of a road from the common plane of "
+                          "a junction; largest_step_m: between ways that share a node. With the place.\n"
+                          "min_clearance_m: at the crossings on two levels; level_crossings: the other ones.\n"
                           "Examples:\n  orthodrive evaluate heights out/roads.gpkg site/truth/roads.gpkg\n"
                           "  orthodrive evaluate heights out/roads.gpkg dtm_1m.tif --json",
                           of_files(score_heights));

@@ -151,11 +151,26 @@ TEST(EstimateProfiles, a_low_bridge_is_raised_over_the_road_below) {
   EXPECT_LT(steepest, 0.08);
 }
 
-TEST(EstimateProfiles, clearance_that_cannot_be_made_is_reported) {
+TEST(EstimateProfiles, a_layer_without_a_bridge_tag_is_a_bridge) {
   RoadNetwork roads = valley_roads();
-  roads.paths[1].bridge = false;  // only the layer says that it passes over: nothing may be moved
+  roads.paths[1].bridge = false;  // only the layer says that it passes over
   const auto result = estimate_profiles(roads, {make_dtm(valley(0.0))});
+  EXPECT_THAT(codes(result.findings), testing::Contains("elevate.assumed_bridge"));
+  EXPECT_GT(result.roads.paths[1].nodes[10].z_m - result.roads.paths[3].nodes[20].z_m, 4.69);
+}
+
+TEST(EstimateProfiles, clearance_that_cannot_be_made_is_reported) {
+  // A loop of 30 m leaves a road and passes over it: no ramp is that steep, and none is tried.
+  RoadPath below = make_path(1, {0, 0}, {200, 0}, 1, 2);
+  below.nodes[50].osm_node = 7;
+  RoadPath loop = make_path(2, {100, 0}, {104, 6}, 7, 8), over = make_path(3, {104, 6}, {106, -6}, 8, 9);
+  over.bridge = true, over.layer = 1;
+  RoadPath back = make_path(4, {106, -6}, {94, 0}, 9, 10);
+  below.nodes[47].osm_node = 10;
+  const auto result = estimate_profiles(network({below, loop, over, back}), {make_dtm(valley(0.0))});
   EXPECT_THAT(codes(result.findings), testing::Contains("elevate.low_clearance"));
+  for (const RoadPath& path : result.roads.paths)
+    for (const RoadNode& node : path.nodes) EXPECT_TRUE(std::isfinite(node.z_m) && std::abs(node.z_m - 30.0) < 1.0);
 }
 
 TEST(EstimateProfiles, a_tunnel_ignores_the_hill_and_passes_below_its_road) {

@@ -237,6 +237,63 @@ TEST(EvaluateHeights, nodes_without_height_or_truth_are_counted_not_scored) {
   EXPECT_TRUE(std::isnan(evaluate_heights(network({}), plane()).z_m.bias));
 }
 
+TEST(ProfileShape, finds_a_kink_a_step_and_a_twisted_junction) {
+  RoadPath main = on_plane(straight(-50, 0, 50, 0)), side = on_plane(straight(0, 0, 10, 50));
+  main.nodes[10].osm_node = side.nodes[0].osm_node = 7;
+  const auto shape = [&] { return measure_profile_shape(network({main, side})); };
+  EXPECT_EQ(shape().junctions, 1u);
+  EXPECT_LT(shape().along.size, 1e-9);
+  EXPECT_LT(shape().junction.size, 1e-6);
+  EXPECT_LT(shape().step_m.size, 1e-9);
+
+  side.nodes[0].z_m += 0.02;
+  EXPECT_NEAR(shape().step_m.size, 0.02, 1e-9);
+  for (std::size_t i = 15; i < 21; ++i) {  // a corner of 3 % in node 14, its gradient the mean
+    main.nodes[i].z_m += 0.03 * (main.nodes[i].p.x - main.nodes[14].p.x);
+    main.nodes[i].gradient += 0.03;
+  }
+  main.nodes[14].gradient += 0.015;
+  EXPECT_NEAR(shape().along.size, 0.03, 1e-9);
+  EXPECT_EQ(shape().along.where, main.nodes[14].p);
+}
+
+TEST(ProfileShape, three_roads_need_one_plane) {
+  std::vector<RoadPath> roads;
+  for (const double angle : {0.0, 2.0 * std::numbers::pi / 3.0, 4.0 * std::numbers::pi / 3.0}) {  // none goes on in another
+    roads.push_back(on_plane(straight(0, 0, 50 * std::cos(angle), 50 * std::sin(angle))));
+    roads.back().nodes[0].osm_node = 7;
+  }
+  EXPECT_LT(measure_profile_shape(network(roads)).junction.size, 1e-6);
+  roads[1].nodes[0].gradient += 0.02;
+  const double kink = measure_profile_shape(network(roads)).junction.size;
+  EXPECT_TRUE(kink > 0.004 && kink < 0.02) << kink;
+}
+
+TEST(ProfileShape, clearance_counts_where_there_are_two_levels) {
+  RoadPath below = on_plane(straight(-50, 0, 50, 0)), above = on_plane(straight(3, -50, 3, 50));
+  const auto shape = [&] { return measure_profile_shape(network({below, above})); };
+  EXPECT_EQ(shape().level_crossings, 1u);
+  EXPECT_TRUE(std::isnan(shape().min_clearance_m));
+  above.layer = 1;
+  EXPECT_NEAR(shape().min_clearance_m, 0.0, 1e-9) << "the layer says that it should be on another level";
+  for (RoadNode& node : above.nodes) node.z_m += 5.2;
+  EXPECT_NEAR(shape().min_clearance_m, 5.2, 1e-9);
+  EXPECT_EQ(shape().crossings, 1u);
+}
+
+TEST(EvaluateHeights, energies_and_sigmas) {
+  RoadPath road = on_plane(straight(-50, 0, 50, 0));
+  for (std::size_t i = 0; i < road.nodes.size(); ++i) {
+    road.nodes[i].z_m += i % 4 == 0 ? 0.3 : 0.0;
+    road.nodes[i].sigma_z_m = 0.2, road.nodes[i].gradient += 0.01;
+  }
+  const HeightScores scores = evaluate_heights(network({road}), network({on_plane(straight(-60, 0, 60, 0))}));
+  EXPECT_NEAR(scores.gradient_error_energy, 1e-4, 1e-9);
+  EXPECT_NEAR(scores.true_gradient_energy, 0.05 * 0.05, 1e-9);
+  EXPECT_NEAR(scores.sigma.one, 15.0 / 21.0, 1e-9);
+  EXPECT_NEAR(scores.sigma.two, 1.0, 1e-9);
+}
+
 TEST(EvaluateHeights, other_crs_is_refused) {
   HeightGrid other = plane();
   other.crs = {"EPSG:32632"};

@@ -10,6 +10,7 @@
 #include "orthodrive/network/cubic_plan.hpp"
 #include "orthodrive/network/fit_plan.hpp"
 #include "orthodrive/network/fit_profile.hpp"
+#include "orthodrive/network/fit_spline.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -390,6 +391,52 @@ TEST(FitProfile, slices_and_reversed_profiles_have_the_same_values) {
     EXPECT_NEAR(roadquery::evaluate(part, s), roadquery::evaluate(cubics, s + 13.0), 1e-9);
     EXPECT_NEAR(roadquery::evaluate(back, 86.0 - s), -roadquery::evaluate(cubics, s + 13.0), 1e-9);
   }
+}
+
+/// Second derivative at the end of the piece before and at the start of the piece itself.
+std::pair<double, double> curvatures_at(const std::vector<Cubic>& cubics, std::size_t i) {
+  const Cubic& before = cubics[i - 1];
+  return {2.0 * before.c + 6.0 * before.d * (cubics[i].s - before.s), 2.0 * cubics[i].c};
+}
+
+TEST(FitSpline, follows_a_hill_with_continuous_curvature) {
+  std::vector<ProfileSample> samples;
+  for (int i = 0; i <= 250; ++i) samples.push_back({2.0 * i, hill(2.0 * i)});
+  const ProfileFit fit = fit_spline(samples, {.tolerance = 0.02});
+  EXPECT_LT(fit.cubics.size(), 40u);
+  EXPECT_LE(fit.max_error, 0.02);
+  for (double s = 0.0; s <= 500.0; s += 0.5) EXPECT_NEAR(roadquery::evaluate(fit.cubics, s), hill(s), 0.025) << s;
+  for (std::size_t i = 1; i < fit.cubics.size(); ++i) {
+    const std::span<const Cubic> before(fit.cubics.data(), i);
+    EXPECT_NEAR(roadquery::evaluate(before, fit.cubics[i].s), fit.cubics[i].a, 1e-9);
+    EXPECT_NEAR(roadquery::derivative(before, fit.cubics[i].s), fit.cubics[i].b, 1e-9);
+    const auto [end, start] = curvatures_at(fit.cubics, i);
+    EXPECT_NEAR(end, start, 1e-9);
+  }
+}
+
+TEST(FitSpline, a_line_is_one_cubic_and_noise_is_followed) {
+  const std::vector<ProfileSample> line{{0.0, 6.0}, {2.0, 6.1}, {4.0, 6.2}, {50.0, 8.5}};
+  const ProfileFit fit = fit_spline(line);
+  ASSERT_EQ(fit.cubics.size(), 1u);
+  EXPECT_NEAR(roadquery::evaluate(fit.cubics, 30.0), 7.5, 1e-9);
+  Random random(2);
+  std::vector<ProfileSample> noise;
+  for (int i = 0; i < 80; ++i) noise.push_back({1.7 * i, random.normal()});
+  EXPECT_LE(fit_spline(noise, {.tolerance = 0.01}).max_error, 0.01);
+  EXPECT_EQ(fit_spline(std::vector<ProfileSample>{{3.0, 1.5}}).cubics.size(), 1u);
+  EXPECT_NEAR(roadquery::evaluate(fit_spline(std::vector<ProfileSample>{{0.0, 1.0}, {10.0, 3.0}}).cubics, 5.0), 2.0, 1e-12);
+}
+
+TEST(FitSpline, closed_profile_goes_on_with_the_same_curvature) {
+  std::vector<ProfileSample> samples;
+  for (int i = 0; i <= 100; ++i) samples.push_back({2.0 * i, std::sin(2.0 * M_PI * (i % 100) / 100.0 + 0.5)});
+  const ProfileFit fit = fit_spline(samples, {.tolerance = 0.005, .closed = true});
+  const Cubic& last = fit.cubics.back();
+  const double h = 200.0 - last.s;
+  EXPECT_NEAR(last.b + h * (2.0 * last.c + 3.0 * h * last.d), fit.cubics.front().b, 1e-9);
+  EXPECT_NEAR(2.0 * last.c + 6.0 * h * last.d, 2.0 * fit.cubics.front().c, 1e-9);
+  EXPECT_NEAR(fit.cubics.front().b, 2.0 * M_PI / 200.0 * std::cos(0.5), 1e-3);
 }
 
 }  // namespace

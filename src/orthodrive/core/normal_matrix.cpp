@@ -1,11 +1,10 @@
 #include "orthodrive/core/normal_matrix.hpp"
 
-#include <Eigen/Sparse>
+#include <Eigen/Core>
 #include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cassert>
-#include <cstddef>
-#include <span>
 
 #include "orthodrive/core/error.hpp"
 
@@ -30,70 +29,56 @@ void factorize(const SparseJacobian& jacobian, Cholesky& cholesky) {
   const auto j = as_matrix(jacobian);
   const Eigen::SparseMatrix<double> normal = RowMajor(j.transpose() * j);
   cholesky.compute(normal);
-  if (cholesky.info() != Eigen::Success) throw Error("the normal matrix is not positive definite: a parameter is not determined");
+  if (cholesky.info() != Eigen::Success)
+    throw Error("the normal matrix is not positive definite: a parameter is not determined");
 }
-
-/// (J^T J)^-1 where its Cholesky factor has entries.
-class InverseOnPattern {
- public:
-  explicit InverseOnPattern(const SparseJacobian& jacobian) {
-    Cholesky cholesky;
-    factorize(jacobian, cholesky);
-    factor_ = cholesky.matrixL();  // lower triangle, rows ascending in each column
-    const int n = jacobian.columns;
-    start_ = {factor_.outerIndexPtr(), static_cast<std::size_t>(n) + 1};
-    row_ = {factor_.innerIndexPtr(), static_cast<std::size_t>(factor_.nonZeros())};
-    const std::span value(factor_.valuePtr(), row_.size());
-    inverse_.resize(row_.size());
-    for (int c = n - 1; c >= 0; --c) {
-      const int first = start_[c], last = start_[c + 1];
-      const double pivot = value[first];
-      for (int a = last - 1; a >= first; --a) {  // the diagonal (a == first) comes last: it needs the others
-        double sum = a == first ? -1.0 / pivot : 0.0;
-        for (int b = first + 1; b < last; ++b) sum += value[b] * (a == first ? inverse_[b] : permuted(row_[a], row_[b]));
-        inverse_[a] = -sum / pivot;
-      }
-    }
-    const auto& permutation = cholesky.permutationP().indices();  // permuted position of each column
-    position_.assign(permutation.data(), permutation.data() + n);
-  }
-
-  [[nodiscard]] double at(int i, int k) const { return permuted(position_[i], position_[k]); }
-
- private:
-  [[nodiscard]] double permuted(int i, int k) const {
-    const int low = std::min(i, k), high = std::max(i, k);
-    const auto begin = row_.begin() + start_[low], end = row_.begin() + start_[low + 1];
-    const auto at = std::lower_bound(begin, end, high);
-    assert(at != end && *at == high);
-    return inverse_[static_cast<std::size_t>(at - row_.begin())];
-  }
-
-  Eigen::SparseMatrix<double> factor_;
-  std::span<const int> start_, row_;
-  std::vector<double> inverse_;  // of the permuted normal matrix
-  std::vector<int> position_;
-};
 
 }  // namespace
 
-std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian) {
-  if (jacobian.columns == 0) return {};
-  const InverseOnPattern inverse(jacobian);
-  std::vector<double> diagonal(static_cast<std::size_t>(jacobian.columns));
-  for (int c = 0; c < jacobian.columns; ++c) diagonal[static_cast<std::size_t>(c)] = inverse.at(c, c);
-  return diagonal;
+std::size_t InverseNormal::index_of(int low, int high) const {
+  const auto begin = row_.begin() + start_[static_cast<std::size_t>(low)],
+             end = row_.begin() + start_[static_cast<std::size_t>(low) + 1];
+  const auto found = std::lower_bound(begin, end, high);
+  assert(found != end && *found == high);
+  return static_cast<std::size_t>(found - row_.begin());
 }
 
-std::vector<double> normal_variances(const SparseJacobian& jacobian, const SparseJacobian& functions) {
-  std::vector<double> variances(functions.row_start.size() - 1, 0.0);
-  if (variances.empty()) return variances;
-  const InverseOnPattern inverse(jacobian);
-  for (std::size_t f = 0; f < variances.size(); ++f)
-    for (int a = functions.row_start[f]; a < functions.row_start[f + 1]; ++a)
-      for (int b = functions.row_start[f]; b < functions.row_start[f + 1]; ++b)
-        variances[f] += functions.value[a] * functions.value[b] * inverse.at(functions.column[a], functions.column[b]);
-  return variances;
+InverseNormal::InverseNormal(const SparseJacobian& jacobian) {
+  const int n = jacobian.columns;
+  if (n == 0) return;
+  Cholesky cholesky;
+  factorize(jacobian, cholesky);
+  const Eigen::SparseMatrix<double> factor = cholesky.matrixL();  // lower triangle, rows ascending in each column
+  start_.assign(factor.outerIndexPtr(), factor.outerIndexPtr() + n + 1);
+  row_.assign(factor.innerIndexPtr(), factor.innerIndexPtr() + factor.nonZeros());
+  const auto& permutation = cholesky.permutationP().indices();
+  position_.assign(permutation.data(), permutation.data() + n);
+  const double* value = factor.valuePtr();
+  value_.resize(row_.size());
+  for (int c = n - 1; c >= 0; --c) {
+    const int first = start_[static_cast<std::size_t>(c)], last = start_[static_cast<std::size_t>(c) + 1];
+    const double pivot = value[first];
+    for (int a = last - 1; a >= first; --a) {  // the diagonal (a == first) comes last: it needs the others
+      double sum = a == first ? -1.0 / pivot : 0.0;
+      for (int b = first + 1; b < last; ++b) {
+        const auto [low, high] = std::minmax(row_[static_cast<std::size_t>(a)], row_[static_cast<std::size_t>(b)]);
+        sum += value[b] * value_[a == first ? static_cast<std::size_t>(b) : index_of(low, high)];
+      }
+      value_[static_cast<std::size_t>(a)] = -sum / pivot;
+    }
+  }
+}
+
+double InverseNormal::at(int i, int k) const {
+  const auto [low, high] = std::minmax(position_[static_cast<std::size_t>(i)], position_[static_cast<std::size_t>(k)]);
+  return value_[index_of(low, high)];
+}
+
+std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian) {
+  const InverseNormal inverse(jacobian);
+  std::vector<double> diagonal;
+  for (int i = 0; i < jacobian.columns; ++i) diagonal.push_back(inverse.at(i, i));
+  return diagonal;
 }
 
 std::vector<double> solve_normal(const SparseJacobian& jacobian, const std::vector<double>& right) {

@@ -12,13 +12,23 @@ struct SparseJacobian {
   std::vector<double> value;
 };
 
-/// Diagonal of (J^T J)^-1, by the recurrence of Takahashi, Fagan and Chen (1973) on the pattern of the sparse Cholesky
-/// factor: linear in the size for the chain-like graphs of roads. Throws Error when J^T J is not positive definite.
-[[nodiscard]] std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian);
+/// (J^T J)^-1 on the pattern of the sparse Cholesky factor, by the recurrence of Takahashi, Fagan and Chen (1973):
+/// linear in the size for the chain-like graphs of roads.
+class InverseNormal {
+ public:
+  /// Throws Error when J^T J is not positive definite.
+  explicit InverseNormal(const SparseJacobian& jacobian);
+  /// An entry. i == k, or some row of J has both columns: others are not known (asserted).
+  [[nodiscard]] double at(int i, int k) const;
 
-/// Variances f (J^T J)^-1 f^T of the linear functions f, one a row of `functions`. The columns of a function must occur
-/// together in some row of the Jacobian (then their covariances lie on the pattern). Throws Error as the diagonal does.
-[[nodiscard]] std::vector<double> normal_variances(const SparseJacobian& jacobian, const SparseJacobian& functions);
+ private:
+  [[nodiscard]] std::size_t index_of(int low, int high) const;  // of the permuted columns
+  std::vector<int> start_, row_, position_;                     // position_: permuted place of each column
+  std::vector<double> value_;
+};
+
+/// Diagonal of (J^T J)^-1. Throws Error when J^T J is not positive definite.
+[[nodiscard]] std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian);
 
 /// x of the smallest |J x - right|, by the sparse Cholesky factor of J^T J. Throws Error as the diagonal does.
 [[nodiscard]] std::vector<double> solve_normal(const SparseJacobian& jacobian, const std::vector<double>& right);

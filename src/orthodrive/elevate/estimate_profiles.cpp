@@ -3,242 +3,248 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/core/parallel.hpp"
-#include "orthodrive/elevate/fit_heights.hpp"
-#include "orthodrive/model/path_crossings.hpp"
+#include "orthodrive/elevate/level_crossings.hpp"
+#include "orthodrive/elevate/network_profiles.hpp"
+#include "orthodrive/elevate/way_profiles.hpp"
 
 namespace orthodrive {
 namespace {
 
-constexpr int clearance_passes = 3;         // one a level of a stack of bridges
-constexpr double clearance_tolerance_m = 0.1;
+using namespace elevate;
+
+constexpr double clearance_tolerance_m = 0.01;
+constexpr double clearance_aim_m =
+    0.02;  // above what is asked: cubics between nodes, and of the network stage, differ a little
 
 void check(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const ElevateOptions& options) {
   if (dtms.empty()) throw OptionError("elevate: no terrain model given");
+  if (dtms.size() > 255)
+    throw OptionError(fmt::format("elevate: {} terrain models given, at most 255 are taken", dtms.size()));
   for (const HeightGrid& dtm : dtms)
     if (!(dtm.crs == roads.crs))
-      throw OptionError(fmt::format("elevate: roads are in {} but terrain in {}, need one CRS", roads.crs.definition, dtm.crs.definition));
-  if (!(options.weight_height > 0.0) || !(options.weight_gradient >= 0.0) || !(options.weight_gradient_change > 0.0) ||
-      !(options.cauchy_scale > 0.0))
-    throw OptionError("elevate: the weights of height and gradient change and the Cauchy scale must be positive");
+      throw OptionError(fmt::format("elevate: roads are in {} but terrain in {}, need one CRS", roads.crs.definition,
+                                    dtm.crs.definition));
+  if (options.window < 1 || options.window % 2 == 0)
+    throw OptionError(
+        fmt::format("elevate: the window of the moving average is {} samples, need an odd number", options.window));
+  if (options.max_iterations < 1) throw OptionError("elevate: need at least one iteration");
   for (const RoadPath& path : roads.paths)
     if (path.nodes.size() < 2) throw OptionError(fmt::format("elevate: way {} has fewer than two nodes", path.osm_id));
 }
 
-/// Two roads at different levels, the bridge or tunnel of them first to give way.
-struct LevelCrossing {
-  PathCrossing crossing;
-  bool a_is_above = false;
-
-  [[nodiscard]] std::size_t upper() const { return a_is_above ? crossing.path_a : crossing.path_b; }
-  [[nodiscard]] std::size_t lower() const { return a_is_above ? crossing.path_b : crossing.path_a; }
-};
-
-std::vector<LevelCrossing> level_crossings(const RoadNetwork& roads) {
-  std::vector<LevelCrossing> result;
-  for (const PathCrossing& crossing : find_crossings(roads)) {
-    const int a = roads.paths[crossing.path_a].layer, b = roads.paths[crossing.path_b].layer;
-    if (a != b) result.push_back({crossing, a > b});
-  }
-  return result;
+void report(Findings& findings, Severity severity, const char* code, const RoadNode& node, std::string message) {
+  findings.push_back({severity, code, std::move(message), node.p.x, node.p.y});
 }
 
-class Heights {
- public:
-  explicit Heights(const HeightUnknowns& unknowns) : unknowns_(unknowns), z_m(unknowns.start_m), sigma_z_m(unknowns.size(), 0.0) {}
-
-  void take(const HeightFit& fit) {
-    for (std::size_t m = 0; m < fit.unknowns.size(); ++m) {
-      z_m[fit.unknowns[m]] = fit.z_m[m];
-      sigma_z_m[fit.unknowns[m]] = fit.sigma_z_m[m];
-    }
+/// Ways that are tagged as bridge and tunnel are what their layer says, bridges when it says nothing.
+RoadNetwork without_contradictions(RoadNetwork roads, Findings& findings) {
+  for (RoadPath& path : roads.paths) {
+    if (!path.bridge || !path.tunnel) continue;
+    (path.layer < 0 ? path.bridge : path.tunnel) = false;
+    report(findings, Severity::warning, "elevate.contradicting_tags", path.nodes[path.nodes.size() / 2],
+           fmt::format("way {} is tagged as bridge and as tunnel, with layer {}: taken for a {}", path.osm_id,
+                       path.layer, path.bridge ? "bridge" : "tunnel"));
   }
-  [[nodiscard]] double at(std::size_t path, std::size_t segment, double fraction) const {
-    const auto& indices = unknowns_.of_node[path];
-    return z_m[indices[segment]] * (1.0 - fraction) + z_m[indices[segment + 1]] * fraction;
-  }
-  [[nodiscard]] double upper_z_m(const LevelCrossing& level) const { return at_path(level.crossing, level.a_is_above); }
-  [[nodiscard]] double lower_z_m(const LevelCrossing& level) const { return at_path(level.crossing, !level.a_is_above); }
-
- private:
-  [[nodiscard]] double at_path(const PathCrossing& c, bool a) const {
-    return a ? at(c.path_a, c.segment_a, c.fraction_a) : at(c.path_b, c.segment_b, c.fraction_b);
-  }
-  const HeightUnknowns& unknowns_;
-
- public:
-  std::vector<double> z_m, sigma_z_m;  ///< [unknown]
-};
-
-void solve_components(const std::vector<std::size_t>& which, const RoadNetwork& roads, const HeightUnknowns& unknowns,
-                      const PathLinks& links, const std::vector<std::vector<StructureLimit>>& limits, const ElevateOptions& options,
-                      Monitor* monitor, std::vector<HeightFit>& fits, Heights& heights) {
-  parallel_for(
-      which.size(), options.threads,
-      [&](std::size_t k) { fits[which[k]] = fit_heights(roads, unknowns, unknowns.components[which[k]], links, limits[which[k]], options); },
-      [&](std::size_t done) {
-        if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(which.size()), "elevate");
-      });
-  for (const std::size_t c : which) heights.take(fits[c]);
+  return roads;
 }
 
-/// A limit for the bridge, or else for the tunnel, of a crossing; none when neither way is tagged as one.
-bool limit_structure(const RoadNetwork& roads, const HeightUnknowns& unknowns, const LevelCrossing& level, const Heights& heights,
-                     double clearance_m, StructureLimit& limit, std::size_t& path) {
-  const bool raise = roads.paths[level.upper()].bridge;
-  if (!raise && !roads.paths[level.lower()].tunnel) return false;
-  path = raise ? level.upper() : level.lower();
-  const bool is_a = path == level.crossing.path_a;
-  const std::size_t segment = is_a ? level.crossing.segment_a : level.crossing.segment_b;
-  limit.before = unknowns.of_node[path][segment], limit.after = unknowns.of_node[path][segment + 1];
-  limit.fraction = is_a ? level.crossing.fraction_a : level.crossing.fraction_b;
-  limit.side = raise ? StructureLimit::Side::above : StructureLimit::Side::below;
-  limit.z_m = raise ? heights.lower_z_m(level) + clearance_m : heights.upper_z_m(level) - clearance_m;
-  return true;
-}
-
-/// Raises bridges and lowers tunnels that are too close to the road they cross, with the roads that lead there.
-void make_room(const RoadNetwork& roads, const HeightUnknowns& unknowns, const PathLinks& links, const std::vector<LevelCrossing>& levels,
-               const ElevateOptions& options, std::vector<HeightFit>& fits, Heights& heights) {
-  std::vector<std::size_t> component_of(roads.paths.size());
-  for (std::size_t c = 0; c < unknowns.components.size(); ++c)
-    for (const std::size_t k : unknowns.components[c]) component_of[k] = c;
-  std::vector<bool> tight(levels.size(), false);
-  for (int pass = 0; pass < clearance_passes; ++pass) {
-    bool changed = false;
-    for (std::size_t i = 0; i < levels.size(); ++i)
-      if (heights.upper_z_m(levels[i]) - heights.lower_z_m(levels[i]) < options.clearance_m - clearance_tolerance_m)
-        changed = true, tight[i] = true;
-    if (!changed) return;
-    std::vector<std::vector<StructureLimit>> limits(unknowns.components.size());
-    std::set<std::size_t> affected;
-    for (std::size_t i = 0; i < levels.size(); ++i) {
-      StructureLimit limit;
-      std::size_t path = 0;
-      if (!tight[i] || !limit_structure(roads, unknowns, levels[i], heights, options.clearance_m, limit, path)) continue;
-      limits[component_of[path]].push_back(limit);
-      affected.insert(component_of[path]);
-    }
-    solve_components({affected.begin(), affected.end()}, roads, unknowns, links, limits, options, nullptr, fits, heights);
-  }
-}
-
-ProfileEnergy energy(const RoadNetwork& roads, const HeightUnknowns& unknowns, const std::vector<double>& z_m) {
+ProfileEnergy energy(const RoadNetwork& roads, const TerrainSamples& terrain, const NodeHeights& z_m) {
   double gradients = 0.0, errors = 0.0;
   std::size_t segments = 0, nodes = 0;
   for (std::size_t k = 0; k < roads.paths.size(); ++k) {
-    const auto& indices = unknowns.of_node[k];
-    for (std::size_t n = 0; n < indices.size(); ++n) {
-      if (!unknowns.measured[indices[n]]) continue;
-      errors += std::pow(z_m[indices[n]] - unknowns.terrain_m[indices[n]], 2), ++nodes;
-      if (n + 1 == indices.size() || !unknowns.measured[indices[n + 1]]) continue;
+    const auto& samples = terrain.of_node[k];
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      if (!samples[n].is_road) continue;
+      errors += std::pow(z_m[k][n] - samples[n].z_m, 2), ++nodes;
+      if (n + 1 == samples.size() || !samples[n + 1].is_road) continue;
       const double run = distance(roads.paths[k].nodes[n].p, roads.paths[k].nodes[n + 1].p);
-      if (run > 0.0) gradients += std::pow((z_m[indices[n + 1]] - z_m[indices[n]]) / run, 2), ++segments;
+      if (run > 0.0) gradients += std::pow((z_m[k][n + 1] - z_m[k][n]) / run, 2), ++segments;
     }
   }
-  return {segments > 0 ? gradients / static_cast<double>(segments) : 0.0, nodes > 0 ? errors / static_cast<double>(nodes) : 0.0};
+  return {segments > 0 ? gradients / static_cast<double>(segments) : 0.0,
+          nodes > 0 ? errors / static_cast<double>(nodes) : 0.0};
 }
 
-/// Gradient of the segments at both sides of a node; where a way goes on in the next one, across both.
-void set_gradients(RoadNetwork& roads, const PathLinks& links) {
-  const auto slope = [](const RoadNode& a, const RoadNode& b) {
-    const double run = distance(a.p, b.p);
-    return run > 0.0 ? (b.z_m - a.z_m) / run : 0.0;
-  };
-  const auto rise_inwards = [&](PathEnd end) {  // gradient when going into the path from its end
-    const auto& nodes = roads.paths[end.path].nodes;
-    return end.at_back ? -slope(nodes[nodes.size() - 2], nodes.back()) : slope(nodes[0], nodes[1]);
-  };
+// ---- the reference's methods
+
+/// Heights, and gradients between the middles of the segments at both sides (eq. 3.14 has one a segment).
+void write_way_profiles(const NodeHeights& z_m, RoadNetwork& roads) {
   for (std::size_t k = 0; k < roads.paths.size(); ++k) {
     auto& nodes = roads.paths[k].nodes;
-    for (std::size_t n = 1; n + 1 < nodes.size(); ++n) {
-      const double before = distance(nodes[n - 1].p, nodes[n].p), after = distance(nodes[n].p, nodes[n + 1].p);
-      const double total = before + after;  // a line through both neighbours, exact for parabolas
-      nodes[n].gradient = total > 0.0 ? (slope(nodes[n - 1], nodes[n]) * after + slope(nodes[n], nodes[n + 1]) * before) / total : 0.0;
-    }
-    for (const bool at_back : {false, true}) {
-      const PathEnd end{k, at_back};
-      const auto link = links.find(end);
-      const double inwards = link == links.end() ? rise_inwards(end) : 0.5 * (rise_inwards(end) - rise_inwards(link->second));
-      (at_back ? nodes.back() : nodes.front()).gradient = at_back ? -inwards : inwards;
+    for (std::size_t n = 0; n < nodes.size(); ++n) nodes[n].z_m = z_m[k][n], nodes[n].sigma_z_m = 0.0;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const RoadNode &a = nodes[n > 0 ? n - 1 : 0], &b = nodes[std::min(n + 1, nodes.size() - 1)];
+      const double run_m =
+          (n > 0 ? distance(a.p, nodes[n].p) : 0.0) + (n + 1 < nodes.size() ? distance(nodes[n].p, b.p) : 0.0);
+      nodes[n].gradient = run_m > 0.0 ? (b.z_m - a.z_m) / run_m : 0.0;
     }
   }
 }
 
-void report_missing_terrain(const RoadNetwork& roads, const HeightUnknowns& unknowns, Findings& findings) {
+// ---- the network method
+
+/// The one that gives way is held at the clearance from where the other one lies now.
+std::vector<HeightLimit> clearance_limits(const std::vector<LevelCrossing>& levels, const std::vector<bool>& tight,
+                                          const NetworkProfiles& profiles, double clearance_m) {
+  std::vector<HeightLimit> limits;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    if (!tight[i]) continue;
+    const PathCrossing& c = levels[i].crossing;
+    const double z_a = profiles.height_m(c.path_a, c.segment_a, c.fraction_a),
+                 z_b = profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
+    const bool a_moves = levels[i].a_is_above == levels[i].raise;
+    HeightLimit limit{a_moves ? c.path_a : c.path_b, a_moves ? c.segment_a : c.segment_b,
+                      a_moves ? c.fraction_a : c.fraction_b};
+    const double other_m = a_moves ? z_b : z_a, wanted_m = clearance_m + clearance_aim_m;
+    (levels[i].raise ? limit.low_m : limit.high_m) = other_m + (levels[i].raise ? wanted_m : -wanted_m);
+    limits.push_back(limit);
+  }
+  return limits;
+}
+
+double room_m(const LevelCrossing& level, const NetworkProfiles& profiles) {
+  const PathCrossing& c = level.crossing;
+  const double rise_m =
+      profiles.height_m(c.path_a, c.segment_a, c.fraction_a) - profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
+  return level.a_is_above ? rise_m : -rise_m;
+}
+
+void report_breaches(const RoadNetwork& roads, const NetworkProfiles& profiles, Findings& findings) {
+  for (const LimitBreach& b : profiles.gradient_breaches())
+    report(
+        findings, Severity::info, "elevate.gradient_over_limit", roads.paths[b.path].nodes[b.node],
+        fmt::format("way {} ({}): {:.1f} % steep along {:.0f} m, its class allows {:.0f} %", roads.paths[b.path].osm_id,
+                    roads.paths[b.path].highway, 100.0 * b.worst, b.length_m, 100.0 * b.limit));
+  for (const LimitBreach& b : profiles.curvature_breaches())
+    report(
+        findings, Severity::info, "elevate.curvature_over_limit", roads.paths[b.path].nodes[b.node],
+        fmt::format("way {} ({}): vertical radius of {:.0f} m along {:.0f} m, its class asks for {:.0f} m",
+                    roads.paths[b.path].osm_id, roads.paths[b.path].highway, 1.0 / b.worst, b.length_m, 1.0 / b.limit));
+}
+
+/// Stretches where the loss has given up on the terrain: a bridge or cutting that nobody tagged, or an error of the
+/// model.
+void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, const std::vector<double>& sigma_m,
+                        Findings& findings) {
+  constexpr double least_m = 1.0, least_sigmas = 4.0, least_length_m = 10.0;
   for (std::size_t k = 0; k < roads.paths.size(); ++k) {
-    const auto& indices = unknowns.of_node[k];
-    std::size_t missing = 0, first = 0;
-    for (std::size_t n = indices.size(); n-- > 0;)
-      if (std::isnan(unknowns.terrain_m[indices[n]])) ++missing, first = n;
-    if (missing == 0) continue;
-    const Vec2 p = roads.paths[k].nodes[first].p;
-    findings.push_back({Severity::warning, "elevate.no_terrain",
-                        fmt::format("way {}: no terrain height at {} of {} nodes, heights continue those beside", roads.paths[k].osm_id,
-                                    missing, indices.size()),
-                        p.x, p.y});
+    const auto& nodes = roads.paths[k].nodes;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      double worst_m = 0.0, length_m = 0.0;
+      std::size_t worst = n, end = n;
+      for (; end < nodes.size(); ++end) {
+        const TerrainSample& sample = terrain.of_node[k][end];
+        const double off_m = nodes[end].z_m - sample.z_m;
+        if (!sample.is_road || std::abs(off_m) < std::max(least_m, least_sigmas * sigma_m[sample.source])) break;
+        if (end > n) length_m += distance(nodes[end - 1].p, nodes[end].p);
+        if (std::abs(off_m) > std::abs(worst_m)) worst_m = off_m, worst = end;
+      }
+      if (length_m >= least_length_m)
+        report(findings, Severity::warning, "elevate.off_terrain", nodes[worst],
+               fmt::format("way {} ({}) lies up to {:.1f} m {} the terrain along {:.0f} m: a {} without a tag, or an "
+                           "error of the terrain model",
+                           roads.paths[k].osm_id, roads.paths[k].highway, std::abs(worst_m),
+                           worst_m > 0.0 ? "above" : "below", length_m, worst_m > 0.0 ? "bridge" : "tunnel"));
+      n = std::max(n, end);
+    }
   }
 }
 
-void report_low_clearance(const RoadNetwork& roads, const std::vector<LevelCrossing>& levels, const Heights& heights, double clearance_m,
-                          Findings& findings) {
+void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const NodeHeights& start,
+                      const std::vector<LevelCrossing>& levels, const ElevateOptions& options, Monitor* monitor,
+                      EstimateProfilesResult& result) {
+  constexpr std::array loosenings{8.0, 3.0, 1.0, 1.0};  // noise and curvature are seen after the third and the fourth
+  constexpr int clearance_passes = 5;                   // one a level of a stack of bridges, and one for what they move
+  int passes = 0;
+  const auto progress = [&] {
+    if (monitor)
+      monitor->progress(static_cast<double>(passes++) / (loosenings.size() + clearance_passes + 2.0), "elevate");
+  };
+  const PathLinks links = link_path_ends(roads);
+  const ProfileChains chains = make_profile_chains(roads, links);
+  const std::vector<PathJunction> junctions = find_junctions(roads, links);
+  NetworkProfiles profiles(roads, chains, junctions, terrain, start);
+  const auto solve = [&](const std::vector<HeightLimit>& limits, double loosening) {
+    progress();
+    const RobustFit::Summary summary = profiles.solve(limits, options.max_iterations, loosening);
+    if (result.solve.iterations == 0) result.solve.cost_before = summary.cost_before;
+    result.solve.iterations += summary.iterations;
+    result.solve.converged = summary.converged;
+    result.solve.cost_after = summary.cost_after;
+  };
+  for (const double loosening : loosenings) {
+    solve({}, loosening);
+    if (loosening == 1.0) profiles.estimate_scales();
+  }
+  std::vector<HeightLimit> limits;
+  std::vector<bool> tight(levels.size(), false);
+  for (int pass = 0; pass < clearance_passes; ++pass) {
+    solve(limits, 1.0);
+    bool changed = false;
+    for (std::size_t i = 0; i < levels.size(); ++i)
+      if (levels[i].has_room && room_m(levels[i], profiles) < options.clearance_m - 1e-6)
+        changed = true, tight[i] = true;
+    if (!changed) break;
+    limits = clearance_limits(levels, tight, profiles, options.clearance_m);
+  }
+  profiles.write(limits, result.roads);
+  result.terrain_sigma_m = profiles.terrain_sigma_m();
+  if (!result.solve.converged)
+    report(result.findings, Severity::info, "elevate.not_converged", roads.paths.front().nodes.front(),
+           fmt::format("no convergence after {} iterations", result.solve.iterations));
+  report_breaches(roads, profiles, result.findings);
+  report_off_terrain(result.roads, terrain, result.terrain_sigma_m, result.findings);
   for (const LevelCrossing& level : levels) {
-    const double room = heights.upper_z_m(level) - heights.lower_z_m(level);
-    if (room >= clearance_m - clearance_tolerance_m) continue;
-    findings.push_back({Severity::warning, "elevate.low_clearance",
-                        fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
-                                    roads.paths[level.lower()].osm_id, clearance_m),
-                        level.crossing.p.x, level.crossing.p.y});
+    const double room = room_m(level, profiles);
+    if (room >= options.clearance_m - clearance_tolerance_m) continue;
+    result.findings.push_back(
+        {Severity::warning, "elevate.low_clearance",
+         fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
+                     roads.paths[level.lower()].osm_id, options.clearance_m),
+         level.crossing.p.x, level.crossing.p.y});
   }
 }
 
 }  // namespace
 
-EstimateProfilesResult estimate_profiles(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const ElevateOptions& options,
-                                         Monitor* monitor) {
-  check(roads, dtms, options);
-  EstimateProfilesResult result{.roads = roads};
-  if (roads.paths.empty()) return result;
-  const HeightUnknowns unknowns = gather_height_unknowns(roads, dtms, options.sampling);
-  const PathLinks links = link_path_ends(roads);
-  const std::vector<LevelCrossing> levels = level_crossings(roads);
+EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::vector<HeightGrid>& dtms,
+                                         const ElevateOptions& options, Monitor* monitor) {
+  check(input, dtms, options);
+  EstimateProfilesResult result{.roads = input};
+  if (input.paths.empty()) return result;
+  const RoadNetwork roads = without_contradictions(input, result.findings);
+  TerrainSamples terrain = sample_terrain(roads, dtms, options.sampling, options.threads);
+  report_terrain(roads, terrain, result.findings);
+  const NodeHeights as_sampled = start_heights(roads, terrain);
+  const bool network = options.method == HeightMethod::network;
+  std::vector<LevelCrossing> levels;
+  if (network) levels = find_level_crossings(roads, terrain, result.findings);
+  leave_out_structures(roads, untagged_spans(roads, levels), terrain);
 
-  Heights heights(unknowns);
-  std::vector<HeightFit> fits(unknowns.components.size());
-  std::vector<std::size_t> all(unknowns.components.size());
-  for (std::size_t c = 0; c < all.size(); ++c) all[c] = c;
-  solve_components(all, roads, unknowns, links, std::vector<std::vector<StructureLimit>>(all.size()), options, monitor, fits, heights);
-  make_room(roads, unknowns, links, levels, options, fits, heights);
-
-  for (std::size_t k = 0; k < roads.paths.size(); ++k)
-    for (std::size_t n = 0; n < roads.paths[k].nodes.size(); ++n) {
-      RoadNode& node = result.roads.paths[k].nodes[n];
-      node.z_m = heights.z_m[unknowns.of_node[k][n]];
-      node.sigma_z_m = heights.sigma_z_m[unknowns.of_node[k][n]];
-      node.banking = 0.0;
-      node.banking_source = "none";
-    }
-  set_gradients(result.roads, links);
-  for (std::size_t c = 0; c < fits.size(); ++c) {
-    result.solve.converged = result.solve.converged && fits[c].solve.converged;
-    result.solve.iterations = std::max(result.solve.iterations, fits[c].solve.iterations);
-    result.solve.cost_before += fits[c].solve.cost_before;
-    result.solve.cost_after += fits[c].solve.cost_after;
-    if (fits[c].solve.converged) continue;
-    const RoadPath& path = roads.paths[unknowns.components[c].front()];
-    result.findings.push_back({Severity::info, "elevate.not_converged",
-                               fmt::format("way {} and {} more: no convergence after {} iterations", path.osm_id,
-                                           unknowns.components[c].size() - 1, fits[c].solve.iterations),
-                               path.nodes.front().p.x, path.nodes.front().p.y});
+  if (network) {
+    estimate_network(roads, terrain, start_heights(roads, terrain), levels, options, monitor, result);
+  } else if (options.method == HeightMethod::moving_average) {
+    write_way_profiles(moving_average(roads, as_sampled, options.window), result.roads);
+  } else {
+    const WayProfiles profiles = reference_profiles(roads, as_sampled, options.max_iterations);
+    result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
+                    profiles.solve.cost_after};
+    write_way_profiles(profiles.z_m, result.roads);
   }
-  result.before = energy(roads, unknowns, unknowns.terrain_m);
-  result.after = energy(roads, unknowns, heights.z_m);
-  report_missing_terrain(roads, unknowns, result.findings);
-  report_low_clearance(roads, levels, heights, options.clearance_m, result.findings);
+  NodeHeights z_m;
+  for (RoadPath& path : result.roads.paths) {
+    auto& z = z_m.emplace_back();
+    for (RoadNode& node : path.nodes) {
+      z.push_back(node.z_m);
+      if (node.banking_source.empty()) node.banking_source = "none";
+    }
+  }
+  result.before = energy(roads, terrain, as_sampled);
+  result.after = energy(roads, terrain, z_m);
   return result;
 }
 

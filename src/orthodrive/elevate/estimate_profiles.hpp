@@ -1,8 +1,6 @@
 #pragma once
-// Heights and gradients of road paths from terrain models.
-//
-// After "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.4: height per node; residuals for the
-// gradient, its change and the difference to the terrain under a Cauchy loss. What differs and why: docs/roads.md.
+// Heights and gradients of road paths from terrain models: the whole network as smooth profiles (docs/heights.md), and
+// the methods of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.4, to compare with.
 
 #include <vector>
 
@@ -15,33 +13,42 @@
 
 namespace orthodrive {
 
-struct ElevateOptions {
-  HeightSampling sampling = HeightSampling::cubic;
-  double weight_gradient = 0.2;         ///< w_g; the reference's 1.2 pulls the ends of roads on slopes flat (docs/roads.md)
-  double weight_gradient_change = 12.0; ///< w_v
-  double weight_height = 0.2;           ///< w_e, 1/m
-  double cauchy_scale = 0.5;            ///< of the loss on the weighted height residual
-  double clearance_m = 4.7;             ///< of a bridge's surface over the road below, of a road over a tunnel's surface
-  int max_iterations = 50;
-  int threads = 0;                      ///< 0 = all cores; the result does not depend on it
+enum class HeightMethod {
+  network,         ///< all roads at once: C2 profiles, tangent planes at junctions, limits of the road class, bridges
+  reference,       ///< sec. 3.4.2 as published: way by way, w_g 1.2, w_v 12, w_e 0.2, Cauchy 0.5
+  moving_average,  ///< way by way over `window` samples, as the reference's table 3.6; 1 is the terrain as sampled
 };
 
-/// Means over the nodes where the terrain is the road: it has a height there, and there is no bridge or tunnel
-/// (eq. 3.12 and 3.13 of the reference).
+struct ElevateOptions {
+  HeightMethod method = HeightMethod::network;
+  HeightSampling sampling = HeightSampling::cubic;
+  int window = 35;           ///< samples of the moving average, odd
+  double clearance_m = 4.7;  ///< of a bridge's surface over the road below, of a road over a tunnel's surface
+  int max_iterations = 50;   ///< of each solve
+  int threads = 0;           ///< 0 = all cores; the result does not depend on it
+};
+
+/// Means over the nodes where the terrain is the road: it has a height there, and there is no bridge or tunnel.
 struct ProfileEnergy {
-  double gradient = 0.0;        ///< E_RG: mean squared gradient
-  double height_error_m2 = 0.0; ///< E_h: mean squared difference to the terrain
+  double gradient = 0.0;         ///< E_RG, eq. 3.13: mean squared gradient of the segments
+  double height_error_m2 = 0.0;  ///< E_h, eq. 3.12: mean squared difference to the terrain
 };
 
 struct EstimateProfilesResult {
-  RoadNetwork roads;  ///< z_m, gradient, sigma_z_m of every node; banking 0 with banking_source "none"
+  RoadNetwork roads;  ///< z_m, gradient and (network only) sigma_z_m of every node; banking as it came
   SolveSummary solve;
   ProfileEnergy before, after;  ///< of the sampled terrain and of the result
-  Findings findings;  ///< "elevate.no_terrain", "elevate.low_clearance", "elevate.not_converged"
+  /// Robust standard deviation of the terrain models about the roads, as given; 0 where a model is not used. Network
+  /// only.
+  std::vector<double> terrain_sigma_m;
+  /// "elevate.no_terrain", "elevate.implausible_terrain", "elevate.not_converged"; of the network method also
+  /// "elevate.gradient_over_limit", "elevate.curvature_over_limit", "elevate.off_terrain", "elevate.low_clearance",
+  /// "elevate.assumed_bridge", "elevate.missing_junction", "elevate.contradicting_tags"
+  Findings findings;
 };
 
-/// Terrain models share the roads' CRS (throws OptionError), best first: a node takes the first one that has a height there.
-/// Throws OptionError when there is none at all on the whole network.
+/// Terrain models share the roads' CRS (throws OptionError), best first: a node takes the first one that has a height
+/// there. Throws OptionError when there is none at all on the whole network.
 [[nodiscard]] EstimateProfilesResult estimate_profiles(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms,
                                                        const ElevateOptions& options = {}, Monitor* monitor = nullptr);
 

@@ -21,7 +21,9 @@ struct TrueProfile {
 template <typename Truth>
 HeightScores compare(const RoadNetwork& roads, const ScoreRegion& region, Truth&& truth) {
   std::vector<double> z_errors, gradient_errors, banking_errors;
-  double gradient_squares = 0.0, height_squares = 0.0;
+  double gradient_squares = 0.0, height_squares = 0.0, true_squares = 0.0, difference_squares = 0.0;
+  std::size_t segments = 0;
+  SigmaCount sigma;
   HeightScores scores;
   const auto add = [](std::vector<double>& errors, double ours, double expected) {
     if (!std::isnan(expected)) errors.push_back(ours - expected);
@@ -34,21 +36,33 @@ HeightScores compare(const RoadNetwork& roads, const ScoreRegion& region, Truth&
       const std::optional<TrueProfile> expected = truth(path, node, directions[i]);
       if (!expected) continue;
       ++scores.nodes;
-      gradient_squares += node.gradient * node.gradient;
+      if (i + 1 < path.nodes.size()) {
+        const RoadNode& next = path.nodes[i + 1];
+        const double run_m = distance(node.p, next.p);
+        if (run_m > 0.0 && !std::isnan(next.z_m)) gradient_squares += std::pow((next.z_m - node.z_m) / run_m, 2), ++segments;
+      }
       if (std::isnan(expected->z_m)) continue;
       add(z_errors, node.z_m, expected->z_m);
       add(gradient_errors, node.gradient, expected->gradient);
       add(banking_errors, node.banking, expected->banking);
       height_squares += z_errors.back() * z_errors.back();
+      sigma.add(z_errors.back(), node.sigma_z_m);
+      if (std::isnan(expected->gradient)) continue;
+      true_squares += expected->gradient * expected->gradient;
+      difference_squares += std::pow(node.gradient - expected->gradient, 2);
     }
   }
   scores.z_m = summarize(z_errors);
   scores.gradient = summarize(gradient_errors);
   scores.banking = summarize(banking_errors);
   const auto mean = [](double sum, std::size_t n) { return n == 0 ? nan : sum / static_cast<double>(n); };
-  scores.gradient_energy = mean(gradient_squares, scores.nodes);
+  scores.gradient_energy = mean(gradient_squares, segments);
+  scores.true_gradient_energy = mean(true_squares, gradient_errors.size());
+  scores.gradient_error_energy = mean(difference_squares, gradient_errors.size());
   scores.height_error_energy_m2 = mean(height_squares, z_errors.size());
   scores.compared_share = mean(static_cast<double>(z_errors.size()), scores.nodes);
+  scores.sigma = sigma.coverage();
+  scores.shape = measure_profile_shape(roads, region);
   return scores;
 }
 }  // namespace

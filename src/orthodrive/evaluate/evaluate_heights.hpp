@@ -1,6 +1,7 @@
 #pragma once
 // How well heights, gradients and banking of roads agree with a terrain model or with true roads.
 
+#include "orthodrive/evaluate/profile_shape.hpp"
 #include "orthodrive/evaluate/scores.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/road_network.hpp"
@@ -11,10 +12,14 @@ struct HeightScores {
   ErrorSummary z_m;
   ErrorSummary gradient;                ///< dz/ds
   ErrorSummary banking;                 ///< rad
-  double gradient_energy = 0.0;         ///< mean squared gradient of the roads (thesis eq. 3.13)
-  double height_error_energy_m2 = 0.0;  ///< mean squared difference of the heights (thesis eq. 3.12)
+  double gradient_energy = 0.0;         ///< E_RG: mean squared gradient of the roads' segments (thesis eq. 3.13)
+  double true_gradient_energy = 0.0;    ///< mean squared gradient of the truth at the nodes
+  double gradient_error_energy = 0.0;   ///< mean squared difference of the gradients: E_RG against the true profile
+  double height_error_energy_m2 = 0.0;  ///< E_h: mean squared difference of the heights (thesis eq. 3.12)
+  SigmaCoverage sigma;                  ///< share of the heights within one and two stated sigma, NaN without any
   std::size_t nodes = 0;                ///< in the region and with a height
   double compared_share = 0.0;          ///< of them that the truth has a height for
+  ProfileShape shape;                   ///< of the whole network in the region, bridges too
 };
 
 /// Compares at the nodes. Truth of the gradient: the terrain's slope along the road over two pixels; of the banking:

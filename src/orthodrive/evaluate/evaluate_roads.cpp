@@ -85,21 +85,6 @@ class TruthWidths {
   std::vector<Box2> bounds_;  ///< of the surfaces, so that a line without a name need not try all
 };
 
-/// Counts of errors within one and two sigma.
-struct SigmaCount {
-  std::size_t all = 0, one = 0, two = 0;
-  void add(double error, double sigma) {
-    if (!(sigma > 0.0)) return;
-    ++all;
-    one += std::abs(error) <= sigma ? 1 : 0;
-    two += std::abs(error) <= 2.0 * sigma ? 1 : 0;
-  }
-  [[nodiscard]] SigmaCoverage coverage() const {
-    if (all == 0) return {nan, nan};
-    return {static_cast<double>(one) / static_cast<double>(all), static_cast<double>(two) / static_cast<double>(all)};
-  }
-};
-
 /// Counts where refinement went the wrong way.
 class MoveCount {
  public:

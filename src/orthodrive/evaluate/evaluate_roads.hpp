@@ -36,11 +36,6 @@ struct EvaluateRoadsOptions {
   const RoadNetwork* before = nullptr;
 };
 
-/// Share of the errors within so many of the sigmas that the nearest node states. NaN where no node states any.
-struct SigmaCoverage {
-  double one = 0.0, two = 0.0;
-};
-
 /// Places on truth lines that had a road before: at how many of them it is further away from the truth now? A place
 /// whose road is out of reach now counts as both. Moves of less than a millimetre are none.
 struct MovedAway {

@@ -1,8 +1,10 @@
 #pragma once
 // What all evaluations share: where they look, and how errors are summed up.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -29,5 +31,25 @@ struct ErrorSummary {
   std::size_t n = 0;
 };
 [[nodiscard]] ErrorSummary summarize(const std::vector<double>& errors);
+
+/// Share of the errors within so many of the sigmas that the nearest node states. NaN where no node states any.
+struct SigmaCoverage {
+  double one = std::numeric_limits<double>::quiet_NaN(), two = one;
+};
+
+/// Counts of errors within one and two sigma.
+struct SigmaCount {
+  std::size_t all = 0, one = 0, two = 0;
+  void add(double error, double sigma) {
+    if (!(sigma > 0.0)) return;
+    ++all;
+    one += std::abs(error) <= sigma ? 1 : 0;
+    two += std::abs(error) <= 2.0 * sigma ? 1 : 0;
+  }
+  [[nodiscard]] SigmaCoverage coverage() const {
+    if (all == 0) return {};
+    return {static_cast<double>(one) / static_cast<double>(all), static_cast<double>(two) / static_cast<double>(all)};
+  }
+};
 
 }  // namespace orthodrive

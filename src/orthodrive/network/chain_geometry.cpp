@@ -66,7 +66,8 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
     banking.push_back({plan.point_s[i], line.nodes[i].banking});
     crown.push_back({plan.point_s[i], std::tan(line.nodes[i].crown)});
   }
-  ProfileFit elevation = fit_profile(z, {options.elevation_tolerance_m, chain.closed});
+  for (const std::size_t joint : line.joint) geometry.vertex_s.push_back(plan.point_s[joint]);
+  ProfileFit elevation = fit_spline(z, {options.elevation_tolerance_m, chain.closed}, geometry.vertex_s);
   geometry.elevation = std::move(elevation.cubics);
   geometry.max_elevation_error_m = elevation.max_error;
   const auto is_not_zero = [](const ProfileSample& b) { return b.value != 0.0; };
@@ -75,7 +76,6 @@ ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceN
   if (std::any_of(crown.begin(), crown.end(), is_not_zero))
     geometry.crown = fit_profile(crown, {options.banking_tolerance_rad, chain.closed}).cubics;
 
-  for (const std::size_t joint : line.joint) geometry.vertex_s.push_back(plan.point_s[joint]);
   for (std::size_t k = 0; k + 1 < line.joint.size(); ++k) {
     std::vector<ProfileSample> widths;
     for (std::size_t i = line.joint[k]; i <= line.joint[k + 1]; ++i)

@@ -25,16 +25,6 @@ Cubic moved_to(const Cubic& cubic, double s) {
   return {s, value_at(cubic, s), slope_at(cubic, s), cubic.c + 3.0 * cubic.d * ds, cubic.d};
 }
 
-std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples) {
-  constexpr double min_step_m = 0.01;
-  std::vector<ProfileSample> kept{samples.front()};
-  for (const ProfileSample& sample : samples.subspan(1))
-    if (sample.s - kept.back().s >= min_step_m) kept.push_back(sample);
-  // The end counts more than the one before it.
-  if (kept.size() > 1 && kept.back().s < samples.back().s) kept.back() = samples.back();
-  return kept;
-}
-
 /// Slope at b of the parabola through three samples.
 double parabola_slope(ProfileSample a, ProfileSample b, ProfileSample c) {
   const double h1 = b.s - a.s, h2 = c.s - b.s, m1 = (b.value - a.value) / h1, m2 = (c.value - b.value) / h2;
@@ -73,6 +63,16 @@ std::vector<double> slopes(const std::vector<ProfileSample>& samples, bool close
 }
 
 }  // namespace
+
+std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples) {
+  constexpr double min_step_m = 0.01;
+  std::vector<ProfileSample> kept{samples.front()};
+  for (const ProfileSample& sample : samples.subspan(1))
+    if (sample.s - kept.back().s >= min_step_m) kept.push_back(sample);
+  // The end counts more than the one before it.
+  if (kept.size() > 1 && kept.back().s < samples.back().s) kept.back() = samples.back();
+  return kept;
+}
 
 Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1) {
   const double l = s1 - s0, mean = (v1 - v0) / l;

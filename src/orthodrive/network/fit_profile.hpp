@@ -1,5 +1,5 @@
 #pragma once
-// Heights, superelevation and widths along a road: few cubics that join with equal value and slope (C1).
+// Superelevation and widths along a road: few cubics that join with equal value and slope (C1). Heights: fit_spline.hpp.
 
 #include <span>
 #include <vector>
@@ -26,6 +26,8 @@ struct ProfileFit {
 /// 1 cm to the one before are left out. At least one sample.
 [[nodiscard]] ProfileFit fit_profile(std::span<const ProfileSample> samples, const FitProfileOptions& options = {});
 
+/// Samples at least 1 cm apart; the last one stays.
+[[nodiscard]] std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples);
 /// The cubic with these values and slopes at both ends.
 [[nodiscard]] roadquery::Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1);
 /// The part from s0 to s1 with s from 0.

@@ -10,6 +10,7 @@ ScoreJson to_json(const ErrorSummary& e) {
   return {{"bias", e.bias}, {"mean_abs", e.mean_abs}, {"p95", e.p95}, {"n", e.n}};
 }
 ScoreJson to_json(const SigmaCoverage& c) { return {{"1", c.one}, {"2", c.two}}; }
+ScoreJson to_json(const ProfileKink& k) { return {{"size", k.size}, {"x_m", k.where.x}, {"y_m", k.where.y}}; }
 }  // namespace
 
 namespace {
@@ -134,7 +135,17 @@ ScoreJson to_json(const HeightScores& scores) {
           {"gradient", to_json(scores.gradient)},
           {"banking", to_json(scores.banking)},
           {"gradient_energy", scores.gradient_energy},
+          {"true_gradient_energy", scores.true_gradient_energy},
+          {"gradient_error_energy", scores.gradient_error_energy},
           {"height_error_energy", scores.height_error_energy_m2},
+          {"sigma_coverage", to_json(scores.sigma)},
+          {"largest_kink", to_json(scores.shape.along)},
+          {"largest_junction_kink", to_json(scores.shape.junction)},
+          {"largest_step_m", to_json(scores.shape.step_m)},
+          {"junctions", scores.shape.junctions},
+          {"crossings", scores.shape.crossings},
+          {"level_crossings", scores.shape.level_crossings},
+          {"min_clearance_m", scores.shape.min_clearance_m},
           {"nodes", scores.nodes},
           {"compared_share", scores.compared_share}};
 }

@@ -1,0 +1,26 @@
+#pragma once
+// What road builders allow a profile to do, by highway class.
+
+#include <string>
+
+namespace orthodrive {
+
+/// Of the profile along a road.
+struct ProfileLimits {
+  double design_speed_kmh = 0.0;
+  double gradient = 0.0;        ///< largest, up or down
+  double crest_radius_m = 0.0;  ///< least; curvature d2z/ds2 >= -1 / crest_radius_m
+  double sag_radius_m = 0.0;    ///< least; curvature d2z/ds2 <= 1 / sag_radius_m
+};
+
+/// Minima for existing roads of the class, in towns as in hills: OSM's class does not say where a road lies. Unknown
+/// values count as service.
+[[nodiscard]] ProfileLimits profile_limits(const std::string& highway);
+
+/// Vertical curvature (1/m) at which an occupant feels 0.3 m/s2: what drivers find comfortable (AASHTO, A Policy on
+/// Geometric Design of Highways and Streets, 2011, sec. 3.4.6, sag curves by comfort). What a road usually keeps to.
+[[nodiscard]] double comfortable_curvature_1pm(double design_speed_kmh);
+/// Least length of a vertical curve, m: 0.6 V (the same, sec. 3.4.6).
+[[nodiscard]] double vertical_curve_length_m(double design_speed_kmh);
+
+}  // namespace orthodrive

@@ -1,0 +1,16 @@
+#pragma once
+// Elevations along a road: a cubic spline, C2, through as few of the samples as keep all others within the tolerance.
+
+#include "orthodrive/network/fit_profile.hpp"
+
+namespace orthodrive::network {
+
+/// De Boor, A Practical Guide to Splines, 1978, ch. IV: knots at samples, second derivatives from a tridiagonal system;
+/// ends have the slope of the parabola through the samples there, closed profiles go on in themselves. Intervals are
+/// halved until their samples fit. The samples nearest to `exact_s` (ascending) are knots from the start, so that what
+/// meets there meets exactly. s must not decrease; samples closer than 1 cm to the one before are left out. At least
+/// one sample.
+[[nodiscard]] ProfileFit fit_spline(std::span<const ProfileSample> samples, const FitProfileOptions& options = {},
+                                    std::span<const double> exact_s = {});
+
+}  // namespace orthodrive::network
