@@ -79,6 +79,7 @@ struct Road {
   std::vector<Cubic> superelevation;  ///< positive = left side higher (rotation about the reference line, 1.7 9.3)
   std::vector<Cubic> lane_offset;
   std::vector<LaneSection> sections;
+  double speed_limit_mps = 0.0;  ///< of the first <type>; 0: none given
   // Our userData: where the road comes from.
   std::string osm_id, highway;
   int layer = 0;
@@ -93,10 +94,15 @@ struct Connection {
   ContactPoint contact = ContactPoint::start;
   std::vector<LaneLink> lane_links;
 };
+/// Of two connecting roads: who is on `high` goes first.
+struct Priority {
+  int high = 0, low = 0;
+};
 struct Junction {
   int id = 0;
   std::string name;
   std::vector<Connection> connections;
+  std::vector<Priority> priorities;
 };
 
 struct RoadMap {

@@ -141,6 +141,27 @@ void add_user_data(pugi::xml_node road, const char* code, const std::string& val
   set(node, "value", value);
 }
 
+void add_type(pugi::xml_node road_node, const Road& road) {
+  pugi::xml_node type = road_node.append_child("type");
+  set(type, "s", "0");
+  set(type, "type", road_type(road.highway));
+  if (road.speed_limit_mps <= 0.0) return;
+  pugi::xml_node speed = type.append_child("speed");
+  set(speed, "max", trimmed(fmt::format("{:.2f}", road.speed_limit_mps * 3.6)));
+  set(speed, "unit", "km/h");
+}
+
+/// A bridge or tunnel as an object as long as its road.
+void add_objects(pugi::xml_node road_node, const Road& road) {
+  if (!road.bridge && !road.tunnel) return;
+  pugi::xml_node node = road_node.append_child("objects").append_child(road.bridge ? "bridge" : "tunnel");
+  set(node, "s", "0");
+  set(node, "length", metres(road.length));
+  set(node, "id", fmt::format("{}_{}", road.bridge ? "bridge" : "tunnel", road.id));
+  if (!road.name.empty()) set(node, "name", road.name);
+  set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
+}
+
 void add_road(pugi::xml_node root, const Road& road) {
   pugi::xml_node node = root.append_child("road");
   if (!road.name.empty()) set(node, "name", road.name);
@@ -151,9 +172,7 @@ void add_road(pugi::xml_node root, const Road& road) {
   pugi::xml_node link = node.append_child("link");
   add_link(link, "predecessor", road.predecessor);
   add_link(link, "successor", road.successor);
-  pugi::xml_node type = node.append_child("type");
-  set(type, "s", "0");
-  set(type, "type", road_type(road.highway));
+  add_type(node, road);
   pugi::xml_node plan = node.append_child("planView");
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
@@ -173,6 +192,7 @@ void add_road(pugi::xml_node root, const Road& road) {
     for (const Cubic& cubic : road.superelevation) add_cubic(profile, "superelevation", cubic);
   }
   add_lanes(node, road);
+  add_objects(node, road);
   if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
   if (!road.highway.empty()) add_user_data(node, "highway", road.highway);
   if (road.layer != 0) add_user_data(node, "layer", std::to_string(road.layer));
@@ -195,6 +215,11 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
       set(l, "from", link.from);
       set(l, "to", link.to);
     }
+  }
+  for (const roadquery::Priority& priority : junction.priorities) {
+    pugi::xml_node p = node.append_child("priority");
+    set(p, "high", priority.high);
+    set(p, "low", priority.low);
   }
 }
 

@@ -41,10 +41,9 @@ std::vector<Stretch> cut_at_junctions(const Topology& topology, const std::vecto
   return stretches;
 }
 
-bool on_roundabout(const RoadNetwork& roads, const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch) {
+bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch) {
   const std::size_t k = piece_at(geometry, 0.5 * (stretch.s0 + stretch.s1));
-  const Piece& piece = topology.pieces[at(topology.chains[at(stretch.chain)].pieces[k].piece)];
-  return roads.paths[at(piece.path)].roundabout;
+  return topology.ring_of_piece[at(topology.chains[at(stretch.chain)].pieces[k].piece)] >= 0;
 }
 
 /// Sampled from the junction outwards.
@@ -100,8 +99,8 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
 
 class JunctionPlanner {
  public:
-  JunctionPlanner(const RoadNetwork& roads, const Topology& topology, const std::vector<ChainGeometry>& geometry)
-      : roads_(roads), topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
+  JunctionPlanner(const Topology& topology, const std::vector<ChainGeometry>& geometry)
+      : topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
     std::iota(group_.begin(), group_.end(), 0);
     plan_.stretches = cut_at_junctions(topology, geometry);
   }
@@ -110,6 +109,8 @@ class JunctionPlanner {
     cut_back();
     join_close_junctions();
     cut_back();  // joined junctions have more arms
+    absorb_inner_roads();
+    cut_back();
     shorten_cuts();
     number_junctions();
     return std::move(plan_);
@@ -144,11 +145,20 @@ class JunctionPlanner {
     for (Stretch& stretch : plan_.stretches) {
       if (stretch.vertex0 < 0 || stretch.vertex1 < 0) continue;
       const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-      const bool ring = on_roundabout(roads_, topology_, geometry_[at(stretch.chain)], stretch);
+      const bool ring = on_roundabout(topology_, geometry_[at(stretch.chain)], stretch);
       stretch.inside = ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished;
       if (!stretch.inside) continue;
       const int a = group(stretch.vertex0), b = group(stretch.vertex1);
       group_[at(std::max(a, b))] = std::min(a, b);
+    }
+  }
+
+  /// What is left between two vertices of one junction is a road of its own only if both its cuts fit.
+  void absorb_inner_roads() {
+    for (Stretch& stretch : plan_.stretches) {
+      if (stretch.inside || stretch.vertex0 < 0 || stretch.vertex1 < 0 || group(stretch.vertex0) != group(stretch.vertex1)) continue;
+      if (on_roundabout(topology_, geometry_[at(stretch.chain)], stretch)) continue;
+      stretch.inside = stretch.s1 - stretch.s0 - min_road_m < stretch.trim0_m + stretch.trim1_m;
     }
   }
 
@@ -172,7 +182,6 @@ class JunctionPlanner {
     }
   }
 
-  const RoadNetwork& roads_;
   const Topology& topology_;
   const std::vector<ChainGeometry>& geometry_;
   std::vector<int> group_;  ///< union-find: the lowest vertex of the joined junction
@@ -181,9 +190,8 @@ class JunctionPlanner {
 
 }  // namespace
 
-JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology,
-                            const std::vector<ChainGeometry>& geometry) {
-  return JunctionPlanner(roads, topology, geometry).run();
+JunctionPlan plan_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry) {
+  return JunctionPlanner(topology, geometry).run();
 }
 
 }  // namespace orthodrive::network
