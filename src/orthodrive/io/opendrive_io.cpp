@@ -97,7 +97,14 @@ const char* lane_type(roadquery::LaneType type) {
   return "none";
 }
 
-void add_lane(pugi::xml_node side, const Lane& lane) {
+void add_speed(pugi::xml_node parent, double limit_mps) {
+  pugi::xml_node speed = parent.append_child("speed");
+  set(speed, "max", trimmed(fmt::format("{:.2f}", limit_mps * 3.6)));
+  set(speed, "unit", "km/h");
+}
+
+/// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only.
+void add_lane(pugi::xml_node side, const Lane& lane, double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
   set(node, "type", lane_type(lane.type));
@@ -115,6 +122,10 @@ void add_lane(pugi::xml_node side, const Lane& lane) {
     set(m, "color", "standard");
     set(m, "width", metres(mark.width));
   }
+  if (limit_mps > 0.0 && lane.id != 0 && lane.type == roadquery::LaneType::driving) {
+    add_speed(node, limit_mps);
+    node.last_child().prepend_attribute("sOffset") = "0";
+  }
 }
 
 void add_lanes(pugi::xml_node parent, const Road& road) {
@@ -125,12 +136,12 @@ void add_lanes(pugi::xml_node parent, const Road& road) {
     set(node, "s", metres(section.s));
     if (!section.left.empty()) {
       pugi::xml_node left = node.append_child("left");  // by custom from the outside in: ids descend through the section
-      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane) add_lane(left, *lane);
+      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane) add_lane(left, *lane, road.speed_limit_mps);
     }
     add_lane(node.append_child("center"), section.center);
     if (!section.right.empty()) {
       pugi::xml_node right = node.append_child("right");
-      for (const Lane& lane : section.right) add_lane(right, lane);
+      for (const Lane& lane : section.right) add_lane(right, lane, road.speed_limit_mps);
     }
   }
 }
@@ -145,10 +156,7 @@ void add_type(pugi::xml_node road_node, const Road& road) {
   pugi::xml_node type = road_node.append_child("type");
   set(type, "s", "0");
   set(type, "type", road_type(road.highway));
-  if (road.speed_limit_mps <= 0.0) return;
-  pugi::xml_node speed = type.append_child("speed");
-  set(speed, "max", trimmed(fmt::format("{:.2f}", road.speed_limit_mps * 3.6)));
-  set(speed, "unit", "km/h");
+  if (road.speed_limit_mps > 0.0) add_speed(type, road.speed_limit_mps);
 }
 
 /// A bridge or tunnel as an object as long as its road.

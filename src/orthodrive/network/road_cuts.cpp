@@ -11,11 +11,12 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double min_part_m = 0.5;      // shorter pieces of way are left to the road before them
-constexpr double min_split_m = 6.0;     // shorter roads are not divided
+constexpr double min_split_m = 0.8;     // shorter roads are not divided
 constexpr double sample_m = 2.0;        // step of polylines: SUMO's default
 // SUMO warns below 9 m; a car at walking pace turns with 5 - 6 m.
 constexpr double calm_radius_m = 9.5;
 constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not show
+constexpr double joint_reach_m = 3.0, joint_share = 0.6;  // so much calmer (16 m) within 3 m of a joint
 constexpr double step_m = 0.25;
 constexpr double min_road_m = 3.0;      // shorter ones are not shortened further
 constexpr double dead_end_m = 1.5;      // a dead end may become this much shorter
@@ -115,7 +116,17 @@ class StretchCuts {
     double radius = INFINITY;
     if (k > 0) radius = std::min(radius, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, reversed(k - 1)));
     if (k + 1 < cuts_.size()) radius = std::min(radius, end_radius_m(geometry_.plan, s, cuts_[k + 1], false, reversed(k)));
+    // Between two roads the line goes on: they should not meet in the middle of a corner either.
+    if (k > 0 && k + 1 < cuts_.size()) radius = std::min(radius, joint_share * turn_radius_m(s));
     return radius;
+  }
+
+  /// Radius of the turn within a few metres about s.
+  [[nodiscard]] double turn_radius_m(double s) const {
+    const double s0 = std::max(s - joint_reach_m, cuts_.front()), s1 = std::min(s + joint_reach_m, cuts_.back());
+    const Vec2 a = pose_at(geometry_.plan, s0).direction, b = pose_at(geometry_.plan, s1).direction;
+    const double turn = std::abs(std::atan2(cross(a, b), dot(a, b)));
+    return turn > 0.0 ? (s1 - s0) / turn : INFINITY;
   }
 
   /// Moves cut k to the nearest calm place, at worst to the calmest.

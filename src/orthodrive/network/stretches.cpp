@@ -14,7 +14,7 @@ constexpr double reach_m = 40.0;       // narrow forks overlap for long: roads a
 constexpr double step_m = 0.5;
 constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
 constexpr double min_road_m = 1.0;     // what is left of a road between two junctions
-constexpr double join_share = 0.4;     // junctions join when less than this share of the wished cuts fits between them
+constexpr double join_share = 0.65;    // junctions join when less than this share of the wished cuts fits between them
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
