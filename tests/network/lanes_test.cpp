@@ -69,36 +69,62 @@ TEST(LaneMatch, lanes_open_and_end_outside_and_turn_lanes_inside) {
   EXPECT_EQ(match(1, 2, 3), (std::array{0, 1, 1, 1}));
 }
 
-TEST(Lanes, an_added_lane_tapers_in_and_the_edges_stay) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 7.0}),
-                  make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 10.5, .lanes = 3})}));
+TEST(Lanes, an_added_lane_of_a_one_way_road_tapers_in_and_the_edges_stay) {
+  PathOptions one{.osm_id = 1, .highway = "primary", .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1};
+  PathOptions two{.osm_id = 2, .highway = "primary", .width_m = 7.0, .oneway = Oneway::forward, .lanes = 2};
+  const NetworkResult result =
+      build_network(network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, one), make_path({{100, 0}, {200, 0}}, {2, 3}, two)}));
   expect_sound(result.map);
   EXPECT_TRUE(result.map.junctions.empty());
   const Road &a = road_of(result.map, "1"), &b = road_of(result.map, "2");
   const auto& lanes = b.sections[0].right;
   ASSERT_EQ(lanes.size(), 2u);
   EXPECT_EQ(lanes[0].predecessor, -1);
+  EXPECT_EQ(a.sections[0].right[0].successor, -1);
   EXPECT_FALSE(lanes[1].predecessor);
   EXPECT_NEAR(roadquery::lane_width(lanes[1], 0.0), 0.0, 1e-9);
   EXPECT_NEAR(roadquery::lane_width(lanes[1], 50.0), 3.5, 0.01);
-  EXPECT_NEAR(roadquery::evaluate(b.lane_offset, 0.0), roadquery::evaluate(a.lane_offset, a.length), 1e-9);
-  EXPECT_NEAR(roadquery::evaluate(b.lane_offset, 60.0), 1.75, 0.01);
-  EXPECT_EQ(b.sections[0].left[0].predecessor, 1);
-  EXPECT_EQ(a.sections[0].right[0].successor, -1);
   for (double s = 0.0; s <= b.length; s += 0.7) {  // whatever the lanes do, they fill the carriageway
     const roadquery::Edges edges = roadquery::road_edges(b, s);
     EXPECT_NEAR(edges.left_t + edges.right_t, 0.0, 1e-9) << s;
-    double last = -1e-9;
-    for (const Lane& lane : lanes) EXPECT_GE(roadquery::lane_width(lane, s), last) << s;
+    for (const Lane& lane : lanes) EXPECT_GE(roadquery::lane_width(lane, s), -1e-9) << s;
   }
 }
 
-TEST(Lanes, a_turn_lane_opens_inside) {
-  RoadPath wide = make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 10.5, .lanes = 3});
-  wide.lanes_forward = 2, wide.lanes_backward = 1, wide.turn_forward = "left|through";
+TEST(Lanes, a_lane_of_a_two_way_road_that_ends_tapers_out) {
+  RoadPath three = make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 10.5, .lanes = 3});
+  RoadPath next = make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 7.0, .lanes = 2});
+  const NetworkResult result = build_network(network_of({three, next}));
+  expect_sound(result.map);
+  EXPECT_TRUE(result.map.junctions.empty());
+  const Road &a = road_of(result.map, "1"), &b = road_of(result.map, "2");
+  const auto& lanes = a.sections[0].right;
+  ASSERT_EQ(lanes.size(), 2u);
+  EXPECT_EQ(lanes[0].successor, -1);
+  EXPECT_FALSE(lanes[1].successor);
+  EXPECT_NEAR(roadquery::lane_width(lanes[1], a.length), 0.0, 1e-9);
+  EXPECT_NEAR(roadquery::evaluate(a.lane_offset, a.length), roadquery::evaluate(b.lane_offset, 0.0), 1e-9);
+  EXPECT_NEAR(roadquery::evaluate(a.lane_offset, 40.0), 1.75, 0.01);
+  for (double s = 0.0; s <= a.length; s += 0.7)
+    EXPECT_NEAR(roadquery::road_edges(a, s).left_t + roadquery::road_edges(a, s).right_t, 0.0, 1e-9) << s;
+}
+
+TEST(Lanes, a_lane_that_a_two_way_road_gains_is_reached_through_a_junction) {
   const NetworkResult result = build_network(
-      network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 7.0}), wide}));
+      network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 7.0, .lanes = 2}),
+                  make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 10.5, .lanes = 3})}));
+  expect_sound(result.map);
+  ASSERT_EQ(result.map.junctions.size(), 1u);
+  EXPECT_EQ(movements(result.map, "1", "2").size(), 2u) << "one for each lane";
+  EXPECT_EQ(movements(result.map, "2", "1").size(), 1u);
+}
+
+TEST(Lanes, a_turn_lane_opens_inside) {
+  PathOptions one{.osm_id = 1, .highway = "primary", .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1};
+  RoadPath wide = make_path({{100, 0}, {200, 0}}, {2, 3},
+                            {.osm_id = 2, .highway = "primary", .width_m = 7.0, .oneway = Oneway::forward, .lanes = 2});
+  wide.turn_forward = "left|through";
+  const NetworkResult result = build_network(network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, one), wide}));
   expect_sound(result.map);
   const auto& lanes = road_of(result.map, "2").sections[0].right;
   ASSERT_EQ(lanes.size(), 2u);
@@ -285,6 +311,29 @@ TEST(Roundabout, that_is_not_closed_is_closed_along_its_circle) {
   EXPECT_EQ(count_findings(open, "network.roundabout_open"), 1);
   expect_sound(open.map);
   EXPECT_EQ(open.map.roads.size(), 1u);
+}
+
+TEST(Roundabout, of_two_way_roads_is_assumed_where_it_is_a_circle_with_arms) {
+  RoadNetwork roads = ring_with_arms(false);
+  for (RoadPath& path : roads.paths) path.oneway = Oneway::no;
+  RoadPath& turned = roads.paths[4];  // one of its ways runs the other way round
+  const double length = turned.nodes.back().s_m;
+  std::reverse(turned.nodes.begin(), turned.nodes.end());
+  for (RoadNode& node : turned.nodes) node.s_m = length - node.s_m;
+  const NetworkResult result = build_network(roads);
+  EXPECT_EQ(count_findings(result, "network.roundabout_assumed"), 1);
+  expect_ring(result.map, 15.0);
+  // Two arms are a lay-by, and a block's corners are no circle.
+  roads.paths.erase(roads.paths.begin() + 7);
+  roads.paths.erase(roads.paths.begin() + 5);
+  EXPECT_EQ(count_findings(build_network(roads), "network.roundabout_assumed"), 0);
+  std::vector<RoadPath> block;
+  const Vec2 corner[] = {{0, 0}, {40, 0}, {40, 40}, {0, 40}};
+  for (int i = 0; i < 4; ++i) {
+    block.push_back(make_path({corner[i], corner[(i + 1) % 4]}, {i + 1, (i + 1) % 4 + 1}, {.osm_id = i + 1}));
+    block.push_back(make_path({corner[i], corner[i] * 3.0 - Vec2{40, 40}}, {i + 1, i + 11}, {.osm_id = i + 11}));
+  }
+  EXPECT_EQ(count_findings(build_network(network_of(block)), "network.roundabout_assumed"), 0);
 }
 
 TEST(Junction, of_nine_roads_connects_them_all) {

@@ -181,7 +181,7 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
 
 std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
   std::set<int> told;  // paths whose lanes were reduced
-  const std::vector<std::vector<double>> all_cuts = cut_roads(plan.roads, plan.topology, plan.geometry, plan.junctions);
+  const std::vector<std::vector<double>> all_cuts = cut_roads(plan.roads, plan.topology, plan.geometry, plan.junctions, plan.options.left_hand_traffic);
   std::vector<std::vector<JunctionEnd>> ends(at(plan.junctions.junctions));
   const auto add_end = [&](int vertex, JunctionEnd end) {
     end.vertex = vertex;

@@ -48,7 +48,9 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     if (monitor) monitor->progress(fraction, "network");
   };
   progress(0.0);
-  const RoadNetwork roads = close_roundabouts(with_heights(input, result.findings), result.findings);
+  const RoadNetwork roads =
+      assume_roundabouts(close_roundabouts(with_heights(input, result.findings), result.findings),
+                         options.left_hand_traffic, result.findings);
   const Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
   const std::vector<std::vector<PieceNode>> pieces = join_pieces(roads, topology, result.findings);
 

@@ -21,17 +21,27 @@ constexpr double step_m = 0.25;
 constexpr double min_road_m = 3.0;      // shorter ones are not shortened further
 constexpr double dead_end_m = 1.5;      // a dead end may become this much shorter
 constexpr double outwards_m = 10.0, along_m = 15.0;
+constexpr double abutment_m = 1.0;      // bridges and tunnels begin where they begin
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// How a road lies on its chain.
+struct RoadSide {
+  bool reversed = false;  ///< it runs against the chain
+  double offset_m = 0.0;  ///< of the inner edge of its lanes, to the left of the chain
+};
+
 /// The last three vertices of a road from s0 to s1 as a polyline that has each element's ends and a vertex every 2 m from
-/// its start, as seen from the end `at_s1` (or s0) inwards. `reversed`: the road runs against the chain.
+/// its start, as seen from the end `at_s1` (or s0) inwards.
 std::array<Vec2, 3> end_vertices(const std::vector<roadquery::PlanElement>& plan, double s0, double s1, bool at_s1,
-                                 bool reversed) {
+                                 const RoadSide& road) {
+  const bool reversed = road.reversed;
   std::array<Vec2, 3> vertices;
   std::size_t count = 0;
   const auto add = [&](double s) {
-    if (count < vertices.size()) vertices[count++] = pose_at(plan, std::clamp(s, s0, s1)).p;
+    if (count >= vertices.size()) return;
+    const Pose pose = pose_at(plan, std::clamp(s, s0, s1));
+    vertices[count++] = pose.p + left_normal(pose.direction) * road.offset_m;
   };
   const double end = at_s1 ? s1 : s0, inwards = at_s1 ? -1.0 : 1.0;
   auto element = std::upper_bound(plan.begin() + 1, plan.end(), end + (at_s1 ? -1e-6 : 1e-6),
@@ -57,8 +67,8 @@ std::array<Vec2, 3> end_vertices(const std::vector<roadquery::PlanElement>& plan
 }
 
 /// Radius of the turn at the end of a road that such a polyline shows.
-double end_radius_m(const std::vector<roadquery::PlanElement>& plan, double s0, double s1, bool at_s1, bool reversed) {
-  const auto [a, b, c] = end_vertices(plan, s0, s1, at_s1, reversed);
+double end_radius_m(const std::vector<roadquery::PlanElement>& plan, double s0, double s1, bool at_s1, const RoadSide& road) {
+  const auto [a, b, c] = end_vertices(plan, s0, s1, at_s1, road);
   const double turn = std::abs(std::atan2(cross(b - a, c - b), dot(b - a, c - b)));
   return turn < flat_turn_rad ? INFINITY : distance(a, b) / std::tan(0.5 * turn);
 }
@@ -66,8 +76,9 @@ double end_radius_m(const std::vector<roadquery::PlanElement>& plan, double s0, 
 /// Roads of one stretch while their cuts are found.
 class StretchCuts {
  public:
-  StretchCuts(const RoadNetwork& roads, const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch)
-      : roads_(roads), topology_(topology), geometry_(geometry), chain_(topology.chains[at(stretch.chain)]), stretch_(stretch) {
+  StretchCuts(const RoadNetwork& roads, const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch,
+              bool left_hand_traffic)
+      : left_hand_traffic_(left_hand_traffic), roads_(roads), topology_(topology), geometry_(geometry), chain_(topology.chains[at(stretch.chain)]), stretch_(stretch) {
     const double begin = stretch.s0 + stretch.trim0_m, end = stretch.s1 - stretch.trim1_m;
     cuts_.push_back(begin);
     for (const double s : geometry.vertex_s)
@@ -93,7 +104,7 @@ class StretchCuts {
     const std::size_t last = cuts_.size() - 1;
     if (!ring) move(0, 0.0, stretch_.vertex0 >= 0 ? outwards_m : dead_end_m);
     for (std::size_t k = 1; k < last; ++k) {
-      const double reach = same_level(k) ? along_m : 0.0;
+      const double reach = same_level(k) ? along_m : abutment_m;
       move(k, -reach, reach);
     }
     if (!ring) move(last, stretch_.vertex1 >= 0 ? -outwards_m : -dead_end_m, 0.0);
@@ -102,7 +113,13 @@ class StretchCuts {
 
  private:
   [[nodiscard]] ChainPiece piece(double s0, double s1) const { return chain_.pieces[piece_at(geometry_, 0.5 * (s0 + s1))]; }
-  [[nodiscard]] bool reversed(std::size_t road) const { return piece(cuts_[road], cuts_[road + 1]).reversed; }
+  /// All lanes of a one-way road lie to one side of its centre lane, half the width beside the reference line.
+  [[nodiscard]] RoadSide side(std::size_t road) const {
+    const ChainPiece part = piece(cuts_[road], cuts_[road + 1]);
+    const bool one_way = roads_.paths[at(topology_.pieces[at(part.piece)].path)].oneway == Oneway::forward;
+    const double left = part.reversed == left_hand_traffic_ ? 1.0 : -1.0;
+    return {part.reversed, one_way ? left * 0.5 * width_at(geometry_, 0.5 * (cuts_[road] + cuts_[road + 1])) : 0.0};
+  }
   [[nodiscard]] bool same_level(std::size_t cut) const {
     const auto path = [&](std::size_t road) -> const RoadPath& {
       return roads_.paths[at(topology_.pieces[at(piece(cuts_[road], cuts_[road + 1]).piece)].path)];
@@ -114,8 +131,8 @@ class StretchCuts {
   /// The smaller radius of both roads that meet at cut k, were it at s.
   [[nodiscard]] double radius_m(std::size_t k, double s) const {
     double radius = INFINITY;
-    if (k > 0) radius = std::min(radius, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, reversed(k - 1)));
-    if (k + 1 < cuts_.size()) radius = std::min(radius, end_radius_m(geometry_.plan, s, cuts_[k + 1], false, reversed(k)));
+    if (k > 0) radius = std::min(radius, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, side(k - 1)));
+    if (k + 1 < cuts_.size()) radius = std::min(radius, end_radius_m(geometry_.plan, s, cuts_[k + 1], false, side(k)));
     // Between two roads the line goes on: they should not meet in the middle of a corner either.
     if (k > 0 && k + 1 < cuts_.size()) radius = std::min(radius, joint_share * turn_radius_m(s));
     return radius;
@@ -146,6 +163,7 @@ class StretchCuts {
     cuts_[k] = best;
   }
 
+  bool left_hand_traffic_;
   const RoadNetwork& roads_;
   const Topology& topology_;
   const ChainGeometry& geometry_;
@@ -157,13 +175,14 @@ class StretchCuts {
 }  // namespace
 
 std::vector<std::vector<double>> cut_roads(const RoadNetwork& roads, const Topology& topology,
-                                           const std::vector<ChainGeometry>& geometry, const JunctionPlan& junctions) {
+                                           const std::vector<ChainGeometry>& geometry, const JunctionPlan& junctions,
+                                           bool left_hand_traffic) {
   std::map<std::pair<int, int>, int> roads_between;  // pairs of junctions
   std::vector<std::vector<double>> result(junctions.stretches.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
     if (stretch.inside) continue;
-    StretchCuts cuts(roads, topology, geometry[at(stretch.chain)], stretch);
+    StretchCuts cuts(roads, topology, geometry[at(stretch.chain)], stretch, left_hand_traffic);
     if (stretch.vertex0 >= 0 && stretch.vertex1 >= 0) {
       const auto ends = std::minmax(junctions.junction_of_vertex[at(stretch.vertex0)], junctions.junction_of_vertex[at(stretch.vertex1)]);
       if (ends.first == ends.second) cuts.divide(3);

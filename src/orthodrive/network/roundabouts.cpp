@@ -17,6 +17,8 @@ constexpr double min_ring_m = 20.0;    // a mini-roundabout of 3 m radius
 // Area over that of a circle of the same circumference: 0.785 for a square, 0.95 for an octagon, 0.83 for a regular
 // pentagon with rounded corners. A block with one-way streets round it is no roundabout.
 constexpr double min_roundness = 0.85, min_tagged_roundness = 0.6;
+constexpr double min_assumed_m = 30.0, max_assumed_m = 200.0, min_assumed_roundness = 0.94;
+constexpr std::size_t min_assumed_arms = 3;
 constexpr double max_gap_share = 1.0 / 3.0;
 constexpr double max_circle_error = 0.15;  // of the radius: what is closed along a circle has to look like one
 constexpr double node_spacing_m = 2.0;
@@ -183,7 +185,130 @@ class RingFinder {
   std::vector<int> ring_of_;
 };
 
+// ---- rings that nothing tells but their form
+
+/// Two-way pieces round an island, each with the direction in which it is gone.
+class CircleFinder {
+ public:
+  CircleFinder(const RoadNetwork& roads, const Topology& topology, bool left_hand_traffic)
+      : roads_(roads), topology_(topology), side_(left_hand_traffic ? -1.0 : 1.0), used_(topology.pieces.size(), false) {}
+
+  std::vector<std::vector<ChainPiece>> run() {
+    std::vector<std::vector<ChainPiece>> found;
+    for (std::size_t i = 0; i < topology_.pieces.size(); ++i)
+      for (const bool reversed : {false, true}) {
+        if (used_[i] || !may_ring(static_cast<int>(i))) continue;
+        const std::vector<ChainPiece> round = walk({static_cast<int>(i), reversed});
+        if (!is_circle(round)) continue;
+        for (const ChainPiece& part : round) used_[at(part.piece)] = true;
+        found.push_back(round);
+      }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] const Piece& piece_of(const ChainPiece& part) const { return topology_.pieces[at(part.piece)]; }
+  [[nodiscard]] const RoadPath& path_of(int piece) const { return roads_.paths[at(topology_.pieces[at(piece)].path)]; }
+  [[nodiscard]] bool may_ring(int piece) const {
+    const RoadPath& path = path_of(piece);
+    return path.oneway == Oneway::no && !path.bridge && !path.tunnel && path.highway != "raceway" &&
+           road_rank(path.highway) >= road_rank("living_street");
+  }
+  [[nodiscard]] std::vector<Vec2> points_of(const ChainPiece& part) const {
+    const Piece& piece = piece_of(part);
+    std::vector<Vec2> points;
+    for (int i = piece.first; i <= piece.last; ++i) points.push_back(path_of(part.piece).nodes[at(i)].p);
+    if (part.reversed) std::reverse(points.begin(), points.end());
+    return points;
+  }
+
+  [[nodiscard]] std::vector<ChainPiece> walk(ChainPiece first) const {
+    std::vector<ChainPiece> round{first};
+    double length = length_m(points_of(first));
+    for (;;) {
+      const ChainPiece last = round.back();
+      const int vertex = end_vertex(topology_, last);
+      if (vertex == start_vertex(topology_, first)) return round;
+      const Vec2 in = outward(roads_, topology_, {last.piece, !last.reversed}) * -1.0;
+      ChainPiece best{-1, false};
+      double best_turn = -INFINITY;
+      for (const PieceEnd& end : topology_.vertices[at(vertex)].ends) {
+        if (end.piece == last.piece || !may_ring(end.piece)) continue;
+        const Vec2 out = outward(roads_, topology_, end);
+        const double turn = side_ * std::atan2(cross(in, out), dot(in, out));
+        if (turn > best_turn) best = {end.piece, end.at_last}, best_turn = turn;
+      }
+      if (best.piece < 0 || (length += length_m(points_of(best))) > max_assumed_m) return {};
+      round.push_back(best);
+    }
+  }
+  [[nodiscard]] static double length_m(const std::vector<Vec2>& points) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < points.size(); ++i) sum += distance(points[i - 1], points[i]);
+    return sum;
+  }
+
+  [[nodiscard]] bool is_circle(const std::vector<ChainPiece>& round) const {
+    std::vector<Vec2> ring;
+    std::map<int, int> nodes_of_path;  // segments of each path in the ring
+    std::size_t arms = 0;
+    for (const ChainPiece& part : round) {
+      std::vector<Vec2> points = points_of(part);
+      ring.insert(ring.end(), points.begin(), points.end() - 1);
+      const Piece& piece = piece_of(part);
+      nodes_of_path[piece.path] += piece.last - piece.first;
+      arms += topology_.vertices[at(end_vertex(topology_, part))].ends.size() - 2;
+    }
+    if (ring.size() < 8 || arms < min_assumed_arms) return false;
+    for (const auto& [path, segments] : nodes_of_path)
+      if (segments + 1 != static_cast<int>(roads_.paths[at(path)].nodes.size())) return false;
+    ring.push_back(ring.front());
+    const double length = length_m(ring);
+    ring.pop_back();
+    return length >= min_assumed_m && side_ * 4.0 * pi * polygon_area(ring) / (length * length) > min_assumed_roundness;
+  }
+
+  const RoadNetwork& roads_;
+  const Topology& topology_;
+  double side_;
+  std::vector<bool> used_;
+};
+
+void turn_round(RoadPath& path) {
+  const double length = path.nodes.back().s_m;
+  std::reverse(path.nodes.begin(), path.nodes.end());
+  for (RoadNode& node : path.nodes) {
+    node.s_m = length - node.s_m;
+    node.offset_m = -node.offset_m, node.gradient = -node.gradient, node.banking = -node.banking;
+  }
+  const auto mirrored = [](Sides s) { return s == Sides::left ? Sides::right : s == Sides::right ? Sides::left : s; };
+  path.sidewalk = mirrored(path.sidewalk), path.shoulder = mirrored(path.shoulder);
+  std::swap(path.turn_forward, path.turn_backward);
+}
+
 }  // namespace
+
+RoadNetwork assume_roundabouts(RoadNetwork roads, bool left_hand_traffic, Findings& findings) {
+  Findings unused;  // told when the topology is built for good
+  const Topology topology = build_topology(roads, left_hand_traffic, unused);
+  for (const std::vector<ChainPiece>& round : CircleFinder(roads, topology, left_hand_traffic).run()) {
+    std::map<int, bool> paths;  // whether they are turned
+    for (const ChainPiece& part : round) paths[topology.pieces[at(part.piece)].path] = part.reversed;
+    for (const auto& [index, reversed] : paths) {
+      RoadPath& path = roads.paths[at(index)];
+      if (reversed) turn_round(path);
+      path.oneway = Oneway::forward;
+      path.lanes = path.lanes > 1 ? path.lanes / 2 : path.lanes;
+      path.lanes_forward = path.lanes, path.lanes_backward = 0;
+      path.turn_backward.clear();
+    }
+    const RoadPath& path = roads.paths[at(paths.begin()->first)];
+    findings.push_back({Severity::warning, "network.roundabout_assumed",
+                        fmt::format("way {}: a circle of two-way road with arms; took it as a roundabout", path.osm_id),
+                        path.nodes.front().p.x, path.nodes.front().p.y});
+  }
+  return roads;
+}
 
 RoadNetwork close_roundabouts(RoadNetwork roads, Findings& findings) {
   for (const OpenRing& open : find_open_rings(roads)) {

@@ -12,6 +12,12 @@ namespace orthodrive::network {
 /// that the border of the area cuts are left as they are.
 [[nodiscard]] RoadNetwork close_roundabouts(RoadNetwork roads, Findings& findings);
 
+/// Circles of two-way roads that nothing says to be roundabouts: maps that lost their tags have them. Nobody builds a small
+/// round of road with arms to be driven both ways, so it becomes a one-way road round the island, in the sense of the traffic
+/// (finding network.roundabout_assumed). The ways of the ring have to be all ring: 30 to 200 m round, as round as a circle, with
+/// three or more arms, none of them inside, no service roads.
+[[nodiscard]] RoadNetwork assume_roundabouts(RoadNetwork roads, bool left_hand_traffic, Findings& findings);
+
 /// For every piece the ring that it is part of, -1 for none. Rings are numbered in the order of their first piece.
 [[nodiscard]] std::vector<int> find_rings(const RoadNetwork& roads, const Topology& topology, bool left_hand_traffic);
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/roundabouts.hpp"
 
 namespace orthodrive::network {
@@ -121,21 +122,33 @@ void place_vertices(const RoadNetwork& roads, Topology& topology) {
   }
 }
 
-/// Share of the directions that drive along the path. How many lanes each has changes along the roads themselves.
-double forward_share(const RoadPath& path) { return path.oneway == Oneway::forward ? 1.0 : 0.5; }
+/// Lanes of a piece at one of its ends.
+struct EndLanes {
+  int in = 0, out = 0;  ///< driving to the vertex and away from it
+};
 
-/// Where a two-way road goes on as a one-way road, its lanes move sideways. That takes a connecting road.
-void find_lane_shifts(const RoadNetwork& roads, Topology& topology) {
+EndLanes lanes_at(const RoadNetwork& roads, const Topology& topology, const PieceEnd& end, bool left_hand_traffic) {
+  const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
+  const RoadPath& path = roads.paths[static_cast<std::size_t>(piece.path)];
+  std::vector<double> widths;
+  for (int i = piece.first; i <= piece.last; ++i) widths.push_back(path.nodes[static_cast<std::size_t>(i)].width_m);
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  const LaneLayout layout = lane_layout(path, *middle, left_hand_traffic);
+  const int forward = left_hand_traffic ? layout.left : layout.right, backward = layout.total() - forward;
+  return end.at_last ? EndLanes{forward, backward} : EndLanes{backward, forward};
+}
+
+/// Two ends whose lanes cannot simply go on. Where a two-way road goes on as a one-way road, its lanes move sideways. Where
+/// one with more lanes goes on, every new lane has to be reached: OpenDRIVE wants a junction where it is not clear which
+/// lane follows which (1.7, 8.2). One-way roads need none: their new lanes taper in beside the others.
+void find_lane_shifts(const RoadNetwork& roads, bool left_hand_traffic, Topology& topology) {
   for (Vertex& vertex : topology.vertices) {
     if (vertex.ends.size() != 2) continue;
-    const auto share_inwards = [&](const PieceEnd& end) {
-      const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
-      const double share = forward_share(roads.paths[static_cast<std::size_t>(piece.path)]);
-      return end.at_last ? share : 1.0 - share;
-    };
-    // What drives in on one side drives out on the other. One-way roads that face each other have nothing to connect.
-    const double a = share_inwards(vertex.ends[0]), b = share_inwards(vertex.ends[1]);
-    vertex.lanes_shift = std::abs(a + b - 1.0) > 1e-9 && a + b > 0.0 && a + b < 2.0;
+    const EndLanes a = lanes_at(roads, topology, vertex.ends[0], left_hand_traffic);
+    const EndLanes b = lanes_at(roads, topology, vertex.ends[1], left_hand_traffic);
+    const bool a_both = a.in > 0 && a.out > 0, b_both = b.in > 0 && b.out > 0;
+    vertex.lanes_shift = a_both != b_both || (a_both && (b.out > a.in || a.out > b.in));
   }
 }
 
@@ -241,7 +254,7 @@ Topology build_topology(const RoadNetwork& roads, bool left_hand_traffic, Findin
   collect_ends(topology);
   drop_stubs(roads, topology, findings);
   place_vertices(roads, topology);
-  find_lane_shifts(roads, topology);
+  find_lane_shifts(roads, left_hand_traffic, topology);
   topology.ring_of_piece = find_rings(roads, topology, left_hand_traffic);
   ChainBuilder(roads, topology).build();
   return topology;

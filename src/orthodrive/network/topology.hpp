@@ -25,7 +25,7 @@ struct Vertex {
   std::int64_t osm_node = 0;   ///< 0: an end that is no OSM node
   Vec2 p;                      ///< mean over the ends: paths are refined one by one and may disagree
   std::vector<PieceEnd> ends;  ///< in the order of the pieces
-  bool lanes_shift = false;    ///< two ends whose lanes lie differently about the centre: two-way and one-way, say
+  bool lanes_shift = false;    ///< two ends whose lanes cannot simply be linked: two-way and one-way, or more lanes than before
   [[nodiscard]] bool is_junction() const { return ends.size() >= 3 || lanes_shift; }
 };
 
