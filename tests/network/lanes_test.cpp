@@ -283,6 +283,15 @@ TEST(Roundabout, of_four_ways_is_one_smooth_circle) {
   expect_ring(build_network(ring_with_arms(false)).map, 15.0);  // nothing says so but its form
 }
 
+TEST(Roundabout, that_bends_towards_its_arms_is_smoothed) {
+  // Refinement draws the ring half a metre outwards where an arm touches it.
+  RoadNetwork roads = ring_with_arms(false);
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes)
+      if (node.osm_node > 0 && node.osm_node < 50) node.p = site_origin + (node.p - site_origin) * (15.5 / 15.0);
+  expect_ring(build_network(roads).map, 15.06);
+}
+
 TEST(Roundabout, is_told_by_its_form_and_sense) {
   Findings findings;
   const auto rings = [&](const RoadNetwork& roads, bool left_hand_traffic) {

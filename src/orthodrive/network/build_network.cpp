@@ -48,10 +48,11 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     if (monitor) monitor->progress(fraction, "network");
   };
   progress(0.0);
-  const RoadNetwork roads =
+  RoadNetwork roads =
       assume_roundabouts(close_roundabouts(with_heights(input, result.findings), result.findings),
                          options.left_hand_traffic, result.findings);
-  const Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
+  Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
+  smooth_rings(roads, topology);
   const std::vector<std::vector<PieceNode>> pieces = join_pieces(roads, topology, result.findings);
 
   std::vector<ChainGeometry> geometry(topology.chains.size());

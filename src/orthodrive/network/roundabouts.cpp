@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 namespace orthodrive::network {
 namespace {
@@ -274,6 +276,52 @@ class CircleFinder {
   std::vector<bool> used_;
 };
 
+// ---- smooth rings
+
+constexpr std::size_t waves = 5;  // 1, cos a, sin a, cos 2a, sin 2a
+constexpr double max_ring_error = 0.1;  // of the radius
+
+std::array<double, waves> wave_values(double angle) {
+  return {1.0, std::cos(angle), std::sin(angle), std::cos(2.0 * angle), std::sin(2.0 * angle)};
+}
+
+/// The distance from the centre as a sum of waves of the angle, by least squares. nullopt for points of too few angles.
+std::optional<std::array<double, waves>> fit_waves(const std::vector<Vec2>& points, Vec2 center) {
+  double a[waves][waves + 1] = {};  // normal equations
+  for (const Vec2 p : points) {
+    const Vec2 d = p - center;
+    const auto w = wave_values(std::atan2(d.y, d.x));
+    for (std::size_t i = 0; i < waves; ++i) {
+      for (std::size_t k = 0; k < waves; ++k) a[i][k] += w[i] * w[k];
+      a[i][waves] += w[i] * length(d);
+    }
+  }
+  for (std::size_t i = 0; i < waves; ++i) {  // symmetric and positive: no pivoting needed
+    if (!(a[i][i] > 1e-6)) return std::nullopt;
+    for (std::size_t r = 0; r < waves; ++r) {
+      if (r == i) continue;
+      const double factor = a[r][i] / a[i][i];
+      for (std::size_t k = i; k <= waves; ++k) a[r][k] -= factor * a[i][k];
+    }
+  }
+  std::array<double, waves> result;
+  for (std::size_t i = 0; i < waves; ++i) result[i] = a[i][waves] / a[i][i];
+  return result;
+}
+
+/// A ring's nodes as indices of paths and nodes; each once.
+std::vector<std::pair<int, int>> ring_nodes(const Topology& topology, int ring) {
+  std::vector<std::pair<int, int>> nodes;
+  for (std::size_t i = 0; i < topology.pieces.size(); ++i) {
+    const Piece& piece = topology.pieces[i];
+    if (topology.ring_of_piece[i] != ring) continue;
+    for (int k = piece.first; k <= piece.last; ++k) nodes.emplace_back(piece.path, k);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
 void turn_round(RoadPath& path) {
   const double length = path.nodes.back().s_m;
   std::reverse(path.nodes.begin(), path.nodes.end());
@@ -341,6 +389,38 @@ RoadNetwork close_roundabouts(RoadNetwork roads, Findings& findings) {
 
 std::vector<int> find_rings(const RoadNetwork& roads, const Topology& topology, bool left_hand_traffic) {
   return RingFinder(roads, topology, left_hand_traffic).run();
+}
+
+void smooth_rings(RoadNetwork& roads, Topology& topology) {
+  int rings = 0;
+  for (const int ring : topology.ring_of_piece) rings = std::max(rings, ring + 1);
+  for (int ring = 0; ring < rings; ++ring) {
+    const std::vector<std::pair<int, int>> nodes = ring_nodes(topology, ring);
+    const auto place = [&](const std::pair<int, int>& node) -> Vec2& { return roads.paths[at(node.first)].nodes[at(node.second)].p; };
+    std::vector<Vec2> points;
+    for (const auto& node : nodes) points.push_back(place(node));
+    const std::optional<Circle> circle = fit_circle(points);
+    const auto radius = circle ? fit_waves(points, circle->center) : std::nullopt;
+    if (!radius) continue;
+    const auto moved = [&](Vec2 p) {
+      const Vec2 d = p - circle->center;
+      const auto w = wave_values(std::atan2(d.y, d.x));
+      double r = 0.0;
+      for (std::size_t i = 0; i < waves; ++i) r += (*radius)[i] * w[i];
+      return circle->center + normalized(d) * r;
+    };
+    const bool fits = std::all_of(points.begin(), points.end(), [&](Vec2 p) {
+      return distance(p, moved(p)) <= max_ring_error * circle->radius_m;
+    });
+    if (!fits) continue;
+    for (const auto& node : nodes) place(node) = moved(place(node));
+    for (std::size_t i = 0; i < topology.pieces.size(); ++i) {
+      if (topology.ring_of_piece[i] != ring) continue;
+      const Piece& piece = topology.pieces[i];
+      topology.vertices[at(piece.first_vertex)].p = place({piece.path, piece.first});
+      topology.vertices[at(piece.last_vertex)].p = place({piece.path, piece.last});
+    }
+  }
 }
 
 }  // namespace orthodrive::network

@@ -21,4 +21,10 @@ namespace orthodrive::network {
 /// For every piece the ring that it is part of, -1 for none. Rings are numbered in the order of their first piece.
 [[nodiscard]] std::vector<int> find_rings(const RoadNetwork& roads, const Topology& topology, bool left_hand_traffic);
 
+/// Moves the nodes of every ring, and the vertices on it, onto one smooth closed line: the distance from the centre of the
+/// least squares circle becomes a constant and two waves round the ring (a shifted ellipse). Where entries and exits touch the
+/// ring, refined lines bend towards them by some decimetres, and a ring that is fitted through that has corners. Rings that
+/// are no such line within a tenth of their radius stay as they are.
+void smooth_rings(RoadNetwork& roads, Topology& topology);
+
 }  // namespace orthodrive::network
