@@ -14,13 +14,13 @@ constexpr double min_part_m = 0.5;      // shorter pieces of way are left to the
 constexpr double min_split_m = 0.8;     // shorter roads are not divided
 constexpr double sample_m = 2.0;        // step of polylines: SUMO's default
 // SUMO warns below 9 m; a car at walking pace turns with 5 - 6 m.
-constexpr double calm_radius_m = 9.5;
+constexpr double calm_radius_m = 14.0;
 constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not show
 constexpr double joint_reach_m = 3.0, joint_share = 0.6;  // so much calmer (16 m) within 3 m of a joint
 constexpr double step_m = 0.25;
 constexpr double min_road_m = 3.0;      // shorter ones are not shortened further
-constexpr double dead_end_m = 1.5;      // a dead end may become this much shorter
-constexpr double outwards_m = 10.0, along_m = 15.0;
+constexpr double dead_end_m = 3.0;      // a dead end may become this much shorter
+constexpr double outwards_m = 15.0, along_m = 25.0;
 constexpr double abutment_m = 1.0;      // bridges and tunnels begin where they begin
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }

@@ -19,7 +19,7 @@ constexpr double min_ring_m = 20.0;    // a mini-roundabout of 3 m radius
 // Area over that of a circle of the same circumference: 0.785 for a square, 0.95 for an octagon, 0.83 for a regular
 // pentagon with rounded corners. A block with one-way streets round it is no roundabout.
 constexpr double min_roundness = 0.85, min_tagged_roundness = 0.6;
-constexpr double min_assumed_m = 30.0, max_assumed_m = 200.0, min_assumed_roundness = 0.94;
+constexpr double min_assumed_m = 30.0, max_assumed_m = 200.0, min_assumed_roundness = 0.92;
 constexpr std::size_t min_assumed_arms = 3;
 constexpr double max_gap_share = 1.0 / 3.0;
 constexpr double max_circle_error = 0.15;  // of the radius: what is closed along a circle has to look like one
