@@ -173,7 +173,7 @@ class Builder {
       map.roads.push_back(std::move(road));
       in_road_ = true;
     } else if (name == "junction") {
-      map.junctions.push_back({a.integer("id"), a.text("name"), {}});
+      map.junctions.push_back({a.integer("id"), a.text("name"), {}, {}});
       in_junction_ = true;
     }
   }
@@ -190,6 +190,8 @@ class Builder {
       read_user_data(road, a);
     } else if (parent == "link" && lane_ == nullptr && (name == "predecessor" || name == "successor")) {
       (name == "predecessor" ? road.predecessor : road.successor) = read_link(a);
+    } else if (parent == "type" && name == "speed" && road.speed_limit_mps == 0.0) {
+      road.speed_limit_mps = read_speed(a);
     } else if (parent == "planView" && name == "geometry") {
       road.plan.push_back({a.number("s"), a.number("x"), a.number("y"), a.number("hdg"), a.number("length"), Line{}});
       if (road.plan.back().length < 0.0) throw std::runtime_error("<geometry> has a negative length");
@@ -227,6 +229,14 @@ class Builder {
     if (code == "layer") road.layer = a.integer("value");
     if (code == "bridge") road.bridge = flag();
     if (code == "tunnel") road.tunnel = flag();
+  }
+
+  /// m/s; 0 for "no limit" and "undefined".
+  static double read_speed(const Attributes& a) {
+    constexpr double mps_per_kmh = 1.0 / 3.6, mps_per_mph = 0.44704;
+    const std::string max = a.text("max"), unit = a.text("unit");
+    if (max.empty() || max == "no limit" || max == "undefined") return 0.0;
+    return a.number("max") * (unit == "km/h" ? mps_per_kmh : unit == "mph" ? mps_per_mph : 1.0);
   }
 
   static RoadLink read_link(const Attributes& a) {
@@ -325,6 +335,8 @@ class Builder {
           a.find("linkedRoad") != nullptr ? a.integer("linkedRoad") : a.integer("connectingRoad");
       connection.contact = a.text("contactPoint") == "end" ? ContactPoint::end : ContactPoint::start;
       junction.connections.push_back(std::move(connection));
+    } else if (parent == "junction" && name == "priority") {
+      if (a.find("high") && a.find("low")) junction.priorities.push_back({a.integer("high"), a.integer("low")});
     } else if (parent == "connection" && name == "laneLink") {
       junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
     }

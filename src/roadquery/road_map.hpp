@@ -110,10 +110,15 @@ struct Connection {
   ContactPoint contact = ContactPoint::start;
   std::vector<LaneLink> lane_links;
 };
+/// Of two connecting roads: who is on `high` goes first.
+struct Priority {
+  int high = 0, low = 0;
+};
 struct Junction {
   int id = 0;
   std::string name;
   std::vector<Connection> connections;
+  std::vector<Priority> priorities;
 };
 
 struct RoadMap {

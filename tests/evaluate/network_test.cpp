@@ -86,6 +86,56 @@ TEST(EvaluateNetwork, gradient_kink_inside_a_road) {
       << "smooth at 20 m, 0.03 to -0.04 at 60 m";
 }
 
+TEST(EvaluateNetwork, jumps_of_heading_curvature_and_gradient) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0.02, 50)}};
+  link(map.roads[0], map.roads[1]);
+  map.roads[1].elevation = {{.a = 10.0, .b = 0.03}};
+  NetworkScores scores = evaluate_network(map);
+  EXPECT_NEAR(scores.max_heading_jump_rad, 0.02, 1e-12);
+  EXPECT_NEAR(scores.max_gradient_kink, 0.03, 1e-12) << "from road to road";
+  EXPECT_NEAR(scores.max_curvature_jump, 0.0, 1e-12);
+  map.roads[1].plan[0].shape = Arc{0.01};
+  EXPECT_NEAR(evaluate_network(map).max_curvature_jump, 0.01, 1e-12);
+  map.roads[1].junction = 5;
+  EXPECT_NEAR(evaluate_network(map).max_curvature_jump, 0.0, 1e-12) << "turning roads may";
+
+  // Driven against its s a road's gradient and curvature change sign: end to end, smooth.
+  RoadMap facing{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 150, 0, M_PI, 50)}};
+  Road &a = facing.roads[0], &b = facing.roads[1];
+  a.successor = {LinkKind::road, 2, ContactPoint::end}, b.successor = {LinkKind::road, 1, ContactPoint::end};
+  a.elevation = {{.a = 10.0, .b = 0.02}}, b.elevation = {{.a = 13.0, .b = -0.02}};
+  scores = evaluate_network(facing);
+  EXPECT_NEAR(scores.max_heading_jump_rad, 0.0, 1e-12);
+  EXPECT_NEAR(scores.max_gradient_kink, 0.0, 1e-12);
+}
+
+TEST(EvaluateNetwork, lane_links_have_to_agree) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 50)}};
+  link(map.roads[0], map.roads[1]);
+  NetworkScores scores = evaluate_network(map);
+  EXPECT_EQ(scores.lane_link_errors, 0u);
+  EXPECT_EQ(scores.dead_lanes, 0u);
+  EXPECT_EQ(scores.broken_links, 0u);
+  EXPECT_DOUBLE_EQ(scores.min_lane_width_m, 3.0);
+
+  RoadMap broken = map;
+  broken.roads[0].sections[0].right[0].successor = -2;
+  EXPECT_EQ(evaluate_network(broken).lane_link_errors, 2u) << "no such lane, and road 2 is not answered";
+  broken = map;
+  broken.roads[0].sections[0].right[0].successor = 1;
+  EXPECT_GE(evaluate_network(broken).lane_link_errors, 1u) << "into the oncoming lane";
+  broken = map;
+  broken.roads[1].sections[0].right[0].type = LaneType::sidewalk;
+  EXPECT_GE(evaluate_network(broken).lane_link_errors, 1u);
+  broken = map;
+  broken.roads[0].sections[0].right[0].successor.reset();
+  broken.roads[1].sections[0].right[0].predecessor.reset();
+  EXPECT_EQ(evaluate_network(broken).dead_lanes, 1u);
+  broken = map;
+  broken.roads[1].predecessor = {};
+  EXPECT_EQ(evaluate_network(broken).broken_links, 1u) << "one side only";
+}
+
 TEST(EvaluateNetwork, clearance_under_a_bridge) {
   RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 50, -50, 1.5707963267948966, 100)}};
   map.roads[1].elevation = {{.a = 13.0, .b = 0.05}};  // 15.5 m at the crossing

@@ -73,6 +73,101 @@ TEST(OsmTags, layers_of_bridges_and_tunnels) {
   EXPECT_FALSE(io::way_attributes({{"highway", "primary"}, {"bridge", "no"}}).path.bridge);
 }
 
+TEST(OsmTags, speeds) {
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("50"), 50.0);
+  EXPECT_NEAR(io::parse_speed_kmh("30 mph"), 48.28032, 1e-9);
+  EXPECT_NEAR(io::parse_speed_kmh("30mph"), 48.28032, 1e-9);
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("walk"), 7.0);
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("none"), 130.0);
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:urban"), 50.0);
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("SE:rural"), 70.0) << "the country's own";
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:rural"), 90.0);
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("DE:zone:30"), 30.0);
+  EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:zone30"), 30.0);
+  for (const char* bad : {"", "fast", "-30", "0", "50 furlongs", "XX:nowhere", "1e9"}) EXPECT_EQ(io::parse_speed_kmh(bad), 0.0) << bad;
+}
+
+TEST(OsmTags, lanes_of_both_directions) {
+  const auto read = [](io::OsmTags tags) {
+    tags.emplace("highway", "primary");
+    return io::way_attributes(tags);
+  };
+  io::WayAttributes way = read({{"lanes", "3"}, {"lanes:forward", "2"}, {"turn:lanes:forward", "left|through;right"},
+                                {"sidewalk", "left"}, {"shoulder:right", "yes"}, {"surface", "asphalt"}, {"maxspeed", "70"}});
+  EXPECT_EQ(way.path.lanes, 3);
+  EXPECT_EQ(way.path.lanes_forward, 2);
+  EXPECT_EQ(way.path.lanes_backward, 1) << "the rest";
+  EXPECT_EQ(way.path.turn_forward, "left|through;right");
+  EXPECT_EQ(way.path.sidewalk, Sides::left);
+  EXPECT_EQ(way.path.shoulder, Sides::right);
+  EXPECT_EQ(way.path.surface, "asphalt");
+  EXPECT_EQ(way.path.speed_limit_kmh, 70.0);
+  EXPECT_TRUE(way.doubts.empty());
+
+  way = read({{"oneway", "-1"}, {"turn:lanes", "left|through"}, {"sidewalk:left", "yes"}});
+  EXPECT_EQ(way.path.lanes, 2) << "told by the arrows";
+  EXPECT_EQ(way.path.turn_forward, "left|through");
+  EXPECT_EQ(way.path.sidewalk, Sides::right) << "turned round with the way";
+
+  way = read({{"oneway", "-1"}, {"lanes:backward", "2"}});
+  EXPECT_EQ(way.path.lanes_forward, 2) << "turned round with the way";
+  EXPECT_TRUE(way.doubts.empty());
+}
+
+TEST(OsmTags, contradictions_are_settled_and_told) {
+  const auto read = [](io::OsmTags tags) {
+    tags.emplace("highway", "primary");
+    return io::way_attributes(tags);
+  };
+  io::WayAttributes way = read({{"lanes", "2"}, {"lanes:forward", "2"}, {"lanes:backward", "1"}});
+  EXPECT_EQ(way.path.lanes, 3);
+  EXPECT_EQ(way.doubts.size(), 1u);
+  way = read({{"lanes", "2"}, {"lanes:forward", "2"}});
+  EXPECT_EQ(way.path.lanes_backward, 1);
+  EXPECT_EQ(way.path.lanes, 3);
+  EXPECT_EQ(way.doubts.size(), 1u);
+  way = read({{"lanes", "2"}, {"oneway", "yes"}, {"lanes:backward", "1"}});
+  EXPECT_EQ(way.path.lanes_forward, 2);
+  EXPECT_EQ(way.path.lanes_backward, 0);
+  EXPECT_EQ(way.doubts.size(), 1u);
+  way = read({{"lanes", "3"}, {"lanes:forward", "2"}, {"turn:lanes:forward", "left"}});
+  EXPECT_TRUE(way.path.turn_forward.empty());
+  EXPECT_EQ(way.doubts.size(), 1u);
+  way = read({{"lanes", "200"}, {"maxspeed", "fast"}, {"lanes:forward", "x"}});
+  EXPECT_EQ(way.path.lanes, 0);
+  EXPECT_EQ(way.path.speed_limit_kmh, 0.0);
+  EXPECT_EQ(way.doubts.size(), 3u);
+}
+
+TEST(OsmRoads, turn_restrictions_of_cars_over_one_node) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 10, 10).node(2, 60, 10).node(3, 60, 50).node(4, 90, 10);
+  osm.way(7, {1, 2}, {{"highway", "residential"}}).way(8, {2, 3}, {{"highway", "residential"}});
+  osm.way(9, {2, 4}, {{"highway", "residential"}, {"lanes", "2"}, {"lanes:forward", "2"}});
+  std::string text = osm.text();
+  const auto relation = [&](int id, const char* kind, const char* value, const char* more) {
+    return fmt::format("<relation id='{}'><member type='way' ref='7' role='from'/><member type='node' ref='2' role='via'/>"
+                       "<member type='way' ref='8' role='to'/><tag k='type' v='restriction'/><tag k='{}' v='{}'/>{}</relation>",
+                       id, kind, value, more);
+  };
+  text.insert(text.rfind("</osm>"), relation(1, "restriction", "no_left_turn", "") + relation(2, "restriction", "only_straight_on", "") +
+                                        relation(3, "restriction:hgv", "no_left_turn", "") +
+                                        relation(4, "restriction", "no_left_turn", "<tag k='except' v='motorcar'/>"));
+  write_bytes(scratch / "a.osm", text);
+  Findings findings;
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100), &findings);
+  ASSERT_EQ(roads.restrictions.size(), 2u);
+  EXPECT_EQ(roads.restrictions[0].from_way, 7);
+  EXPECT_EQ(roads.restrictions[0].via_node, 2);
+  EXPECT_EQ(roads.restrictions[0].to_way, 8);
+  EXPECT_FALSE(roads.restrictions[0].only);
+  EXPECT_TRUE(roads.restrictions[1].only);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "osm.lane_tags");
+  EXPECT_NEAR(findings[0].x_m, origin.x + 90.0, 30.1) << "on the way";
+}
+
 TEST(OsmRoads, ways_become_paths_in_the_site_crs) {
   const Scratch scratch;
   OsmText osm;

@@ -46,6 +46,10 @@ RoadNetwork two_roads() {
                           .sigma_banking = 0.004,
                           .banking_source = "dtm"});
   RoadPath& raw = roads.paths.emplace_back(RoadPath{.osm_id = 5, .highway = "service", .roundabout = true});
+  raw.lanes_forward = 2, raw.lanes_backward = 1;
+  raw.turn_forward = "left|through;right", raw.turn_backward = "none";
+  raw.speed_limit_kmh = 48.28032, raw.sidewalk = Sides::right, raw.shoulder = Sides::both, raw.surface = "asphalt";
+  roads.restrictions = {{5, 77, 123456789012345, true}, {123456789012345, 77, 5, false}};
   raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
                {.p = origin + Vec2{0, 30}, .s_m = 30.0, .width_m = 4.0}};  // no heights yet
   return roads;
@@ -53,12 +57,21 @@ RoadNetwork two_roads() {
 
 void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
   EXPECT_EQ(a.crs, b.crs);
+  ASSERT_EQ(a.restrictions.size(), b.restrictions.size());
+  for (std::size_t i = 0; i < a.restrictions.size(); ++i) {
+    const TurnRestriction &p = a.restrictions[i], &q = b.restrictions[i];
+    EXPECT_EQ(std::tie(p.from_way, p.via_node, p.to_way, p.only), std::tie(q.from_way, q.via_node, q.to_way, q.only));
+  }
   ASSERT_EQ(a.paths.size(), b.paths.size());
   for (std::size_t i = 0; i < a.paths.size(); ++i) {
     const RoadPath &p = a.paths[i], &q = b.paths[i];
     EXPECT_EQ(
         std::tie(p.osm_id, p.part, p.highway, p.name, p.layer, p.bridge, p.tunnel, p.oneway, p.lanes, p.roundabout),
         std::tie(q.osm_id, q.part, q.highway, q.name, q.layer, q.bridge, q.tunnel, q.oneway, q.lanes, q.roundabout));
+    EXPECT_EQ(std::tie(p.lanes_forward, p.lanes_backward, p.turn_forward, p.turn_backward, p.speed_limit_kmh, p.sidewalk,
+                       p.shoulder, p.surface),
+              std::tie(q.lanes_forward, q.lanes_backward, q.turn_forward, q.turn_backward, q.speed_limit_kmh, q.sidewalk,
+                       q.shoulder, q.surface));
     ASSERT_EQ(p.nodes.size(), q.nodes.size());
     for (std::size_t k = 0; k < p.nodes.size(); ++k) {
       const RoadNode &m = p.nodes[k], &n = q.nodes[k];

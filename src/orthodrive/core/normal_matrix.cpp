@@ -81,6 +81,17 @@ std::vector<double> inverse_normal_diagonal(const SparseJacobian& jacobian) {
   return diagonal;
 }
 
+std::vector<double> normal_variances(const SparseJacobian& jacobian, const SparseJacobian& functions) {
+  std::vector<double> variances(functions.row_start.size() - 1, 0.0);
+  if (variances.empty()) return variances;
+  const InverseNormal inverse(jacobian);
+  for (std::size_t f = 0; f < variances.size(); ++f)
+    for (int a = functions.row_start[f]; a < functions.row_start[f + 1]; ++a)
+      for (int b = functions.row_start[f]; b < functions.row_start[f + 1]; ++b)
+        variances[f] += functions.value[a] * functions.value[b] * inverse.at(functions.column[a], functions.column[b]);
+  return variances;
+}
+
 std::vector<double> solve_normal(const SparseJacobian& jacobian, const std::vector<double>& right) {
   if (jacobian.columns == 0) return {};
   Cholesky cholesky;

@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <numeric>
+#include <set>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
@@ -111,18 +116,136 @@ class RoadsById {
   std::unordered_map<int, std::size_t> index_;
 };
 
+double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
+
+void measure_plan(const Road& road, NetworkScores& scores) {
+  for (std::size_t i = 0; i + 1 < road.plan.size(); ++i) {
+    const roadquery::PlanPoint a = roadquery::evaluate(road.plan[i], road.plan[i].length);
+    const roadquery::PlanPoint b = roadquery::evaluate(road.plan[i + 1], 0.0);
+    scores.max_heading_jump_rad = std::max(scores.max_heading_jump_rad, std::abs(wrapped(a.hdg - b.hdg)));
+    if (road.junction < 0)
+      scores.max_curvature_jump = std::max(scores.max_curvature_jump, std::abs(a.curvature - b.curvature));
+  }
+}
+
+/// Heading, gradient and curvature of a car that goes from one road to the other.
+void measure_link(const RoadEnd& from, const RoadEnd& to, NetworkScores& scores) {
+  const auto pose = [](const RoadEnd& end, bool leaving) {
+    const bool along = (end.contact == ContactPoint::end) == leaving;
+    const double sign = along ? 1.0 : -1.0;
+    const roadquery::PlanPoint p = roadquery::reference_point(*end.road, end.s());
+    return std::tuple{p.hdg + (along ? 0.0 : std::numbers::pi), sign * roadquery::gradient(*end.road, end.s()), sign * p.curvature};
+  };
+  const auto [heading_a, gradient_a, curvature_a] = pose(from, true);
+  const auto [heading_b, gradient_b, curvature_b] = pose(to, false);
+  scores.max_heading_jump_rad = std::max(scores.max_heading_jump_rad, std::abs(wrapped(heading_a - heading_b)));
+  scores.max_gradient_kink = std::max(scores.max_gradient_kink, std::abs(gradient_a - gradient_b));
+  if (from.road->junction < 0 && to.road->junction < 0)
+    scores.max_curvature_jump = std::max(scores.max_curvature_jump, std::abs(curvature_a - curvature_b));
+}
+
 void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
+  std::set<int> junctions;
+  for (const roadquery::Junction& junction : map.junctions) junctions.insert(junction.id);
   for (const Road& road : map.roads) {
     scores.max_gradient_kink = std::max(scores.max_gradient_kink, gradient_kink(road));
     scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, element_gap_m(road));
+    measure_plan(road, scores);
     for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
       const roadquery::RoadLink& link = contact == ContactPoint::start ? road.predecessor : road.successor;
+      if (link.kind == LinkKind::junction && junctions.count(link.id) == 0) ++scores.broken_links;
       if (link.kind != LinkKind::road) continue;
-      if (const auto other = by_id.find(link.id))
-        scores.max_joint_gap_m =
-            std::max(scores.max_joint_gap_m, link_gap_m({&road, contact}, {&map.roads[*other], link.contact}));
-      else
+      const auto other = by_id.find(link.id);
+      if (!other) {
         ++scores.broken_links;
+        continue;
+      }
+      const RoadEnd from{&road, contact}, to{&map.roads[*other], link.contact};
+      scores.max_joint_gap_m = std::max(scores.max_joint_gap_m, link_gap_m(from, to));
+      measure_link(from, to, scores);
+      // The other side answers: with this road, or from a connecting road with its junction.
+      const roadquery::RoadLink& back = link.contact == ContactPoint::start ? to.road->predecessor : to.road->successor;
+      const bool answered = road.junction >= 0 ? back.kind == LinkKind::junction && back.id == road.junction
+                                               : back.kind == LinkKind::road && back.id == road.id && back.contact == contact;
+      if (!answered) ++scores.broken_links;
+    }
+  }
+}
+
+// ---- lanes
+
+bool drives_along(const Road& road, int lane) { return (lane < 0) != road.left_hand_traffic; }
+
+/// Lanes of a road end against those that they are linked to.
+void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, NetworkScores& scores) {
+  using roadquery::LaneType;
+  for (const auto* side : {&from.section().left, &from.section().right})
+    for (const roadquery::Lane& lane : *side) {
+      const bool at_end = from.contact == ContactPoint::end;
+      const std::optional<int>& linked = at_end ? lane.successor : lane.predecessor;
+      if (!linked) {
+        const bool leaves = drives_along(*from.road, lane.id) == at_end;
+        if (to && leaves && lane.type == LaneType::driving && !in_junction) ++scores.dead_lanes;
+        continue;
+      }
+      const roadquery::Lane* other = to ? find_lane(to->section(), *linked) : nullptr;
+      if (!other || other->type != lane.type) {
+        ++scores.lane_link_errors;
+        continue;
+      }
+      const bool same_s = (from.contact == ContactPoint::end) != (to->contact == ContactPoint::end);
+      if ((drives_along(*from.road, lane.id) == drives_along(*to->road, *linked)) != same_s) ++scores.lane_link_errors;
+      if (in_junction || to->road->junction >= 0) continue;
+      const std::optional<int>& back = to->contact == ContactPoint::end ? other->successor : other->predecessor;
+      if (back != lane.id) ++scores.lane_link_errors;
+    }
+}
+
+void check_lanes(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
+  scores.min_lane_width_m = nan;
+  for (const Road& road : map.roads) {
+    for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
+      const roadquery::RoadLink& link = contact == ContactPoint::start ? road.predecessor : road.successor;
+      const auto other = link.kind == LinkKind::road ? by_id.find(link.id) : std::nullopt;
+      const RoadEnd from{&road, contact}, to{other ? &map.roads[*other] : nullptr, link.contact};
+      check_end_lanes(from, other ? &to : nullptr, road.junction >= 0, scores);
+    }
+    if (road.junction >= 0) continue;
+    for (const roadquery::LaneSection& section : road.sections)
+      for (const auto* side : {&section.left, &section.right})
+        for (const roadquery::Lane& lane : *side)
+          if (lane.type == roadquery::LaneType::driving)
+            scores.min_lane_width_m = std::fmin(scores.min_lane_width_m, roadquery::lane_width(lane, 0.5 * (road.length - section.s)));
+  }
+  for (const roadquery::Junction& junction : map.junctions) {
+    std::map<int, std::set<int>> fed;  // lanes of the roads that lead in
+    for (const roadquery::Connection& connection : junction.connections) {
+      const auto incoming = by_id.find(connection.incoming_road), via = by_id.find(connection.connecting_road);
+      if (!incoming || !via) {
+        ++scores.broken_links;
+        continue;
+      }
+      const RoadEnd connecting{&map.roads[*via], connection.contact};
+      for (const roadquery::LaneLink& link : connection.lane_links) {
+        const roadquery::Lane* lane = find_lane(connecting.section(), link.to);
+        const std::optional<int> expected = !lane ? std::nullopt
+                                            : connection.contact == ContactPoint::start ? lane->predecessor : lane->successor;
+        if (expected != link.from) ++scores.lane_link_errors;
+        fed[connection.incoming_road].insert(link.from);
+      }
+    }
+    for (const auto& [id, lanes] : fed) {
+      const Road& road = map.roads[*by_id.find(id)];
+      for (const ContactPoint contact : {ContactPoint::start, ContactPoint::end}) {
+        const roadquery::RoadLink& link = contact == ContactPoint::start ? road.predecessor : road.successor;
+        if (link.kind != LinkKind::junction || link.id != junction.id) continue;
+        const RoadEnd end{&road, contact};
+        for (const auto* side : {&end.section().left, &end.section().right})
+          for (const roadquery::Lane& lane : *side)
+            if (lane.type == roadquery::LaneType::driving && drives_along(road, lane.id) == (contact == ContactPoint::end) &&
+                lanes.count(lane.id) == 0)
+              ++scores.dead_lanes;
+      }
     }
   }
 }
@@ -225,6 +348,7 @@ NetworkScores evaluate_network(const RoadMap& map) {
   const RoadsById by_id(map);
   count_elements(map, scores);
   measure_joints(map, by_id, scores);
+  check_lanes(map, by_id, scores);
   measure_clearance(map, scores);
   scores.connected_share = connected_share(map, by_id);
   return scores;

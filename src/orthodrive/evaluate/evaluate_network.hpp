@@ -15,10 +15,19 @@ struct NetworkScores {
   std::size_t junctions = 0;
   double length_m = 0.0;                        ///< of all roads
   std::map<std::string, std::size_t> elements;  ///< of the reference lines: line, arc, spiral, paramPoly3
-  double max_gradient_kink =
-      0.0;  ///< largest jump of dz/ds between the end of one elevation element and the start of the next
+  /// Largest jump of dz/ds between elements of the elevation and between linked roads, in driving direction.
+  double max_gradient_kink = 0.0;
+  /// Largest jump of the heading between elements of a reference line and between linked roads.
+  double max_heading_jump_rad = 0.0;
+  /// Largest jump of the curvature between elements of reference lines and between linked roads, 1/m; outside junctions.
+  double max_curvature_jump = 0.0;
   double max_joint_gap_m = 0.0;  ///< largest distance between ends that should meet: elements of a road, linked roads
-  std::size_t broken_links = 0;  ///< links to roads that are not there
+  std::size_t broken_links = 0;  ///< links to roads or junctions that are not there, or that the other side does not answer
+  /// Lanes that are linked to a lane that is not there, not of their type, or that leads the other way; lane links of
+  /// junctions that the lanes of the connecting road do not repeat.
+  std::size_t lane_link_errors = 0;
+  std::size_t dead_lanes = 0;  ///< driving lanes that end at a joint or junction where nothing is linked to them
+  double min_lane_width_m = 0.0;  ///< of driving lanes in their middle; NaN without any
   double min_clearance_m =
       0.0;  ///< smallest height between reference lines that cross on different layers; NaN without crossings
   std::size_t crossings = 0;

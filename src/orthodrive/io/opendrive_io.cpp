@@ -97,7 +97,14 @@ const char* lane_type(roadquery::LaneType type) {
   return "none";
 }
 
-void add_lane(pugi::xml_node side, const Lane& lane) {
+void add_speed(pugi::xml_node parent, double limit_mps) {
+  pugi::xml_node speed = parent.append_child("speed");
+  set(speed, "max", trimmed(fmt::format("{:.2f}", limit_mps * 3.6)));
+  set(speed, "unit", "km/h");
+}
+
+/// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only.
+void add_lane(pugi::xml_node side, const Lane& lane, double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
   set(node, "type", lane_type(lane.type));
@@ -115,6 +122,10 @@ void add_lane(pugi::xml_node side, const Lane& lane) {
     set(m, "color", "standard");
     set(m, "width", metres(mark.width));
   }
+  if (limit_mps > 0.0 && lane.id != 0 && lane.type == roadquery::LaneType::driving) {
+    add_speed(node, limit_mps);
+    node.last_child().prepend_attribute("sOffset") = "0";
+  }
 }
 
 void add_lanes(pugi::xml_node parent, const Road& road) {
@@ -125,12 +136,12 @@ void add_lanes(pugi::xml_node parent, const Road& road) {
     set(node, "s", metres(section.s));
     if (!section.left.empty()) {
       pugi::xml_node left = node.append_child("left");  // by custom from the outside in: ids descend through the section
-      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane) add_lane(left, *lane);
+      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane) add_lane(left, *lane, road.speed_limit_mps);
     }
     add_lane(node.append_child("center"), section.center);
     if (!section.right.empty()) {
       pugi::xml_node right = node.append_child("right");
-      for (const Lane& lane : section.right) add_lane(right, lane);
+      for (const Lane& lane : section.right) add_lane(right, lane, road.speed_limit_mps);
     }
   }
 }
@@ -175,6 +186,24 @@ void add_user_data(pugi::xml_node road, const char* code, const std::string& val
   set(node, "value", value);
 }
 
+void add_type(pugi::xml_node road_node, const Road& road) {
+  pugi::xml_node type = road_node.append_child("type");
+  set(type, "s", "0");
+  set(type, "type", road_type(road.highway));
+  if (road.speed_limit_mps > 0.0) add_speed(type, road.speed_limit_mps);
+}
+
+/// A bridge or tunnel as an object as long as its road.
+void add_objects(pugi::xml_node road_node, const Road& road) {
+  if (!road.bridge && !road.tunnel) return;
+  pugi::xml_node node = road_node.append_child("objects").append_child(road.bridge ? "bridge" : "tunnel");
+  set(node, "s", "0");
+  set(node, "length", metres(road.length));
+  set(node, "id", fmt::format("{}_{}", road.bridge ? "bridge" : "tunnel", road.id));
+  if (!road.name.empty()) set(node, "name", road.name);
+  set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
+}
+
 void add_road(pugi::xml_node root, const Road& road) {
   pugi::xml_node node = root.append_child("road");
   if (!road.name.empty()) set(node, "name", road.name);
@@ -185,9 +214,7 @@ void add_road(pugi::xml_node root, const Road& road) {
   pugi::xml_node link = node.append_child("link");
   add_link(link, "predecessor", road.predecessor);
   add_link(link, "successor", road.successor);
-  pugi::xml_node type = node.append_child("type");
-  set(type, "s", "0");
-  set(type, "type", road_type(road.highway));
+  add_type(node, road);
   pugi::xml_node plan = node.append_child("planView");
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
@@ -204,6 +231,7 @@ void add_road(pugi::xml_node root, const Road& road) {
   }
   add_lateral_profile(node, road);
   add_lanes(node, road);
+  add_objects(node, road);
   add_surface(node, road);
   if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
   if (!road.highway.empty()) add_user_data(node, "highway", road.highway);
@@ -227,6 +255,11 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
       set(l, "from", link.from);
       set(l, "to", link.to);
     }
+  }
+  for (const roadquery::Priority& priority : junction.priorities) {
+    pugi::xml_node p = node.append_child("priority");
+    set(p, "high", priority.high);
+    set(p, "low", priority.low);
   }
 }
 

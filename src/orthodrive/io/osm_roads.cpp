@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <limits>
 #include <osmium/osm/node.hpp>
+#include <osmium/osm/relation.hpp>
 #include <osmium/osm/way.hpp>
+#include <string_view>
 
 #include "orthodrive/io/clip_line.hpp"
 #include "orthodrive/io/gdal_support.hpp"
@@ -34,6 +36,35 @@ std::vector<DrivableWay> read_ways(const std::filesystem::path& path) {
   reader.close();
   std::stable_sort(ways.begin(), ways.end(), [](const DrivableWay& a, const DrivableWay& b) { return a.id < b.id; });
   return ways;
+}
+
+/// Turns that relations forbid, or the only ones they allow. Those that count for lorries or buses alone, exempt cars or
+/// go over a way instead of a node are passed over.
+std::vector<TurnRestriction> read_restrictions(const std::filesystem::path& path) {
+  std::vector<TurnRestriction> restrictions;
+  osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::relation);
+  while (const osmium::memory::Buffer buffer = reader.read())
+    for (const osmium::Relation& relation : buffer.select<osmium::Relation>()) {
+      const osmium::TagList& tags = relation.tags();
+      if (!tags.has_tag("type", "restriction")) continue;
+      const char* kind = tags.get_value_by_key("restriction:motorcar");
+      if (!kind) kind = tags.get_value_by_key("restriction", "");
+      const bool only = std::string_view(kind).starts_with("only_"), no = std::string_view(kind).starts_with("no_");
+      const std::string_view except = tags.get_value_by_key("except", "");
+      if ((!only && !no) || except.find("motorcar") != except.npos || except.find("motor_vehicle") != except.npos) continue;
+      std::vector<std::int64_t> from, via, to;
+      for (const osmium::RelationMember& member : relation.members()) {
+        const std::string_view role = member.role();
+        if (member.type() == osmium::item_type::way && role == "from") from.push_back(member.ref());
+        if (member.type() == osmium::item_type::node && role == "via") via.push_back(member.ref());
+        if (member.type() == osmium::item_type::way && role == "to") to.push_back(member.ref());
+      }
+      if (via.size() != 1) continue;
+      for (const std::int64_t a : from)
+        for (const std::int64_t b : to) restrictions.push_back({a, via.front(), b, only});
+    }
+  reader.close();
+  return restrictions;
 }
 
 /// Where the nodes of the ways lie, in the site CRS; NaN for nodes that the file lacks.
@@ -150,10 +181,13 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
           for (const std::string& tag : part == 0 ? way.attributes.odd : std::vector<std::string>{})
             report("osm.odd_tag", fmt::format("{} is no number above 0, took {:.1f} m as the width", tag, way.attributes.width_m),
                    road.nodes[road.nodes.size() / 2].p);
+          for (const std::string& what : part == 0 ? way.attributes.doubts : std::vector<std::string>{})
+            report("osm.lane_tags", what, road.nodes[road.nodes.size() / 2].p);
           roads.paths.push_back(std::move(road));
           ++part;
         }
     }
+    roads.restrictions = read_restrictions(path);
     if (ways.empty())
       throw InputError(path.string(),
                        "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");

@@ -55,6 +55,7 @@ WayAttributes way_attributes(const OsmTags& tags) {
   way.reversed = oneway == "-1" || oneway == "reverse";
   const bool implied = oneway.empty() && (path.roundabout || path.highway == "motorway");
   if (way.reversed || implied || oneway == "yes" || oneway == "true" || oneway == "1") path.oneway = Oneway::forward;
+  read_lane_tags(tags, way);
   way.width_m = parse_width_m(value_of(tags, "width"));
   path.width_source = way.width_m > 0.0 ? WidthSource::tag : path.lanes > 0 ? WidthSource::lanes : WidthSource::highway;
   const std::string width = value_of(tags, "width"), lanes = value_of(tags, "lanes");

@@ -1,4 +1,4 @@
-// roads.gpkg: layers centrelines, nodes and surface. The nodes are the truth; lines and polygons are made from them for
+// roads.gpkg: layers centrelines, nodes and surface, table restrictions. The nodes are the truth; lines and polygons are made from them for
 // people and for other tools, and carry the attributes of the way.
 
 #include <fmt/format.h>
@@ -26,6 +26,12 @@ constexpr Field centreline_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInt
                                        {"name", OFTString},      {"layer", OFTInteger},     {"bridge", OFTInteger},
                                        {"tunnel", OFTInteger},   {"oneway", OFTInteger},    {"lanes", OFTInteger},
                                        {"width_m", OFTReal},     {"roundabout", OFTInteger}};
+// Not in files of older versions: read where they are.
+constexpr Field lane_fields[] = {{"lanes_forward", OFTInteger}, {"lanes_backward", OFTInteger}, {"turn_forward", OFTString},
+                                 {"turn_backward", OFTString},  {"speed_limit_kmh", OFTReal},   {"sidewalk", OFTInteger},
+                                 {"shoulder", OFTInteger},      {"surface", OFTString}};
+constexpr Field restriction_fields[] = {
+    {"from_way", OFTInteger64}, {"via_node", OFTInteger64}, {"to_way", OFTInteger64}, {"only", OFTInteger}};
 constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"part", OFTInteger},
                                  {"osm_node", OFTInteger64},
@@ -82,6 +88,7 @@ class RoadsWriter {
         file_(std::move(file)),
         errors_(errors) {
     for (const Field& field : cross_fall_fields) create_field(nodes_, field.name, field.type);
+    for (const Field& field : lane_fields) create_field(centrelines_, field.name, field.type);
   }
 
   void add(const RoadPath& path) {
@@ -104,6 +111,14 @@ class RoadsWriter {
     row.SetField("lanes", path.lanes);
     row.SetField("width_m", median_width_m(path));
     row.SetField("roundabout", path.roundabout ? 1 : 0);
+    row.SetField("lanes_forward", path.lanes_forward);
+    row.SetField("lanes_backward", path.lanes_backward);
+    row.SetField("turn_forward", path.turn_forward.c_str());
+    row.SetField("turn_backward", path.turn_backward.c_str());
+    row.SetField("speed_limit_kmh", path.speed_limit_kmh);
+    row.SetField("sidewalk", static_cast<int>(path.sidewalk));
+    row.SetField("shoulder", static_cast<int>(path.shoulder));
+    row.SetField("surface", path.surface.c_str());
     row.SetGeometryDirectly(to_ogr(centerline(path)).release());
     add_feature(centrelines_, row, file_, errors_);
   }
@@ -174,6 +189,23 @@ void write_roughness(GDALDataset& dataset, OGRSpatialReference& reference, const
     add_feature(layer, row, file, errors);
   }
 }
+
+/// Table without places; only there when there are any.
+void write_restrictions(GDALDataset& dataset, const std::vector<TurnRestriction>& restrictions, const std::string& file,
+                        const GdalErrors& errors) {
+  if (restrictions.empty()) return;
+  OGRLayer* layer = dataset.CreateLayer("restrictions", nullptr, wkbNone, nullptr);
+  if (!layer) throw Error("layer 'restrictions' cannot be made, is the disk full?");
+  for (const Field& field : restriction_fields) create_field(*layer, field.name, field.type);
+  for (const TurnRestriction& restriction : restrictions) {
+    OGRFeature row(layer->GetLayerDefn());
+    row.SetField("from_way", static_cast<GIntBig>(restriction.from_way));
+    row.SetField("via_node", static_cast<GIntBig>(restriction.via_node));
+    row.SetField("to_way", static_cast<GIntBig>(restriction.to_way));
+    row.SetField("only", restriction.only ? 1 : 0);
+    add_feature(*layer, row, file, errors);
+  }
+}
 }  // namespace
 
 void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vector<RoughnessStretch>& roughness) {
@@ -182,6 +214,7 @@ void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vect
     RoadsWriter writer(dataset, reference, path.string(), errors);
     for (const RoadPath& road : roads.paths) writer.add(road);
     if (!roughness.empty()) write_roughness(dataset, reference, roads, roughness, path.string(), errors);
+    write_restrictions(dataset, roads.restrictions, path.string(), errors);
   });
 }
 
@@ -206,6 +239,20 @@ void need_fields(const fs::path& path, OGRLayer& layer, const Field (&fields)[n]
 using PathKey = std::pair<std::int64_t, int>;  // osm_id, part
 PathKey key_of(const OGRFeature& row) { return {row.GetFieldAsInteger64("osm_id"), row.GetFieldAsInteger("part")}; }
 
+Sides sides_of(int value) { return value >= 0 && value <= 3 ? static_cast<Sides>(value) : Sides::none; }
+
+void read_lane_fields(const OGRFeature& row, RoadPath& path) {
+  if (row.GetFieldIndex(lane_fields[0].name) < 0) return;
+  path.lanes_forward = row.GetFieldAsInteger("lanes_forward");
+  path.lanes_backward = row.GetFieldAsInteger("lanes_backward");
+  path.turn_forward = row.GetFieldAsString("turn_forward");
+  path.turn_backward = row.GetFieldAsString("turn_backward");
+  path.speed_limit_kmh = row.GetFieldAsDouble("speed_limit_kmh");
+  path.sidewalk = sides_of(row.GetFieldAsInteger("sidewalk"));
+  path.shoulder = sides_of(row.GetFieldAsInteger("shoulder"));
+  path.surface = row.GetFieldAsString("surface");
+}
+
 RoadPath path_of(const OGRFeature& row) {
   RoadPath path;
   std::tie(path.osm_id, path.part) = key_of(row);
@@ -217,6 +264,7 @@ RoadPath path_of(const OGRFeature& row) {
   path.oneway = row.GetFieldAsInteger("oneway") != 0 ? Oneway::forward : Oneway::no;
   path.lanes = row.GetFieldAsInteger("lanes");
   path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
+  read_lane_fields(row, path);
   return path;
 }
 
@@ -271,6 +319,12 @@ RoadNetwork read_roads(const fs::path& path) {
       throw InputError(path.string(), fmt::format("has nodes of way {} part {}, which is not in 'centrelines'",
                                                   key_of(*row).first, key_of(*row).second));
     roads.paths[at->second].nodes.push_back(node_of(path, *row));
+  }
+  if (OGRLayer* restrictions = dataset->GetLayerByName("restrictions")) {
+    need_fields(path, *restrictions, restriction_fields);
+    for (const auto& row : *restrictions)
+      roads.restrictions.push_back({row->GetFieldAsInteger64("from_way"), row->GetFieldAsInteger64("via_node"),
+                                    row->GetFieldAsInteger64("to_way"), row->GetFieldAsInteger("only") != 0});
   }
   if (errors.any())
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); make it again", errors.text()));

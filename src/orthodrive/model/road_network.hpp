@@ -34,6 +34,12 @@ struct RoadNode {
 /// Where the width of an OSM way comes from: its class alone, its number of lanes, or a tag.
 enum class WidthSource : std::int8_t { highway, lanes, tag };
 
+/// Sides of a path, seen in its direction.
+enum class Sides : std::int8_t { none = 0, left = 1, right = 2, both = 3 };
+[[nodiscard]] constexpr bool has_side(Sides sides, Sides one) {
+  return (static_cast<int>(sides) & static_cast<int>(one)) != 0;
+}
+
 struct RoadPath {
   std::int64_t osm_id = 0;
   int part = 0;                ///< pieces of one way inside the area are counted from 0
@@ -44,18 +50,33 @@ struct RoadPath {
   int lanes = 0;               ///< 0: not tagged
   WidthSource width_source = WidthSource::highway;
   bool roundabout = false;
+  int lanes_forward = 0, lanes_backward = 0;  ///< of each direction; 0: not tagged
+  /// OSM's turn:lanes of each direction, "left|through;right": lanes from left to right as their drivers see them.
+  std::string turn_forward, turn_backward;
+  double speed_limit_kmh = 0.0;               ///< 0: not tagged
+  Sides sidewalk = Sides::none, shoulder = Sides::none;
+  std::string surface;
   std::vector<RoadNode> nodes; ///< at least two; first == last position (and osm_node) for closed ways
+};
+
+/// A turn at a node that OSM's relations forbid (no_*), or the only one they allow (only_*).
+struct TurnRestriction {
+  std::int64_t from_way = 0, via_node = 0, to_way = 0;
+  bool only = false;
 };
 
 struct RoadNetwork {
   Crs crs;
   std::vector<RoadPath> paths;
+  std::vector<TurnRestriction> restrictions;
 };
 
 /// Carriageway width in metres for a way without a width tag: by highway value, lanes and oneway.
 [[nodiscard]] double default_width_m(const std::string& highway, int lanes, Oneway oneway);
 /// 0 = least important (service) upwards; which road wins at a junction. Unknown values rank as service.
 [[nodiscard]] int road_rank(const std::string& highway);
+/// Speed limit in km/h that holds where none is tagged: what is usual in towns for the class. 0: none (raceways).
+[[nodiscard]] double default_speed_limit_kmh(const std::string& highway);
 /// motorway ... service, track, raceway; not footway, cycleway, path, steps, pedestrian.
 [[nodiscard]] bool is_drivable(const std::string& highway);
 

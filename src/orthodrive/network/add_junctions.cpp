@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -20,6 +21,9 @@ using roadquery::RoadMap;
 // Sharper than this is turning round: between the prongs of a fork. Allowed only where there is no other way on.
 constexpr double max_turn_rad = 150.0 * std::numbers::pi / 180.0;
 
+// What a driver still calls straight on when arrows are read.
+constexpr double straight_turn_rad = 35.0 * std::numbers::pi / 180.0;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A road end as a driver passes it, in driving direction.
@@ -29,9 +33,10 @@ struct Gate {
   double lane_width_m = 0.0;
   double inner_t_m = 0.0;  ///< of the edge between the lanes of this direction and the oncoming ones
   std::vector<int> lanes;  ///< of this direction, from the inside out
+  std::vector<unsigned> arrows;  ///< of the lanes, where they are painted and the gate leads into the junction
 };
 
-Gate gate_of(const Road& road, bool at_end, bool incoming) {
+Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming) {
   const bool along_s = at_end == incoming;
   const double s = at_end ? road.length : 0.0, sign = along_s ? 1.0 : -1.0;
   const roadquery::PlanPoint q = roadquery::reference_point(road, s);
@@ -46,6 +51,8 @@ Gate gate_of(const Road& road, bool at_end, bool incoming) {
   gate.lane_width_m = roadquery::lane_width(section.right.empty() ? section.left.front() : section.right.front(), s);
   gate.inner_t_m = sign * roadquery::evaluate(road.lane_offset, s);
   gate.lanes = lanes_of_direction(road, along_s);
+  if (incoming) gate.arrows = turn_lanes(path, along_s, road.left_hand_traffic);
+  if (gate.arrows.size() != gate.lanes.size()) gate.arrows.clear();
   return gate;
 }
 
@@ -83,34 +90,133 @@ struct Movement {
   std::size_t first_in = 0, count_in = 0, first_out = 0, count_out = 0;
 };
 
-/// The straightest way on (the chain's own one if there is one) takes all lanes; lanes that the other side lacks taper
-/// out. Other turns take the lane next to where they go.
-std::vector<Movement> choose_movements(const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in,
-                                       const std::vector<Gate>& out, std::size_t from, const std::set<int>& reached,
-                                       bool left_hand_traffic) {
+/// What relations say of the ways out of a road.
+class Restrictions {
+ public:
+  explicit Restrictions(const NetworkPlan& plan) : plan_(plan) {
+    for (const TurnRestriction& r : plan.roads.restrictions) at_node_[r.via_node].push_back(&r);
+  }
+  /// `vertices`: those of the junction.
+  [[nodiscard]] bool forbid(const std::vector<int>& vertices, const JunctionEnd& from, const JunctionEnd& to) const {
+    if (at_node_.empty()) return false;
+    const std::int64_t from_way = way_of(from), to_way = way_of(to);
+    for (const int vertex : vertices) {
+      const auto found = at_node_.find(plan_.topology.vertices[at(vertex)].osm_node);
+      if (found == at_node_.end()) continue;
+      for (const TurnRestriction* r : found->second)
+        if (r->from_way == from_way && r->only != (r->to_way == to_way)) return true;
+    }
+    return false;
+  }
+
+ private:
+  [[nodiscard]] std::int64_t way_of(const JunctionEnd& end) const { return plan_.roads.paths[at(end.path)].osm_id; }
+  const NetworkPlan& plan_;
+  std::map<std::int64_t, std::vector<const TurnRestriction*>> at_node_;
+};
+
+/// The lanes that arrows give a turn: from the first to the last that shows it. `bits`: what the turn may be called.
+bool take_arrow_lanes(const std::vector<unsigned>& arrows, unsigned bits, bool main, Movement& m) {
+  const auto shows = [&](unsigned lane) { return (lane & bits) != 0 || (main && (lane & ~unsigned{turn_merge}) == 0); };
+  const auto first = std::find_if(arrows.begin(), arrows.end(), shows);
+  if (first == arrows.end()) return false;
+  const auto last = std::find_if(arrows.rbegin(), arrows.rend(), shows).base();
+  m.first_in = static_cast<std::size_t>(first - arrows.begin());
+  m.count_in = static_cast<std::size_t>(last - first);
+  return true;
+}
+
+/// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes and others the
+/// lane next to where they go. Arrows are no prohibition: a turn that none shows takes that lane, too.
+void choose_lanes(Movement& m, bool main, const Gate& in, const Gate& out, bool left_hand_traffic) {
+  const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
+  const bool left = m.turn_rad > 0.0, inwards = left != left_hand_traffic;
+  const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
+  const unsigned side = left ? turn_left : turn_right;
+  const unsigned bits = main && straight ? unsigned{turn_through} : straight ? (side | turn_through) : side;
+  if (!in.arrows.empty() && take_arrow_lanes(in.arrows, bits, main, m)) {
+    m.count_out = std::min(m.count_in, lanes_out);
+    // Lanes that turn outwards enter outside, all others inside.
+    m.first_out = straight || inwards ? 0 : lanes_out - m.count_out;
+    if (straight && m.count_out == m.count_in) m.first_out = std::min(m.first_in, lanes_out - m.count_out);
+    return;
+  }
+  if (main) {
+    m.count_in = lanes_in, m.count_out = std::min(lanes_in, lanes_out);
+    return;
+  }
+  m.first_in = inwards ? 0 : lanes_in - 1, m.first_out = inwards ? 0 : lanes_out - 1;
+  m.count_in = m.count_out = 1;
+}
+
+/// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
+std::vector<Movement> ways_on(const Restrictions& restrictions, const std::vector<int>& vertices,
+                              const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in, const std::vector<Gate>& out,
+                              std::size_t from, const std::set<int>& reached) {
   std::vector<Movement> movements;
+  if (in[from].lanes.empty()) return movements;
   for (std::size_t to = 0; to < ends.size(); ++to) {
     if (out[to].lanes.empty() || reached.count(ends[to].vertex) == 0) continue;
     // Back into the same road: only round a circuit, not round a block's inner drive.
-    if (ends[to].road == ends[from].road && static_cast<int>(to) != ends[from].through) continue;
+    if (ends[to].stretch == ends[from].stretch && static_cast<int>(to) != ends[from].through) continue;
+    if (restrictions.forbid(vertices, ends[from], ends[to])) continue;
     movements.push_back({static_cast<int>(from), static_cast<int>(to), turn_between(in[from], out[to])});
   }
-  if (movements.empty() || in[from].lanes.empty()) return {};
+  if (movements.empty()) return movements;
   const auto bend = [&](const Movement& m) { return m.to == ends[from].through ? -1.0 : std::abs(m.turn_rad); };
-  const Movement main = *std::min_element(movements.begin(), movements.end(),
-                                          [&](const Movement& a, const Movement& b) { return bend(a) < bend(b); });
-  std::erase_if(movements, [&](const Movement& m) { return m.to != main.to && std::abs(m.turn_rad) > max_turn_rad; });
-  for (Movement& m : movements) {
-    const std::size_t lanes_in = in[from].lanes.size(), lanes_out = out[at(m.to)].lanes.size();
-    if (m.to == main.to) {
-      m.count_in = lanes_in, m.count_out = lanes_out;
-      continue;
-    }
-    const bool inwards = (m.turn_rad > 0.0) != left_hand_traffic;
-    m.first_in = inwards ? 0 : lanes_in - 1, m.first_out = inwards ? 0 : lanes_out - 1;
-    m.count_in = m.count_out = 1;
-  }
+  const auto main = std::min_element(movements.begin(), movements.end(),
+                                     [&](const Movement& a, const Movement& b) { return bend(a) < bend(b); });
+  std::rotate(movements.begin(), main, main + 1);
+  const int main_to = movements.front().to;
+  std::erase_if(movements, [&](const Movement& m) { return m.to != main_to && std::abs(m.turn_rad) > max_turn_rad; });
   return movements;
+}
+
+/// Every lane out of the junction is fed: where more lanes lead out than any way in brings, the outermost lane (or innermost,
+/// for what opens inside) of the straightest way in leads into the others, too.
+void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate>& out, std::vector<Movement>& movements) {
+  const std::size_t own = movements.size();
+  for (std::size_t to = 0; to < ends.size(); ++to) {
+    std::vector<bool> fed(out[to].lanes.size(), false);
+    const Movement* main = nullptr;
+    const auto bend = [&](const Movement& m) { return ends[at(m.from)].through == m.to ? -1.0 : std::abs(m.turn_rad); };
+    for (std::size_t i = 0; i < own; ++i) {
+      const Movement& m = movements[i];
+      if (m.to != static_cast<int>(to)) continue;
+      for (std::size_t k = 0; k < std::min(m.count_in, m.count_out); ++k) fed[m.first_out + k] = true;
+      if (!main || bend(m) < bend(*main)) main = &m;
+    }
+    if (!main) continue;
+    const Movement best = *main;
+    for (std::size_t lane = 0; lane < fed.size(); ++lane) {
+      if (fed[lane]) continue;
+      Movement m = best;
+      m.first_in = lane < best.first_out ? best.first_in : best.first_in + best.count_in - 1;
+      m.first_out = lane, m.count_in = m.count_out = 1;
+      movements.push_back(m);
+    }
+  }
+}
+
+/// Who comes from a road of the highest class goes before who comes from others; the ring of a roundabout before all.
+/// `roads` are the connecting roads of the movements (1.7, 12.7: priorities are between those).
+std::vector<roadquery::Priority> priorities_of(const NetworkPlan& plan, const std::vector<JunctionEnd>& ends,
+                                               const std::vector<Movement>& movements, const std::vector<int>& roads) {
+  const auto rank = [&](const Movement& m) {
+    const JunctionEnd& end = ends[at(m.from)];
+    const Stretch& stretch = plan.junctions.stretches[at(end.stretch)];
+    const std::size_t k = piece_at(plan.geometry[at(stretch.chain)], end.chain_s);
+    const int piece = plan.topology.chains[at(stretch.chain)].pieces[k].piece;
+    constexpr int ring_rank = 100;
+    return plan.topology.ring_of_piece[at(piece)] >= 0 ? ring_rank : road_rank(plan.roads.paths[at(end.path)].highway);
+  };
+  int highest = -1;
+  for (const Movement& m : movements) highest = std::max(highest, rank(m));
+  std::vector<roadquery::Priority> priorities;
+  for (std::size_t i = 0; i < movements.size(); ++i)
+    for (std::size_t k = 0; k < movements.size(); ++k)
+      if (rank(movements[i]) == highest && rank(movements[k]) < highest) priorities.push_back({roads[i], roads[k]});
+  return priorities;
 }
 
 struct Geometry {
@@ -122,8 +228,7 @@ struct Geometry {
 Geometry chain_through(const NetworkPlan& plan, const JunctionEnd& from, const JunctionEnd& to) {
   const Stretch& stretch = plan.junctions.stretches[at(from.stretch)];
   const ChainGeometry& chain = plan.geometry[at(stretch.chain)];
-  // Against the chain when `from` lies at the beginning of its stretch.
-  const bool reversed = from.chain_s == stretch.s0 + stretch.trim0_m;
+  const bool reversed = from.at_begin;  // then the chain is driven against its direction
   double s0 = reversed ? to.chain_s : from.chain_s, s1 = reversed ? from.chain_s : to.chain_s;
   if (s1 <= s0) s1 += chain.length_m;  // a closed chain's first stretch follows its last one
   Geometry result{slice_plan(chain.plan, s0, s1), slice_profile(chain.elevation, s0, s1),
@@ -178,6 +283,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   road.left_hand_traffic = plan.options.left_hand_traffic;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
   road.layer = incoming.layer;
+  road.speed_limit_mps = std::min(incoming.speed_limit_mps, outgoing.speed_limit_mps);
   road.bridge = incoming.bridge && outgoing.bridge;
   road.tunnel = incoming.tunnel && outgoing.tunnel;
   if (incoming.osm_id == outgoing.osm_id) road.osm_id = incoming.osm_id;
@@ -201,28 +307,43 @@ void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<Juncti
     const Stretch& stretch = plan.junctions.stretches[i];
     if (stretch.inside) inside[at(plan.junctions.junction_of_vertex[at(stretch.vertex0)])].push_back(static_cast<int>(i));
   }
+  const Restrictions restrictions(plan);
+  std::vector<std::vector<int>> vertices(ends.size());
+  for (std::size_t v = 0; v < plan.junctions.junction_of_vertex.size(); ++v)
+    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[at(j)].push_back(static_cast<int>(v));
   for (std::size_t j = 0; j < ends.size(); ++j) {
     std::vector<Gate> in, out;
     for (const JunctionEnd& end : ends[j]) {
-      in.push_back(gate_of(map.roads[at(end.road)], end.at_end, true));
-      out.push_back(gate_of(map.roads[at(end.road)], end.at_end, false));
+      const RoadPath& path = plan.roads.paths[at(end.path)];
+      in.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, true));
+      out.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, false));
     }
-    roadquery::Junction junction{.id = static_cast<int>(j) + 1};
+    std::vector<Movement> movements;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
       const std::set<int> reached = reachable_vertices(plan, inside, static_cast<int>(j), ends[j][from].vertex);
-      for (const Movement& m : choose_movements(ends[j], in, out, from, reached, plan.options.left_hand_traffic)) {
-        Road road = connecting_road(plan, map, ends[j], m, in[at(m.from)], out[at(m.to)]);
-        road.id = static_cast<int>(map.roads.size()) + 1;
-        road.junction = junction.id;
-        roadquery::Connection connection{static_cast<int>(junction.connections.size()), road.predecessor.id, road.id,
-                                         ContactPoint::start};
-        const roadquery::LaneSection& section = road.sections.front();
-        for (const roadquery::Lane& lane : road.left_hand_traffic ? section.left : section.right)
-          if (lane.predecessor) connection.lane_links.push_back({*lane.predecessor, lane.id});
-        junction.connections.push_back(std::move(connection));
-        map.roads.push_back(std::move(road));
+      std::vector<Movement> on = ways_on(restrictions, vertices[j], ends[j], in, out, from, reached);
+      for (std::size_t i = 0; i < on.size(); ++i) {
+        choose_lanes(on[i], i == 0, in[from], out[at(on[i].to)], plan.options.left_hand_traffic);
+        movements.push_back(on[i]);
       }
     }
+    feed_all_lanes(ends[j], out, movements);
+    roadquery::Junction junction{.id = static_cast<int>(j) + 1};
+    std::vector<int> connecting;
+    for (const Movement& m : movements) {
+      Road road = connecting_road(plan, map, ends[j], m, in[at(m.from)], out[at(m.to)]);
+      road.id = static_cast<int>(map.roads.size()) + 1;
+      road.junction = junction.id;
+      roadquery::Connection connection{static_cast<int>(junction.connections.size()), road.predecessor.id, road.id,
+                                       ContactPoint::start};
+      const roadquery::LaneSection& section = road.sections.front();
+      for (const roadquery::Lane& lane : road.left_hand_traffic ? section.left : section.right)
+        if (lane.predecessor) connection.lane_links.push_back({*lane.predecessor, lane.id});
+      junction.connections.push_back(std::move(connection));
+      connecting.push_back(road.id);
+      map.roads.push_back(std::move(road));
+    }
+    junction.priorities = priorities_of(plan, ends[j], movements, connecting);
     if (junction.connections.empty()) continue;
     for (const JunctionEnd& end : ends[j]) {
       Road& road = map.roads[at(end.road)];

@@ -1,9 +1,12 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/road_cuts.hpp"
 #include "orthodrive/network/road_parts.hpp"
 
 namespace orthodrive::network {
@@ -15,19 +18,9 @@ using roadquery::Road;
 using roadquery::RoadLink;
 using roadquery::RoadMap;
 
-constexpr double min_part_m = 0.5;  // shorter pieces of way are left to the road before them
+constexpr double kmh_per_mps = 3.6;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// s along the chain where roads of a stretch begin and end.
-std::vector<double> cuts_of(const ChainGeometry& geometry, const Stretch& stretch) {
-  const double begin = stretch.s0 + stretch.trim0_m, end = stretch.s1 - stretch.trim1_m;
-  std::vector<double> cuts{begin};
-  for (const double s : geometry.vertex_s)
-    if (s > cuts.back() + min_part_m && s < end - min_part_m) cuts.push_back(s);
-  cuts.push_back(end);
-  return cuts;
-}
 
 std::vector<ProfileSample> widths_between(const ChainGeometry& geometry, std::size_t piece, double s0, double s1) {
   std::vector<ProfileSample> samples{{0.0, width_at(geometry, s0 + 1e-6)}};
@@ -44,36 +37,46 @@ double median(std::vector<ProfileSample> samples) {
   return middle->value;
 }
 
-Road make_road(const NetworkPlan& plan, int chain, double s0, double s1) {
+/// A road that still lacks its lanes: those depend on the roads it is linked to.
+struct Draft {
+  int path = 0;
+  bool reversed = false;  ///< the chain runs against the road
+  LaneLayout layout;
+  std::vector<ProfileSample> widths;
+  std::optional<RoadEndLanes> start, end;
+};
+
+const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[at(draft.path)]; }
+
+Draft draft_road(const NetworkPlan& plan, int chain, double s0, double s1, Road& road) {
   const ChainGeometry& geometry = plan.geometry[at(chain)];
   const std::size_t k = piece_at(geometry, 0.5 * (s0 + s1));
   const ChainPiece part = plan.topology.chains[at(chain)].pieces[k];
-  const RoadPath& path = plan.roads.paths[at(plan.topology.pieces[at(part.piece)].path)];
+  Draft draft{plan.topology.pieces[at(part.piece)].path, part.reversed, {}, widths_between(geometry, k, s0, s1), {}, {}};
+  const RoadPath& path = path_of(plan, draft);
+  draft.layout = lane_layout(path, median(geometry.widths[k]), plan.options.left_hand_traffic);
 
-  Road road;
   road.name = path.name;
   road.left_hand_traffic = plan.options.left_hand_traffic;
   road.osm_id = std::to_string(path.osm_id);
   road.highway = path.highway;
   road.layer = path.layer, road.bridge = path.bridge, road.tunnel = path.tunnel;
+  road.speed_limit_mps = (path.speed_limit_kmh > 0.0 ? path.speed_limit_kmh : default_speed_limit_kmh(path.highway)) / kmh_per_mps;
   road.plan = slice_plan(geometry.plan, s0, s1);
   road.length = plan_length(road.plan);
   road.elevation = slice_profile(geometry.elevation, s0, s1);
   road.superelevation = slice_profile(geometry.superelevation, s0, s1);
   std::vector<roadquery::Cubic> crown = slice_profile(geometry.crown, s0, s1);
-  std::vector<ProfileSample> widths = widths_between(geometry, k, s0, s1);
   if (part.reversed) {
     road.plan = reverse_plan(road.plan);
     road.elevation = reverse_profile(road.elevation, road.length);
     road.superelevation = reverse_profile(road.superelevation, road.length, -1.0);
     crown = reverse_profile(crown, road.length);
-    std::reverse(widths.begin(), widths.end());
-    for (ProfileSample& sample : widths) sample.s = (s1 - s0) - sample.s;
+    std::reverse(draft.widths.begin(), draft.widths.end());
+    for (ProfileSample& sample : draft.widths) sample.s = (s1 - s0) - sample.s;
   }
   road.shape = crown_shape(crown, road.length);
-  add_lanes(road, lane_layout(path, median(geometry.widths[k]), plan.options.left_hand_traffic), widths,
-            plan.options.width_tolerance_m);
-  return road;
+  return draft;
 }
 
 /// One end of a road.
@@ -87,33 +90,102 @@ void set_link(RoadMap& map, RoadEnd end, RoadLink link) {
   (end.at_end ? road.successor : road.predecessor) = link;
 }
 
-roadquery::Lane& lane_of(Road& road, int id) {
-  roadquery::LaneSection& section = road.sections.front();
-  return id > 0 ? section.left[at(id - 1)] : section.right[at(-id - 1)];
+void report_reduced_lanes(const RoadPath& path, const Draft& draft, Findings& findings) {
+  const Vec2 p = path.nodes[path.nodes.size() / 2].p;
+  findings.push_back({Severity::warning, "network.too_many_lanes",
+                      fmt::format("way {}: {} lanes do not fit in {:.1f} m, took {}", path.osm_id,
+                                  std::max(path.lanes, path.lanes_forward + path.lanes_backward), median(draft.widths),
+                                  draft.layout.total()),
+                      p.x, p.y});
 }
 
-/// Lanes that leave `from` at its end and go on in `to`, from the inside out.
-void link_lanes(RoadMap& map, RoadEnd from, RoadEnd to) {
-  Road &a = map.roads[at(from.road)], &b = map.roads[at(to.road)];
-  const std::vector<int> out = lanes_of_direction(a, from.at_end), in = lanes_of_direction(b, !to.at_end);
-  for (std::size_t i = 0; i < std::min(out.size(), in.size()); ++i) {
-    roadquery::Lane &lane_a = lane_of(a, out[i]), &lane_b = lane_of(b, in[i]);
-    (from.at_end ? lane_a.successor : lane_a.predecessor) = in[i];
-    (to.at_end ? lane_b.successor : lane_b.predecessor) = out[i];
+OpenLanes& open_lanes(RoadEndLanes& lanes, bool left) { return left ? lanes.left : lanes.right; }
+
+/// Lanes for the oncoming side's turns at the far end of the road that these lanes drive: they open inside.
+int inner_turn_lanes(const NetworkPlan& plan, const Draft& draft, bool forward) {
+  const unsigned inner = plan.options.left_hand_traffic ? turn_right : turn_left;
+  int count = 0;
+  for (const unsigned bits : turn_lanes(path_of(plan, draft), forward, plan.options.left_hand_traffic)) {
+    if (bits != inner) break;
+    ++count;
+  }
+  return count;
+}
+
+/// Settles which lanes are open where two roads are linked, in both directions.
+void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool b_at_end) {
+  RoadEndLanes open_a, open_b;
+  const bool lht = plan.options.left_hand_traffic;
+  // Lanes on the left of road s run against s in right-hand traffic.
+  const auto side_is_left = [lht](bool forward) { return forward == lht; };
+  for (const bool out_of_a : {true, false}) {
+    const bool a_left = side_is_left(out_of_a == a_at_end), b_left = side_is_left(out_of_a != b_at_end);
+    const int n_a = a_left ? a.layout.left : a.layout.right, n_b = b_left ? b.layout.left : b.layout.right;
+    const Draft& to = out_of_a ? b : a;
+    const int inner = inner_turn_lanes(plan, to, out_of_a ? !b_at_end : !a_at_end);
+    const LaneMatch match = out_of_a ? match_lanes(n_a, n_b, inner) : match_lanes(n_b, n_a, inner);
+    open_lanes(open_a, a_left) = out_of_a ? match.from : match.to;
+    open_lanes(open_b, b_left) = out_of_a ? match.to : match.from;
+  }
+  if (open_a.left.count + open_a.right.count == 0) return;  // one-way roads that face each other
+  (a_at_end ? a.end : a.start) = open_a;
+  (b_at_end ? b.end : b.start) = open_b;
+}
+
+/// Links the open lanes of a side to those of the other road, and the walks beside them.
+void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, bool b_at_end, bool b_left, OpenLanes open_b) {
+  using roadquery::Lane, roadquery::LaneType;
+  std::vector<Lane>& lanes_a = a_left ? a.sections.front().left : a.sections.front().right;
+  std::vector<Lane>& lanes_b = b_left ? b.sections.front().left : b.sections.front().right;
+  const auto link = [&](Lane& from, Lane& to) {
+    (a_at_end ? from.successor : from.predecessor) = to.id;
+    (b_at_end ? to.successor : to.predecessor) = from.id;
+  };
+  for (int i = 0; i < open_a.count; ++i) link(lanes_a[at(open_a.first + i)], lanes_b[at(open_b.first + i)]);
+  for (const LaneType type : {LaneType::shoulder, LaneType::sidewalk}) {
+    const auto is_type = [type](const Lane& lane) { return lane.type == type; };
+    const auto from = std::find_if(lanes_a.begin(), lanes_a.end(), is_type);
+    const auto to = std::find_if(lanes_b.begin(), lanes_b.end(), is_type);
+    if (from != lanes_a.end() && to != lanes_b.end()) link(*from, *to);
   }
 }
 
-void link_roads(RoadMap& map, RoadEnd a, RoadEnd b) {
+void link_roads(RoadMap& map, RoadEnd a, const Draft& draft_a, RoadEnd b, const Draft& draft_b) {
   const auto contact = [](RoadEnd e) { return e.at_end ? ContactPoint::end : ContactPoint::start; };
   set_link(map, a, {LinkKind::road, map.roads[at(b.road)].id, contact(b)});
   set_link(map, b, {LinkKind::road, map.roads[at(a.road)].id, contact(a)});
-  link_lanes(map, a, b);
-  link_lanes(map, b, a);
+  if (!(a.at_end ? draft_a.end : draft_a.start)) return;
+  const RoadEndLanes &open_a = a.at_end ? *draft_a.end : *draft_a.start, &open_b = b.at_end ? *draft_b.end : *draft_b.start;
+  for (const bool a_left : {true, false}) {
+    const bool b_left = a_left == (a.at_end != b.at_end);
+    link_side(map.roads[at(a.road)], a.at_end, a_left, a_left ? open_a.left : open_a.right, map.roads[at(b.road)], b.at_end,
+              b_left, b_left ? open_b.left : open_b.right);
+  }
+}
+
+/// Lanes and direct links of the roads of a stretch, `drafts` in the order along the chain; a ring's last one leads into
+/// its first.
+void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, std::vector<Draft>& drafts, bool ring) {
+  const std::size_t joints = drafts.size() - (ring ? 0 : 1);
+  const auto next = [&](std::size_t k) { return (k + 1) % drafts.size(); };
+  for (std::size_t k = 0; k < joints; ++k)
+    match_ends(plan, drafts[k], !drafts[k].reversed, drafts[next(k)], drafts[next(k)].reversed);
+  for (std::size_t k = 0; k < drafts.size(); ++k) {
+    const Draft& draft = drafts[k];
+    const RoadPath& path = path_of(plan, draft);
+    add_lanes(map.roads[at(first_road) + k], draft.layout, draft.widths,
+              {plan.options.width_tolerance_m, path.sidewalk, path.shoulder, draft.start, draft.end});
+  }
+  for (std::size_t k = 0; k < joints; ++k)
+    link_roads(map, {first_road + static_cast<int>(k), !drafts[k].reversed}, drafts[k],
+               {first_road + static_cast<int>(next(k)), drafts[next(k)].reversed}, drafts[next(k)]);
 }
 
 }  // namespace
 
-std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map) {
+std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
+  std::set<int> told;  // paths whose lanes were reduced
+  const std::vector<std::vector<double>> all_cuts = cut_roads(plan.roads, plan.topology, plan.geometry, plan.junctions, plan.options.left_hand_traffic);
   std::vector<std::vector<JunctionEnd>> ends(at(plan.junctions.junctions));
   const auto add_end = [&](int vertex, JunctionEnd end) {
     end.vertex = vertex;
@@ -146,31 +218,29 @@ std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap
     }
     if (stretch.inside) continue;
     const ChainGeometry& geometry = plan.geometry[at(chain)];
-    const std::vector<double> cuts = cuts_of(geometry, stretch);
+    const std::vector<double>& cuts = all_cuts[i];
     const int first_road = static_cast<int>(map.roads.size());
-    std::vector<bool> reversed;
+    std::vector<Draft> drafts;
     for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-      map.roads.push_back(make_road(plan, chain, cuts[k], cuts[k + 1]));
+      map.roads.emplace_back();
+      drafts.push_back(draft_road(plan, chain, cuts[k], cuts[k + 1], map.roads.back()));
       map.roads.back().id = static_cast<int>(map.roads.size());
-      const std::size_t piece = piece_at(geometry, 0.5 * (cuts[k] + cuts[k + 1]));
-      reversed.push_back(plan.topology.chains[at(chain)].pieces[piece].reversed);
+      if (drafts.back().layout.reduced && told.insert(drafts.back().path).second)
+        report_reduced_lanes(path_of(plan, drafts.back()), drafts.back(), findings);
     }
+    add_stretch_lanes(plan, map, first_road, drafts, geometry.closed && stretch.vertex0 < 0);
     const int last_road = static_cast<int>(map.roads.size()) - 1;
-    const RoadEnd begin{first_road, reversed.front()}, end{last_road, !reversed.back()};
-    for (std::size_t k = 0; k + 1 < reversed.size(); ++k)
-      link_roads(map, {first_road + static_cast<int>(k), !reversed[k]},
-                 {first_road + static_cast<int>(k) + 1, reversed[k + 1]});
+    const RoadEnd begin{first_road, drafts.front().reversed}, end{last_road, !drafts.back().reversed};
 
     const int index = static_cast<int>(i);
     if (stretch.vertex0 >= 0) {
-      const int e = add_end(stretch.vertex0, {begin.road, begin.at_end, 0, index, cuts.front()});
+      const int e = add_end(stretch.vertex0, {begin.road, begin.at_end, 0, index, true, cuts.front(), drafts.front().path});
       if (left.end >= 0) connect_through(stretch.vertex0, left.end, e);
       else first = {stretch.vertex0, e};
     }
     left = {};
     if (stretch.vertex1 >= 0)
-      left = {stretch.vertex1, add_end(stretch.vertex1, {end.road, end.at_end, 0, index, cuts.back()})};
-    if (geometry.closed && stretch.vertex0 < 0) link_roads(map, end, begin);
+      left = {stretch.vertex1, add_end(stretch.vertex1, {end.road, end.at_end, 0, index, false, cuts.back(), drafts.back().path})};
   }
   close_chain();
   return ends;

@@ -8,6 +8,7 @@
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/network/road_parts.hpp"
+#include "orthodrive/network/roundabouts.hpp"
 
 namespace orthodrive {
 namespace {
@@ -47,8 +48,11 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     if (monitor) monitor->progress(fraction, "network");
   };
   progress(0.0);
-  const RoadNetwork roads = with_heights(input, result.findings);
-  const Topology topology = build_topology(roads, result.findings);
+  RoadNetwork roads =
+      assume_roundabouts(close_roundabouts(with_heights(input, result.findings), result.findings),
+                         options.left_hand_traffic, result.findings);
+  Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
+  smooth_rings(roads, topology);
   const std::vector<std::vector<PieceNode>> pieces = join_pieces(roads, topology, result.findings);
 
   std::vector<ChainGeometry> geometry(topology.chains.size());
@@ -64,12 +68,12 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     result.findings.insert(result.findings.end(), chain.findings.begin(), chain.findings.end());
   }
 
-  const JunctionPlan junctions = plan_junctions(roads, topology, geometry);
+  const JunctionPlan junctions = plan_junctions(topology, geometry);
   progress(0.9);
   result.map.name = options.name;
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
   const NetworkPlan plan{roads, topology, geometry, junctions, options};
-  const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map);
+  const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
   add_junctions(plan, ends, result.map);
   set_bounds(result.map);
   report_lost_ways(roads, result.map, result.findings);

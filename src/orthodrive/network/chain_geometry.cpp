@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "orthodrive/network/fit_spline.hpp"
+
 namespace orthodrive::network {
 namespace {
 

@@ -13,7 +13,7 @@ constexpr double fade_m = 30.0;          // a height step of 0.3 m at a joint be
 constexpr double notable_step_m = 0.5;   // steps between the ends of a vertex that deserve a finding
 constexpr double min_spacing_m = 0.25;
 constexpr double max_spacing_m = 3.0;    // refine resamples to 2 m; coarser lines are filled up along their chords
-constexpr double inner_radius_m = 1.0;   // the inner edge of a bend keeps at least this radius
+constexpr double inner_radius_m = 2.5;   // the inner edge of a bend keeps at least this radius
 constexpr int max_easing_passes = 60;
 constexpr double max_easing_m = 4.0;     // a node moves no further; what is sharper then stays sharp (a finding)
 

@@ -9,30 +9,165 @@ namespace {
 
 using roadquery::Cubic;
 using roadquery::Lane;
+using roadquery::LaneType;
 using roadquery::Road;
 using roadquery::RoadMark;
 
 // Room a lane needs before another one is assumed: RASt 06 builds urban lanes from 2.75 m (two-way) upwards; one-way
 // streets keep room for parking.
 constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
-constexpr int max_untagged_lanes = 4;  // a direction
+constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
+constexpr int max_untagged_lanes = 4;      // a direction
+constexpr double taper_m = 30.0;           // over which a lane opens or ends; at most half the road. RASt 06: 30 m at 50 km/h
+constexpr double taper_step_m = 3.0;       // between the ends of its cubics: they leave the smooth step by under 1 mm
+constexpr double sidewalk_m = 2.0, shoulder_m = 1.5, motorway_shoulder_m = 2.5;
+constexpr double centre_line_from_m = 5.5;  // narrower two-way roads have no centre line (RMS: from 5.5 m)
 
-std::vector<Cubic> scaled(const std::vector<Cubic>& cubics, double factor) {
-  std::vector<Cubic> result = cubics;
-  for (Cubic& c : result) c.a *= factor, c.b *= factor, c.c *= factor, c.d *= factor;
-  return result;
+double value_at(const Cubic& cubic, double s) {
+  const double ds = s - cubic.s;
+  return cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d));
+}
+double slope_at(const Cubic& cubic, double s) {
+  const double ds = s - cubic.s;
+  return cubic.b + ds * (2.0 * cubic.c + ds * 3.0 * cubic.d);
 }
 
-bool has_markings(const std::string& highway) {
-  constexpr std::string_view marked[] = {"motorway", "motorway_link", "trunk", "trunk_link", "primary", "primary_link",
-                                         "secondary", "secondary_link", "tertiary", "tertiary_link"};
-  return std::find(std::begin(marked), std::end(marked), highway) != std::end(marked);
+/// A share of the carriageway that changes along the tapers at both ends.
+struct Share {
+  double start = 0.0, middle = 0.0, end = 0.0;
+};
+
+/// Smooth step from 0 at 0 to 1 at `reach`, and its slope.
+struct Step {
+  double value = 0.0, slope = 0.0;
+};
+Step step_at(double s, double reach) {
+  if (reach <= 0.0 || s >= reach) return {1.0, 0.0};
+  const double x = std::max(0.0, s / reach);
+  return {x * x * (3.0 - 2.0 * x), 6.0 * x * (1.0 - x) / reach};
 }
 
-Lane driving_lane(int id, bool outermost, const std::vector<Cubic>& width, bool marked) {
-  Lane lane{.id = id, .width = width};
-  lane.marks.push_back(marked ? RoadMark{0.0, outermost ? "solid" : "broken", 0.12} : RoadMark{0.0, "none", 0.0});
+/// The width of a carriageway and where its lanes open: turns shares into widths.
+class Carriageway {
+ public:
+  Carriageway(std::vector<Cubic> total, double length, bool tapers_at_start, bool tapers_at_end)
+      : total_(std::move(total)), length_(length) {
+    const double reach = std::min(taper_m, 0.5 * length);
+    start_reach_ = tapers_at_start ? reach : 0.0, end_reach_ = tapers_at_end ? reach : 0.0;
+    for (const Cubic& c : total_) breaks_.push_back(c.s);
+    breaks_.push_back(length);
+    const auto add_breaks = [&](double s0, double s1) {
+      const int steps = std::max(4, static_cast<int>(std::ceil((s1 - s0) / taper_step_m)));
+      for (int i = 0; i <= steps; ++i) breaks_.push_back(s0 + (s1 - s0) * i / steps);
+    };
+    if (start_reach_ > 0.0) add_breaks(0.0, start_reach_);
+    if (end_reach_ > 0.0) add_breaks(length - end_reach_, length);
+    std::sort(breaks_.begin(), breaks_.end());
+    constexpr double same_m = 1e-3;
+    breaks_.erase(std::unique(breaks_.begin(), breaks_.end(), [](double a, double b) { return b - a < same_m; }), breaks_.end());
+    breaks_.back() = length;
+  }
+
+  /// Share x width as cubics. All shares have the same breaks, so sums of them are as exact as the width itself.
+  [[nodiscard]] std::vector<Cubic> part(const Share& share) const {
+    if (share.start == share.middle && share.end == share.middle) {
+      std::vector<Cubic> result = total_;
+      for (Cubic& c : result) c.a *= share.middle, c.b *= share.middle, c.c *= share.middle, c.d *= share.middle;
+      return result;
+    }
+    std::vector<Cubic> result;
+    for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
+      const double s0 = breaks_[i], s1 = breaks_[i + 1];
+      const Cubic& c = total_at(0.5 * (s0 + s1));
+      const auto at = [&](double s) {
+        const Step open = step_at(s, start_reach_), close = step_at(length_ - s, end_reach_);
+        const double x = share.middle + (share.start - share.middle) * (1.0 - open.value) +
+                         (share.end - share.middle) * (1.0 - close.value);
+        const double slope = -(share.start - share.middle) * open.slope + (share.end - share.middle) * close.slope;
+        return std::array{value_at(c, s) * x, slope_at(c, s) * x + value_at(c, s) * slope};
+      };
+      const auto a = at(s0), b = at(s1);
+      result.push_back(hermite(s0, s1, a[0], b[0], a[1], b[1]));
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] const Cubic& total_at(double s) const {
+    const auto after = std::upper_bound(total_.begin() + 1, total_.end(), s, [](double v, const Cubic& c) { return v < c.s; });
+    return *(after - 1);
+  }
+
+  std::vector<Cubic> total_;
+  std::vector<double> breaks_;
+  double length_, start_reach_ = 0.0, end_reach_ = 0.0;
+};
+
+// ---- markings
+
+bool is_one_of(const std::string& highway, std::span<const std::string_view> values) {
+  return std::find(values.begin(), values.end(), highway) != values.end();
+}
+
+/// What a road of this class and width has painted (German RMS, Czech TP 133 and Swedish VGU agree in this).
+struct Markings {
+  bool edges = false;   ///< solid lines along the carriageway
+  bool lanes = false;   ///< broken lines between lanes of one direction
+  bool centre = false;  ///< between the directions
+  double line_m = 0.12, edge_m = 0.12;
+};
+
+Markings markings_of(const std::string& highway, const LaneLayout& layout, double width_m) {
+  constexpr std::string_view fast[] = {"motorway", "motorway_link", "trunk", "trunk_link"};
+  constexpr std::string_view major[] = {"primary", "primary_link", "secondary", "secondary_link", "tertiary", "tertiary_link"};
+  Markings marks;
+  const bool is_fast = is_one_of(highway, fast), is_major = is_fast || is_one_of(highway, major);
+  marks.edges = is_major && width_m >= (layout.left > 0 && layout.right > 0 ? centre_line_from_m : 0.0);
+  marks.lanes = is_major || layout.left > 2 || layout.right > 2;
+  marks.centre = is_major && width_m >= centre_line_from_m;
+  if (is_fast) marks.line_m = 0.15, marks.edge_m = 0.30;
+  return marks;
+}
+
+RoadMark no_mark() { return {0.0, "none", 0.0}; }
+
+RoadMark centre_mark(const Markings& marks, const LaneLayout& layout) {
+  if (layout.left == 0 || layout.right == 0)  // the inner edge of a one-way road
+    return marks.edges ? RoadMark{0.0, "solid", marks.edge_m} : no_mark();
+  if (!marks.centre) return no_mark();
+  return {0.0, layout.left > 1 && layout.right > 1 ? "solid" : "broken", marks.line_m};
+}
+
+// ---- lanes
+
+double share_of(int lane, const OpenLanes& open, int lanes_at_end) {
+  return lane >= open.first && lane < open.first + open.count ? 1.0 / lanes_at_end : 0.0;
+}
+
+RoadEndLanes all_open(const LaneLayout& layout) { return {{0, layout.left}, {0, layout.right}}; }
+
+bool tapers(const LaneLayout& layout, const std::optional<RoadEndLanes>& end) {
+  return end && (end->left.count != layout.left || end->right.count != layout.right);
+}
+
+Lane side_lane(int id, LaneType type, double width_m) {
+  Lane lane{.id = id, .type = type, .width = {Cubic{.a = width_m}}};
+  lane.marks.push_back(no_mark());
   return lane;
+}
+
+unsigned turn_bits(std::string_view values) {
+  unsigned bits = 0;
+  for (std::size_t begin = 0; begin <= values.size();) {
+    const std::size_t end = std::min(values.find(';', begin), values.size());
+    const std::string_view value = values.substr(begin, end - begin);
+    if (value == "left" || value == "slight_left" || value == "sharp_left") bits |= turn_left;
+    if (value == "through") bits |= turn_through;
+    if (value == "right" || value == "slight_right" || value == "sharp_right") bits |= turn_right;
+    if (value.starts_with("merge_to")) bits |= turn_merge;
+    begin = end + 1;
+  }
+  return bits;
 }
 
 }  // namespace
@@ -40,38 +175,94 @@ Lane driving_lane(int id, bool outermost, const std::vector<Cubic>& width, bool 
 LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_hand_traffic) {
   const bool one_way = path.oneway == Oneway::forward;
   int forward = 1, backward = one_way ? 0 : 1;
-  if (path.lanes > 0) {
-    forward = one_way ? path.lanes : std::max(1, (path.lanes + 1) / 2);
-    backward = one_way ? 0 : std::max(1, path.lanes / 2);
+  bool reduced = false;
+  if (path.lanes > 0 || path.lanes_forward > 0 || path.lanes_backward > 0) {
+    const int lanes = std::max(path.lanes, path.lanes_forward + path.lanes_backward);
+    if (one_way) {
+      forward = lanes;
+    } else {
+      forward = path.lanes_forward > 0 ? path.lanes_forward : path.lanes_backward > 0 ? lanes - path.lanes_backward : (lanes + 1) / 2;
+      backward = std::max(1, path.lanes_backward > 0 ? path.lanes_backward : lanes - forward);
+      forward = std::max(1, forward);
+    }
+    // Two lanes of a narrow road that is used both ways stay: OpenDRIVE has no lane for both.
+    while (forward + backward > (one_way ? 1 : 2) && (forward + backward) * min_tagged_lane_m > median_width_m) {
+      --(forward >= backward ? forward : backward);
+      reduced = true;
+    }
   } else if (one_way) {
     forward = std::clamp(static_cast<int>(median_width_m / one_way_lane_m), 1, max_untagged_lanes);
   } else {
     forward = backward = std::clamp(static_cast<int>(0.5 * median_width_m / two_way_lane_m), 1, max_untagged_lanes);
   }
-  return left_hand_traffic ? LaneLayout{forward, backward} : LaneLayout{backward, forward};
+  return left_hand_traffic ? LaneLayout{forward, backward, reduced} : LaneLayout{backward, forward, reduced};
 }
 
-void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths, double tolerance_m) {
-  const std::vector<Cubic> total = fit_profile(widths, {.tolerance = tolerance_m}).cubics;
-  const std::vector<Cubic> width = scaled(total, 1.0 / layout.total());
-  const bool marked = has_markings(road.highway);
+LaneMatch match_lanes(int from, int to, int inner) {
+  const int count = std::min(from, to);
+  const int opened = to - count;
+  return {{0, count}, {std::min(inner, opened), count}};
+}
+
+void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths, const LaneOptions& options) {
+  const RoadEndLanes start = options.start.value_or(all_open(layout)), end = options.end.value_or(all_open(layout));
+  const Carriageway carriageway(fit_profile(widths, {.tolerance = options.tolerance_m}).cubics, road.length,
+                                tapers(layout, options.start), tapers(layout, options.end));
+  const int total0 = start.left.count + start.right.count, total1 = end.left.count + end.right.count;
+  const Markings marks = markings_of(road.highway, layout, widths[widths.size() / 2].value);
   roadquery::LaneSection section;
-  for (int i = 1; i <= layout.left; ++i) section.left.push_back(driving_lane(i, i == layout.left, width, marked));
-  for (int i = 1; i <= layout.right; ++i) section.right.push_back(driving_lane(-i, i == layout.right, width, marked));
-  section.center.type = roadquery::LaneType::none;
-  const bool two_way = layout.left > 0 && layout.right > 0;
-  section.center.marks.push_back(marked ? RoadMark{0.0, two_way ? "broken" : "solid", 0.12} : RoadMark{0.0, "none", 0.0});
+  section.center.type = LaneType::none;
+  section.center.marks.push_back(centre_mark(marks, layout));
+  const auto add_side = [&](std::vector<Lane>& lanes, int count, int sign, const OpenLanes& open0, const OpenLanes& open1) {
+    for (int i = 0; i < count; ++i) {
+      Lane lane{.id = sign * (i + 1)};
+      lane.width = carriageway.part({share_of(i, open0, total0), 1.0 / layout.total(), share_of(i, open1, total1)});
+      const bool outermost = i + 1 == count;
+      lane.marks.push_back(outermost ? (marks.edges ? RoadMark{0.0, "solid", marks.edge_m} : no_mark())
+                                     : (marks.lanes ? RoadMark{0.0, "broken", marks.line_m} : no_mark()));
+      lanes.push_back(std::move(lane));
+    }
+    const Sides side = sign > 0 ? Sides::left : Sides::right;
+    const auto add = [&](LaneType type, double width_m) {
+      lanes.push_back(side_lane(sign * (static_cast<int>(lanes.size()) + 1), type, width_m));
+    };
+    if (has_side(options.shoulder, side)) add(LaneType::shoulder, road.highway == "motorway" ? motorway_shoulder_m : shoulder_m);
+    if (has_side(options.sidewalk, side)) {
+      if (!lanes.empty() && lanes.back().type == LaneType::driving && !marks.edges)
+        lanes.back().marks.front() = {0.0, "curb", 0.15};
+      add(LaneType::sidewalk, sidewalk_m);
+    }
+  };
+  add_side(section.left, layout.left, 1, start.left, end.left);
+  add_side(section.right, layout.right, -1, start.right, end.right);
   road.sections.push_back(std::move(section));
   // The left edge lies at half the width: the centre lane is that far to the left less the left lanes.
-  if (layout.left != layout.right)
-    road.lane_offset = scaled(total, 0.5 - static_cast<double>(layout.left) / layout.total());
+  const Share left{static_cast<double>(start.left.count) / total0, static_cast<double>(layout.left) / layout.total(),
+                   static_cast<double>(end.left.count) / total1};
+  if (left.start != 0.5 || left.middle != 0.5 || left.end != 0.5)
+    road.lane_offset = carriageway.part({0.5 - left.start, 0.5 - left.middle, 0.5 - left.end});
 }
 
 std::vector<int> lanes_of_direction(const Road& road, bool forward) {
   const bool right = forward != road.left_hand_traffic;
   std::vector<int> ids;
-  for (const Lane& lane : right ? road.sections.front().right : road.sections.front().left) ids.push_back(lane.id);
+  for (const Lane& lane : right ? road.sections.front().right : road.sections.front().left)
+    if (lane.type == LaneType::driving) ids.push_back(lane.id);
   return ids;
+}
+
+std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, bool left_hand_traffic) {
+  const std::string& tag = forward ? path.turn_forward : path.turn_backward;
+  std::vector<unsigned> lanes;
+  if (tag.empty()) return lanes;
+  const std::string_view text = tag;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('|', begin), text.size());
+    lanes.push_back(turn_bits(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  if (left_hand_traffic) std::reverse(lanes.begin(), lanes.end());  // from left to right is from the outside in there
+  return lanes;
 }
 
 }  // namespace orthodrive::network

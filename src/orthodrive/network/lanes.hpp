@@ -1,6 +1,7 @@
 #pragma once
-// How a carriageway is divided into lanes.
+// How a carriageway is divided into lanes, what lies beside it, and how it is marked.
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,21 +12,54 @@
 
 namespace orthodrive::network {
 
-/// All lanes of a road are equally wide. Forward lanes run with s: right of the centre lane in right-hand traffic.
+/// Numbers of driving lanes, all equally wide. Forward lanes run with s: right of the centre lane in right-hand traffic.
 struct LaneLayout {
   int left = 1, right = 1;
+  /// More lanes were tagged than the width has room for.
+  bool reduced = false;
   [[nodiscard]] int total() const { return left + right; }
 };
 
-/// By the tags lanes and oneway; untagged: as many lanes of a usual width as the median width has room for. An odd number
-/// of lanes gives the additional one to the forward direction; a single lane used both ways becomes two narrow ones,
-/// because OpenDRIVE gives a lane one direction.
+/// By the tags lanes, lanes:forward, lanes:backward and oneway; untagged: as many lanes of a usual width as the median width
+/// has room for. An odd number of lanes gives the additional one to the forward direction; a single lane used both ways
+/// becomes two narrow ones, because OpenDRIVE gives a lane one direction. No lane is made narrower than 2.2 m for the sake
+/// of a tag.
 [[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_hand_traffic);
 
-/// Fills sections and lane_offset: lanes together as wide as the carriageway and centred about the reference line.
-void add_lanes(roadquery::Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths, double tolerance_m);
+/// The lanes of a side that are open at an end of a road, counted from the inside; the others taper out towards it.
+struct OpenLanes {
+  int first = 0, count = 0;
+};
+/// Of a road's end: left of the centre lane and right of it.
+struct RoadEndLanes {
+  OpenLanes left, right;
+};
 
-/// Lane ids that drive along s (`forward`) or against it, from the inside out.
+struct LaneOptions {
+  double tolerance_m = 0.05;  ///< largest error of the carriageway width
+  Sides sidewalk = Sides::none, shoulder = Sides::none;
+  /// Where the road goes on with fewer lanes. Not set: all are open.
+  std::optional<RoadEndLanes> start, end;
+};
+
+/// Fills sections and lane_offset of a road whose length and highway class are known: lanes together as wide as the
+/// carriageway (`widths`) and centred about the reference line, sidewalks and shoulders outside it, markings by class.
+void add_lanes(roadquery::Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
+               const LaneOptions& options);
+
+/// How lanes of one direction go on into those of another road; both counted from the inside. Lanes that end or open do so
+/// outside; `inner` of them open inside (turn lanes for the side of the oncoming traffic).
+struct LaneMatch {
+  OpenLanes from, to;
+};
+[[nodiscard]] LaneMatch match_lanes(int from, int to, int inner);
+
+/// Ids of driving lanes that run along s (`forward`) or against it, from the inside out.
 [[nodiscard]] std::vector<int> lanes_of_direction(const roadquery::Road& road, bool forward);
+
+/// What turn:lanes says about one lane: bits of TurnBit. 0: nothing ("none", "").
+enum TurnBit : unsigned { turn_left = 1, turn_through = 2, turn_right = 4, turn_merge = 8 };
+/// Of the lanes of one direction from the inside out; empty when there are no arrows.
+[[nodiscard]] std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, bool left_hand_traffic);
 
 }  // namespace orthodrive::network

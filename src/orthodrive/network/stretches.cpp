@@ -14,7 +14,7 @@ constexpr double reach_m = 40.0;       // narrow forks overlap for long: roads a
 constexpr double step_m = 0.5;
 constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
 constexpr double min_road_m = 1.0;     // what is left of a road between two junctions
-constexpr double join_share = 0.4;     // junctions join when less than this share of the wished cuts fits between them
+constexpr double join_share = 0.65;    // junctions join when less than this share of the wished cuts fits between them
 constexpr double cut_room_m = 5.0;     // a cut moves this far out to end its road where an element ends
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
@@ -42,10 +42,9 @@ std::vector<Stretch> cut_at_junctions(const Topology& topology, const std::vecto
   return stretches;
 }
 
-bool on_roundabout(const RoadNetwork& roads, const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch) {
+bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch) {
   const std::size_t k = piece_at(geometry, 0.5 * (stretch.s0 + stretch.s1));
-  const Piece& piece = topology.pieces[at(topology.chains[at(stretch.chain)].pieces[k].piece)];
-  return roads.paths[at(piece.path)].roundabout;
+  return topology.ring_of_piece[at(topology.chains[at(stretch.chain)].pieces[k].piece)] >= 0;
 }
 
 /// Sampled from the junction outwards.
@@ -101,8 +100,8 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
 
 class JunctionPlanner {
  public:
-  JunctionPlanner(const RoadNetwork& roads, const Topology& topology, const std::vector<ChainGeometry>& geometry)
-      : roads_(roads), topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
+  JunctionPlanner(const Topology& topology, const std::vector<ChainGeometry>& geometry)
+      : topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
     std::iota(group_.begin(), group_.end(), 0);
     plan_.stretches = cut_at_junctions(topology, geometry);
   }
@@ -111,6 +110,8 @@ class JunctionPlanner {
     cut_back();
     join_close_junctions();
     cut_back();  // joined junctions have more arms
+    absorb_inner_roads();
+    cut_back();
     shorten_cuts();
     move_cuts_to_joints();
     number_junctions();
@@ -146,11 +147,20 @@ class JunctionPlanner {
     for (Stretch& stretch : plan_.stretches) {
       if (stretch.vertex0 < 0 || stretch.vertex1 < 0) continue;
       const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-      const bool ring = on_roundabout(roads_, topology_, geometry_[at(stretch.chain)], stretch);
+      const bool ring = on_roundabout(topology_, geometry_[at(stretch.chain)], stretch);
       stretch.inside = ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished;
       if (!stretch.inside) continue;
       const int a = group(stretch.vertex0), b = group(stretch.vertex1);
       group_[at(std::max(a, b))] = std::min(a, b);
+    }
+  }
+
+  /// What is left between two vertices of one junction is a road of its own only if both its cuts fit.
+  void absorb_inner_roads() {
+    for (Stretch& stretch : plan_.stretches) {
+      if (stretch.inside || stretch.vertex0 < 0 || stretch.vertex1 < 0 || group(stretch.vertex0) != group(stretch.vertex1)) continue;
+      if (on_roundabout(topology_, geometry_[at(stretch.chain)], stretch)) continue;
+      stretch.inside = stretch.s1 - stretch.s0 - min_road_m < stretch.trim0_m + stretch.trim1_m;
     }
   }
 
@@ -197,7 +207,6 @@ class JunctionPlanner {
     }
   }
 
-  const RoadNetwork& roads_;
   const Topology& topology_;
   const std::vector<ChainGeometry>& geometry_;
   std::vector<int> group_;  ///< union-find: the lowest vertex of the joined junction
@@ -206,9 +215,8 @@ class JunctionPlanner {
 
 }  // namespace
 
-JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology,
-                            const std::vector<ChainGeometry>& geometry) {
-  return JunctionPlanner(roads, topology, geometry).run();
+JunctionPlan plan_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry) {
+  return JunctionPlanner(topology, geometry).run();
 }
 
 }  // namespace orthodrive::network

@@ -32,7 +32,6 @@ struct JunctionPlan {
 /// A road ends where its whole cross section has left the carriageways of the other roads of the junction, plus 2 m for
 /// the corner. Junctions too close for that are joined into one; where the road between is long enough to stay, both
 /// cuts are shortened.
-[[nodiscard]] JunctionPlan plan_junctions(const RoadNetwork& roads, const Topology& topology,
-                                          const std::vector<ChainGeometry>& geometry);
+[[nodiscard]] JunctionPlan plan_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry);
 
 }  // namespace orthodrive::network

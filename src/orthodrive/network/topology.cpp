@@ -8,6 +8,9 @@
 #include <numbers>
 #include <tuple>
 
+#include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/roundabouts.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -16,6 +19,7 @@ constexpr double look_ahead_m = 8.0;  // directions at a vertex are taken this f
 // A pair of road ends runs on through a junction when it bends less than this; a way that turns off more sharply is
 // joined by a turning road like any other.
 constexpr double max_through_bend_rad = 40.0 * std::numbers::pi / 180.0;
+constexpr double max_ring_bend_rad = 0.5 * std::numbers::pi;  // small roundabouts are drawn with few nodes
 
 double piece_length_m(const RoadPath& path, const Piece& piece) {
   double sum = 0.0;
@@ -32,7 +36,7 @@ struct VertexTable {
     if (osm_node > 0)
       if (const auto it = of_osm_node.find(osm_node); it != of_osm_node.end()) return it->second;
     const int id = static_cast<int>(vertices.size());
-    vertices.emplace_back();
+    vertices.emplace_back().osm_node = osm_node;
     if (osm_node > 0) of_osm_node[osm_node] = id;
     return id;
   }
@@ -118,28 +122,38 @@ void place_vertices(const RoadNetwork& roads, Topology& topology) {
   }
 }
 
-/// Share of the lanes that drive in the path's direction.
-double forward_share(const RoadPath& path) {
-  if (path.oneway == Oneway::forward) return 1.0;
-  return path.lanes > 1 ? static_cast<double>((path.lanes + 1) / 2) / path.lanes : 0.5;
+/// Lanes of a piece at one of its ends.
+struct EndLanes {
+  int in = 0, out = 0;  ///< driving to the vertex and away from it
+};
+
+EndLanes lanes_at(const RoadNetwork& roads, const Topology& topology, const PieceEnd& end, bool left_hand_traffic) {
+  const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
+  const RoadPath& path = roads.paths[static_cast<std::size_t>(piece.path)];
+  std::vector<double> widths;
+  for (int i = piece.first; i <= piece.last; ++i) widths.push_back(path.nodes[static_cast<std::size_t>(i)].width_m);
+  const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), middle, widths.end());
+  const LaneLayout layout = lane_layout(path, *middle, left_hand_traffic);
+  const int forward = left_hand_traffic ? layout.left : layout.right, backward = layout.total() - forward;
+  return end.at_last ? EndLanes{forward, backward} : EndLanes{backward, forward};
 }
 
-/// Where a two-way road goes on as a one-way road, its lanes move sideways. That takes a connecting road.
-void find_lane_shifts(const RoadNetwork& roads, Topology& topology) {
+/// Two ends whose lanes cannot simply go on. Where a two-way road goes on as a one-way road, its lanes move sideways. Where
+/// one with more lanes goes on, every new lane has to be reached: OpenDRIVE wants a junction where it is not clear which
+/// lane follows which (1.7, 8.2). One-way roads need none: their new lanes taper in beside the others.
+void find_lane_shifts(const RoadNetwork& roads, bool left_hand_traffic, Topology& topology) {
   for (Vertex& vertex : topology.vertices) {
     if (vertex.ends.size() != 2) continue;
-    const auto share_inwards = [&](const PieceEnd& end) {
-      const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
-      const double share = forward_share(roads.paths[static_cast<std::size_t>(piece.path)]);
-      return end.at_last ? share : 1.0 - share;
-    };
-    // What drives in on one side drives out on the other. One-way roads that face each other have nothing to connect.
-    const double a = share_inwards(vertex.ends[0]), b = share_inwards(vertex.ends[1]);
-    vertex.lanes_shift = std::abs(a + b - 1.0) > 1e-9 && a + b > 0.0 && a + b < 2.0;
+    const EndLanes a = lanes_at(roads, topology, vertex.ends[0], left_hand_traffic);
+    const EndLanes b = lanes_at(roads, topology, vertex.ends[1], left_hand_traffic);
+    const bool a_both = a.in > 0 && a.out > 0, b_both = b.in > 0 && b.out > 0;
+    vertex.lanes_shift = a_both != b_both || (a_both && (b.out > a.in || a.out > b.in));
   }
 }
 
-/// Unit vector from the vertex outwards along the piece.
+}  // namespace
+
 Vec2 outward(const RoadNetwork& roads, const Topology& topology, PieceEnd end) {
   const Piece& piece = topology.pieces[static_cast<std::size_t>(end.piece)];
   const std::vector<RoadNode>& nodes = roads.paths[static_cast<std::size_t>(piece.path)].nodes;
@@ -150,8 +164,10 @@ Vec2 outward(const RoadNetwork& roads, const Topology& topology, PieceEnd end) {
   return normalized(point_at(line, reach) - line.front());
 }
 
+namespace {
+
 /// For every end of a vertex the end that its road runs on into, -1 for none. Two ends always run on. At a junction:
-/// pieces of one way first, then the straightest, ties to the lower index.
+/// the ring of a roundabout first, then pieces of one way, then the straightest, ties to the lower index.
 std::vector<int> pair_ends(const RoadNetwork& roads, const Topology& topology, const Vertex& vertex) {
   const int count = static_cast<int>(vertex.ends.size());
   std::vector<int> partner(vertex.ends.size(), -1);
@@ -159,19 +175,23 @@ std::vector<int> pair_ends(const RoadNetwork& roads, const Topology& topology, c
   if (count < 2) return partner;
   std::vector<Vec2> direction;
   for (const PieceEnd& end : vertex.ends) direction.push_back(outward(roads, topology, end));
-  std::vector<std::tuple<bool, double, int, int>> candidates;  // other way, bend, ends
+  const auto ring = [&](int k) {
+    return topology.ring_of_piece[static_cast<std::size_t>(vertex.ends[static_cast<std::size_t>(k)].piece)];
+  };
+  std::vector<std::tuple<bool, bool, double, int, int>> candidates;  // no ring, other way, bend, ends
   for (int i = 0; i < count; ++i)
     for (int j = i + 1; j < count; ++j) {
       const Vec2 a = direction[static_cast<std::size_t>(i)] * -1.0, b = direction[static_cast<std::size_t>(j)];
       const double bend = std::abs(std::atan2(cross(a, b), dot(a, b)));
-      if (!(bend < max_through_bend_rad)) continue;
+      const bool same_ring = ring(i) >= 0 && ring(i) == ring(j);
+      if (!(bend < (same_ring ? max_ring_bend_rad : max_through_bend_rad))) continue;
       const auto path = [&](int k) {
         return topology.pieces[static_cast<std::size_t>(vertex.ends[static_cast<std::size_t>(k)].piece)].path;
       };
-      candidates.emplace_back(path(i) != path(j), bend, i, j);
+      candidates.emplace_back(!same_ring, path(i) != path(j), bend, i, j);
     }
   std::sort(candidates.begin(), candidates.end());
-  for (const auto& [other, bend, i, j] : candidates) {
+  for (const auto& [no_ring, other, bend, i, j] : candidates) {
     if (partner[static_cast<std::size_t>(i)] >= 0 || partner[static_cast<std::size_t>(j)] >= 0) continue;
     partner[static_cast<std::size_t>(i)] = j;
     partner[static_cast<std::size_t>(j)] = i;
@@ -228,13 +248,14 @@ class ChainBuilder {
 
 }  // namespace
 
-Topology build_topology(const RoadNetwork& roads, Findings& findings) {
+Topology build_topology(const RoadNetwork& roads, bool left_hand_traffic, Findings& findings) {
   Topology topology;
   split_paths(roads, topology);
   collect_ends(topology);
   drop_stubs(roads, topology, findings);
   place_vertices(roads, topology);
-  find_lane_shifts(roads, topology);
+  find_lane_shifts(roads, left_hand_traffic, topology);
+  topology.ring_of_piece = find_rings(roads, topology, left_hand_traffic);
   ChainBuilder(roads, topology).build();
   return topology;
 }

@@ -22,9 +22,10 @@ struct PieceEnd {
 
 /// A place where paths end or meet.
 struct Vertex {
+  std::int64_t osm_node = 0;   ///< 0: an end that is no OSM node
   Vec2 p;                      ///< mean over the ends: paths are refined one by one and may disagree
   std::vector<PieceEnd> ends;  ///< in the order of the pieces
-  bool lanes_shift = false;    ///< two ends whose lanes lie differently about the centre: two-way and one-way, say
+  bool lanes_shift = false;    ///< two ends whose lanes cannot simply be linked: two-way and one-way, or more lanes than before
   [[nodiscard]] bool is_junction() const { return ends.size() >= 3 || lanes_shift; }
 };
 
@@ -42,12 +43,16 @@ struct Chain {
 
 struct Topology {
   std::vector<Piece> pieces;
+  std::vector<int> ring_of_piece;  ///< index of the roundabout that a piece is part of, -1 for none
   std::vector<Vertex> vertices;
   std::vector<Chain> chains;
 };
 
 /// Dead ends shorter than 2 m at a junction are left out (a finding each).
-[[nodiscard]] Topology build_topology(const RoadNetwork& roads, Findings& findings);
+[[nodiscard]] Topology build_topology(const RoadNetwork& roads, bool left_hand_traffic, Findings& findings);
+
+/// Unit vector from the vertex outwards along the piece.
+[[nodiscard]] Vec2 outward(const RoadNetwork& roads, const Topology& topology, PieceEnd end);
 
 [[nodiscard]] inline int start_vertex(const Topology& t, ChainPiece c) {
   const Piece& piece = t.pieces[static_cast<std::size_t>(c.piece)];

@@ -158,7 +158,12 @@ ScoreJson to_json(const NetworkScores& scores) {
           {"elements", scores.elements},
           {"max_gradient_kink", scores.max_gradient_kink},
           {"max_joint_gap_m", scores.max_joint_gap_m},
+          {"max_heading_jump_rad", scores.max_heading_jump_rad},
+          {"max_curvature_jump", scores.max_curvature_jump},
           {"broken_links", scores.broken_links},
+          {"lane_link_errors", scores.lane_link_errors},
+          {"dead_lanes", scores.dead_lanes},
+          {"min_lane_width_m", scores.min_lane_width_m},
           {"crossings", scores.crossings},
           {"min_clearance_m", scores.min_clearance_m},
           {"connected_share", scores.connected_share}};
