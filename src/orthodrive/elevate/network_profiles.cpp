@@ -184,7 +184,11 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
         std::array<Term, 6> terms;
         for (std::size_t i = 0; i < 3; ++i)
           terms[i] = curvature[i], terms[i + 3] = {before[i].unknown, -alike * before[i].factor};
-        fit.add_square(terms, 0.0, 1.0 / (sigma * sigma * (1.0 - alike * alike)));
+        const double variance = sigma * sigma * (1.0 - alike * alike);
+        if (knot.is_grounded && !knot.is_near_end)
+          fit.add_cauchy(terms, 0.0, 1.0 / variance, loosening_ * cauchy_scale * std::sqrt(variance));
+        else
+          fit.add_square(terms, 0.0, 1.0 / variance);
       }
       const double usual = 0.5 * limits.gradient;
       fit.add_square(gradient, 0.0,
@@ -294,7 +298,7 @@ void NetworkProfiles::estimate_terrain_sigma() {
 /// most, as second differences also see what is not road, a tenth of it the least. Differences beyond five robust
 /// sigmas, as at bridges and cuttings, count as that much.
 void NetworkProfiles::estimate_curvature_sigma() {
-  constexpr double widest_gap_m = 6.0, outlier_sigmas = 5.0, mad_of_normal = 0.6745, least_share = 0.1;
+  constexpr double widest_gap_m = 6.0, outlier_sigmas = 10.0, mad_of_normal = 0.6745, least_share = 0.1;
   constexpr std::size_t least_samples = 50;
   const auto reach_m = [&](double speed_kmh) {
     return std::max(1.5 * vertical_curve_length_m(speed_kmh), 3.0 * terrain_.coarsest_gsd_m);

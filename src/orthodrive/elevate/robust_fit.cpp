@@ -37,7 +37,7 @@ void RobustFit::add_bounds(std::span<const Term> terms, double low, double high,
   add(terms, {Kind::bounds, low, high, weight, slack});
 }
 
-RobustFit::Pull RobustFit::pull(const Row& row, double v) {
+RobustFit::Pull RobustFit::pull(const Row& row, double v, double softness) {
   constexpr double least_bend = 0.1;
   if (row.kind == Kind::square) {
     const double r = v - row.low;
@@ -49,12 +49,13 @@ RobustFit::Pull RobustFit::pull(const Row& row, double v) {
             weight * std::max(least_bend, (1.0 - x2) / (1.0 + x2))};
   }
   const double excess = v < row.low ? v - row.low : v > row.high ? v - row.high : 0.0, size = std::abs(excess);
-  if (size <= row.scale) {
-    const double weight = size > 0.0 ? row.weight : 0.0;
-    return {0.5 * row.weight * size * size, row.weight * excess, weight, weight};
+  const double slack = softness * row.scale, stiffness = row.weight / softness;
+  if (size <= slack) {
+    const double weight = size > 0.0 ? stiffness : 0.0;
+    return {0.5 * stiffness * size * size, stiffness * excess, weight, weight};
   }
-  const double weight = row.weight * row.scale / size;
-  return {row.weight * row.scale * (size - 0.5 * row.scale), weight * excess, weight, least_bend * weight};
+  const double weight = stiffness * slack / size;
+  return {stiffness * slack * (size - 0.5 * slack), weight * excess, weight, least_bend * weight};
 }
 
 double RobustFit::value(std::size_t row, const std::vector<double>& x) const {
@@ -64,9 +65,9 @@ double RobustFit::value(std::size_t row, const std::vector<double>& x) const {
   return sum;
 }
 
-double RobustFit::cost(const std::vector<double>& x) const {
+double RobustFit::cost(const std::vector<double>& x, double softness) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < rows_.size(); ++i) sum += pull(rows_[i], value(i, x)).cost;
+  for (std::size_t i = 0; i < rows_.size(); ++i) sum += pull(rows_[i], value(i, x), softness).cost;
   return sum;
 }
 
@@ -115,12 +116,25 @@ void add_at(Matrix& lower, int row, int column, double value) {
 }  // namespace
 
 RobustFit::Summary RobustFit::solve(std::vector<double>& x, int max_iterations, double step_tolerance) const {
+  Summary summary = descend(x, max_iterations, step_tolerance, 1.0);
+  // Newton's method stalls where a step runs into bounds that it did not see: softer ones are seen from further away.
+  for (const double softness : {1000.0, 100.0, 10.0, 1.0}) {
+    if (summary.converged && softness == 1000.0) break;
+    const Summary next = descend(x, max_iterations, step_tolerance, softness);
+    summary.iterations += next.iterations;
+    summary.converged = next.converged, summary.cost_after = next.cost_after;
+  }
+  return summary;
+}
+
+RobustFit::Summary RobustFit::descend(std::vector<double>& x, int max_iterations, double step_tolerance,
+                                      double softness) const {
   constexpr int max_halvings = 12;
   constexpr double sure_decrease = 1e-4;  // share of the slope's promise (Armijo)
   Matrix normal = make_pattern(unknowns_, start_, terms_);
   Eigen::SimplicialLLT<Matrix, Eigen::Lower> cholesky;
   cholesky.analyzePattern(normal);
-  Summary summary{.cost_before = cost(x)};
+  Summary summary{.cost_before = cost(x, softness)};
   summary.cost_after = summary.cost_before;
   Eigen::VectorXd gradient(static_cast<Eigen::Index>(unknowns_));
   std::vector<double> tried(x.size());
@@ -129,7 +143,7 @@ RobustFit::Summary RobustFit::solve(std::vector<double>& x, int max_iterations, 
     std::fill(normal.valuePtr(), normal.valuePtr() + normal.nonZeros(), 0.0);
     gradient.setZero();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const Pull p = pull(rows_[i], value(i, x));
+      const Pull p = pull(rows_[i], value(i, x), softness);
       if (p.bend == 0.0) continue;
       for (std::size_t a = start_[i]; a < start_[i + 1]; ++a) {
         gradient[terms_[a].unknown] += p.force * terms_[a].factor;
@@ -147,7 +161,7 @@ RobustFit::Summary RobustFit::solve(std::vector<double>& x, int max_iterations, 
     bool moved = false;
     for (int halving = 0; halving <= max_halvings && !moved; ++halving, share *= 0.5) {
       for (std::size_t k = 0; k < x.size(); ++k) tried[k] = x[k] - share * step[static_cast<Eigen::Index>(k)];
-      const double now = cost(tried);
+      const double now = cost(tried, softness);
       if (!(now <= summary.cost_after - sure_decrease * share * slope) && !summary.converged) continue;
       x.swap(tried), summary.cost_after = now, moved = true;
     }
@@ -162,7 +176,7 @@ RobustFit::Summary RobustFit::solve(std::vector<double>& x, int max_iterations, 
 SparseJacobian RobustFit::weighted_rows(const std::vector<double>& x) const {
   SparseJacobian jacobian{.columns = static_cast<int>(unknowns_), .row_start = {0}};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const double root = std::sqrt(pull(rows_[i], value(i, x)).weight);
+    const double root = std::sqrt(pull(rows_[i], value(i, x), 1.0).weight);
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
       jacobian.column.push_back(terms_[k].unknown);
       jacobian.value.push_back(root * terms_[k].factor);

@@ -57,9 +57,11 @@ class RobustFit {
     double bend = 0.0;               // second derivative, kept positive
   };
   void add(std::span<const Term> terms, const Row& row);
-  [[nodiscard]] static Pull pull(const Row& row, double v);
+  [[nodiscard]] static Pull pull(const Row& row, double v, double softness);
   [[nodiscard]] double value(std::size_t row, const std::vector<double>& x) const;
-  [[nodiscard]] double cost(const std::vector<double>& x) const;
+  [[nodiscard]] double cost(const std::vector<double>& x, double softness) const;
+  /// `softness` widens the slack of all bounds, with the same force.
+  Summary descend(std::vector<double>& x, int max_iterations, double step_tolerance, double softness) const;
 
   std::size_t unknowns_;
   std::vector<Row> rows_;
