@@ -32,7 +32,23 @@ void count_elements(const RoadMap& map, NetworkScores& scores) {
     scores.connecting_roads += road.junction >= 0 ? 1 : 0;
     scores.length_m += road.length;
     for (const roadquery::PlanElement& element : road.plan) ++scores.elements[kinds[element.shape.index()]];
+    if (road.junction >= 0) continue;
+    scores.road_length_m += road.length;
+    scores.road_elements += road.plan.size();
   }
+  scores.mean_road_element_m = scores.road_elements > 0 ? scores.road_length_m / static_cast<double>(scores.road_elements) : nan;
+}
+
+/// Of clothoids exactly, of cubics in 20 steps.
+double curvature_rate(const roadquery::PlanElement& element) {
+  if (std::holds_alternative<roadquery::Line>(element.shape) || std::holds_alternative<roadquery::Arc>(element.shape)) return 0.0;
+  const int steps = std::holds_alternative<roadquery::Spiral>(element.shape) ? 1 : 20;
+  const double step_m = element.length / steps;
+  double largest = 0.0;
+  for (int i = 0; i < steps; ++i)
+    largest = std::max(largest, std::abs(roadquery::evaluate(element, (i + 1) * step_m).curvature -
+                                         roadquery::evaluate(element, i * step_m).curvature) / step_m);
+  return largest;
 }
 
 double gradient_kink(const Road& road) {
@@ -119,6 +135,9 @@ class RoadsById {
 double wrapped(double angle) { return std::remainder(angle, 2.0 * std::numbers::pi); }
 
 void measure_plan(const Road& road, NetworkScores& scores) {
+  if (road.junction < 0)
+    for (const roadquery::PlanElement& element : road.plan)
+      scores.max_curvature_rate = std::max(scores.max_curvature_rate, curvature_rate(element));
   for (std::size_t i = 0; i + 1 < road.plan.size(); ++i) {
     const roadquery::PlanPoint a = roadquery::evaluate(road.plan[i], road.plan[i].length);
     const roadquery::PlanPoint b = roadquery::evaluate(road.plan[i + 1], 0.0);
@@ -176,6 +195,15 @@ void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& s
 
 bool drives_along(const Road& road, int lane) { return (lane < 0) != road.left_hand_traffic; }
 
+/// A lane that has narrowed to nothing has merged with the one beside it and is not dead.
+void add_dead_lane(const RoadEnd& end, const roadquery::Lane& lane, NetworkScores& scores) {
+  constexpr double merged_m = 0.01;
+  if (roadquery::lane_width(lane, end.s() - end.section().s) < merged_m) return;
+  const roadquery::SurfacePoint p = inner_border(end, lane.id);
+  scores.dead_lane_places.push_back({end.road->id, lane.id, p.x, p.y});
+  ++scores.dead_lanes;
+}
+
 /// Lanes of a road end against those that they are linked to.
 void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, NetworkScores& scores) {
   using roadquery::LaneType;
@@ -185,7 +213,7 @@ void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, N
       const std::optional<int>& linked = at_end ? lane.successor : lane.predecessor;
       if (!linked) {
         const bool leaves = drives_along(*from.road, lane.id) == at_end;
-        if (to && leaves && lane.type == LaneType::driving && !in_junction) ++scores.dead_lanes;
+        if (to && leaves && lane.type == LaneType::driving && !in_junction) add_dead_lane(from, lane, scores);
         continue;
       }
       const roadquery::Lane* other = to ? find_lane(to->section(), *linked) : nullptr;
@@ -244,7 +272,7 @@ void check_lanes(const RoadMap& map, const RoadsById& by_id, NetworkScores& scor
           for (const roadquery::Lane& lane : *side)
             if (lane.type == roadquery::LaneType::driving && drives_along(road, lane.id) == (contact == ContactPoint::end) &&
                 lanes.count(lane.id) == 0)
-              ++scores.dead_lanes;
+              add_dead_lane(end, lane, scores);
       }
     }
   }
@@ -337,9 +365,16 @@ void measure_clearance(const RoadMap& map, NetworkScores& scores) {
       if (denominator == 0.0) continue;
       const double u = cross(between, e) / denominator, v = cross(between, d) / denominator;
       if (u < 0.0 || u >= 1.0 || v < 0.0 || v >= 1.0 || meet(first, second)) continue;
-      const double clearance = std::abs(p.a.z + u * (p.b.z - p.a.z) - q.a.z - v * (q.b.z - q.a.z));
-      scores.min_clearance_m = scores.crossings++ == 0 ? clearance : std::min(scores.min_clearance_m, clearance);
+      const double above = p.a.z + u * (p.b.z - p.a.z) - q.a.z - v * (q.b.z - q.a.z);
+      const Road &upper = above >= 0.0 ? first : second, &lower = above >= 0.0 ? second : first;
+      scores.crossing_places.push_back({upper.id, lower.id, upper.osm_id, lower.osm_id, upper.highway, lower.highway, upper.layer,
+                                        lower.layer, upper.bridge, p.a.x + u * d.x, p.a.y + u * d.y, std::abs(above)});
     }
+  std::sort(scores.crossing_places.begin(), scores.crossing_places.end(), [](const LevelCrossing& a, const LevelCrossing& b) {
+    return std::tuple(a.clearance_m, a.upper_road, a.lower_road) < std::tuple(b.clearance_m, b.upper_road, b.lower_road);
+  });
+  scores.crossings = scores.crossing_places.size();
+  if (scores.crossings > 0) scores.min_clearance_m = scores.crossing_places.front().clearance_m;
 }
 }  // namespace
 

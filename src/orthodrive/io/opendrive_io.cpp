@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <pugixml.hpp>
-#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -263,18 +263,7 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
   }
 }
 
-}  // namespace
-
-void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map,
-                     const WriteOpenDriveOptions& options) {
-  if (options.minor_version != 7 && options.minor_version != 8)
-    throw OptionError(fmt::format("OpenDRIVE 1.{} cannot be written, choose 1.7 or 1.8", options.minor_version));
-  if (map.roads.empty()) throw Error(path.string() + ": no road to write, OpenDRIVE needs at least one");
-  pugi::xml_document document;
-  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
-  set(declaration, "version", "1.0");
-  set(declaration, "encoding", "UTF-8");
-  pugi::xml_node root = document.append_child("OpenDRIVE");
+void add_header(pugi::xml_node root, const roadquery::RoadMap& map, const WriteOpenDriveOptions& options) {
   pugi::xml_node header = root.append_child("header");
   set(header, "revMajor", 1);
   set(header, "revMinor", options.minor_version);
@@ -286,11 +275,31 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
   set(header, "vendor", "orthodrive");
   if (!map.geo_reference.empty())
     header.append_child("geoReference").append_child(pugi::node_cdata).set_value(map.geo_reference.c_str());
-  for (const Road& road : map.roads) add_road(root, road);
-  for (const roadquery::Junction& junction : map.junctions) add_junction(root, junction);
-  std::ostringstream text;
-  document.save(text, " ", pugi::format_indent, pugi::encoding_utf8);
-  write_text_file(path, text.str());
+}
+
+}  // namespace
+
+void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map,
+                     const WriteOpenDriveOptions& options) {
+  if (options.minor_version != 7 && options.minor_version != 8)
+    throw OptionError(fmt::format("OpenDRIVE 1.{} cannot be written, choose 1.7 or 1.8", options.minor_version));
+  if (map.roads.empty()) throw Error(path.string() + ": no road to write, OpenDRIVE needs at least one");
+  AsideFile file(path);
+  std::ofstream out(file.path(), std::ios::binary);
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n";
+  // A tree at a time: that of a whole town would take ten times the memory of its file.
+  const auto write = [&out](auto&& add) {
+    pugi::xml_document document;
+    add(document);
+    document.first_child().print(out, " ", pugi::format_indent, pugi::encoding_utf8, 1);
+  };
+  write([&](pugi::xml_node root) { add_header(root, map, options); });
+  for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, road); });
+  for (const roadquery::Junction& junction : map.junctions) write([&](pugi::xml_node root) { add_junction(root, junction); });
+  out << "</OpenDRIVE>\n";
+  out.close();
+  if (!out) throw Error(fmt::format("{}: cannot be written, is the disk full or the folder read-only?", path.string()));
+  file.commit();
 }
 
 }  // namespace orthodrive::io

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <set>
@@ -149,10 +150,11 @@ void choose_lanes(Movement& m, bool main, const Gate& in, const Gate& out, bool 
   m.count_in = m.count_out = 1;
 }
 
-/// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
+/// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest. `sharp`
+/// gets those that nobody drives who has a choice.
 std::vector<Movement> ways_on(const Restrictions& restrictions, const std::vector<int>& vertices,
                               const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in, const std::vector<Gate>& out,
-                              std::size_t from, const std::set<int>& reached) {
+                              std::size_t from, const std::set<int>& reached, std::vector<Movement>& sharp) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
   for (std::size_t to = 0; to < ends.size(); ++to) {
@@ -168,8 +170,24 @@ std::vector<Movement> ways_on(const Restrictions& restrictions, const std::vecto
                                      [&](const Movement& a, const Movement& b) { return bend(a) < bend(b); });
   std::rotate(movements.begin(), main, main + 1);
   const int main_to = movements.front().to;
-  std::erase_if(movements, [&](const Movement& m) { return m.to != main_to && std::abs(m.turn_rad) > max_turn_rad; });
+  const auto is_sharp = [&](const Movement& m) { return m.to != main_to && std::abs(m.turn_rad) > max_turn_rad; };
+  std::copy_if(movements.begin(), movements.end(), std::back_inserter(sharp), is_sharp);
+  std::erase_if(movements, is_sharp);
   return movements;
+}
+
+/// Of the sharp turns into a road that nothing else leads into, the widest.
+std::vector<Movement> only_ways_in(const std::vector<Movement>& movements, const std::vector<Movement>& sharp, std::size_t ends) {
+  std::vector<Movement> only;
+  for (std::size_t to = 0; to < ends; ++to) {
+    const auto leads_there = [to](const Movement& m) { return m.to == static_cast<int>(to); };
+    if (std::any_of(movements.begin(), movements.end(), leads_there)) continue;
+    const Movement* widest = nullptr;
+    for (const Movement& m : sharp)
+      if (leads_there(m) && (!widest || std::abs(m.turn_rad) < std::abs(widest->turn_rad))) widest = &m;
+    if (widest) only.push_back(*widest);
+  }
+  return only;
 }
 
 /// Every lane out of the junction is fed: where more lanes lead out than any way in brings, the outermost lane (or innermost,
@@ -282,7 +300,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   Road road;
   road.left_hand_traffic = plan.options.left_hand_traffic;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
-  road.layer = incoming.layer;
+  road.layer = incoming.layer == outgoing.layer ? incoming.layer : 0;  // a ramp ends on the ground
   road.speed_limit_mps = std::min(incoming.speed_limit_mps, outgoing.speed_limit_mps);
   road.bridge = incoming.bridge && outgoing.bridge;
   road.tunnel = incoming.tunnel && outgoing.tunnel;
@@ -318,14 +336,18 @@ void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<Juncti
       in.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, true));
       out.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, false));
     }
-    std::vector<Movement> movements;
+    std::vector<Movement> movements, sharp;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
       const std::set<int> reached = reachable_vertices(plan, inside, static_cast<int>(j), ends[j][from].vertex);
-      std::vector<Movement> on = ways_on(restrictions, vertices[j], ends[j], in, out, from, reached);
+      std::vector<Movement> on = ways_on(restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         choose_lanes(on[i], i == 0, in[from], out[at(on[i].to)], plan.options.left_hand_traffic);
         movements.push_back(on[i]);
       }
+    }
+    for (Movement& m : only_ways_in(movements, sharp, ends[j].size())) {
+      choose_lanes(m, false, in[at(m.from)], out[at(m.to)], plan.options.left_hand_traffic);
+      movements.push_back(m);
     }
     feed_all_lanes(ends[j], out, movements);
     roadquery::Junction junction{.id = static_cast<int>(j) + 1};

@@ -15,7 +15,7 @@ constexpr double min_spacing_m = 0.25;
 constexpr double max_spacing_m = 3.0;    // refine resamples to 2 m; coarser lines are filled up along their chords
 constexpr double inner_radius_m = 2.5;   // the inner edge of a bend keeps at least this radius
 constexpr int max_easing_passes = 60;
-constexpr double max_easing_m = 4.0;     // a node moves no further; what is sharper then stays sharp (a finding)
+constexpr double max_easing_m = 12.0;     // a node moves no further; what is sharper then stays sharp (a finding)
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

@@ -16,9 +16,12 @@ constexpr double sample_m = 2.0;        // step of polylines: SUMO's default
 // SUMO warns below 9 m; a car at walking pace turns with 5 - 6 m.
 constexpr double calm_radius_m = 14.0;
 constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not show
-constexpr double joint_reach_m = 3.0, joint_share = 0.6;  // so much calmer (16 m) within 3 m of a joint
+// Between two roads the line goes on: they should not meet in or right beside a corner either.
+constexpr double corner_reach_m = 8.0, calm_joint_radius_m = 24.0;
+constexpr double element_reach_m = 5.0;  // so far a cut goes to lie where an element ends: then none is cut in two
 constexpr double step_m = 0.25;
-constexpr double min_road_m = 3.0;      // shorter ones are not shortened further
+constexpr double min_road_m = 3.0;      // shorter ones are hardly shortened further
+constexpr double short_road_reach_m = 0.5;
 constexpr double dead_end_m = 3.0;      // a dead end may become this much shorter
 constexpr double outwards_m = 15.0, along_m = 25.0;
 constexpr double abutment_m = 1.0;      // bridges and tunnels begin where they begin
@@ -128,39 +131,61 @@ class StretchCuts {
     return a.bridge == b.bridge && a.tunnel == b.tunnel && a.layer == b.layer;
   }
 
-  /// The smaller radius of both roads that meet at cut k, were it at s.
-  [[nodiscard]] double radius_m(std::size_t k, double s) const {
-    double radius = INFINITY;
-    if (k > 0) radius = std::min(radius, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, side(k - 1)));
-    if (k + 1 < cuts_.size()) radius = std::min(radius, end_radius_m(geometry_.plan, s, cuts_[k + 1], false, side(k)));
-    // Between two roads the line goes on: they should not meet in the middle of a corner either.
-    if (k > 0 && k + 1 < cuts_.size()) radius = std::min(radius, joint_share * turn_radius_m(s));
-    return radius;
+  /// How well cut k would lie at s. Each counts only as far as it is short of calm.
+  struct Calm {
+    double end_radius_m = 0.0;    ///< the smaller one of the roads that end here
+    double joint_radius_m = 0.0;  ///< of the line before and after the joint of two roads
+    [[nodiscard]] bool enough() const { return end_radius_m >= calm_radius_m && joint_radius_m >= calm_joint_radius_m; }
+    auto operator<=>(const Calm&) const = default;
+  };
+  [[nodiscard]] Calm calm_at(std::size_t k, double s) const {
+    Calm calm{calm_radius_m, calm_joint_radius_m};
+    if (k > 0) calm.end_radius_m = std::min(calm.end_radius_m, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, side(k - 1)));
+    if (k + 1 < cuts_.size())
+      calm.end_radius_m = std::min(calm.end_radius_m, end_radius_m(geometry_.plan, s, cuts_[k + 1], false, side(k)));
+    if (k > 0 && k + 1 < cuts_.size()) calm.joint_radius_m = std::min(calm.joint_radius_m, turn_radius_m(s));
+    return calm;
   }
 
   /// Radius of the turn within a few metres about s.
   [[nodiscard]] double turn_radius_m(double s) const {
-    const double s0 = std::max(s - joint_reach_m, cuts_.front()), s1 = std::min(s + joint_reach_m, cuts_.back());
+    const double s0 = std::max(s - corner_reach_m, cuts_.front()), s1 = std::min(s + corner_reach_m, cuts_.back());
     const Vec2 a = pose_at(geometry_.plan, s0).direction, b = pose_at(geometry_.plan, s1).direction;
     const double turn = std::abs(std::atan2(cross(a, b), dot(a, b)));
     return turn > 0.0 ? (s1 - s0) / turn : INFINITY;
   }
 
-  /// Moves cut k to the nearest calm place, at worst to the calmest.
+  /// Moves cut k to the nearest calm place, at worst to the calmest; from there to a joint of elements that is as calm.
   void move(std::size_t k, double back_m, double forth_m) {
     const double wish = cuts_[k];
-    // Half of the roads beside it stays, and 3 m.
-    const auto kept = [&](double other) { return std::max(0.5 * std::abs(other - wish), min_road_m); };
+    // Half of the roads beside it stays, and 3 m (all but 0.5 m of shorter ones).
+    const auto kept = [&](double other) {
+      const double length = std::abs(other - wish);
+      return std::max(0.5 * length, std::min(min_road_m, length - short_road_reach_m));
+    };
     const double low = k > 0 ? std::max(wish + back_m, cuts_[k - 1] + kept(cuts_[k - 1])) : wish + back_m;
     const double high = k + 1 < cuts_.size() ? std::min(wish + forth_m, cuts_[k + 1] - kept(cuts_[k + 1])) : wish + forth_m;
-    double best = wish, best_radius = radius_m(k, wish);
-    for (double away = step_m; best_radius < calm_radius_m && away <= std::max(-back_m, forth_m) + 1e-9; away += step_m)
+    double best = wish;
+    Calm calmest = calm_at(k, wish);
+    for (double away = step_m; !calmest.enough() && away <= std::max(-back_m, forth_m) + 1e-9; away += step_m)
       for (const double s : {wish + away, wish - away}) {
         if (s < low || s > high) continue;
-        const double radius = radius_m(k, s);
-        if (radius > best_radius) best = s, best_radius = radius;
+        const Calm calm = calm_at(k, s);
+        if (calm > calmest) best = s, calmest = calm;
       }
-    cuts_[k] = best;
+    cuts_[k] = joint_near(k, best, calmest, low, high);
+  }
+
+  [[nodiscard]] double joint_near(std::size_t k, double s, const Calm& calm, double low, double high) const {
+    const std::vector<roadquery::PlanElement>& plan = geometry_.plan;
+    auto element = std::lower_bound(plan.begin(), plan.end(), std::max(low, s - element_reach_m),
+                                    [](const roadquery::PlanElement& e, double a) { return e.s < a; });
+    double nearest = s, way = INFINITY;
+    for (; element != plan.end() && element->s <= std::min(high, s + element_reach_m); ++element) {
+      if (std::abs(element->s - s) >= way || calm_at(k, element->s) < calm) continue;
+      nearest = element->s, way = std::abs(element->s - s);
+    }
+    return nearest;
   }
 
   bool left_hand_traffic_;

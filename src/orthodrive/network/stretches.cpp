@@ -12,10 +12,10 @@ constexpr double corner_m = 2.0;       // room for the curve of the corner beyon
 constexpr double taper_m = 10.0;       // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
 constexpr double reach_m = 40.0;       // narrow forks overlap for long: roads are cut back no further than this
 constexpr double step_m = 0.5;
+constexpr double across_step_m = 1.5;  // no carriageway is narrower
 constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
 constexpr double min_road_m = 1.0;     // what is left of a road between two junctions
 constexpr double join_share = 0.65;    // junctions join when less than this share of the wished cuts fits between them
-constexpr double cut_room_m = 5.0;     // a cut moves this far out to end its road where an element ends
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -49,7 +49,7 @@ bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, cons
 
 /// Sampled from the junction outwards.
 struct ArmLine {
-  std::vector<Vec2> center, left, right;
+  std::vector<Vec2> center, across;  ///< across: to the left edge
   std::vector<double> half_width_m;
 };
 
@@ -65,8 +65,7 @@ ArmLine sample_arm(const std::vector<ChainGeometry>& geometry, const Stretch& st
     const double half = 0.5 * width_at(g, at_s1 ? s - 0.5 * std::min(step_m, reach) : s);
     line.center.push_back(pose.p);
     line.half_width_m.push_back(half);
-    line.left.push_back(pose.p + left_normal(pose.direction) * half);
-    line.right.push_back(pose.p - left_normal(pose.direction) * half);
+    line.across.push_back(left_normal(pose.direction) * half);
   }
   return line;
 }
@@ -82,6 +81,15 @@ bool covers(const ArmLine& other, Vec2 p) {
   return false;
 }
 
+/// Whether the other carriageway reaches into the cross section i of an arm. Not only its edges count: a narrow branch begins
+/// in the middle of a wide road.
+bool meets(const ArmLine& arm, std::size_t i, const ArmLine& other) {
+  const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * arm.half_width_m[i] / across_step_m)));
+  for (int k = 0; k <= steps; ++k)
+    if (covers(other, arm.center[i] + arm.across[i] * (2.0 * k / steps - 1.0))) return true;
+  return false;
+}
+
 /// Distance from its own vertex at which an arm has left all others.
 double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
   const ArmLine& arm = arms[self];
@@ -90,7 +98,7 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
     const double d = static_cast<double>(i) * step_m;
     if (d > covered_until + clear_m || d > reach_m) break;
     for (std::size_t other = 0; other < arms.size(); ++other)
-      if (other != self && (covers(arms[other], arm.left[i]) || covers(arms[other], arm.right[i]))) {
+      if (other != self && meets(arm, i, arms[other])) {
         covered_until = d;
         break;
       }
@@ -113,7 +121,6 @@ class JunctionPlanner {
     absorb_inner_roads();
     cut_back();
     shorten_cuts();
-    move_cuts_to_joints();
     number_junctions();
     return std::move(plan_);
   }
@@ -171,29 +178,6 @@ class JunctionPlanner {
       if (stretch.inside || wished <= room) continue;
       stretch.trim0_m *= room / wished;
       stretch.trim1_m *= room / wished;
-    }
-  }
-
-  /// Cuts through the first metres of an element would leave a sliver of it to the road.
-  void move_cuts_to_joints() {
-    for (Stretch& stretch : plan_.stretches) {
-      if (stretch.inside) continue;
-      const std::vector<roadquery::PlanElement>& plan = geometry_[at(stretch.chain)].plan;
-      const auto joint_after = [&](double s) {
-        return std::upper_bound(plan.begin(), plan.end(), s,
-                                [](double x, const roadquery::PlanElement& e) { return x < e.s; });
-      };
-      const double room = 0.5 * (stretch.s1 - stretch.trim1_m - stretch.s0 - stretch.trim0_m) - 0.5 * min_road_m;
-      const double begin = stretch.s0 + stretch.trim0_m, end = stretch.s1 - stretch.trim1_m;
-      double reach = std::min(cut_room_m, room);
-      // Not past where one way follows another: its road would be lost.
-      for (const double s : geometry_[at(stretch.chain)].vertex_s)
-        if (s > begin && s < end) reach = std::min({reach, 0.5 * (s - begin), 0.5 * (end - s)});
-      if (reach <= 0.0) continue;
-      if (const auto next = joint_after(begin); stretch.vertex0 >= 0 && next != plan.end() && next->s <= begin + reach)
-        stretch.trim0_m = next->s - stretch.s0;
-      if (const auto next = joint_after(end); stretch.vertex1 >= 0 && next != plan.begin() && (next - 1)->s >= end - reach)
-        stretch.trim1_m = stretch.s1 - (next - 1)->s;
     }
   }
 

@@ -151,21 +151,36 @@ ScoreJson to_json(const HeightScores& scores) {
 }
 
 ScoreJson to_json(const NetworkScores& scores) {
+  ScoreJson crossings = ScoreJson::array(), dead_lanes = ScoreJson::array();
+  for (const LevelCrossing& c : scores.crossing_places)
+    crossings.push_back({{"clearance_m", c.clearance_m},
+                         {"x", c.x},
+                         {"y", c.y},
+                         {"upper", {{"road", c.upper_road}, {"osm_id", c.upper_osm_id}, {"highway", c.upper_highway}, {"layer", c.upper_layer}, {"bridge", c.bridge}}},
+                         {"lower", {{"road", c.lower_road}, {"osm_id", c.lower_osm_id}, {"highway", c.lower_highway}, {"layer", c.lower_layer}}}});
+  for (const LaneEnd& end : scores.dead_lane_places)
+    dead_lanes.push_back({{"road", end.road}, {"lane", end.lane}, {"x", end.x}, {"y", end.y}});
   return {{"roads", scores.roads},
           {"connecting_roads", scores.connecting_roads},
           {"junctions", scores.junctions},
           {"length_m", scores.length_m},
           {"elements", scores.elements},
+          {"road_length_m", scores.road_length_m},
+          {"road_elements", scores.road_elements},
+          {"mean_road_element_m", scores.mean_road_element_m},
           {"max_gradient_kink", scores.max_gradient_kink},
           {"max_joint_gap_m", scores.max_joint_gap_m},
           {"max_heading_jump_rad", scores.max_heading_jump_rad},
           {"max_curvature_jump", scores.max_curvature_jump},
+          {"max_curvature_rate", scores.max_curvature_rate},
           {"broken_links", scores.broken_links},
           {"lane_link_errors", scores.lane_link_errors},
           {"dead_lanes", scores.dead_lanes},
+          {"dead_lane_places", dead_lanes},
           {"min_lane_width_m", scores.min_lane_width_m},
           {"crossings", scores.crossings},
           {"min_clearance_m", scores.min_clearance_m},
+          {"crossing_places", crossings},
           {"connected_share", scores.connected_share}};
 }
 
