@@ -10,9 +10,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/elevate/cross_fall.hpp"
-#include "orthodrive/elevate/estimate_profiles.hpp"
-#include "orthodrive/elevate/fuse_drive_logs.hpp"
+#include "orthodrive/elevate/elevate_roads.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -23,8 +21,7 @@ namespace {
 struct ElevateCommand {
   std::filesystem::path roads, out;
   std::vector<std::filesystem::path> dtm, logs;
-  ElevateOptions options;
-  CrossFallOptions cross_fall;
+  ElevateRoadsOptions options;
 };
 
 /// The hull of the roads: a box would ask for terrain in corners that a slanting area does not have.
@@ -39,28 +36,20 @@ SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {
 void run(const ElevateCommand& command, const Context& context) {
   const RoadNetwork roads = io::read_roads(command.roads);
   const std::vector<HeightGrid> dtms = io::read_dtms(command.dtm, site_of(command.roads, roads));
-  ElevateOptions options = command.options;
-  options.threads = context.threads;
   const io::DriveLogs logs = io::read_drive_logs(command.logs, site_of(command.roads, roads));
-  EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
-  EstimateCrossFallResult cross_fall = estimate_cross_fall(result.roads, dtms, command.cross_fall);
-  result.roads = std::move(cross_fall.roads);
-  result.findings.insert(result.findings.end(), cross_fall.findings.begin(), cross_fall.findings.end());
-  std::vector<RoughnessStretch> roughness;
-  if (!command.logs.empty()) {
-    FuseDriveLogsResult fused = fuse_drive_logs(result.roads, logs.log, {.clearance_m = options.clearance_m}, context.monitor);
-    result.roads = std::move(fused.roads), roughness = std::move(fused.roughness);
-    result.findings.insert(result.findings.end(), logs.findings.begin(), logs.findings.end());
-    result.findings.insert(result.findings.end(), fused.findings.begin(), fused.findings.end());
-    context.monitor->info(fmt::format("drive logs: {:.0f} of {:.0f} m on roads, roughness of {} stretches", fused.matched_m, fused.length_m,
-                                      roughness.size()));
-  }
-  io::write_roads(command.out, result.roads, roughness);
-  for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
+  ElevateRoadsOptions options = command.options;
+  options.heights.threads = context.threads;
+  const ElevateRoadsResult result = elevate_roads(roads, dtms, logs.log, options, context.monitor);
+  if (!command.logs.empty())
+    context.monitor->info(fmt::format("drive logs: {:.0f} of {:.0f} m on roads, roughness of {} stretches",
+                                      result.logged_on_roads_m, result.logged_m, result.roughness.size()));
+  io::write_roads(command.out, result.roads, result.roughness);
+  for (const Findings& findings : {logs.findings, result.findings})
+    for (const Finding& finding : findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
   context.monitor->info(fmt::format("{}: mean squared gradient E_RG {:.3e} (terrain {:.3e}), mean squared height difference E_h {:.3f} m2, "
                                     "cross-fall measured at {:.0f} % of the nodes",
                                     command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2,
-                                    100.0 * cross_fall.measured_share));
+                                    100.0 * result.cross_fall_measured_share));
 }
 
 }  // namespace
@@ -73,9 +62,9 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--log", command->logs, "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
   cmd->add_option("-o,--output", command->out, "roads with heights (GeoPackage); may be the input")->required();
   const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}};
-  cmd->add_option("--sampling", command->options.sampling, "how heights are taken between the terrain's pixels")
+  cmd->add_option("--sampling", command->options.heights.sampling, "how heights are taken between the terrain's pixels")
       ->transform(CLI::CheckedTransformer(samplings))->default_str("cubic");
-  ElevateOptions& o = command->options;
+  ElevateOptions& o = command->options.heights;
   const std::map<std::string, HeightMethod> methods{{"default", HeightMethod::network},
                                                     {"reference", HeightMethod::reference},
                                                     {"moving-average", HeightMethod::moving_average}};
@@ -87,7 +76,7 @@ void add_elevate(CLI::App& app, Context& context) {
       ->check(CLI::PositiveNumber)->capture_default_str();
   cmd->add_option("--clearance", o.clearance_m, "least height of a bridge over the road below, m")
       ->check(CLI::NonNegativeNumber)->capture_default_str();
-  cmd->add_flag("--drives-left", command->cross_fall.drives_left, "one-way roads fall to their left edge where nothing is measured");
+  cmd->add_flag("--drives-left", command->options.cross_fall.drives_left, "one-way roads fall to their left edge where nothing is measured");
   cmd->footer(
       "Reads roads, terrain and drive logs if there are any; writes the roads with z, gradient, banking and crown and their\n"
       "standard deviations (of z: default method only). Banking and crown are measured where terrain of 2 m or finer shows them,\n"
@@ -99,7 +88,7 @@ void add_elevate(CLI::App& app, Context& context) {
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --method moving-average --window 35 -o averaged.gpkg\n"
       "  orthodrive elevate --roads roads.gpkg --dtm dtm.tif --log monday.csv --log comma2k19/segment -o roads_3d.gpkg");
   cmd->callback([command, window, &context] {
-    if (window->count() > 0 && command->options.method != HeightMethod::moving_average)
+    if (window->count() > 0 && command->options.heights.method != HeightMethod::moving_average)
       throw OptionError("--window is the moving average's; give --method moving-average with it");
     run(*command, context);
   });

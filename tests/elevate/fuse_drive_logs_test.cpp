@@ -79,7 +79,7 @@ TEST(FuseDriveLogs, standard_deviations_hold) {
       EXPECT_LT(node.sigma_z_m, 0.3);
       z2 += std::pow((node.z_m - road.z(node.s_m)) / node.sigma_z_m, 2);
       gradient2 += std::pow((node.gradient - road.gradient(node.s_m)) / driven.sigma_gradient, 2);
-      banking2 += std::pow((node.banking - road.banking(node.s_m)) / driven.sigma_banking_rad, 2);
+      banking2 += std::pow((node.banking - road.banking(node.s_m)) / node.sigma_banking, 2);
       count += 1.0;
     }
   }
@@ -91,6 +91,43 @@ TEST(FuseDriveLogs, standard_deviations_hold) {
   EXPECT_GT(std::sqrt(gradient2 / count), 0.4);
   EXPECT_LT(std::sqrt(banking2 / count), 1.6);
   EXPECT_GT(std::sqrt(banking2 / count), 0.3);
+}
+
+TEST(FuseDriveLogs, a_known_crown_is_no_banking) {
+  TrueRoad road;  // a roof as far as its middle, a plane beyond
+  road.crown_rad = 0.025, road.crown_end_m = 600.0;
+  const RoadNetwork terrain = road_from_terrain(road, 0.3);
+  RoadNetwork unknown = terrain;
+  for (RoadNode& node : unknown.paths[0].nodes) node.crown = 0.0;
+  const DriveLog log = log_of({simulate_drive(road, {})});
+  const auto result = fuse_drive_logs(terrain, log), blind = fuse_drive_logs(unknown, log);
+  show("crowned half", errors_of(result.roads.paths[0], road));
+  EXPECT_LT(errors_of(result.roads.paths[0], road).banking_rad, 0.005);
+  EXPECT_GT(errors_of(blind.roads.paths[0], road).banking_rad, 0.008);
+  EXPECT_NEAR(result.calibration[0].mount_roll_rad, SimulatedDrive{}.mount_roll_rad, 0.004);
+}
+
+TEST(FuseDriveLogs, banking_weighs_by_its_standard_deviation) {
+  const TrueRoad road;
+  const DriveLog log = log_of({simulate_drive(road, {})});
+  RoadNetwork terrain = road_from_terrain(road, 0.3);
+  for (RoadNode& node : terrain.paths[0].nodes) {  // measured well, but 1 % off for 60 m
+    node.banking = road.banking(node.s_m) + (node.s_m > 500.0 && node.s_m < 560.0 ? 0.01 : 0.0);
+    node.banking_source = "dtm", node.sigma_banking = 0.002;
+  }
+  const auto sure = fuse_drive_logs(terrain, log);
+  EXPECT_LT(errors_of(sure.roads.paths[0], road).banking_rad, 0.0015);
+  EXPECT_GT(std::abs(sure.roads.paths[0].nodes[265].banking - road.banking(530.0)), 0.006);
+  for (RoadNode& node : terrain.paths[0].nodes) node.sigma_banking = 0.03;
+  const auto doubtful = fuse_drive_logs(terrain, log);
+  EXPECT_LT(std::abs(doubtful.roads.paths[0].nodes[265].banking - road.banking(530.0)), 0.006);
+  for (std::size_t n = 10; n + 10 < terrain.paths[0].nodes.size(); n += 10) {
+    const RoadNode &a = sure.roads.paths[0].nodes[n], &b = doubtful.roads.paths[0].nodes[n];
+    EXPECT_EQ(a.banking_source, "log");
+    EXPECT_LT(a.sigma_banking, 0.002);
+    EXPECT_LT(b.sigma_banking, 0.015);
+    EXPECT_GT(b.sigma_banking, 0.002);
+  }
 }
 
 TEST(FuseDriveLogs, driving_the_other_way_gives_the_same_signs) {
@@ -228,6 +265,7 @@ TEST(FuseDriveLogs, side_roads_keep_their_height_and_angle) {
                           .width_m = 5.0,
                           .z_m = corner.z_m + std::sqrt(0.5) * corner.gradient * s,
                           .gradient = std::sqrt(0.5) * corner.gradient,
+                          .banking = -std::sqrt(0.5) * corner.gradient,
                           .sigma_z_m = 0.3});
   }
   side.nodes.front().osm_node = 5;
@@ -237,6 +275,7 @@ TEST(FuseDriveLogs, side_roads_keep_their_height_and_angle) {
   EXPECT_GT(std::abs(main.z_m - corner.z_m), 0.02);
   EXPECT_NEAR(first.z_m, main.z_m, 1e-3);
   EXPECT_NEAR(first.gradient, std::sqrt(0.5) * (main.gradient + std::tan(main.banking)), 1e-3);
+  EXPECT_NEAR(std::tan(first.banking), std::sqrt(0.5) * (std::tan(main.banking) - main.gradient), 1e-3);
   EXPECT_NE(first.banking_source, "log");
 }
 

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/elevate/fit_cross_fall.hpp"
+#include "orthodrive/model/path_junctions.hpp"
 
 namespace orthodrive {
 namespace {
@@ -39,13 +41,36 @@ std::vector<std::size_t> by_importance(const NetworkStations& network) {
   return order;
 }
 
-/// A place where a chain meets a more important one.
+/// Gradient (east, north) of the plane that the profiles of a junction's roads lie in, by its osm_node. None where they
+/// all run the same way.
+using JunctionPlanes = std::map<std::int64_t, Vec2>;
+JunctionPlanes junction_planes(const RoadNetwork& roads) {
+  constexpr double least_determinant = 0.003;  // squared sine of 3 degrees
+  JunctionPlanes planes;
+  for (const PathJunction& junction : find_junctions(roads, link_path_ends(roads))) {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+    Vec2 right;
+    for (const JunctionArm& arm : junction.arms) {
+      const Vec2 d = arm.direction;
+      xx += d.x * d.x, xy += d.x * d.y, yy += d.y * d.y;
+      right = right + d * roads.paths[arm.path].nodes[arm.node].gradient;
+    }
+    const double determinant = xx * yy - xy * xy;
+    if (determinant < least_determinant || std::isnan(right.x + right.y)) continue;
+    planes[junction.osm_node] = {(yy * right.x - xy * right.y) / determinant,
+                                 (xx * right.y - xy * right.x) / determinant};
+  }
+  return planes;
+}
+
+/// A place where a chain meets a more important one, or itself is that.
 struct Meeting {
   std::size_t station = 0, main_chain = 0, main_station = 0;
+  std::optional<Vec2> plane;
 };
 
 std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const NetworkStations& network,
-                                                const std::vector<std::size_t>& order) {
+                                                const std::vector<std::size_t>& order, const JunctionPlanes& planes) {
   std::vector<std::size_t> importance(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) importance[order[k]] = k;
   std::map<std::int64_t, std::vector<StationOfNode>> at_node;
@@ -57,27 +82,36 @@ std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const 
     const StationOfNode main = *std::min_element(
         places.begin(), places.end(),
         [&](const StationOfNode& a, const StationOfNode& b) { return importance[a.chain] < importance[b.chain]; });
+    const auto plane = planes.find(id);
+    const auto gradient = plane != planes.end() ? std::optional(plane->second) : std::nullopt;
+    if (gradient) meetings[main.chain].push_back({main.station, main.chain, main.station, gradient});
     for (const StationOfNode& place : places)
-      if (place.chain != main.chain) meetings[place.chain].push_back({place.station, main.chain, main.station});
+      if (place.chain != main.chain || (gradient && place.station != main.station))
+        meetings[place.chain].push_back({place.station, main.chain, main.station, gradient});
   }
   return meetings;
 }
 
 /// Stations of the chain on the main road's carriageway lie in its plane there (the half of its roof that they leave
-/// over).
+/// over); the main road itself does where a junction's plane is known.
 void add_anchors(const StationChain& chain, const Meeting& meeting, const StationChain& main,
-                 const CrossFallFit& main_fit, double largest_slope, std::vector<CrossFallAnchor>& anchors) {
+                 const CrossFallFit& main_fit, std::vector<CrossFallAnchor>& anchors) {
   const Station& at = main.stations[meeting.main_station];
   const Vec2 left = left_normal(at.along);
+  if (&chain == &main) {  // also where it meets itself
+    anchors.push_back(
+        {meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
+    return;
+  }
+  const Vec2 plane =
+      meeting.plane ? *meeting.plane : at.along * at.gradient + left * main_fit.slope[meeting.main_station];
   const std::size_t n = chain.stations.size();
   const auto anchor = [&](std::size_t i) {
     const double t = dot(chain.stations[i].p - chain.stations[meeting.station].p, left);
     if (std::abs(t) > at.half_width_m) return false;
     const double side = i == meeting.station ? 0.0 : std::copysign(1.0, t);
-    const double across = main_fit.slope[meeting.main_station] - side * main_fit.crown[meeting.main_station];
-    const Vec2 own_left = left_normal(chain.stations[i].along);
-    const double slope = at.gradient * dot(at.along, own_left) + across * dot(left, own_left);
-    anchors.push_back({i, std::clamp(slope, -largest_slope, largest_slope)});
+    anchors.push_back(
+        {i, dot(plane - left * (side * main_fit.crown[meeting.main_station]), left_normal(chain.stations[i].along))});
     return true;
   };
   anchor(meeting.station);
@@ -93,8 +127,34 @@ void add_anchors(const StationChain& chain, const Meeting& meeting, const Statio
   }
 }
 
+/// What slopes may be at every station: the limit of the road, and no less than a junction's plane until it has run
+/// out.
+std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& chain, const CrossFallOptions& options,
+                                 const std::vector<CrossFallAnchor>& anchors) {
+  std::vector<double> limits;
+  for (const Station& station : chain.stations)
+    limits.push_back(roads.paths[station.path].highway == "raceway" ? options.largest_raceway_slope
+                                                                    : options.largest_slope);
+  const std::size_t n = limits.size();
+  for (const CrossFallAnchor& anchor : anchors) {
+    limits[anchor.station] = std::max(limits[anchor.station], std::abs(anchor.slope));
+    for (const int way : {1, -1}) {
+      double gone_m = 0.0;
+      for (std::size_t i = anchor.station, count = 1; count < n; ++count) {
+        if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
+        const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
+        gone_m += step_m(chain, way > 0 ? i : next);
+        i = next;
+        if (gone_m > cross_fall_runout_m) break;
+        limits[i] = std::max(limits[i], std::abs(anchor.slope));
+      }
+    }
+  }
+  return limits;
+}
+
 /// Cuts slopes at the limit; one finding for every stretch that was measured beyond it.
-void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const CrossFallOptions& options,
+void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const std::vector<double>& limits,
                   CrossFallFit& fit, Findings& findings) {
   std::size_t worst = 0;
   double worst_slope = 0.0;
@@ -104,13 +164,12 @@ void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const Cro
     findings.push_back(
         {Severity::warning, "elevate.banking_limit",
          fmt::format("way {}: a cross-fall of {:.1f} % was measured, {:.1f} % are taken; is the line on the road?",
-                     roads.paths[station.path].osm_id, 100.0 * worst_slope, 100.0 * options.largest_slope),
+                     roads.paths[station.path].osm_id, 100.0 * worst_slope, 100.0 * limits[worst]),
          station.p.x, station.p.y});
     worst_slope = 0.0;
   };
   for (std::size_t i = 0; i < chain.stations.size(); ++i) {
-    const bool raceway = roads.paths[chain.stations[i].path].highway == "raceway";
-    const double limit = raceway ? options.largest_raceway_slope : options.largest_slope;
+    const double limit = limits[i];
     if (std::abs(fit.slope[i]) <= limit) {
       report();
       continue;
@@ -145,7 +204,8 @@ EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<
   const NetworkStations network = make_stations(roads);
   const std::vector<std::vector<AcrossSample>> samples = gather_across_samples(network, dtms, options.coarsest_gsd_m);
   const std::vector<std::size_t> order = by_importance(network);
-  const std::vector<std::vector<Meeting>> meetings = find_meetings(roads, network, order);
+  const std::vector<std::vector<Meeting>> meetings =
+      find_meetings(roads, network, order, options.in_junction_planes ? junction_planes(roads) : JunctionPlanes{});
 
   std::vector<CrossFallFit> fits(network.chains.size());
   for (const std::size_t c : order) {  // a chain needs the planes of those before it
@@ -153,13 +213,12 @@ EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<
     const DesignCrossFall design = design_cross_fall(roads, chain, options.design_crown, options.drives_left);
     std::vector<CrossFallAnchor> anchors;
     for (const Meeting& meeting : meetings[c])
-      add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], options.largest_slope,
-                  anchors);
+      add_anchors(chain, meeting, network.chains[meeting.main_chain], fits[meeting.main_chain], anchors);
     fits[c] = fit_cross_fall(chain, samples[c], design, anchors, options);
     for (std::size_t i = 0; i < chain.stations.size(); ++i)
       if (fits[c].source[i] == CrossFallSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
         fits[c].source[i] = CrossFallSource::none;
-    limit_slopes(roads, chain, options, fits[c], result.findings);
+    limit_slopes(roads, chain, slope_limits(roads, chain, options, anchors), fits[c], result.findings);
   }
 
   std::size_t nodes = 0, measured = 0;

@@ -19,6 +19,9 @@ struct CrossFallOptions {
   double largest_raceway_slope = 0.7;  ///< ovals are banked by up to 35 degrees
   bool drives_left = false;            ///< one-way carriageways fall to the left then
   double terrain_sigma_m = 0.05;       ///< noise of a terrain pixel to begin with; the pixels of a road correct it
+  /// Where roads meet, all of them lie in the plane of their gradients there, the most important one too: for heights
+  /// that were fitted with such planes (HeightMethod::network).
+  bool in_junction_planes = false;
 };
 
 struct EstimateCrossFallResult {
@@ -29,7 +32,8 @@ struct EstimateCrossFallResult {
 
 /// `roads` have heights; nodes without get the design's cross-fall. Sources: "dtm" measured, "interpolated" between or
 /// shortly beyond measured places (bridges, junctions), "design", "none" (raceways that nothing measured). Continuous
-/// along chains (model/path_links); where a way ends at or crosses a higher ranked one it lies in that one's plane.
+/// along chains (model/path_links); where a way ends at or crosses a higher ranked one it lies in that one's plane. The
+/// limits of slopes do not hold there: who crosses a steep road is steep across.
 /// Throws OptionError when a terrain model has another CRS than the roads. Linear in road length.
 [[nodiscard]] EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<const HeightGrid> dtms,
                                                           const CrossFallOptions& options = {});

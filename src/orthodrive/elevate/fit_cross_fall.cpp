@@ -144,11 +144,15 @@ class CrossFallProblem {
         base_(chain) {
     weights_.resize(samples.size(), 1.0);
     find_sources();
-    std::vector<bool> anchored(chain.stations.size(), false);
-    for (const CrossFallAnchor& anchor : anchors) anchored[anchor.station] = true;
-    const Nearness near = distances_to(chain, anchored);
-    for (std::size_t i = 0; i < anchored.size(); ++i)
-      runs_out_.push_back(std::min(near.behind_m[i], near.ahead_m[i]) < runout_m);
+    std::vector<bool> anchored(chain.stations.size(), false), on_other(chain.stations.size(), false);
+    for (const CrossFallAnchor& anchor : anchors)
+      anchored[anchor.station] = true, on_other[anchor.station] = on_other[anchor.station] || !anchor.is_main;
+    const Nearness near = distances_to(chain, anchored), near_other = distances_to(chain, on_other);
+    for (std::size_t i = 0; i < anchored.size(); ++i) {
+      runs_out_.push_back(std::min(near.behind_m[i], near.ahead_m[i]) < cross_fall_runout_m);
+      const bool to_other = std::min(near_other.behind_m[i], near_other.ahead_m[i]) < cross_fall_runout_m;
+      in_haste_.push_back(to_other || (runs_out_[i] && source_[i] == CrossFallSource::design));
+    }
     add_smoothness();
     add_given(anchors);
   }
@@ -198,7 +202,7 @@ class CrossFallProblem {
       base_.add({{i, 1.0}}, crown, 0.0, cell / (crown_pull_sigma * crown_pull_sigma * crown_pull_m));
       base_.add({{i, 1.0}}, rise, 0.0, cell / (rise_pull_sigma_m * rise_pull_sigma_m * rise_pull_m));
       if (!has_next) continue;
-      const double haste = runs_out_[i] ? runout_haste : 1.0;
+      const double haste = in_haste_[i] ? runout_haste : 1.0;
       base_.add({{i, -1.0}, {next, 1.0}}, slope, 0.0, 1.0 / (haste * slope_walk_density * ahead));
       base_.add({{i, -1.0}, {next, 1.0}}, crown, 0.0, 1.0 / (crown_walk_density * ahead));
       base_.add({{i, -1.0}, {next, 1.0}}, rise, 0.0, 1.0 / (rise_walk_density * ahead));
@@ -214,7 +218,7 @@ class CrossFallProblem {
     const std::size_t n = chain_.stations.size();
     for (const CrossFallAnchor& anchor : anchors) {
       base_.add({{anchor.station, 1.0}}, slope, anchor.slope, weight);
-      base_.add({{anchor.station, 1.0}}, crown, 0.0, weight);
+      if (!anchor.is_main) base_.add({{anchor.station, 1.0}}, crown, 0.0, weight);
     }
     for (std::size_t i = 0; i < n; ++i) {
       if (source_[i] != CrossFallSource::design || runs_out_[i]) continue;
@@ -295,9 +299,6 @@ class CrossFallProblem {
     return plane;
   }
 
-  static constexpr double runout_m =
-      20.0;  // 5 % at the relative gradient of 0.65 % for 50 km/h, over half a street of 5 - 6 m
-
   const StationChain& chain_;
   const std::vector<AcrossSample>& samples_;
   const DesignCrossFall& design_;
@@ -306,6 +307,7 @@ class CrossFallProblem {
   std::vector<double> weights_;  // [sample]
   std::vector<CrossFallSource> source_;
   std::vector<bool> runs_out_;  // [station] near a plane that the road must lie in
+  std::vector<bool> in_haste_;  // [station] turns quickly into it
 };
 
 }  // namespace

@@ -28,7 +28,8 @@ constexpr double gyro_bias_sigma_radps = 0.01;    // of an uncalibrated MEMS gyr
 constexpr double yaw_mounting_sigma_rad = 0.05;
 constexpr double robust_scale = 3.0;  // residuals beyond so many standard deviations lose their weight (Cauchy)
 constexpr double tie_height_m = 2e-5, tie_slope = 5e-4;  // how exactly roads agree where they meet
-constexpr double smallest_sigma_z_m = 0.02;
+constexpr double smallest_sigma_z_m = 0.02, smallest_sigma_banking_rad = 0.001;
+constexpr double half_track_m = 0.75;  // wheels of a car from its middle
 constexpr double driven_reach_m = 10.0;
 constexpr int most_passes = 12;
 constexpr double settled_m = 5e-4;
@@ -61,12 +62,8 @@ struct Bin {
 
 /// The given profile at a place, along its chain.
 struct Baseline {
-  double z_m, gradient, banking_rad, banking_change, sigma_z_m, sigma_banking_rad;
+  double z_m, gradient, banking_rad, banking_change, crown_rad, sigma_z_m, sigma_banking_rad;
 };
-
-double sigma_of_banking(const std::string& source, const FuseDriveLogsOptions& options) {
-  return source == "dtm" || source == "log" ? options.banking_dtm_sigma_rad : options.banking_sigma_rad;
-}
 
 Baseline baseline_at(const RoadNetwork& roads, const LogChains& chains, std::size_t chain, double along_m,
                      const FuseDriveLogsOptions& options) {
@@ -86,13 +83,18 @@ Baseline baseline_at(const RoadNetwork& roads, const LogChains& chains, std::siz
   const auto sigma_z = [&](const RoadNode& n) {
     return std::max(smallest_sigma_z_m, n.sigma_z_m > 0.0 ? n.sigma_z_m : options.unknown_sigma_z_m);
   };
+  const auto sigma_banking = [&](const RoadNode& n) {
+    return std::max(smallest_sigma_banking_rad,
+                    n.sigma_banking > 0.0 ? n.sigma_banking : options.unknown_sigma_banking_rad);
+  };
   return {v * v * (1.0 + 2.0 * u) * a.z_m + u * u * (3.0 - 2.0 * u) * b.z_m +
               u * v * run * (v * a.gradient - u * b.gradient),  // Hermite
           sign * mixed(a.gradient, b.gradient),
           sign * mixed(a.banking, b.banking),
           (b.banking - a.banking) / run,  // both signs turn round
+          mixed(a.crown, b.crown),
           mixed(sigma_z(a), sigma_z(b)),
-          mixed(sigma_of_banking(a.banking_source, options), sigma_of_banking(b.banking_source, options))};
+          mixed(sigma_banking(a), sigma_banking(b))};
 }
 
 // --- measurements
@@ -366,10 +368,12 @@ class ProfileProblem {
       node.z_m += combine(z_column(c) + basis.first, basis.value);
       node.gradient += sign * combine(z_column(c) + basis.first, basis.slope);
       node.banking += sign * combine(banking_column(c) + basis.first, basis.value);
-      node.sigma_z_m = node.sigma_z_m > 0.0 ? std::min(node.sigma_z_m, sigma(3 * i)) : sigma(3 * i);
+      const auto improve = [](double& given, double now) { given = given > 0.0 ? std::min(given, now) : now; };
+      improve(node.sigma_z_m, sigma(3 * i));
+      improve(node.sigma_banking, sigma(3 * i + 2));
       if (!driven) continue;
       node.banking_source = "log";
-      result.driven.push_back({path, n, sigma(3 * i + 1), sigma(3 * i + 2)});
+      result.driven.push_back({path, n, sigma(3 * i + 1)});
     }
     for (std::size_t k = 0; k < log_.sources.size(); ++k) {
       const std::size_t f = 3 * where.size() + 4 * k;
@@ -517,6 +521,11 @@ class ProfileProblem {
     append(slope, z_column(main.chain) + a.first, a.slope, -dot(d_main, d_other));
     append(slope, banking_column(main.chain) + a.first, a.value, -cross(d_main, d_other));
     fixed_.add(slope, 0.0, 1.0 / tie_slope);
+    Entries across;
+    append(across, banking_column(other.chain) + b.first, b.value);
+    append(across, z_column(main.chain) + a.first, a.slope, cross(d_main, d_other));
+    append(across, banking_column(main.chain) + a.first, a.value, -dot(d_main, d_other));
+    fixed_.add(across, 0.0, 1.0 / tie_slope);
   }
   [[nodiscard]] Vec2 direction(const Meeting& m) const {
     const auto& nodes = roads_.paths[m.path].nodes;
@@ -560,7 +569,9 @@ class ProfileProblem {
     const auto basis = spline(bin.chain).at(bin.along_m);
     const int z = z_column(bin.chain) + basis.first, b = banking_column(bin.chain) + basis.first;
     const double d = bin.direction, t = bin.beside_m;
-    const double gradient_0 = d * (base.gradient + t * base.banking_change), banking_0 = d * base.banking_rad;
+    // What a car leans by the crown: nothing astride of the ridge.
+    const double leans = std::clamp(t / half_track_m, -1.0, 1.0) * base.crown_rad;
+    const double gradient_0 = d * (base.gradient + t * base.banking_change), banking_0 = d * (base.banking_rad - leans);
     const double gradient = gradient_0 + d * (combine(z, basis.slope) + t * combine(b, basis.slope));
     const double banking = banking_0 + d * combine(b, basis.value);
     const auto add_gradient = [&](Entries& entries, double scale) {
@@ -592,7 +603,7 @@ class ProfileProblem {
       list.push_back(std::move(m));
     }
     if (!std::isnan(bin.z_m)) {  // height of the road below the car + offset + drift
-      Measurement m{.value = bin.z_m - base.z_m - t * base.banking_rad,
+      Measurement m{.value = bin.z_m - base.z_m - t * base.banking_rad + std::max(half_track_m, std::abs(t)) * base.crown_rad,
                     .sigma = a.height_m,
                     .bin_sigma = bin_sigma(a.height_m, a.height_correlation_s, bin),
                     .kind = &DriveResiduals::height_m};
@@ -744,8 +755,8 @@ void check(const RoadNetwork& roads, const DriveLog& log, const FuseDriveLogsOpt
   const DriveLogAccuracy& a = options.accuracy;
   for (const double value : {a.pitch_rad, a.roll_rad, a.climb_mps, a.lateral_mps2, a.height_m, a.height_drift_m,
                              a.height_drift_s, a.mounting_rad, options.terrain_error_length_m, options.banking_length_m,
-                             options.banking_sigma_rad, options.banking_dtm_sigma_rad, options.unknown_sigma_z_m,
-                             options.knot_spacing_m, options.suspension.pitch_sigma, options.suspension.roll_sigma})
+                             options.unknown_sigma_banking_rad, options.unknown_sigma_z_m, options.knot_spacing_m,
+                             options.suspension.pitch_sigma, options.suspension.roll_sigma})
     if (!(value > 0.0)) throw OptionError("drive logs: standard deviations, lengths and times must be positive");
   for (const RoadPath& path : roads.paths) {
     if (path.nodes.size() < 2)

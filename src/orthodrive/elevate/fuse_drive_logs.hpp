@@ -46,9 +46,8 @@ struct FuseDriveLogsOptions {
   MeasureRoughnessOptions roughness;
   double terrain_error_length_m = 30.0;  ///< errors of the given profile are alike over it (Matern 5/2 covariance)
   double banking_length_m = 60.0;        ///< the same of the given banking
-  double banking_sigma_rad = 0.025;      ///< of banking that was not measured (source none or design rules)
-  double banking_dtm_sigma_rad = 0.008;  ///< of banking with the source "dtm" or "log"
-  double unknown_sigma_z_m = 1.0;        ///< of nodes without a standard deviation
+  /// Of nodes without standard deviations; a cross-fall of 2.5 % (RASt 06) falls to either side.
+  double unknown_sigma_z_m = 1.0, unknown_sigma_banking_rad = 0.025;
   double knot_spacing_m = 6.0;           ///< of the correction, a cubic spline
   double clearance_m = 4.7;              ///< of roads on two levels; less is reported
 };
@@ -62,10 +61,10 @@ struct DriveCalibration {
   double roll_rad_per_mps2 = 0.0, sigma_roll_rad_per_mps2 = 0.0;
 };
 
-/// Standard deviations that a node has no room for.
+/// A node that was driven over, with the standard deviation that it has no room for.
 struct DrivenNode {
   std::size_t path = 0, node = 0;
-  double sigma_gradient = 0.0, sigma_banking_rad = 0.0;
+  double sigma_gradient = 0.0;
 };
 
 /// Root mean squares of what the measurements differ from the result; 0 where there are none.
@@ -75,7 +74,7 @@ struct DriveResiduals {
 };
 
 struct FuseDriveLogsResult {
-  RoadNetwork roads;               ///< z_m, gradient, banking, sigma_z_m updated; banking_source "log" where driven
+  RoadNetwork roads;  ///< z_m, gradient, banking and both sigmas updated; banking_source "log" where driven
   std::vector<DrivenNode> driven;  ///< ordered by path and node
   std::vector<RoughnessStretch> roughness;  ///< ordered by path and s
   std::vector<DriveCalibration> calibration;
@@ -87,7 +86,8 @@ struct FuseDriveLogsResult {
 
 /// Needs the heights of `estimate_profiles` and roads in the CRS of the log; throws OptionError otherwise. Corrections
 /// are C2 along every road and agree in height where roads meet, so that a result is as smooth as what it came from; a
-/// side road keeps its angle to the driven one's surface.
+/// side road keeps its angle to the driven one's surface. The crown is taken as known: a car on one side of the ridge
+/// leans by banking and crown.
 [[nodiscard]] FuseDriveLogsResult fuse_drive_logs(const RoadNetwork& roads, const DriveLog& log,
                                                   const FuseDriveLogsOptions& options = {}, Monitor* monitor = nullptr);
 

@@ -230,8 +230,9 @@ void NetworkProfiles::add_junctions(RobustFit& fit) const {
     }
     const Vec2 left = left_normal(main->direction);
     const RoadNode& node = roads_.paths[main->path].nodes[main->node];
-    const double sigma =
-        node.banking_source.empty() || node.banking_source == "none" ? cross_slope_sigma : known_banking_sigma;
+    const double sigma = node.banking_source.empty() || node.banking_source == "none"
+                             ? cross_slope_sigma
+                             : std::max(known_banking_sigma, node.sigma_banking);
     fit.add_square(std::array{Term{east, left.x}, Term{north, left.y}}, std::tan(node.banking), 1.0 / (sigma * sigma));
   }
 }

@@ -11,9 +11,7 @@
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/drive/drive_report.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
-#include "orthodrive/elevate/cross_fall.hpp"
-#include "orthodrive/elevate/estimate_profiles.hpp"
-#include "orthodrive/elevate/fuse_drive_logs.hpp"
+#include "orthodrive/elevate/elevate_roads.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
@@ -221,26 +219,19 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   const json of_elevate{sources.hashes["dtm"], site.dtm_sampling, site.drives_left, sources.hashes.value("drive_logs", json())};
   stage("elevate", of_elevate, {"roads.gpkg"}, [&] {
     const HeightSampling sampling = site.dtm_sampling == "cubic" ? HeightSampling::cubic : HeightSampling::bilinear;
-    EstimateProfilesResult elevated =
-        estimate_profiles(io::read_roads(refined_file), sources.dtms, {.sampling = sampling, .threads = options.threads}, monitor);
-    EstimateCrossFallResult cross_fall = estimate_cross_fall(elevated.roads, sources.dtms, {.drives_left = site.drives_left});
-    elevated.roads = std::move(cross_fall.roads);
-    elevated.findings.insert(elevated.findings.end(), cross_fall.findings.begin(), cross_fall.findings.end());
+    ElevateRoadsResult elevated = elevate_roads(io::read_roads(refined_file), sources.dtms, sources.drive_logs.log,
+                                                {.heights = {.sampling = sampling, .threads = options.threads},
+                                                 .cross_fall = {.drives_left = site.drives_left}},
+                                                monitor);
     json numbers{{"gradient_energy_of_terrain", elevated.before.gradient},
                  {"gradient_energy", elevated.after.gradient},
                  {"height_error_energy_m2", elevated.after.height_error_m2},
-                 {"cross_fall_measured_share", cross_fall.measured_share},
+                 {"cross_fall_measured_share", elevated.cross_fall_measured_share},
                  {"converged", elevated.solve.converged},
                  {"iterations", elevated.solve.iterations}};
-    std::vector<RoughnessStretch> roughness;
-    if (!site.drive_logs.empty()) {
-      FuseDriveLogsResult fused = fuse_drive_logs(elevated.roads, sources.drive_logs.log, {}, monitor);
-      elevated.roads = std::move(fused.roads), roughness = std::move(fused.roughness);
-      for (const Findings& more : {sources.drive_logs.findings, fused.findings})
-        elevated.findings.insert(elevated.findings.end(), more.begin(), more.end());
-      numbers["driven_m"] = fused.length_m, numbers["driven_on_roads_m"] = fused.matched_m;
-    }
-    io::write_roads(out_dir / "roads.gpkg", elevated.roads, roughness);
+    if (!site.drive_logs.empty()) numbers["driven_m"] = elevated.logged_m, numbers["driven_on_roads_m"] = elevated.logged_on_roads_m;
+    elevated.findings.insert(elevated.findings.begin(), sources.drive_logs.findings.begin(), sources.drive_logs.findings.end());
+    io::write_roads(out_dir / "roads.gpkg", elevated.roads, elevated.roughness);
     return StageOutcome{numbers, elevated.findings};
   });
 

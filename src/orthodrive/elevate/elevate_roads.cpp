@@ -1,0 +1,50 @@
+#include "orthodrive/elevate/elevate_roads.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace orthodrive {
+namespace {
+
+void append(Findings& findings, Findings&& more) {
+  findings.insert(findings.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+bool shows_cross_fall(const std::vector<HeightGrid>& dtms, const CrossFallOptions& options) {
+  return std::any_of(dtms.begin(), dtms.end(),
+                     [&](const HeightGrid& dtm) { return dtm.frame.gsd_m <= options.coarsest_gsd_m; });
+}
+
+}  // namespace
+
+ElevateRoadsResult elevate_roads(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const DriveLog& log,
+                                 const ElevateRoadsOptions& options, Monitor* monitor) {
+  EstimateProfilesResult profiles = estimate_profiles(roads, dtms, options.heights, monitor);
+  CrossFallOptions of_cross_fall = options.cross_fall;
+  of_cross_fall.in_junction_planes = options.heights.method == HeightMethod::network;
+  if (of_cross_fall.in_junction_planes && shows_cross_fall(dtms, options.cross_fall)) {
+    // The plane of a junction is known by the banking of the roads through it and by the gradients of those that end
+    // there: banking as measured goes into the heights, and their planes into the final cross-fall.
+    EstimateCrossFallResult measured = estimate_cross_fall(profiles.roads, dtms, options.cross_fall);
+    profiles = estimate_profiles(measured.roads, dtms, options.heights, monitor);
+  }
+  EstimateCrossFallResult cross_fall = estimate_cross_fall(profiles.roads, dtms, of_cross_fall);
+  ElevateRoadsResult result{.roads = std::move(cross_fall.roads),
+                            .before = profiles.before,
+                            .after = profiles.after,
+                            .solve = profiles.solve,
+                            .cross_fall_measured_share = cross_fall.measured_share,
+                            .findings = std::move(profiles.findings)};
+  append(result.findings, std::move(cross_fall.findings));
+  if (log.recordings.empty()) return result;
+  FuseDriveLogsOptions of_logs = options.logs;
+  of_logs.clearance_m = options.heights.clearance_m;
+  FuseDriveLogsResult fused = fuse_drive_logs(result.roads, log, of_logs, monitor);
+  result.roads = std::move(fused.roads), result.roughness = std::move(fused.roughness);
+  result.logged_m = fused.length_m, result.logged_on_roads_m = fused.matched_m;
+  append(result.findings, std::move(fused.findings));
+  return result;
+}
+
+}  // namespace orthodrive

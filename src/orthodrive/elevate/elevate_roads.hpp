@@ -1,0 +1,36 @@
+#pragma once
+// Stage "elevate": all of it in its order. Refined roads get heights, then cross-fall, then what drive logs say.
+
+#include <vector>
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/core/monitor.hpp"
+#include "orthodrive/elevate/cross_fall.hpp"
+#include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/fuse_drive_logs.hpp"
+#include "orthodrive/model/drive_log.hpp"
+
+namespace orthodrive {
+
+struct ElevateRoadsOptions {
+  ElevateOptions heights;
+  CrossFallOptions cross_fall;
+  FuseDriveLogsOptions logs;  ///< its clearance is that of `heights`
+};
+
+struct ElevateRoadsResult {
+  RoadNetwork roads;                        ///< every field of heights and banking set
+  std::vector<RoughnessStretch> roughness;  ///< where logs were driven
+  ProfileEnergy before, after;               ///< of `estimate_profiles`
+  SolveSummary solve;                       ///< likewise
+  double cross_fall_measured_share = 0.0;   ///< of the nodes
+  double logged_m = 0.0, logged_on_roads_m = 0.0;
+  Findings findings;  ///< of all three, in this order
+};
+
+/// `log` may be empty. Throws OptionError as the three functions do.
+[[nodiscard]] ElevateRoadsResult elevate_roads(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms,
+                                               const DriveLog& log, const ElevateRoadsOptions& options = {},
+                                               Monitor* monitor = nullptr);
+
+}  // namespace orthodrive
