@@ -21,7 +21,7 @@ namespace orthodrive::app {
 namespace {
 
 struct ElevateCommand {
-  std::filesystem::path roads, out;
+  std::filesystem::path roads, out, findings;
   std::vector<std::filesystem::path> dtm, logs;
   ElevateOptions options;
   CrossFallOptions cross_fall;
@@ -38,13 +38,18 @@ SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {
 
 void run(const ElevateCommand& command, const Context& context) {
   const RoadNetwork roads = io::read_roads(command.roads);
-  const std::vector<HeightGrid> dtms = io::read_dtms(command.dtm, site_of(command.roads, roads));
+  // Where the terrain ends roads go on, so half of it is enough; less is the wrong file.
+  constexpr double least_coverage = 0.5;
+  Findings terrain_findings;
+  const std::vector<HeightGrid> dtms =
+      io::read_dtms(command.dtm, site_of(command.roads, roads), {.least_coverage = least_coverage}, &terrain_findings);
   ElevateOptions options = command.options;
   options.threads = context.threads;
   const io::DriveLogs logs = io::read_drive_logs(command.logs, site_of(command.roads, roads));
   EstimateProfilesResult result = estimate_profiles(roads, dtms, options, context.monitor);
   EstimateCrossFallResult cross_fall = estimate_cross_fall(result.roads, dtms, command.cross_fall);
   result.roads = std::move(cross_fall.roads);
+  result.findings.insert(result.findings.begin(), terrain_findings.begin(), terrain_findings.end());
   result.findings.insert(result.findings.end(), cross_fall.findings.begin(), cross_fall.findings.end());
   std::vector<RoughnessStretch> roughness;
   if (!command.logs.empty()) {
@@ -56,6 +61,7 @@ void run(const ElevateCommand& command, const Context& context) {
                                       roughness.size()));
   }
   io::write_roads(command.out, result.roads, roughness);
+  if (!command.findings.empty()) io::write_findings(command.findings, result.findings, roads.crs);
   for (const Finding& finding : result.findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
   context.monitor->info(fmt::format("{}: mean squared gradient E_RG {:.3e} (terrain {:.3e}), mean squared height difference E_h {:.3f} m2, "
                                     "cross-fall measured at {:.0f} % of the nodes",
@@ -72,6 +78,7 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--dtm", command->dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")->required();
   cmd->add_option("--log", command->logs, "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
   cmd->add_option("-o,--output", command->out, "roads with heights (GeoPackage); may be the input")->required();
+  cmd->add_option("--findings", command->findings, "also write what was odd, as GeoJSON points");
   const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}};
   cmd->add_option("--sampling", command->options.sampling, "how heights are taken between the terrain's pixels")
       ->transform(CLI::CheckedTransformer(samplings))->default_str("cubic");
