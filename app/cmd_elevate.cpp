@@ -19,7 +19,7 @@ namespace orthodrive::app {
 namespace {
 
 struct ElevateCommand {
-  std::filesystem::path roads, out;
+  std::filesystem::path roads, out, findings;
   std::vector<std::filesystem::path> dtm, logs;
   ElevateRoadsOptions options;
 };
@@ -35,17 +35,22 @@ SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {
 
 void run(const ElevateCommand& command, const Context& context) {
   const RoadNetwork roads = io::read_roads(command.roads);
-  const std::vector<HeightGrid> dtms = io::read_dtms(command.dtm, site_of(command.roads, roads));
+  // Where the terrain ends roads go on, so half of it is enough; less is the wrong file.
+  constexpr double least_coverage = 0.5;
+  Findings findings;
+  const std::vector<HeightGrid> dtms =
+      io::read_dtms(command.dtm, site_of(command.roads, roads), {.least_coverage = least_coverage}, &findings);
   const io::DriveLogs logs = io::read_drive_logs(command.logs, site_of(command.roads, roads));
   ElevateRoadsOptions options = command.options;
   options.heights.threads = context.threads;
   const ElevateRoadsResult result = elevate_roads(roads, dtms, logs.log, options, context.monitor);
+  for (const Findings& more : {logs.findings, result.findings}) findings.insert(findings.end(), more.begin(), more.end());
   if (!command.logs.empty())
     context.monitor->info(fmt::format("drive logs: {:.0f} of {:.0f} m on roads, roughness of {} stretches",
                                       result.logged_on_roads_m, result.logged_m, result.roughness.size()));
   io::write_roads(command.out, result.roads, result.roughness);
-  for (const Findings& findings : {logs.findings, result.findings})
-    for (const Finding& finding : findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
+  if (!command.findings.empty()) io::write_findings(command.findings, findings, roads.crs);
+  for (const Finding& finding : findings) context.monitor->info(fmt::format("{}: {}", finding.code, finding.message));
   context.monitor->info(fmt::format("{}: mean squared gradient E_RG {:.3e} (terrain {:.3e}), mean squared height difference E_h {:.3f} m2, "
                                     "cross-fall measured at {:.0f} % of the nodes",
                                     command.out.string(), result.after.gradient, result.before.gradient, result.after.height_error_m2,
@@ -61,6 +66,7 @@ void add_elevate(CLI::App& app, Context& context) {
   cmd->add_option("--dtm", command->dtm, "bare-earth terrain models, best first; later ones fill holes of the earlier")->required();
   cmd->add_option("--log", command->logs, "drive logs (CSV, or folder of a comma2k19 segment) for gradient, banking and roughness; may be repeated");
   cmd->add_option("-o,--output", command->out, "roads with heights (GeoPackage); may be the input")->required();
+  cmd->add_option("--findings", command->findings, "also write what was odd, as GeoJSON points");
   const std::map<std::string, HeightSampling> samplings{{"bilinear", HeightSampling::bilinear}, {"cubic", HeightSampling::cubic}};
   cmd->add_option("--sampling", command->options.heights.sampling, "how heights are taken between the terrain's pixels")
       ->transform(CLI::CheckedTransformer(samplings))->default_str("cubic");

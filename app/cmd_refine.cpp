@@ -13,6 +13,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/model/dense_nodes.hpp"
 #include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/refine/mrf_roads.hpp"
 #include "orthodrive/refine/nlo_roads.hpp"
@@ -57,6 +58,8 @@ Refined refine_in_photo(const RefineCommand& command, const Context& context) {
   return {std::move(result.roads), std::move(findings)};
 }
 
+constexpr double node_distance_m = 2.0;  // as the default method's
+
 Refined refine_in_labels(const RefineCommand& command, const Context& context) {
   if (command.labels.empty() || !command.photo.empty() || !command.forests.empty())
     throw OptionError("refine: needs --labels; --photo and --forests are for --method mrf");
@@ -71,7 +74,7 @@ Refined refine_in_labels(const RefineCommand& command, const Context& context) {
   const io::GpxTraces gpx = io::read_gpx(command.gpx, site);
   findings.insert(findings.end(), gpx.findings.begin(), gpx.findings.end());
   RefineRoadsResult result =
-      command.method == "none" ? RefineRoadsResult{.roads = osm}
+      command.method == "none" ? RefineRoadsResult{.roads = with_nodes_every(osm, node_distance_m)}
       : command.method == "nlo"
           ? refine_roads_nlo(osm, labels, {.passes = nlo_passes(command.weights), .threads = context.threads}, context.monitor)
           : refine_roads(osm, read_evidence(labels, command.road_probability), options, context.monitor, gpx.traces);

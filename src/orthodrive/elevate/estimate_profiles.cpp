@@ -217,6 +217,7 @@ EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::ve
   EstimateProfilesResult result{.roads = input};
   if (input.paths.empty()) return result;
   const RoadNetwork roads = without_contradictions(input, result.findings);
+  result.roads = roads;  // the network says what the heights say
   TerrainSamples terrain = sample_terrain(roads, dtms, options.sampling, options.threads);
   report_terrain(roads, terrain, result.findings);
   const NodeHeights as_sampled = start_heights(roads, terrain);

@@ -111,6 +111,24 @@ HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const Crs& crs, c
   return grid;
 }
 
+/// What one unit of the file's heights is in metres: the band says it (UNITTYPE), else the vertical CRS, else it is metres.
+double height_unit_m(GDALRasterBand& band, const OGRSpatialReference& reference) {
+  constexpr double foot_m = 0.3048, us_survey_foot_m = 1200.0 / 3937.0;
+  const std::string unit = CPLString(band.GetUnitType()).tolower();
+  if (unit.find("survey") != std::string::npos || unit == "us-ft" || unit == "ftus") return us_survey_foot_m;
+  if (unit == "ft" || unit == "foot" || unit == "feet") return foot_m;
+  if (!unit.empty() || !reference.IsVertical()) return 1.0;
+  const double unit_m = reference.GetTargetLinearUnits("VERT_CS");
+  return unit_m > 0.0 ? unit_m : 1.0;
+}
+
+/// In metres. Heights that no land of the earth has, not even in feet, are nodata that the file does not declare
+/// (-9999, -32768, 65535, 3.4e38): a road must not lie there.
+void to_plausible_metres(double unit_m, Raster<float>& heights) {
+  constexpr float lowest = -1500.0F, highest = 30000.0F;  // Dead Sea and Mount Everest in feet
+  for (float& z : heights.data) z = z > lowest && z < highest ? static_cast<float>(unit_m * static_cast<double>(z)) : no_height;
+}
+
 std::string vertical_datum_of(const OGRSpatialReference& reference) {
   const char* name = reference.GetAttrValue("VERT_DATUM");
   return name ? name : "";
@@ -126,23 +144,70 @@ HeightGrid read_heights(const fs::path& path, const Crs& crs, const Box2& box) {
   HeightGrid grid = lies_on_own_grid(g, crs)
                         ? read_window(path, dtm, g, box)
                         : warp_window(path, dtm, crs, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
+  to_plausible_metres(height_unit_m(*source->GetRasterBand(1), g.reference), grid.height_m);
   grid.crs = crs;
   grid.vertical_datum = vertical_datum_of(g.reference);
   return grid;
 }
 
 HeightGrid read_dtm(const fs::path& path, const SiteFrame& site, double margin_m) {
-  return std::move(read_dtms({path}, site, margin_m).front());
+  return std::move(read_dtms({path}, site, {.margin_m = margin_m}).front());
 }
 
-std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site, double margin_m) {
+namespace {
+
+/// Median of z_a / z_b where both have heights that are not about zero, 0 where they have too little in common or the
+/// ratio is not the same everywhere. `middle` is where they overlap.
+double height_ratio(const HeightGrid& a, const HeightGrid& b, const SiteFrame& site, Vec2& middle) {
+  constexpr int places = 50;  // along each side
+  constexpr double least_height_m = 20.0, least_common = 50.0, largest_spread = 0.05;
+  const Box2 box = bounds_of(site.area.outer);
+  std::vector<double> ratios;
+  Vec2 sum;
+  for (int i = 0; i < places; ++i)
+    for (int j = 0; j < places; ++j) {
+      const Vec2 p{box.min_x + (box.max_x - box.min_x) * (i + 0.5) / places,
+                   box.min_y + (box.max_y - box.min_y) * (j + 0.5) / places};
+      const double z_a = sample_bilinear(a, p), z_b = sample_bilinear(b, p);
+      if (!(z_a > least_height_m && z_b > least_height_m)) continue;
+      ratios.push_back(z_a / z_b);
+      sum = sum + p;
+    }
+  if (static_cast<double>(ratios.size()) < least_common) return 0.0;
+  middle = sum * (1.0 / static_cast<double>(ratios.size()));
+  std::sort(ratios.begin(), ratios.end());
+  const auto quantile = [&](double q) { return ratios[static_cast<std::size_t>(q * static_cast<double>(ratios.size() - 1))]; };
+  return quantile(0.75) - quantile(0.25) < largest_spread * quantile(0.5) ? quantile(0.5) : 0.0;
+}
+
+/// Of two models of one place, the one that is 3.28 times as high is in feet.
+void feet_to_metres(const std::vector<fs::path>& paths, const SiteFrame& site, std::vector<HeightGrid>& grids,
+                    Findings* findings) {
+  constexpr double foot_m = 0.3048, tolerance = 0.02;
+  for (std::size_t a = 0; a < grids.size(); ++a)
+    for (std::size_t b = 0; b < grids.size(); ++b) {
+      if (a == b || grids[a].height_m.empty() || grids[b].height_m.empty()) continue;
+      Vec2 p;
+      if (std::abs(height_ratio(grids[a], grids[b], site, p) * foot_m - 1.0) > tolerance) continue;
+      for (float& z : grids[a].height_m.data) z = static_cast<float>(foot_m * static_cast<double>(z));
+      if (findings)
+        findings->push_back({Severity::warning, "terrain.feet",
+                             fmt::format("{} is 3.28 times as high as {}: its heights are taken for feet",
+                                         paths[a].filename().string(), paths[b].filename().string()),
+                             p.x, p.y});
+    }
+}
+
+}  // namespace
+
+std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site,
+                                  const ReadDtmsOptions& options, Findings* findings) {
   std::vector<HeightGrid> grids;
   for (const fs::path& path : paths)
-    grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(margin_m)));
-  // Roads need heights all over the area; a rim thinner than a pixel or a pond without returns is no obstacle.
-  constexpr double least_coverage = 0.98;
+    grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(options.margin_m)));
+  feet_to_metres(paths, site, grids, findings);
   const double covered = coverage(grids, site);
-  if (covered >= least_coverage) return grids;
+  if (covered >= options.least_coverage) return grids;
   std::string names, extents;
   for (const fs::path& path : paths) {
     names += (names.empty() ? "" : ", ") + path.string();

@@ -40,6 +40,22 @@ void report_lost_ways(const RoadNetwork& roads, const roadquery::RoadMap& map, F
                           path.nodes.front().p.x, path.nodes.front().p.y});
 }
 
+/// Junctions that are drivable but rarely are what they seem: a square drawn as one point, or an error of the map.
+void report_many_roads(const std::vector<std::vector<JunctionEnd>>& ends, const roadquery::RoadMap& map, Findings& findings) {
+  constexpr std::size_t usual_roads = 6;
+  for (const std::vector<JunctionEnd>& junction : ends) {
+    if (junction.size() <= usual_roads) continue;
+    Vec2 middle;
+    for (const JunctionEnd& end : junction) {
+      const roadquery::Road& road = map.roads[static_cast<std::size_t>(end.road)];
+      middle = middle + pose_at(road.plan, end.at_end ? road.length : 0.0).p * (1.0 / static_cast<double>(junction.size()));
+    }
+    findings.push_back({Severity::info, "network.many_roads",
+                        fmt::format("{} roads meet in one junction, every allowed movement crosses it straight", junction.size()),
+                        middle.x, middle.y});
+  }
+}
+
 }  // namespace
 
 NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions& options, Monitor* monitor) {
@@ -75,6 +91,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   const NetworkPlan plan{roads, topology, geometry, junctions, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
   add_junctions(plan, ends, result.map);
+  report_many_roads(ends, result.map, result.findings);
   set_bounds(result.map);
   report_lost_ways(roads, result.map, result.findings);
   progress(1.0);

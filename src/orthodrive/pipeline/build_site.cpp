@@ -38,7 +38,7 @@ using nlohmann::json;
 /// The sources, opened and checked before anything is written. The photo comes when the first stage asks for it.
 struct Sources {
   RoadNetwork osm;
-  Findings osm_findings;
+  Findings osm_findings, dtm_findings;
   io::GpxTraces gpx;
   io::DriveLogs drive_logs;
   std::vector<HeightGrid> dtms;
@@ -68,7 +68,7 @@ Sources open_sources(const Site& site) {
   sources.osm = read_all_osm(site, sources.osm_findings);
   sources.gpx = io::read_gpx(site.gpx, site.frame);
   sources.drive_logs = io::read_drive_logs(site.drive_logs, site.frame);
-  sources.dtms = io::read_dtms(site.dtm, site.frame);
+  sources.dtms = io::read_dtms(site.dtm, site.frame, {}, &sources.dtm_findings);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
   if (site.crf && !sources.model.crf) {
@@ -223,6 +223,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
                                                 {.heights = {.sampling = sampling, .threads = options.threads},
                                                  .cross_fall = {.drives_left = site.drives_left}},
                                                 monitor);
+    elevated.findings.insert(elevated.findings.begin(), sources.dtm_findings.begin(), sources.dtm_findings.end());
     json numbers{{"gradient_energy_of_terrain", elevated.before.gradient},
                  {"gradient_energy", elevated.after.gradient},
                  {"height_error_energy_m2", elevated.after.height_error_m2},
@@ -238,9 +239,9 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   const std::vector<std::string> network_files =
       site.crg.empty() ? std::vector<std::string>{"roads.xodr"} : std::vector<std::string>{"roads.xodr", "roads_crg"};
   // The route counts where surfaces are made of it.
-  const json of_network{site.name, site.crg, site.opendrive, site.crg.empty() ? "" : site.route};
+  const json of_network{site.name, site.drives_left, site.crg, site.opendrive, site.crg.empty() ? "" : site.route};
   stage("network", of_network, network_files, [&] {
-    NetworkResult network = build_network(io::read_roads(out_dir / "roads.gpkg"), {.name = site.name, .threads = options.threads}, monitor);
+    NetworkResult network = build_network(io::read_roads(out_dir / "roads.gpkg"), {.name = site.name, .left_hand_traffic = site.drives_left, .threads = options.threads}, monitor);
     if (site.crg.empty()) fs::remove_all(crg_folder(out_dir / "roads.xodr"));  // of an earlier build with other options
     const CrgFilesResult crg = write_crg_files(network.map, out_dir / "roads.xodr",
                                                {.roads = site.crg, .route = site.route, .threads = options.threads});
