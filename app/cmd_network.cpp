@@ -22,6 +22,7 @@ struct NetworkCommand {
   std::filesystem::path roads, out, findings, layers, geojson;
   BuildNetworkOptions options;
   std::string opendrive = "1.7", crg_format = "KRBI";
+  bool absolute = false;
   CrgFilesOptions crg;
 };
 
@@ -39,7 +40,7 @@ void run(const NetworkCommand& command, const Context& context) {
   if (const CrgFilesResult surfaces = write_crg_files(result.map, command.out, crg); surfaces.files > 0)
     context.monitor->info(fmt::format("{}: {} OpenCRG surfaces of {:.2f} km of road", crg_folder(command.out).string(),
                                       surfaces.files, surfaces.length_m / 1e3));
-  io::write_opendrive(command.out, result.map, {.minor_version = command.opendrive == "1.8" ? 8 : 7});
+  io::write_opendrive(command.out, result.map, {.minor_version = command.opendrive == "1.8" ? 8 : 7, .absolute = command.absolute});
   if (!command.layers.empty()) io::write_network_layers(command.layers, result.map);
   if (!command.geojson.empty()) io::write_network_geojson(command.geojson, result.map);
   if (!command.findings.empty()) io::write_findings(command.findings, result.findings, roads.crs);
@@ -63,6 +64,8 @@ void add_network(CLI::App& app, Context& context) {
   cmd->add_option("-o,--output", command->out, "OpenDRIVE file to write (.xodr)")->required();
   cmd->add_option("--findings", command->findings, "also write what was odd, as GeoJSON points");
   cmd->add_option("--opendrive", command->opendrive, "version of the file")->check(CLI::IsMember({"1.7", "1.8"}))->capture_default_str();
+  cmd->add_flag("--absolute", command->absolute,
+                "write coordinates of the CRS, for readers that get the header's <offset> wrong (SUMO 1.15)");
   cmd->add_option("--layers", command->layers, "also write reference lines, lanes and junctions as a GeoPackage");
   cmd->add_option("--geojson", command->geojson, "also write the same as GeoJSON (WGS84)");
   cmd->add_option("--crg", command->crg.roads,

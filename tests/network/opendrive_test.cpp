@@ -1,5 +1,6 @@
 // Our files before real readers: our own, the ASAM schema (xmllint) and SUMO (netconvert); and real towns from OSM.
 
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -17,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace orthodrive::testing;
+using ::testing::HasSubstr;
+using ::testing::Not;
 using roadquery::Road;
 
 const fs::path data_folder = fs::path(ORTHODRIVE_SOURCE_DIR) / ".." / "shared" / "data";
@@ -132,6 +135,25 @@ TEST_F(OpenDrive, all_shapes_are_written) {
   EXPECT_EQ(std::get<roadquery::Spiral>(read.roads[0].plan[0].shape).curvature_end, 0.02);
   EXPECT_EQ(std::get<roadquery::ParamPoly3>(read.roads[0].plan[1].shape).d_v, -0.125);
   EXPECT_FALSE(std::get<roadquery::ParamPoly3>(read.roads[0].plan[1].shape).normalized);
+}
+
+TEST_F(OpenDrive, coordinates_are_local_and_the_offset_gives_those_of_the_crs_back) {
+  const Vec2 here{456.25, 321.5};  // from the place of make_path
+  const roadquery::RoadMap map = build_network(network_of({make_path({here, here + Vec2{300, 40}}, {1, 2})})).map;
+  io::write_opendrive(file("local.xodr"), map);
+  io::write_opendrive(file("absolute.xodr"), map, {.absolute = true});
+  const std::string local = bytes_of(file("local.xodr")), absolute = bytes_of(file("absolute.xodr"));
+  EXPECT_THAT(local, HasSubstr("<offset x=\"651000\" y=\"6400000\" z=\"0\" hdg=\"0\" />"));
+  EXPECT_THAT(local, Not(HasSubstr("64003")));
+  EXPECT_THAT(absolute, Not(HasSubstr("<offset")));
+  for (const char* name : {"local.xodr", "absolute.xodr"}) {
+    const roadquery::RoadMap read = roadquery::read_opendrive(file(name).string());
+    EXPECT_NEAR(read.roads[0].plan[0].x, map.roads[0].plan[0].x, 2e-9) << name;
+    EXPECT_NEAR(read.roads[0].plan[0].y, map.roads[0].plan[0].y, 2e-9) << name;
+    EXPECT_EQ(read.north, map.north) << name;
+    EXPECT_EQ(read.west, map.west) << name;
+    if (fs::exists(opendrive_schema)) expect_valid_opendrive(file(name));
+  }
 }
 
 TEST_F(OpenDrive, file_is_valid_against_the_asam_schema) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <pugixml.hpp>
 #include <string>
@@ -72,6 +73,16 @@ void add_link(pugi::xml_node parent, const char* name, const roadquery::RoadLink
   set(node, "elementType", road ? "road" : "junction");
   set(node, "elementId", link.id);
   if (road) set(node, "contactPoint", contact_name(link.contact));
+}
+
+/// What the header says is to be added to the file's coordinates.
+struct Offset {
+  double x = 0.0, y = 0.0;
+};
+
+Offset offset_of(const roadquery::RoadMap& map) {
+  constexpr double step_m = 1000.0;
+  return {step_m * std::round(0.5 * (map.west + map.east) / step_m), step_m * std::round(0.5 * (map.south + map.north) / step_m)};
 }
 
 /// OpenDRIVE's road types, coarsely: OSM does not say whether a road runs through a town.
@@ -204,7 +215,7 @@ void add_objects(pugi::xml_node road_node, const Road& road) {
   set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
 }
 
-void add_road(pugi::xml_node root, const Road& road) {
+void add_road(pugi::xml_node root, const Road& road, const Offset& offset) {
   pugi::xml_node node = root.append_child("road");
   if (!road.name.empty()) set(node, "name", road.name);
   set(node, "length", metres(road.length));
@@ -219,8 +230,8 @@ void add_road(pugi::xml_node root, const Road& road) {
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
     set(geometry, "s", metres(e.s));
-    set(geometry, "x", metres(e.x));
-    set(geometry, "y", metres(e.y));
+    set(geometry, "x", metres(e.x - offset.x));
+    set(geometry, "y", metres(e.y - offset.y));
     set(geometry, "hdg", radians(e.hdg));
     set(geometry, "length", metres(e.length));
     std::visit(AddShape{geometry}, e.shape);
@@ -263,18 +274,24 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
   }
 }
 
-void add_header(pugi::xml_node root, const roadquery::RoadMap& map, const WriteOpenDriveOptions& options) {
+void add_header(pugi::xml_node root, const roadquery::RoadMap& map, const Offset& offset, int minor_version) {
   pugi::xml_node header = root.append_child("header");
   set(header, "revMajor", 1);
-  set(header, "revMinor", options.minor_version);
+  set(header, "revMinor", minor_version);
   set(header, "name", map.name);
-  set(header, "north", metres(map.north));
-  set(header, "south", metres(map.south));
-  set(header, "east", metres(map.east));
-  set(header, "west", metres(map.west));
+  set(header, "north", metres(map.north - offset.y));
+  set(header, "south", metres(map.south - offset.y));
+  set(header, "east", metres(map.east - offset.x));
+  set(header, "west", metres(map.west - offset.x));
   set(header, "vendor", "orthodrive");
   if (!map.geo_reference.empty())
     header.append_child("geoReference").append_child(pugi::node_cdata).set_value(map.geo_reference.c_str());
+  if (offset.x == 0.0 && offset.y == 0.0) return;
+  pugi::xml_node node = header.append_child("offset");
+  set(node, "x", metres(offset.x));
+  set(node, "y", metres(offset.y));
+  set(node, "z", "0");
+  set(node, "hdg", "0");
 }
 
 }  // namespace
@@ -293,8 +310,9 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
     add(document);
     document.first_child().print(out, " ", pugi::format_indent, pugi::encoding_utf8, 1);
   };
-  write([&](pugi::xml_node root) { add_header(root, map, options); });
-  for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, road); });
+  const Offset offset = options.absolute ? Offset{} : offset_of(map);
+  write([&](pugi::xml_node root) { add_header(root, map, offset, options.minor_version); });
+  for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, road, offset); });
   for (const roadquery::Junction& junction : map.junctions) write([&](pugi::xml_node root) { add_junction(root, junction); });
   out << "</OpenDRIVE>\n";
   out.close();
