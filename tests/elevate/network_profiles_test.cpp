@@ -132,7 +132,7 @@ TEST(NetworkProfiles, limits_of_the_class_hold_and_give_way_where_the_terrain_is
   const Terrain bump = [](double x, double) { return 20.0 + (x > 200.0 && x < 212.0 ? 1.5 : 0.0); };
   const auto held =
       estimate_profiles(network({make_path(1, {0, 0}, {400, 0}, 0, 0, "primary")}), {make_dtm(bump, 2.0)});
-  const ProfileLimits limits = profile_limits("primary");
+  const DesignLimits limits = design_limits("primary");
   const auto& nodes = held.roads.paths[0].nodes;
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     const double curvature = (nodes[n].gradient - nodes[n - 1].gradient) / 2.0;

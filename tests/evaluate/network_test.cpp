@@ -139,12 +139,28 @@ TEST(EvaluateNetwork, lane_links_have_to_agree) {
 TEST(EvaluateNetwork, clearance_under_a_bridge) {
   RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 50, -50, 1.5707963267948966, 100)}};
   map.roads[1].elevation = {{.a = 13.0, .b = 0.05}};  // 15.5 m at the crossing
-  EXPECT_EQ(evaluate_network(map).crossings, 0u) << "same layer: not a bridge but a missing junction";
+  EXPECT_EQ(evaluate_network(map).crossings, 1u) << "same layer, but far apart: a bridge without a tag";
+  map.roads[1].elevation.front().a = 8.0;
+  EXPECT_EQ(evaluate_network(map).crossings, 0u) << "half a metre apart on the same layer: not a bridge but a missing junction";
+  map.roads[1].elevation.front().a = 13.0;
   map.roads[1].layer = 1;
   const NetworkScores scores = evaluate_network(map);
   EXPECT_EQ(scores.crossings, 1u);
   EXPECT_NEAR(scores.min_clearance_m, 5.5, 1e-9);
   EXPECT_DOUBLE_EQ(scores.connected_share, 0.5);
+}
+
+TEST(EvaluateNetwork, connecting_road_off_a_bridge_lies_on_both_layers) {
+  // 1 ends on a bridge, 2 leads off it through a junction into 3 and crosses 4, which the map joins to none of them.
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 20), straight_road(3, 120, 0, 0, 50),
+                        straight_road(4, 110, -30, 1.5707963267948966, 60)}};
+  map.roads[0].layer = map.roads[1].layer = 1;
+  link(map.roads[0], map.roads[1]), link(map.roads[1], map.roads[2]);
+  map.roads[1].junction = 7;
+  EXPECT_EQ(evaluate_network(map).crossings, 0u) << "level with 4: a missing junction";
+  map.roads[2].layer = 1;
+  EXPECT_EQ(evaluate_network(map).crossings, 1u) << "from bridge to bridge: no height between them";
+  EXPECT_NEAR(evaluate_network(map).min_clearance_m, 0.0, 1e-9);
 }
 
 TEST(EvaluateNetwork, bridge_that_joins_the_road_before_it_is_no_crossing) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "orthodrive/model/design_speed.hpp"
+#include "orthodrive/model/design_limits.hpp"
 
 namespace orthodrive {
 namespace {
@@ -54,9 +54,10 @@ void limit_rate(std::vector<double>& values, const StationChain& chain, const st
 }  // namespace
 
 SuperelevationRule superelevation_rule(const std::string& highway) {
-  const double speed = design_speed_kmh(highway);
+  const DesignLimits limits = design_limits(highway);
+  const double speed = limits.design_speed_kmh;
   if (highway == "raceway") return {speed, 0.0, true};
-  if (is_local_street(highway)) return {speed, 0.025, true};
+  if (limits.is_local) return {speed, 0.025, true};
   return {speed, speed >= 70.0 ? 0.07 : 0.06, false};
 }
 
@@ -86,7 +87,7 @@ DesignCrossFall design_cross_fall(const RoadNetwork& roads, const StationChain& 
   for (std::size_t i = 0; i < n; ++i) {
     const Station& station = chain.stations[i];
     const RoadPath& path = roads.paths[station.path];
-    rate[i] = at_speed(design_speed_kmh(path.highway)).relative_gradient /
+    rate[i] = at_speed(design_limits(path.highway).design_speed_kmh).relative_gradient /
               std::max(narrowest_half_width_m, station.half_width_m);
     if (path.highway == "raceway") continue;
     const bool one_way = path.oneway != Oneway::no || path.roundabout;

@@ -15,7 +15,6 @@
 #include <limits>
 
 #include "orthodrive/core/banded_normal.hpp"
-#include "orthodrive/model/design_speed.hpp"
 
 namespace orthodrive {
 namespace {

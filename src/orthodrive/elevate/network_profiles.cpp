@@ -59,11 +59,11 @@ NetworkProfiles::NetworkProfiles(const RoadNetwork& roads, const ProfileChains& 
                                  const std::vector<PathJunction>& junctions, const TerrainSamples& terrain,
                                  const std::vector<std::vector<double>>& start_m)
     : roads_(roads), chains_(chains), junctions_(junctions), terrain_(terrain), start_m_(start_m) {
-  for (const RoadPath& path : roads.paths) limits_of_path_.push_back(profile_limits(path.highway));
+  for (const RoadPath& path : roads.paths) limits_of_path_.push_back(design_limits(path.highway));
   for (const ProfileChain& chain : chains.chains) knots_.push_back(knots_of(chain));
   for (const double gsd_m : terrain.gsd_m) sigma_m_.push_back(first_sigma_m + first_sigma_per_gsd * gsd_m);
   seen_sigma_m_ = sigma_m_;
-  for (const ProfileLimits& limits : limits_of_path_)
+  for (const DesignLimits& limits : limits_of_path_)
     curvature_sigma_1pm_[limits.design_speed_kmh] = comfortable_curvature_1pm(limits.design_speed_kmh);
   find_grounded_chains();
   for (const ProfileChain& chain : chains.chains)
@@ -165,7 +165,7 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
     const ProfileChain& chain = chains_.chains[c];
     for (int k = 0; k < chain.intervals + (chain.closed ? 0 : 1); ++k) {
       const Knot& knot = knots_[c][at(k)];
-      const ProfileLimits& limits = *knot.limits;
+      const DesignLimits& limits = *knot.limits;
       const auto gradient = knot_gradient(chain, k);
       const auto curvature = knot_curvature(chain, k);
       // Vertical curvature is a first-order autoregressive process, alike over the length of a vertical curve.
@@ -407,13 +407,13 @@ std::vector<LimitBreach> NetworkProfiles::breaches(Excess&& excess) const {
 }
 
 std::vector<LimitBreach> NetworkProfiles::gradient_breaches() const {
-  return breaches([&](const ProfileChain& chain, int k, const ProfileLimits& limits) {
+  return breaches([&](const ProfileChain& chain, int k, const DesignLimits& limits) {
     return std::pair{std::abs(value(knot_gradient(chain, k))), limits.gradient};
   });
 }
 
 std::vector<LimitBreach> NetworkProfiles::curvature_breaches() const {
-  return breaches([&](const ProfileChain& chain, int k, const ProfileLimits& limits) {
+  return breaches([&](const ProfileChain& chain, int k, const DesignLimits& limits) {
     const double curvature = value(knot_curvature(chain, k));
     return std::pair{std::abs(curvature), 1.0 / (curvature < 0.0 ? limits.crest_radius_m : limits.sag_radius_m)};
   });

@@ -48,7 +48,7 @@ class NetworkProfiles {
  private:
   struct Knot {
     std::size_t place = 0;  // of the chain, nearest before
-    const ProfileLimits* limits = nullptr;
+    const DesignLimits* limits = nullptr;
     bool is_grounded = false;  // terrain within one and a half knots
     bool is_near_end = false;  // within a vertical curve of the end of an open chain
   };
@@ -71,7 +71,7 @@ class NetworkProfiles {
   const std::vector<PathJunction>& junctions_;
   const TerrainSamples& terrain_;
   const std::vector<std::vector<double>>& start_m_;
-  std::vector<ProfileLimits> limits_of_path_;
+  std::vector<DesignLimits> limits_of_path_;
   std::vector<std::vector<Knot>> knots_;          // of each chain
   std::vector<bool> chain_is_grounded_;           // or hangs together with one that is
   std::vector<double> sigma_m_;                   // of each terrain model

@@ -26,7 +26,7 @@ void append(const RoadNetwork& roads, PathEnd entry, ProfileChain& chain) {
 void place_knots(const RoadNetwork& roads, ProfileChain& chain) {
   double step_m = largest_knot_step_m;
   for (const ChainPlace& place : chain.places) {
-    const double speed_kmh = profile_limits(roads.paths[place.path].highway).design_speed_kmh;
+    const double speed_kmh = design_limits(roads.paths[place.path].highway).design_speed_kmh;
     step_m = std::min(step_m, vertical_curve_length_m(speed_kmh) / 3.0);
   }
   chain.length_m = std::max(chain.length_m, shortest_chain_m);

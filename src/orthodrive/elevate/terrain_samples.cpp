@@ -118,7 +118,7 @@ double steep_share(const RoadNetwork& roads, const TerrainSamples& terrain, doub
   const double base_m = std::max(20.0, 2.0 * terrain.coarsest_gsd_m);
   double steep_m = 0.0, all_m = 0.0;
   for (std::size_t k = 0; k < roads.paths.size(); ++k) {
-    const double limit = profile_limits(roads.paths[k].highway).gradient;
+    const double limit = design_limits(roads.paths[k].highway).gradient;
     const std::vector<double> s = stations(roads.paths[k]);
     const auto& samples = terrain.of_node[k];
     for (std::size_t a = 0, b = 0; b < s.size(); ++b) {

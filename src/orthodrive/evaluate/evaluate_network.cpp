@@ -346,9 +346,27 @@ bool meet(const Road& a, const Road& b) {
   return leads_to(a, b) || leads_to(b, a) || (a.junction >= 0 && a.junction == b.junction);
 }
 
+struct Layers {
+  int low = 0, high = 0;
+};
+/// A connecting road may lead from one layer to another: it lies on both.
+std::vector<Layers> layers_of(const RoadMap& map, const RoadsById& by_id) {
+  std::vector<Layers> layers;
+  for (const Road& road : map.roads) {
+    Layers& own = layers.emplace_back(Layers{road.layer, road.layer});
+    if (road.junction < 0) continue;
+    for (const roadquery::RoadLink* link : {&road.predecessor, &road.successor})
+      if (const auto other = link->kind == LinkKind::road ? by_id.find(link->id) : std::nullopt)
+        own = {std::min(own.low, map.roads[*other].layer), std::max(own.high, map.roads[*other].layer)};
+  }
+  return layers;
+}
+
 /// Sweep over x: pieces are short, so few overlap at a time.
-void measure_clearance(const RoadMap& map, NetworkScores& scores) {
+void measure_clearance(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
+  constexpr double two_levels_m = 1.0;  // of one layer and nearer: a junction that the map lacks, as in evaluate_heights
   scores.min_clearance_m = nan;
+  const std::vector<Layers> layers = layers_of(map, by_id);
   std::vector<Piece> pieces = pieces_of(map);
   const auto min_x = [](const Piece& p) { return std::min(p.a.x, p.b.x); };
   const auto max_x = [](const Piece& p) { return std::max(p.a.x, p.b.x); };
@@ -358,7 +376,6 @@ void measure_clearance(const RoadMap& map, NetworkScores& scores) {
     for (std::size_t k = i + 1; k < pieces.size() && min_x(pieces[k]) <= max_x(pieces[i]); ++k) {
       const Piece &p = pieces[i], &q = pieces[k];
       const Road &first = map.roads[p.road], &second = map.roads[q.road];
-      if (first.layer == second.layer) continue;
       const Vec2 d{p.b.x - p.a.x, p.b.y - p.a.y}, e{q.b.x - q.a.x, q.b.y - q.a.y},
           between{q.a.x - p.a.x, q.a.y - p.a.y};
       const double denominator = cross(d, e);
@@ -366,6 +383,8 @@ void measure_clearance(const RoadMap& map, NetworkScores& scores) {
       const double u = cross(between, e) / denominator, v = cross(between, d) / denominator;
       if (u < 0.0 || u >= 1.0 || v < 0.0 || v >= 1.0 || meet(first, second)) continue;
       const double above = p.a.z + u * (p.b.z - p.a.z) - q.a.z - v * (q.b.z - q.a.z);
+      const Layers &a = layers[p.road], &b = layers[q.road];
+      if (a.low <= b.high && b.low <= a.high && std::abs(above) < two_levels_m) continue;
       const Road &upper = above >= 0.0 ? first : second, &lower = above >= 0.0 ? second : first;
       scores.crossing_places.push_back({upper.id, lower.id, upper.osm_id, lower.osm_id, upper.highway, lower.highway, upper.layer,
                                         lower.layer, upper.bridge, p.a.x + u * d.x, p.a.y + u * d.y, std::abs(above)});
@@ -384,7 +403,7 @@ NetworkScores evaluate_network(const RoadMap& map) {
   count_elements(map, scores);
   measure_joints(map, by_id, scores);
   check_lanes(map, by_id, scores);
-  measure_clearance(map, scores);
+  measure_clearance(map, by_id, scores);
   scores.connected_share = connected_share(map, by_id);
   return scores;
 }

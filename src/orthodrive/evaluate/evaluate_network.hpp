@@ -52,7 +52,7 @@ struct NetworkScores {
   std::vector<LaneEnd> dead_lane_places;
   double min_lane_width_m = 0.0;  ///< of driving lanes in their middle; NaN without any
   double min_clearance_m =
-      0.0;  ///< smallest height between reference lines that cross on different layers; NaN without crossings
+      0.0;  ///< smallest height between reference lines that cross on different layers, or a metre and more apart; NaN without
   std::size_t crossings = 0;
   std::vector<LevelCrossing> crossing_places;  ///< by clearance, smallest first
   double connected_share = 0.0;  ///< of the length, in the largest part that hangs together by links; NaN without roads
