@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace orthodrive::network {
 namespace {
@@ -14,8 +15,10 @@ constexpr double notable_step_m = 0.5;   // steps between the ends of a vertex t
 constexpr double min_spacing_m = 0.25;
 constexpr double max_spacing_m = 3.0;    // refine resamples to 2 m; coarser lines are filled up along their chords
 constexpr double inner_radius_m = 2.5;   // the inner edge of a bend keeps at least this radius
-constexpr int max_easing_passes = 60;
-constexpr double max_easing_m = 12.0;     // a node moves no further; what is sharper then stays sharp (a finding)
+constexpr int easing_passes = 200, max_easing_rounds = 20;
+constexpr double eased_spacing_m = 1.5;  // nodes that easing drew nearer together are thinned out
+constexpr double max_easing_m = 8.0;     // a node moves no further; what is sharper then stays sharp (a finding)
+constexpr double notable_easing_m = 0.05, reported_easing_m = 1.0;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -128,43 +131,103 @@ void fill_gaps(ChainLine& line) {
 
 double turn_at(Vec2 a, Vec2 b, Vec2 c) { return std::abs(std::atan2(cross(b - a, c - b), dot(b - a, c - b))); }
 
-/// Moves nodes of too sharp bends towards the chord of their neighbours until the circle through the three is wide enough.
-int ease_bends(ChainLine& line, bool closed, Findings& findings) {
-  std::vector<ChainNode>& nodes = line.nodes;
-  const std::size_t n = nodes.size();
-  if (n < 3) return 0;
-  const std::vector<ChainNode> original = nodes;
-  const auto too_sharp = [&](std::size_t before, std::size_t i, std::size_t after) {
+/// Nodes of a line whose bends are being eased, each with where it was.
+class BendEasing {
+ public:
+  BendEasing(ChainLine& line, bool closed) : line_(line), closed_(closed) {
+    for (const ChainNode& node : line.nodes) original_.push_back(node.p);
+  }
+
+  /// Moves nodes of too sharp bends towards the chord of their neighbours until the circle through the three is wide
+  /// enough. False: some are still too sharp.
+  bool ease() {
+    std::vector<ChainNode>& nodes = line_.nodes;
+    bool sharp = true;
+    for (int pass = 0; pass < easing_passes && sharp; ++pass) {
+      sharp = false;
+      for (std::size_t i = closed_ ? 0 : 1; i + 1 < nodes.size(); ++i) {
+        const std::size_t before = i == 0 ? nodes.size() - 2 : i - 1, after = i + 1;
+        if (!too_sharp(before, i, after)) continue;
+        sharp = true;
+        const Vec2 a = nodes[before].p, c = nodes[after].p;
+        const double l1 = distance(a, nodes[i].p), l2 = distance(nodes[i].p, c);
+        const Vec2 on_chord = a + (c - a) * (l1 + l2 > 0.0 ? l1 / (l1 + l2) : 0.5);
+        const Vec2 moved = nodes[i].p + (on_chord - nodes[i].p) * 0.5;
+        if (distance(moved, original_[i]) > max_easing_m) continue;
+        nodes[i].p = moved;
+        if (i == 0) nodes.back().p = moved;
+      }
+    }
+    return !sharp;
+  }
+
+  /// Easing draws the nodes of a corner together, until no circle fits between them. False: nothing to take out.
+  bool thin_out() {
+    std::vector<bool> is_joint(line_.nodes.size(), false);
+    for (const std::size_t joint : line_.joint) is_joint[joint] = true;
+    ChainLine thinned;
+    std::vector<std::size_t> kept, new_index;
+    const auto moved = [&](std::size_t i) { return !is_joint[i] && distance_moved_m(i) > 0.0; };
+    for (std::size_t i = 0; i < line_.nodes.size(); ++i) {
+      const bool crowded = !kept.empty() && distance(line_.nodes[kept.back()].p, line_.nodes[i].p) < eased_spacing_m;
+      if (crowded && is_joint[i] && moved(kept.back())) kept.pop_back();  // a joint takes the place of the node before it
+      if (!crowded || !moved(i)) kept.push_back(i);
+      new_index.push_back(kept.size() - 1);
+    }
+    std::vector<Vec2> original;
+    for (const std::size_t i : kept) thinned.nodes.push_back(line_.nodes[i]), original.push_back(original_[i]);
+    if (thinned.nodes.size() == line_.nodes.size()) return false;
+    for (std::size_t& joint : line_.joint) joint = new_index[joint];
+    line_.nodes = std::move(thinned.nodes);
+    original_ = std::move(original);
+    return true;
+  }
+
+  [[nodiscard]] int moved() const {
+    int count = 0;
+    for (std::size_t i = 0; i < original_.size(); ++i) count += distance(line_.nodes[i].p, original_[i]) > notable_easing_m ? 1 : 0;
+    return count;
+  }
+  [[nodiscard]] std::size_t farthest() const {
+    std::size_t far = 0;
+    for (std::size_t i = 1; i < original_.size(); ++i) far = distance_moved_m(i) > distance_moved_m(far) ? i : far;
+    return far;
+  }
+  [[nodiscard]] double distance_moved_m(std::size_t i) const { return distance(line_.nodes[i].p, original_[i]); }
+  [[nodiscard]] std::optional<std::size_t> sharp_node() const {
+    for (std::size_t i = 1; i + 1 < line_.nodes.size(); ++i)
+      if (too_sharp(i - 1, i, i + 1)) return i;
+    return std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] bool too_sharp(std::size_t before, std::size_t i, std::size_t after) const {
+    const std::vector<ChainNode>& nodes = line_.nodes;
     const Vec2 a = nodes[before].p, b = nodes[i].p, c = nodes[after].p;
     const double min_radius = 0.25 * (nodes[i].width_before_m + nodes[i].width_after_m) + inner_radius_m;
     return turn_at(a, b, c) * min_radius > 0.5 * (distance(a, b) + distance(b, c));
-  };
-  bool sharp = true;
-  for (int pass = 0; pass < max_easing_passes && sharp; ++pass) {
-    sharp = false;
-    for (std::size_t i = closed ? 0 : 1; i + 1 < n; ++i) {
-      const std::size_t before = i == 0 ? n - 2 : i - 1, after = i + 1;
-      if (!too_sharp(before, i, after)) continue;
-      sharp = true;
-      const Vec2 a = nodes[before].p, c = nodes[after].p;
-      const double l1 = distance(a, nodes[i].p), l2 = distance(nodes[i].p, c);
-      const Vec2 on_chord = a + (c - a) * (l1 + l2 > 0.0 ? l1 / (l1 + l2) : 0.5);
-      const Vec2 moved = nodes[i].p + (on_chord - nodes[i].p) * 0.5;
-      if (distance(moved, original[i].p) > max_easing_m) continue;
-      nodes[i].p = moved;
-      if (i == 0) nodes[n - 1].p = moved;
-    }
   }
-  int eased = 0;
-  for (std::size_t i = 0; i < n; ++i) eased += distance(nodes[i].p, original[i].p) > 0.05 ? 1 : 0;
-  if (sharp)
-    for (std::size_t i = 1; i + 1 < n; ++i)
-      if (too_sharp(i - 1, i, i + 1)) {
-        findings.push_back({Severity::warning, "network.bend_too_sharp",
-                            "a bend is sharper than the carriageway is wide and stays so", nodes[i].p.x, nodes[i].p.y});
-        break;
-      }
-  return eased;
+
+  ChainLine& line_;
+  bool closed_;
+  std::vector<Vec2> original_;
+};
+
+int ease_bends(ChainLine& line, bool closed, Findings& findings) {
+  if (line.nodes.size() < 3) return 0;
+  BendEasing easing(line, closed);
+  for (int round = 0; round < max_easing_rounds && !easing.ease() && easing.thin_out();) ++round;
+  const auto report = [&](Severity severity, const char* code, std::string message, Vec2 where) {
+    findings.push_back({severity, code, std::move(message), where.x, where.y});
+  };
+  const std::size_t far = easing.farthest();
+  if (easing.distance_moved_m(far) > reported_easing_m)
+    report(Severity::info, "network.bend_eased",
+           fmt::format("a bend sharper than the carriageway is wide was eased: its nodes move by up to {:.1f} m", easing.distance_moved_m(far)),
+           line.nodes[far].p);
+  if (const auto sharp = easing.sharp_node())
+    report(Severity::warning, "network.bend_too_sharp", "a bend is sharper than the carriageway is wide and stays so", line.nodes[*sharp].p);
+  return easing.moved();
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ using roadquery::RoadMark;
 constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
 constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
 constexpr int max_untagged_lanes = 4;      // a direction
-constexpr double taper_m = 30.0;           // over which a lane opens or ends; at most half the road. RASt 06: 30 m at 50 km/h
+constexpr double taper_m = 30.0;           // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
 constexpr double taper_step_m = 3.0;       // between the ends of its cubics: they leave the smooth step by under 1 mm
 constexpr double sidewalk_m = 2.0, shoulder_m = 1.5, motorway_shoulder_m = 2.5;
 constexpr double centre_line_from_m = 5.5;  // narrower two-way roads have no centre line (RMS: from 5.5 m)
@@ -52,7 +52,7 @@ class Carriageway {
  public:
   Carriageway(std::vector<Cubic> total, double length, bool tapers_at_start, bool tapers_at_end)
       : total_(std::move(total)), length_(length) {
-    const double reach = std::min(taper_m, 0.5 * length);
+    const double reach = std::min(taper_m, tapers_at_start && tapers_at_end ? 0.5 * length : length);
     start_reach_ = tapers_at_start ? reach : 0.0, end_reach_ = tapers_at_end ? reach : 0.0;
     for (const Cubic& c : total_) breaks_.push_back(c.s);
     breaks_.push_back(length);
