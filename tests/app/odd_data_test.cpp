@@ -134,8 +134,10 @@ class OddData : public testing::Test {
     Driven driven;
     driven.scores = json::parse(expect_success({"evaluate", "network", xodr, "--json"}).out);
     driven.findings = json::array();
-    for (const char* name : {"heights.geojson", "network.geojson"})
-      for (const json& feature : json::parse(bytes_of(scratch_ / name))["features"]) driven.findings.push_back(feature);
+    for (const char* name : {"heights.geojson", "network.geojson"}) {
+      const json file = json::parse(bytes_of(scratch_ / name));
+      for (const json& feature : file["features"]) driven.findings.push_back(feature);
+    }
     driven.map = roadquery::read_opendrive(xodr);
     driven.roads = io::read_roads(elevated);
 
@@ -286,7 +288,7 @@ TEST_F(OddData, terrain_that_ends_in_the_middle_of_roads) {
 OsmText crossing(std::vector<std::pair<std::string, std::string>> tags) {
   OsmText osm;
   tags.emplace_back("highway", "residential");
-  const int a = osm.node(10, 150), b = osm.node(120, 150), c = osm.node(180, 150), d = osm.node(290, 150);
+  const int a = osm.node(10, 150), b = osm.node(80, 150), c = osm.node(220, 150), d = osm.node(290, 150);
   osm.way({a, b}, {{"highway", "residential"}});
   osm.way({b, c}, tags);
   osm.way({c, d}, {{"highway", "residential"}});

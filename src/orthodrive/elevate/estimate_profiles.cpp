@@ -17,8 +17,8 @@ namespace {
 using namespace elevate;
 
 constexpr double clearance_tolerance_m = 0.01;
-constexpr double clearance_aim_m =
-    0.02;  // above what is asked: cubics between nodes, and of the network stage, differ a little
+// Above what is asked: the network stage may differ by 2 cm at the nodes of both roads, and cubics between them.
+constexpr double clearance_aim_m = 0.06;
 
 void check(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const ElevateOptions& options) {
   if (dtms.empty()) throw OptionError("elevate: no terrain model given");
