@@ -259,6 +259,7 @@ TEST_F(OddData, spikes_of_the_terrain_do_not_reach_the_road) {
     for (const float spike_m : {50.0F, -50.0F}) {
       const fs::path dtm = terrain(source, [&, pixel = pixel_m](Vec2 p, float z) { return is_spike(p, pixel) ? z + spike_m : z; });
       const Driven driven = drive(true_roads(), {dtm});
+      driven.expect_finding(pixel_m < 5.0 ? "elevate.terrain_spikes" : "elevate.off_terrain", "of the terrain model");
       const HeightError error = height_error(driven);
       EXPECT_LT(error.mean_m, mean_m) << source << " " << spike_m;
       EXPECT_LT(error.largest_m, largest_m) << source << " " << spike_m;
