@@ -108,7 +108,7 @@ TEST(BuildScene, sidewalks_and_shoulders_are_meshed_on_the_same_surface) {
   road.sections.push_back(later);
   const SceneTile tile = build_one(site);
   const TriMesh& mesh = *find_mesh(tile, "road");
-  EXPECT_NEAR(plan_area_m2(mesh), (200.0 * 9.0 + 100.0 * 2.0) * std::cos(0.03), 1.0);
+  EXPECT_NEAR(plan_area_m2(&mesh), (200.0 * 9.0 + 100.0 * 2.0) * std::cos(0.03), 1.0);
   for (double s = 1.0; s < 200.0; s += 7.3)
     for (const double t : {-5.9, -4.5, -3.5, 0.0, 2.9, 4.9}) {
       const auto at = roadquery::surface_point(road, s, t);
