@@ -126,6 +126,27 @@ TEST(SimulateLap, lane_jump_between_roads_is_driven_smoothly) {
   EXPECT_NEAR(lap.samples.back().y_m, -5.25, 0.05);
 }
 
+TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
+  // Lanes so narrow that drivers keep off the edge, and a jump of the lane that is made up where there is room.
+  const auto drive = [](bool with_sidewalks) {
+    Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, 150.0, Line{}}, 0.0, 2.4), b = make_road(2, {0.0, 150.0, 0.0, 0.0, 150.0, Line{}}, 0.0, 3.2);
+    if (with_sidewalks)
+      for (Road* road : {&a, &b})
+        for (auto* side : {&road->sections[0].left, &road->sections[0].right}) {
+          roadquery::Lane shoulder = roadquery::test::make_lane(side == &road->sections[0].left ? 2 : -2, 0.5);
+          shoulder.type = roadquery::LaneType::shoulder;
+          roadquery::Lane sidewalk = roadquery::test::make_lane(side == &road->sections[0].left ? 3 : -3, 2.0);
+          sidewalk.type = roadquery::LaneType::sidewalk;
+          side->push_back(shoulder), side->push_back(sidewalk);
+        }
+    link(a, b);
+    return simulate_lap(map_of({a, b}));
+  };
+  const DriveResult with = drive(true), without = drive(false);
+  ASSERT_EQ(with.samples.size(), without.samples.size());
+  for (std::size_t i = 0; i < with.samples.size(); ++i) ASSERT_NEAR(with.samples[i].y_m, without.samples[i].y_m, 1e-9) << i;
+}
+
 TEST(SimulateLap, hairpin_below_the_turning_circle_ends_with_a_finding_not_in_a_loop) {
   // A radius of 2 m: the car cannot steer that much. It must say so or drive wide, never hang.
   std::vector<Road> roads = make_stadium(1, 0.0, 0.0, 80.0, 2.0);

@@ -90,6 +90,19 @@ TEST(SampleCrg, error_falls_with_the_square_of_the_step) {
   EXPECT_LT(fine, coarse / 10.0);
 }
 
+TEST(SampleCrg, a_tight_turn_over_a_crest_takes_smaller_steps) {
+  using namespace roadquery;
+  Road road = roadquery::test::make_road(4, {0.0, 345678.25, 6391234.5, 1.1, 10.0, Arc{-0.2}}, 41.5, 3.0);
+  road.elevation = {{.s = 0.0, .a = 41.5, .b = 0.1, .c = -0.02}};
+  road.superelevation = {{.s = 0.0, .a = 0.05, .b = -0.004}};
+  const CrgSurface as_asked = sample_crg(road), fine = sample_crg(road, {.tolerance_m = 0.0005});
+  EXPECT_GT(worst_height_error(road, as_asked), 1e-3) << "else this is no test";
+  EXPECT_LT(worst_height_error(road, fine), 1e-3);
+  EXPECT_GT(fine.rows(), as_asked.rows());
+  const Road gentle = winding_road();
+  EXPECT_EQ(sample_crg(gentle, {.tolerance_m = 0.001}).rows(), sample_crg(gentle).rows());
+}
+
 TEST(SampleCrg, surface_read_from_its_file_is_that_of_the_road) {
   const Scratch scratch;
   const Road road = winding_road();

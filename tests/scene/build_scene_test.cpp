@@ -91,6 +91,35 @@ TEST(BuildScene, road_triangles_stay_near_the_surface_between_their_vertices) {
   }
 }
 
+TEST(BuildScene, sidewalks_and_shoulders_are_meshed_on_the_same_surface) {
+  Site site = make_site(480.0, {{.start = {west_m + 60.0, south_m + 90.0}, .heading_rad = 0.5, .length_m = 200.0, .superelevation_rad = 0.03}});
+  roadquery::Road& road = site.roads.roads[0];
+  const auto lane = [](int id, roadquery::LaneType type, double width_m) {
+    roadquery::Lane made;
+    made.id = id, made.type = type, made.width = {{.a = width_m}};
+    return made;
+  };
+  road.sections[0].right.push_back(lane(-2, roadquery::LaneType::shoulder, 1.0));
+  road.sections[0].right.push_back(lane(-3, roadquery::LaneType::sidewalk, 2.0));
+  // The sidewalk on the other side begins half way.
+  roadquery::LaneSection later = road.sections[0];
+  later.s = 100.0;
+  later.left.push_back(lane(2, roadquery::LaneType::sidewalk, 2.0));
+  road.sections.push_back(later);
+  const SceneTile tile = build_one(site);
+  const TriMesh& mesh = *find_mesh(tile, "road");
+  EXPECT_NEAR(plan_area_m2(&mesh), (200.0 * 9.0 + 100.0 * 2.0) * std::cos(0.03), 1.0);
+  for (double s = 1.0; s < 200.0; s += 7.3)
+    for (const double t : {-5.9, -4.5, -3.5, 0.0, 2.9, 4.9}) {
+      const auto at = roadquery::surface_point(road, s, t);
+      const double z = mesh_height_m(tile, mesh, {at.x, at.y});
+      if (t > 3.0 && s < 100.0)
+        EXPECT_TRUE(std::isnan(z)) << s << ' ' << t;
+      else
+        EXPECT_NEAR(z, at.z, 0.02) << s << ' ' << t;
+    }
+}
+
 TEST(BuildScene, crown_has_its_ridge_on_the_reference_line) {
   // Straight and level: sections stand 10 m apart, and without edges along the middle triangles would cut the roof off,
   // by 3 m * 5 % where they go from edge to edge.
@@ -108,7 +137,7 @@ TEST(BuildScene, crown_has_its_ridge_on_the_reference_line) {
     }
   const SceneTile tile = build_one(site);
   for (const roadquery::Road& road : site.roads.roads)
-    for (double s = 2.6; s < 197.4; s += 1.9)  // the border of an open end is one edge across: the ridge begins behind it
+    for (double s = 0.05; s < 200.0; s += 1.9)
       for (const double t : {-2.6, -1.0, 0.0, 1.0, 2.6}) {
         const auto at = roadquery::surface_point(road, s, t);
         EXPECT_NEAR(mesh_height_m(tile, *find_mesh(tile, "road"), {at.x, at.y}), at.z, 0.02) << s << ' ' << t;

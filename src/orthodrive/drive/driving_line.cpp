@@ -23,6 +23,21 @@ constexpr double half_car_m = 0.9;
 constexpr double edge_room_m = 1.4;  // drivers keep the middle of the car so far from the edge where they can
 constexpr double shortest_wave_m = 15.0;
 
+/// Outer borders of the outermost driving lanes: sidewalks and shoulders are no room to drive in.
+roadquery::Edges driving_edges(const Road& road, double s) {
+  const auto& section = roadquery::section_at(road, s);
+  const auto width_m = [&](const std::vector<Lane>& lanes) {
+    double outer = 0.0, driven = 0.0;
+    for (const Lane& lane : lanes) {
+      outer += roadquery::lane_width(lane, s - section.s);
+      if (lane.type == roadquery::LaneType::driving) driven = outer;
+    }
+    return driven;
+  };
+  const double offset = roadquery::evaluate(road.lane_offset, s);
+  return {offset + width_m(section.left), offset - width_m(section.right)};
+}
+
 /// t of the centre of the outermost driving lane in that direction; on a narrow road nearer to its middle.
 double lane_center_t(const Road& road, bool forward, double s) {
   const auto& section = roadquery::section_at(road, s);
@@ -34,7 +49,7 @@ double lane_center_t(const Road& road, bool forward, double s) {
     outer += width;
   }
   const double t = roadquery::evaluate(road.lane_offset, s) + (right ? -center : center);
-  const auto edges = roadquery::road_edges(road, s);
+  const auto edges = driving_edges(road, s);
   const double middle = 0.5 * (edges.left_t + edges.right_t);
   return right ? std::max(t, std::min(edges.right_t + edge_room_m, middle))
                : std::min(t, std::max(edges.left_t - edge_room_m, middle));
@@ -56,7 +71,7 @@ struct Piece {
   [[nodiscard]] bool has_room(double driven_m, double shift_m) const {
     const double s = forward ? driven_m : road->length - driven_m;
     const double t = lane_center_t(*road, forward, s) + (forward ? shift_m : -shift_m);
-    const auto edges = roadquery::road_edges(*road, s);
+    const auto edges = driving_edges(*road, s);
     return t + half_car_m <= edges.left_t && t - half_car_m >= edges.right_t;
   }
   [[nodiscard]] Vec2 left(double driven_m) const {

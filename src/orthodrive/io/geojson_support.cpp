@@ -12,7 +12,7 @@ namespace orthodrive::io {
 
 std::string LonLatWriter::point(Vec2 p) const {
   const Vec2 q = lonlat_from_site_.target_from_source(p);
-  return fmt::format("[{:.7f},{:.7f}]", q.x, q.y);  // 1e-7 degrees: 1 cm
+  return fmt::format("[{:.{}f},{:.{}f}]", q.x, decimals_, q.y, decimals_);
 }
 
 std::string LonLatWriter::line(const Polyline& line) const {

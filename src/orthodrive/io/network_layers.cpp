@@ -22,7 +22,7 @@ using roadquery::Road;
 using roadquery::RoadMap;
 
 constexpr double tolerance_m = 0.02, min_step_m = 0.5, max_step_m = 10.0;
-constexpr double min_lane_width_m = 0.01;
+constexpr double min_lane_width_m = 0.01, min_part_area_m2 = 0.01;
 
 struct Value {
   const char* name;
@@ -150,6 +150,7 @@ class SideBorders {
     const std::unique_ptr<OGRGeometry> whole(cells.UnionCascaded());
     Feature feature;
     if (whole) append_geometry(feature, *whole);
+    std::erase_if(feature.polygons, [](const Polygon& part) { return signed_area_m2(part.outer) < min_part_area_m2; });
     return feature.polygons.empty() ? MultiPolygon{std::move(polygon)} : std::move(feature.polygons);
   }
 
@@ -245,10 +246,25 @@ void set_field(OGRFeature& feature, const Value& v) {
 
 }  // namespace
 
+namespace {
+
+/// The EPSG's name for a CRS that is a PROJ string, where it has one: QGIS and others show it instead of "unknown".
+OGRSpatialReference named(const OGRSpatialReference& reference) {
+  constexpr int least_confidence = 70;  // of 100, PROJ: equivalent but for the names
+  OGRSpatialReference* const match = reference.FindBestMatch(least_confidence);
+  if (!match) return reference;
+  OGRSpatialReference result = *match;
+  match->Release();
+  result.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return result;
+}
+
+}  // namespace
+
 void write_network_layers(const std::filesystem::path& path, const RoadMap& map) {
   const std::vector<Layer> layers = layers_of(map, path);
   write_geopackage(path, [&](GDALDataset& dataset, const GdalErrors& errors) {
-    OGRSpatialReference reference = spatial_reference({map.geo_reference});
+    OGRSpatialReference reference = named(spatial_reference({map.geo_reference}));
     for (const Layer& layer : layers) {
       OGRLayer* made = dataset.CreateLayer(layer.name, &reference, layer.type, nullptr);
       if (!made) throw Error(fmt::format("layer '{}' cannot be made, is the disk full?", layer.name));
@@ -266,7 +282,7 @@ void write_network_layers(const std::filesystem::path& path, const RoadMap& map)
 
 void write_network_geojson(const std::filesystem::path& path, const RoadMap& map) {
   const std::vector<Layer> layers = layers_of(map, path);
-  const LonLatWriter writer(Crs{map.geo_reference});
+  const LonLatWriter writer(Crs{map.geo_reference}, 9);
   std::vector<std::string> features;
   for (const Layer& layer : layers)
     for (const Row& row : layer.rows) {

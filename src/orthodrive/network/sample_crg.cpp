@@ -144,11 +144,7 @@ std::vector<double> columns_of(const Road& road, const std::vector<roadquery::Ed
   return columns;
 }
 
-}  // namespace
-
-CrgSurface sample_crg(const roadquery::Road& road, const SampleCrgOptions& options) {
-  if (!(road.length > 1e-3) || road.plan.empty() || road.sections.empty())
-    throw Error(fmt::format("road {} has no surface to sample", road.id));
+CrgSurface sample_at_step(const Road& road, const SampleCrgOptions& options) {
   const double length_m = arc_length(road, options.u_step_m);
   const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(length_m / options.u_step_m - 1e-9)));
   CrgSurface surface;
@@ -192,6 +188,42 @@ CrgSurface sample_crg(const roadquery::Road& road, const SampleCrgOptions& optio
     }
   }
   return surface;
+}
+
+/// Of the middles of the cells on the carriageway, where bilinear interpolation is worst.
+double worst_error_m(const Road& road, const CrgSurface& surface) {
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i + 1 < surface.rows(); ++i) {
+    const double u = surface.u_start_m + surface.u_increment_m * (static_cast<double>(i) + 0.5);
+    const roadquery::Edges edges = roadquery::road_edges(road, std::clamp(u, 0.0, road.length));
+    for (std::size_t j = 0; j + 1 < surface.columns(); ++j) {
+      const double v = 0.5 * (surface.v_m[j] + surface.v_m[j + 1]);
+      if (v < edges.right_t || v > edges.left_t) continue;
+      const double z = crg_height(surface, {u, v});
+      const Place place = place_of(road, crg_xy(surface, {u, v}), u);
+      if (!std::isnan(z) && !place.folded) worst_m = std::max(worst_m, std::abs(z - height_at(road, place, {})));
+    }
+  }
+  return worst_m;
+}
+
+}  // namespace
+
+CrgSurface sample_crg(const roadquery::Road& road, const SampleCrgOptions& options) {
+  constexpr double smallest_share = 1.0 / 16.0;  // of the step
+  if (!(road.length > 1e-3) || road.plan.empty() || road.sections.empty())
+    throw Error(fmt::format("road {} has no surface to sample", road.id));
+  SampleCrgOptions plain = options;
+  plain.relief_m = {};
+  CrgSurface surface = sample_at_step(road, plain);
+  while (options.tolerance_m > 0.0 && plain.u_step_m > smallest_share * options.u_step_m * 1.001 &&
+         worst_error_m(road, surface) > options.tolerance_m) {
+    plain.u_step_m *= 0.5;
+    surface = sample_at_step(road, plain);
+  }
+  if (!options.relief_m) return surface;
+  plain.relief_m = options.relief_m;
+  return sample_at_step(road, plain);
 }
 
 roadquery::SurfaceCrg crg_reference(const roadquery::Road& road, const CrgSurface& surface, const std::string& file) {

@@ -79,7 +79,8 @@ CrgFilesResult write_crg_files(RoadMap& map, const fs::path& xodr, const CrgFile
   fs::create_directories(folder.path());
   parallel_for(roads.size(), options.threads, [&](std::size_t i) {
     Road& road = map.roads[roads[i]];
-    SampleCrgOptions sampling{options.u_step_m, options.v_step_m, options.format, {}};
+    constexpr double tolerance_m = 0.0005;  // so that the file is the road within a millimetre everywhere
+    SampleCrgOptions sampling{options.u_step_m, options.v_step_m, options.format, {}, tolerance_m};
     if (options.relief_of) sampling.relief_m = options.relief_of(road);
     CrgSurface surface = sample_crg(road, sampling);
     surface.comment = fmt::format("road {} of {}\nheights in metres, x and y in {}", road.id, xodr.filename().string(),

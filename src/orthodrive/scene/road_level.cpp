@@ -16,6 +16,7 @@ constexpr double min_piece_area_m2 = 1e-5;
 constexpr double min_hole_area_m2 = 1.0, min_hole_width_m = 0.15;
 // Points this far outside still lie on a road: chords of curved edges and the plan grid.
 constexpr double border_tolerance_m = 0.03;
+constexpr double end_bulge_m = 2.0 * plan_grid_m;  // survives the plan grid, less than border_tolerance_m
 constexpr double border_weight_m = 1e-6;  // makes the weight of a road positive on its own border
 
 Vec2 plan(const Vec3& p) { return {p.x, p.y}; }
@@ -27,10 +28,20 @@ Ring piece_ring(const CrossSection& a, const CrossSection& b) {
                       snap_to_grid(plan(b.right))});
 }
 
-MultiPolygon strip_union(const std::vector<CrossSection>& strip) {
+/// A point on the reference line just beyond an end: a crown's ridge reaches an open end only if there is a corner.
+void bulge(Ring& ring, const roadquery::Road& road, const CrossSection& end, double outwards) {
+  const auto at = roadquery::reference_point(road, end.s_m);
+  const Vec2 p = Vec2{at.x, at.y} + Vec2{std::cos(at.hdg), std::sin(at.hdg)} * (outwards * end_bulge_m);
+  ring.push_back(snap_to_grid(p));
+  ring = convex_hull(std::move(ring));
+}
+
+MultiPolygon strip_union(const roadquery::Road& road, const std::vector<CrossSection>& strip) {
   std::vector<Polygon> pieces;
   for (std::size_t i = 1; i < strip.size(); ++i) {
     Ring ring = piece_ring(strip[i - 1], strip[i]);
+    if (i == 1 && !road.shape.empty()) bulge(ring, road, strip.front(), -1.0);
+    if (i + 1 == strip.size() && !road.shape.empty()) bulge(ring, road, strip.back(), 1.0);
     if (ring.size() >= 3 && signed_area_m2(ring) > min_piece_area_m2) pieces.push_back({std::move(ring), {}});
   }
   return pieces.empty() ? MultiPolygon{} : union_of(pieces);
@@ -76,7 +87,7 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
   std::vector<MultiPolygon> unions(roads_.size());
   parallel_for(roads_.size(), options.threads, [&](std::size_t i) {
     strips_[i] = cross_sections(*roads_[i], options.strip);
-    unions[i] = strip_union(strips_[i]);
+    unions[i] = strip_union(*roads_[i], strips_[i]);
   });
   std::vector<Box2> boxes;
   for (std::size_t i = 0; i < roads_.size(); ++i) {
