@@ -372,7 +372,9 @@ void NetworkProfiles::write(const std::vector<HeightLimit>& limits, RoadNetwork&
       double variance = 0.0;
       for (const Term& a : height)
         for (const Term& b : height) variance += a.factor * b.factor * inverse.at(a.unknown, b.unknown);
-      node.sigma_z_m = std::sqrt(std::max(0.0, variance));
+      // Nodes of one slope err together: their spread does not average out, and the fit cannot know it.
+      const TerrainSample& sample = terrain_.of_node[p][n];
+      node.sigma_z_m = std::hypot(std::sqrt(std::max(0.0, variance)), sample.is_road ? sample.spread_m : 0.0F);
     }
   for (std::size_t j = 0; j < junctions_.size(); ++j)
     for (const JunctionArm& arm : junctions_[j].arms)
