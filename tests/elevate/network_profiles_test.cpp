@@ -164,6 +164,17 @@ TEST(NetworkProfiles, standard_deviations_hold) {
   EXPECT_GT(static_cast<double>(within_two) / static_cast<double>(all), 0.88);
 }
 
+TEST(NetworkProfiles, a_bench_in_a_slope_is_less_sure_than_a_road_on_the_flat_where_pixels_hide_it) {
+  const auto sigma_m = [](double slope, double gsd_m) {
+    const Terrain hillside = [slope](double, double y) { return 60.0 + slope * y; };
+    const auto result = estimate_profiles(network({make_path(1, {0, 0}, {400, 0})}), {make_dtm(hillside, gsd_m)});
+    return result.roads.paths[0].nodes[100].sigma_z_m;
+  };
+  EXPECT_GT(sigma_m(0.3, 12.0), 0.3 * 3.0 / std::sqrt(3.0)) << "6 m wide, uniform from all cut to all fill";
+  EXPECT_LT(sigma_m(0.0, 12.0), 0.2);
+  EXPECT_NEAR(sigma_m(0.3, 2.0), sigma_m(0.0, 2.0), 0.005) << "fine pixels show the bench";
+}
+
 TEST(NetworkProfiles, untagged_crossings_take_the_level_that_the_terrain_shows) {
   // Road 2 is carried over road 1, which lies in a cutting; decks are not in the terrain.
   const Terrain cutting = [](double x, double) {
@@ -302,6 +313,23 @@ TEST(RobustFit, bounds_hold_until_the_pull_is_stronger) {
   };
   EXPECT_NEAR(solved(1.0), 2.008, 1e-3);              // force 8
   EXPECT_NEAR(solved(2.0), 10.0 - 10.0 / 2.0, 1e-6);  // 16 would be needed
+}
+
+TEST(RobustFit, bounds_that_newton_stalls_at_are_met_from_soft_to_hard) {
+  // A chain that two outliers far off pull through many stiff bounds, each of which a Newton step sees only once within.
+  using elevate::Term;
+  constexpr int n = 60;
+  elevate::RobustFit fit(n);
+  for (int i = 0; i < n; ++i) {
+    const Term here{i, 1.0};
+    fit.add_cauchy({&here, 1}, i % 7 == 0 ? 30.0 : 0.0, 25.0, 0.5);
+    if (i > 1) fit.add_square(std::array{Term{i - 2, 1.0}, Term{i - 1, -2.0}, Term{i, 1.0}}, 0.0, 4.0);
+    if (i > 0) fit.add_bounds(std::array{Term{i - 1, -1.0}, Term{i, 1.0}}, -0.05, 0.05, 4e6, 1e-3);
+    if (i % 20 == 10) fit.add_bounds({&here, 1}, 4.72, INFINITY, 4e7, 1e-3);
+  }
+  std::vector<double> x(n, 0.0);
+  EXPECT_TRUE(fit.solve(x, 50, 2e-4).converged);
+  for (int i = 1; i < n; ++i) EXPECT_LE(std::abs(x[i] - x[i - 1]), 0.0511);
 }
 
 TEST(RobustFit, an_outlier_counts_little_and_repeated_unknowns_add_up) {

@@ -184,11 +184,7 @@ void NetworkProfiles::add_design(RobustFit& fit) const {
         std::array<Term, 6> terms;
         for (std::size_t i = 0; i < 3; ++i)
           terms[i] = curvature[i], terms[i + 3] = {before[i].unknown, -alike * before[i].factor};
-        const double variance = sigma * sigma * (1.0 - alike * alike);
-        if (knot.is_grounded && !knot.is_near_end)
-          fit.add_cauchy(terms, 0.0, 1.0 / variance, loosening_ * cauchy_scale * std::sqrt(variance));
-        else
-          fit.add_square(terms, 0.0, 1.0 / variance);
+        fit.add_square(terms, 0.0, 1.0 / (sigma * sigma * (1.0 - alike * alike)));
       }
       const double usual = 0.5 * limits.gradient;
       fit.add_square(gradient, 0.0,
@@ -296,7 +292,7 @@ void NetworkProfiles::estimate_terrain_sigma() {
 
 /// Method of moments: second differences z(s - L) - 2 z(s) + z(s + L) of the terrain have the variance
 /// sigma^2 L^4 F(L / length) + 6 sigma_terrain^2 when curvature is the process of add_design. Comfort (AASHTO) is the
-/// most, as second differences also see what is not road, a tenth of it the least. Differences beyond five robust
+/// most, as second differences also see what is not road, a tenth of it the least. Differences beyond ten robust
 /// sigmas, as at bridges and cuttings, count as that much.
 void NetworkProfiles::estimate_curvature_sigma() {
   constexpr double widest_gap_m = 6.0, outlier_sigmas = 10.0, mad_of_normal = 0.6745, least_share = 0.1;
@@ -373,7 +369,9 @@ void NetworkProfiles::write(const std::vector<HeightLimit>& limits, RoadNetwork&
       double variance = 0.0;
       for (const Term& a : height)
         for (const Term& b : height) variance += a.factor * b.factor * inverse.at(a.unknown, b.unknown);
-      node.sigma_z_m = std::sqrt(std::max(0.0, variance));
+      // Nodes of one slope err together: their spread does not average out, and the fit cannot know it.
+      const TerrainSample& sample = terrain_.of_node[p][n];
+      node.sigma_z_m = std::hypot(std::sqrt(std::max(0.0, variance)), sample.is_road ? sample.spread_m : 0.0F);
     }
   for (std::size_t j = 0; j < junctions_.size(); ++j)
     for (const JunctionArm& arm : junctions_[j].arms)

@@ -14,8 +14,9 @@ namespace orthodrive::elevate {
 
 struct TerrainSample {
   double z_m = std::numeric_limits<double>::quiet_NaN();  ///< NaN: no model has a height here
-  std::uint8_t source = 0;                                ///< index of the model
-  bool is_road = false;                                   ///< has a height, and no bridge or tunnel is near
+  float spread_m = 0.0F;    ///< standard deviation that the lie of the land adds: slope and bend across the road
+  std::uint8_t source = 0;  ///< index of the model
+  bool is_road = false;     ///< has a height, and no bridge or tunnel is near
 };
 
 struct TerrainSamples {
