@@ -20,8 +20,7 @@ constexpr double calm_radius_m = 14.0;
 constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not show
 // Between two roads the line goes on: they should not meet in or right beside a corner either.
 constexpr double corner_reach_m = 8.0, calm_joint_radius_m = 24.0;
-constexpr double sharp_radius_m = 9.5;   // what still must be seen at the end of a road
-constexpr double fold_margin = 1.5;
+constexpr double fold_margin = 1.5, long_rest_m = 1.4;
 constexpr double element_reach_m = 5.0;  // so far a cut goes to lie where an element ends: then none is cut in two
 constexpr double step_m = 0.25;
 constexpr double min_road_m = 3.0;      // shorter ones are hardly shortened further
@@ -233,7 +232,7 @@ std::vector<roadquery::PlanElement> divide_slivers(std::vector<roadquery::PlanEl
     const double next = last ? 0.0 : std::min(plan[i + 1].length, sample_m);
     const double next_turn = last ? 0.0 : std::abs(curvature) * 0.5 * (rest + next);
     const double inside_m = curvature > 0.0 ? offset_m : -offset_m;  // the lanes' line is that much sharper
-    const bool corner = last && turn >= flat_turn_rad && rest < (sharp_radius_m + inside_m) * std::tan(0.5 * turn);
+    const bool corner = last && turn >= flat_turn_rad && rest < long_rest_m && rest < (calm_radius_m + inside_m) * std::tan(0.5 * turn);
     const bool folds = rest < fold_margin * inside_m * (std::tan(0.5 * turn) + std::tan(0.5 * next_turn));
     if (!corner && !folds) continue;
     const double cut = e.s + e.length - 0.5 * (sample_m + rest), end = e.s + e.length;
