@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/evaluate/compare_surfaces.hpp"
 #include "orthodrive/io/network_layers.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -24,7 +25,19 @@ struct NetworkCommand {
   std::string opendrive = "1.7", crg_format = "KRBI";
   bool absolute = false;
   CrgFilesOptions crg;
+  bool check = false;
 };
+
+/// Reads the file back: what simulators get has to be the surface that was built.
+void check_file(const std::filesystem::path& file, const roadquery::RoadMap& built, Monitor& monitor) {
+  constexpr double same_m = 1e-3;
+  const SurfaceComparison comparison = compare_surfaces(built, roadquery::read_opendrive(file.string()));
+  if (comparison.missing_roads > 0 || !(comparison.max_distance_m <= same_m))
+    throw Error(fmt::format("{}: read back, {} roads are missing and the surface of road {} at {:.1f} m lies {:.6f} m off", file.string(),
+                            comparison.missing_roads, comparison.road, comparison.s, comparison.max_distance_m));
+  monitor.info(fmt::format("{}: read back, {} points of the surface lie within {:.1e} m", file.string(), comparison.points,
+                           comparison.max_distance_m));
+}
 
 void run(const NetworkCommand& command, const Context& context) {
   BuildNetworkOptions options = command.options;
@@ -41,6 +54,7 @@ void run(const NetworkCommand& command, const Context& context) {
     context.monitor->info(fmt::format("{}: {} OpenCRG surfaces of {:.2f} km of road", crg_folder(command.out).string(),
                                       surfaces.files, surfaces.length_m / 1e3));
   io::write_opendrive(command.out, result.map, {.minor_version = command.opendrive == "1.8" ? 8 : 7, .absolute = command.absolute});
+  if (command.check) check_file(command.out, result.map, *context.monitor);
   if (!command.layers.empty()) io::write_network_layers(command.layers, result.map);
   if (!command.geojson.empty()) io::write_network_geojson(command.geojson, result.map);
   if (!command.findings.empty()) io::write_findings(command.findings, result.findings, roads.crs);
@@ -49,6 +63,8 @@ void run(const NetworkCommand& command, const Context& context) {
   for (const auto& [code, count] : counts) context.monitor->info(fmt::format("{}: {} places", code, count));
   const auto connecting = std::count_if(result.map.roads.begin(), result.map.roads.end(),
                                         [](const roadquery::Road& road) { return road.junction >= 0; });
+  context.monitor->info(fmt::format("{}: chains of {:.3f} km fitted with {} elements", command.out.string(), result.chain_length_m / 1e3,
+                                    result.chain_elements));
   context.monitor->info(fmt::format(
       "{}: {} roads, {} junctions with {} connecting roads; nodes lie within {:.3f} m of the lines and {:.3f} m of the profiles",
       command.out.string(), static_cast<std::ptrdiff_t>(result.map.roads.size()) - connecting, result.map.junctions.size(),
@@ -66,6 +82,7 @@ void add_network(CLI::App& app, Context& context) {
   cmd->add_option("--opendrive", command->opendrive, "version of the file")->check(CLI::IsMember({"1.7", "1.8"}))->capture_default_str();
   cmd->add_flag("--absolute", command->absolute,
                 "write coordinates of the CRS, for readers that get the header's <offset> wrong (SUMO 1.15)");
+  cmd->add_flag("--check", command->check, "read the file back; an error when its surface is not the same within 1 mm");
   cmd->add_option("--layers", command->layers, "also write reference lines, lanes and junctions as a GeoPackage");
   cmd->add_option("--geojson", command->geojson, "also write the same as GeoJSON (WGS84)");
   cmd->add_option("--crg", command->crg.roads,

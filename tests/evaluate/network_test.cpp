@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "orthodrive/evaluate/compare_surfaces.hpp"
 #include "orthodrive/evaluate/evaluate_network.hpp"
 
 namespace orthodrive {
@@ -148,6 +149,62 @@ TEST(EvaluateNetwork, clearance_under_a_bridge) {
   EXPECT_EQ(scores.crossings, 1u);
   EXPECT_NEAR(scores.min_clearance_m, 5.5, 1e-9);
   EXPECT_DOUBLE_EQ(scores.connected_share, 0.5);
+  ASSERT_EQ(scores.crossing_places.size(), 1u);
+  const LevelCrossing& place = scores.crossing_places[0];
+  EXPECT_EQ(place.upper_road, 2);
+  EXPECT_EQ(place.lower_road, 1);
+  EXPECT_NEAR(place.x, 50.0, 1e-9);
+  EXPECT_NEAR(place.y, 0.0, 1e-9);
+  map.roads[1].elevation = {{.a = 1.0, .b = 0.05}};  // the layer says above, the height does not
+  EXPECT_EQ(evaluate_network(map).crossing_places.at(0).upper_road, 1);
+}
+
+TEST(EvaluateNetwork, elements_and_curvature_rates_of_roads_outside_junctions) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 0, 50, 0, 20)}};
+  map.roads[0].plan = {{.length = 60.0, .shape = Line{}}, {.s = 60.0, .x = 60.0, .length = 40.0, .shape = Spiral{0.0, 0.02}}};
+  NetworkScores scores = evaluate_network(map);
+  EXPECT_EQ(scores.road_elements, 3u);
+  EXPECT_DOUBLE_EQ(scores.road_length_m, 120.0);
+  EXPECT_DOUBLE_EQ(scores.mean_road_element_m, 40.0);
+  EXPECT_NEAR(scores.max_curvature_rate, 0.02 / 40.0, 1e-12);
+  map.roads[0].junction = 5;
+  scores = evaluate_network(map);
+  EXPECT_EQ(scores.road_elements, 1u);
+  EXPECT_EQ(scores.max_curvature_rate, 0.0);
+}
+
+TEST(EvaluateNetwork, lane_that_has_narrowed_to_nothing_is_not_dead) {
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 50)}};
+  link(map.roads[0], map.roads[1]);
+  map.roads[0].sections[0].right.push_back({.id = -2, .width = {{.a = 3.0}}});
+  NetworkScores scores = evaluate_network(map);
+  ASSERT_EQ(scores.dead_lane_places.size(), 1u);
+  EXPECT_EQ(scores.dead_lane_places[0].road, 1);
+  EXPECT_EQ(scores.dead_lane_places[0].lane, -2);
+  EXPECT_NEAR(scores.dead_lane_places[0].x, 100.0, 1e-9);
+  EXPECT_NEAR(scores.dead_lane_places[0].y, -3.0, 1e-9);
+  map.roads[0].sections[0].right[1].width = {{.a = 3.0, .b = -0.03}};
+  scores = evaluate_network(map);
+  EXPECT_EQ(scores.dead_lanes, 0u);
+  EXPECT_DOUBLE_EQ(scores.min_lane_width_m, 3.0) << "where it is widest";
+}
+
+TEST(CompareSurfaces, finds_the_road_that_differs_and_those_that_are_missing) {
+  const RoadMap a{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 0, 50, 0.3, 33)}};
+  EXPECT_EQ(compare_surfaces(a, a).max_distance_m, 0.0);
+  EXPECT_EQ(compare_surfaces(a, a).points, 51u * 3u + 18u * 3u);
+  RoadMap b = a;
+  b.roads[1].superelevation = {{.a = 0.0, .b = 1e-4}};
+  const SurfaceComparison tilted = compare_surfaces(a, b);
+  EXPECT_EQ(tilted.road, 2);
+  EXPECT_NEAR(tilted.max_distance_m, 3.0 * 33e-4, 1e-5) << "at the edge of its end";
+  EXPECT_DOUBLE_EQ(tilted.s, 33.0);
+  b.roads.pop_back();
+  EXPECT_EQ(compare_surfaces(a, b).missing_roads, 1u);
+  EXPECT_EQ(compare_surfaces(b, a).missing_roads, 1u);
+  b = a, b.roads[0].length = 99.0;
+  EXPECT_EQ(compare_surfaces(a, b).missing_roads, 1u);
+  EXPECT_TRUE(std::isnan(compare_surfaces({}, a).max_distance_m));
 }
 
 TEST(EvaluateNetwork, connecting_road_off_a_bridge_lies_on_both_layers) {

@@ -393,6 +393,21 @@ TEST(BuildNetwork, hairpin_is_eased_to_what_the_carriageway_allows) {
   EXPECT_EQ(count_findings(corner, "network.bend_too_sharp"), 0);
 }
 
+TEST(BuildNetwork, sharp_corner_where_two_ways_meet_is_eased_to_the_end) {
+  // 120 degrees, as where a service road leaves a street backwards.
+  const NetworkResult result = build_network(network_of(
+      {make_path({{0, 80}, {0, 0}}, {1, 2}, {.width_m = 5.4}), make_path({{0, 0}, {-60, 35}}, {2, 3}, {.osm_id = 2, .width_m = 5.4})}));
+  expect_sound(result.map);
+  EXPECT_EQ(count_findings(result, "network.bend_too_sharp"), 0);
+  EXPECT_EQ(count_findings(result, "network.bend_eased"), 1);
+  for (const Road& road : result.map.roads)
+    for (const roadquery::PlanElement& e : road.plan) {
+      const double k0 = roadquery::evaluate(e, 0.0).curvature, k1 = roadquery::evaluate(e, e.length).curvature;
+      EXPECT_LT(std::abs(k0), 1.0 / 2.7) << "the inner edge of a 5.4 m road folds over";
+      EXPECT_LE(std::abs(k1 - k0), 0.25 * e.length + 1e-9);
+    }
+}
+
 TEST(BuildNetwork, way_that_turns_back_on_itself_survives) {
   const NetworkResult result = build_network(network_of({make_path({{0, 0}, {50, 0}, {0, 0.001}}, {1, 0, 2})}));
   ASSERT_EQ(result.map.roads.size(), 1u);

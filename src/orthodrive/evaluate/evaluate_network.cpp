@@ -229,6 +229,11 @@ void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, N
     }
 }
 
+/// At its start, middle or end: many lanes taper.
+double widest_m(const roadquery::Lane& lane, double length) {
+  return std::max({roadquery::lane_width(lane, 0.0), roadquery::lane_width(lane, 0.5 * length), roadquery::lane_width(lane, length)});
+}
+
 void check_lanes(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
   scores.min_lane_width_m = nan;
   for (const Road& road : map.roads) {
@@ -243,7 +248,7 @@ void check_lanes(const RoadMap& map, const RoadsById& by_id, NetworkScores& scor
       for (const auto* side : {&section.left, &section.right})
         for (const roadquery::Lane& lane : *side)
           if (lane.type == roadquery::LaneType::driving)
-            scores.min_lane_width_m = std::fmin(scores.min_lane_width_m, roadquery::lane_width(lane, 0.5 * (road.length - section.s)));
+            scores.min_lane_width_m = std::fmin(scores.min_lane_width_m, widest_m(lane, road.length - section.s));
   }
   for (const roadquery::Junction& junction : map.junctions) {
     std::map<int, std::set<int>> fed;  // lanes of the roads that lead in

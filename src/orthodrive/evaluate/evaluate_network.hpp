@@ -50,7 +50,7 @@ struct NetworkScores {
   std::size_t lane_link_errors = 0;
   std::size_t dead_lanes = 0;  ///< driving lanes that end, wider than 1 cm, at a joint or junction where nothing is linked to them
   std::vector<LaneEnd> dead_lane_places;
-  double min_lane_width_m = 0.0;  ///< of driving lanes in their middle; NaN without any
+  double min_lane_width_m = 0.0;  ///< of driving lanes where they are widest (start, middle or end); NaN without any
   double min_clearance_m =
       0.0;  ///< smallest height between reference lines that cross on different layers, or a metre and more apart; NaN without
   std::size_t crossings = 0;

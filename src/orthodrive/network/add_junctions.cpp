@@ -127,9 +127,10 @@ bool take_arrow_lanes(const std::vector<unsigned>& arrows, unsigned bits, bool m
   return true;
 }
 
-/// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes and others the
-/// lane next to where they go. Arrows are no prohibition: a turn that none shows takes that lane, too.
-void choose_lanes(Movement& m, bool main, const Gate& in, const Gate& out, bool left_hand_traffic) {
+/// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes, and others the
+/// lane next to where they go, or as many as the main way lacks (`surplus`). Arrows are no prohibition: a turn that none
+/// shows takes its lanes, too.
+void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, const Gate& out, bool left_hand_traffic) {
   const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
   const bool left = m.turn_rad > 0.0, inwards = left != left_hand_traffic;
   const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
@@ -146,8 +147,8 @@ void choose_lanes(Movement& m, bool main, const Gate& in, const Gate& out, bool 
     m.count_in = lanes_in, m.count_out = std::min(lanes_in, lanes_out);
     return;
   }
-  m.first_in = inwards ? 0 : lanes_in - 1, m.first_out = inwards ? 0 : lanes_out - 1;
-  m.count_in = m.count_out = 1;
+  m.count_in = m.count_out = std::clamp<std::size_t>(surplus, 1, lanes_out);
+  m.first_in = inwards ? 0 : lanes_in - m.count_in, m.first_out = inwards ? 0 : lanes_out - m.count_out;
 }
 
 /// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest. `sharp`
@@ -341,12 +342,13 @@ void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<Juncti
       const std::set<int> reached = reachable_vertices(plan, inside, static_cast<int>(j), ends[j][from].vertex);
       std::vector<Movement> on = ways_on(restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
-        choose_lanes(on[i], i == 0, in[from], out[at(on[i].to)], plan.options.left_hand_traffic);
+        const std::size_t lanes = in[from].lanes.size(), lanes_on = out[at(on[0].to)].lanes.size();
+        choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)], plan.options.left_hand_traffic);
         movements.push_back(on[i]);
       }
     }
     for (Movement& m : only_ways_in(movements, sharp, ends[j].size())) {
-      choose_lanes(m, false, in[at(m.from)], out[at(m.to)], plan.options.left_hand_traffic);
+      choose_lanes(m, false, 0, in[at(m.from)], out[at(m.to)], plan.options.left_hand_traffic);
       movements.push_back(m);
     }
     feed_all_lanes(ends[j], out, movements);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/road_parts.hpp"
 #include "orthodrive/network/roundabouts.hpp"
 
@@ -65,7 +66,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   };
   progress(0.0);
   RoadNetwork roads =
-      assume_roundabouts(close_roundabouts(with_heights(input, result.findings), result.findings),
+      assume_roundabouts(close_roundabouts(with_lane_room(with_heights(input, result.findings), result.findings), result.findings),
                          options.left_hand_traffic, result.findings);
   Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
   smooth_rings(roads, topology);
@@ -81,6 +82,8 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     result.max_plan_deviation_m = std::max(result.max_plan_deviation_m, chain.max_plan_deviation_m);
     result.max_elevation_error_m = std::max(result.max_elevation_error_m, chain.max_elevation_error_m);
     result.eased_nodes += chain.eased_nodes;
+    result.chain_length_m += chain.length_m;
+    result.chain_elements += chain.plan.size() / (chain.closed ? 2 : 1);  // closed chains go round twice
     result.findings.insert(result.findings.end(), chain.findings.begin(), chain.findings.end());
   }
 

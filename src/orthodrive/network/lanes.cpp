@@ -1,5 +1,7 @@
 #include "orthodrive/network/lanes.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -17,6 +19,7 @@ using roadquery::RoadMark;
 // streets keep room for parking.
 constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
 constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
+constexpr double min_lane_m = 1.85, notable_widening_m = 0.3;
 constexpr int max_untagged_lanes = 4;      // a direction
 constexpr double taper_m = 30.0;           // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
 constexpr double taper_step_m = 3.0;       // between the ends of its cubics: they leave the smooth step by under 1 mm
@@ -196,6 +199,23 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_ha
     forward = backward = std::clamp(static_cast<int>(0.5 * median_width_m / two_way_lane_m), 1, max_untagged_lanes);
   }
   return left_hand_traffic ? LaneLayout{forward, backward, reduced} : LaneLayout{backward, forward, reduced};
+}
+
+RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
+  for (RoadPath& path : roads.paths) {
+    const double least_m = min_lane_m * (path.oneway == Oneway::no ? 2.0 : 1.0);
+    const RoadNode* narrowest = nullptr;
+    double narrowest_m = least_m - notable_widening_m;
+    for (RoadNode& node : path.nodes) {
+      if (node.width_m < narrowest_m) narrowest_m = node.width_m, narrowest = &node;
+      node.width_m = std::max(node.width_m, least_m);
+    }
+    if (narrowest)
+      findings.push_back({Severity::info, "network.widened",
+                          fmt::format("way {}: {:.1f} m are too narrow for its lanes, took {:.1f} m", path.osm_id, narrowest_m, least_m),
+                          narrowest->p.x, narrowest->p.y});
+  }
+  return roads;
 }
 
 LaneMatch match_lanes(int from, int to, int inner) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "orthodrive/core/finding.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/network/fit_profile.hpp"
 #include "roadquery/road_map.hpp"
@@ -25,6 +26,10 @@ struct LaneLayout {
 /// becomes two narrow ones, because OpenDRIVE gives a lane one direction. No lane is made narrower than 2.2 m for the sake
 /// of a tag.
 [[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_hand_traffic);
+
+/// Widens carriageways that are narrower than a lane of 1.85 m for each direction: a car of 1.8 m has to fit, and SUMO leaves
+/// narrower lanes out. Finding network.widened where that is by more than 0.3 m.
+[[nodiscard]] RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings);
 
 /// The lanes of a side that are open at an end of a road, counted from the inside; the others taper out towards it.
 struct OpenLanes {

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "roadquery/road_surface.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -18,6 +20,7 @@ constexpr double calm_radius_m = 14.0;
 constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not show
 // Between two roads the line goes on: they should not meet in or right beside a corner either.
 constexpr double corner_reach_m = 8.0, calm_joint_radius_m = 24.0;
+constexpr double fold_margin = 1.5, long_rest_m = 1.4;
 constexpr double element_reach_m = 5.0;  // so far a cut goes to lie where an element ends: then none is cut in two
 constexpr double step_m = 0.25;
 constexpr double min_road_m = 3.0;      // shorter ones are hardly shortened further
@@ -216,6 +219,33 @@ std::vector<std::vector<double>> cut_roads(const RoadNetwork& roads, const Topol
     result[i] = cuts.settle();
   }
   return result;
+}
+
+std::vector<roadquery::PlanElement> divide_slivers(std::vector<roadquery::PlanElement> plan, double offset_m) {
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    const roadquery::PlanElement& e = plan[i];
+    const double rest = std::fmod(e.length, sample_m);
+    if (std::holds_alternative<roadquery::Line>(e.shape) || e.length < sample_m || rest < 1e-6) continue;
+    const double curvature = roadquery::evaluate(e, e.length).curvature;
+    const double turn = std::abs(curvature) * 0.5 * (sample_m + rest);  // at the last vertex but one
+    const bool last = i + 1 == plan.size();
+    const double next = last ? 0.0 : std::min(plan[i + 1].length, sample_m);
+    const double next_turn = last ? 0.0 : std::abs(curvature) * 0.5 * (rest + next);
+    const double inside_m = curvature > 0.0 ? offset_m : -offset_m;  // the lanes' line is that much sharper
+    const bool corner = last && turn >= flat_turn_rad && rest < long_rest_m && rest < (calm_radius_m + inside_m) * std::tan(0.5 * turn);
+    const bool folds = rest < fold_margin * inside_m * (std::tan(0.5 * turn) + std::tan(0.5 * next_turn));
+    if (!corner && !folds) continue;
+    const double cut = e.s + e.length - 0.5 * (sample_m + rest), end = e.s + e.length;
+    std::vector<roadquery::PlanElement> halves = slice_plan(plan, e.s, cut);
+    for (roadquery::PlanElement half : slice_plan(plan, cut, end)) halves.push_back(half);
+    if (halves.size() != 2) continue;
+    halves[0].s = e.s, halves[1].s = cut;
+    halves[1].length = end - cut;
+    plan[i] = halves[0];
+    plan.insert(plan.begin() + static_cast<std::ptrdiff_t>(i) + 1, halves[1]);
+    ++i;
+  }
+  return plan;
 }
 
 }  // namespace orthodrive::network
