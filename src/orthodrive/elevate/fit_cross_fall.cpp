@@ -23,15 +23,15 @@ namespace {
 
 // Smoothness. Least mean error on the synthetic villages 11 to 14 with a 2 m grid; docs/cross_fall.md has the errors on
 // sites that had no part in it.
-constexpr double slope_bend_density = 2e-8;  // 1/m3: variance a metre of the change of the slope's rate
-constexpr double slope_walk_density = 5e-6;  // 1/m: keeps gaps from swinging; 2 % in 80 m
+constexpr double slope_bend_density = 4e-8;  // 1/m3: variance a metre of the change of the slope's rate
+constexpr double slope_walk_density = 3.5e-6;  // 1/m: keeps gaps from swinging; 2 % in 80 m
 // Both are so many times as large where a side road turns into its main road's plane: over cross_fall_runout_m where
 // nothing is measured, else no further than the terrain shows the mouth.
 constexpr double runout_haste = 1000.0, measured_runout_m = 8.0;
 constexpr double crown_walk_density = 2e-6;   // 1/m: 1.4 % in 100 m
 constexpr double rise_walk_density = 2.5e-4;  // m2/m: 5 cm in 10 m, what a smoothed profile may be off
 // Weak pulls, each of them one observation with this sigma in so many metres.
-constexpr double slope_pull_sigma = 0.03, slope_pull_m = 50.0;   // to the design
+constexpr double slope_pull_sigma = 0.02, slope_pull_m = 50.0;   // to the design
 constexpr double crown_pull_sigma = 0.05, crown_pull_m = 100.0;  // to 0
 constexpr double rise_pull_sigma_m = 0.5, rise_pull_m = 50.0;    // to 0
 // What verges fall by against the carriageway: 12 % (RAL 2012), banks of 1 : 3, kerbs up; and from one side to the
