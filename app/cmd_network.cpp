@@ -15,6 +15,7 @@
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/network/build_network.hpp"
 #include "orthodrive/pipeline/crg_files.hpp"
+#include "orthodrive/pipeline/road_relief.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -50,6 +51,9 @@ void run(const NetworkCommand& command, const Context& context) {
   CrgFilesOptions crg = command.crg;
   crg.format = crg_format_of(command.crg_format);
   crg.threads = context.threads;
+  const RoadRelief relief(roads, crg.roads.empty() ? std::vector<RoughnessStretch>{} : io::read_roughness(command.roads),
+                          2.0 * std::max(crg.u_step_m, crg.v_step_m));
+  crg.relief_of = [&](const roadquery::Road& road) { return relief.of(result.map, road); };
   if (const CrgFilesResult surfaces = write_crg_files(result.map, command.out, crg); surfaces.files > 0)
     context.monitor->info(fmt::format("{}: {} OpenCRG surfaces of {:.2f} km of road", crg_folder(command.out).string(),
                                       surfaces.files, surfaces.length_m / 1e3));
@@ -109,8 +113,9 @@ void add_network(CLI::App& app, Context& context) {
   tolerance("--width-tolerance", command->options.width_tolerance_m, "m, largest width error at a node");
   cmd->add_flag("--left-hand-traffic", command->options.left_hand_traffic, "drive on the left");
   cmd->footer(
-      "Reads roads.gpkg (layers centrelines and nodes). Writes one OpenDRIVE file in the CRS of the roads. Roads without\n"
-      "heights lie flat at z = 0. Takes three seconds and 300 MB for 250 km of roads; a kilometre of OpenCRG surface a\n"
+      "Reads roads.gpkg (layers centrelines, nodes and, for OpenCRG, roughness). Writes one OpenDRIVE file in the CRS of the roads. Roads without\n"
+      "heights lie flat at z = 0. Where roughness was measured (`elevate --log`) OpenCRG surfaces have it: waves of two steps of\n"
+      "the grid and longer, so give --crg-u-step 0.1 for all that tyres feel. Takes three seconds and 300 MB for 250 km of roads; a kilometre of OpenCRG surface a\n"
       "quarter of a second and half a megabyte.\n\n"
       "Examples:\n"
       "  orthodrive network --roads out/roads.gpkg -o out/roads.xodr\n"

@@ -185,7 +185,7 @@ TEST(RoughnessField, its_spectrum_and_its_height_are_those_asked_for) {
     EXPECT_NEAR(octave_power[o] / lines / expected, 1.0, 0.2) << "octave from " << low << " cycles/m";
   }
   const double expected_rms = std::sqrt(gd * 0.01 * (20.0 - 0.1));
-  EXPECT_NEAR(field.rms_m(gd), expected_rms, 1e-9);
+  EXPECT_NEAR(field.rms_m(0), expected_rms, 1e-9);
   EXPECT_NEAR(std::sqrt(square / lines), expected_rms, 0.25 * expected_rms);
 }
 
@@ -227,7 +227,7 @@ TEST(RoughnessClass, limits_are_those_of_the_standard) {
   EXPECT_EQ(iso_8608_class(1.0), 'H');
   for (char c = 'A'; c <= 'H'; ++c) EXPECT_EQ(iso_8608_class(iso_8608_mean_m3(c)), c);
   EXPECT_THROW((void)iso_8608_mean_m3('I'), OptionError);
-  EXPECT_THROW((void)RoughnessField({}, 1, {.waviness = 0.5}), OptionError);
+  EXPECT_THROW((void)RoughnessField({{.s_end_m = 50.0, .waviness = 0.5}}, 1), OptionError);
 }
 
 }  // namespace

@@ -153,6 +153,28 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
   return limits;
 }
 
+/// From where it lies in another road's plane a side road turns no faster than this: 5 % in 7 m.
+void limit_twist(const StationChain& chain, const std::vector<CrossFallAnchor>& anchors, CrossFallFit& fit) {
+  constexpr double most_1pm = 0.007;
+  const std::size_t n = chain.stations.size();
+  const std::vector<double> fitted = fit.slope;
+  for (const CrossFallAnchor& anchor : anchors) {
+    if (anchor.is_main) continue;
+    const double from = fitted[anchor.station];
+    for (const int way : {1, -1}) {
+      double gone_m = 0.0;
+      for (std::size_t i = anchor.station, count = 1; count < n; ++count) {
+        if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
+        const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
+        gone_m += step_m(chain, way > 0 ? i : next);
+        i = next;
+        if (gone_m > cross_fall_runout_m) break;
+        fit.slope[i] = std::clamp(fit.slope[i], from - most_1pm * gone_m, from + most_1pm * gone_m);
+      }
+    }
+  }
+}
+
 /// Cuts slopes at the limit; one finding for every stretch that was measured beyond it.
 void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const std::vector<double>& limits,
                   CrossFallFit& fit, Findings& findings) {
@@ -218,6 +240,7 @@ EstimateCrossFallResult estimate_cross_fall(const RoadNetwork& roads, std::span<
     for (std::size_t i = 0; i < chain.stations.size(); ++i)
       if (fits[c].source[i] == CrossFallSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
         fits[c].source[i] = CrossFallSource::none;
+    limit_twist(chain, anchors, fits[c]);
     limit_slopes(roads, chain, slope_limits(roads, chain, options, anchors), fits[c], result.findings);
   }
 

@@ -7,9 +7,6 @@
 namespace orthodrive {
 namespace {
 
-constexpr double least_edge_margin_m = 0.25;  // refined edges err by this much even where they are good
-constexpr double edge_margin_px =
-    0.25;  // a quarter of a pixel may reach over the edge: the outer pixels tell most about the slope
 constexpr double other_road_margin_m = 1.0;  // kerbs, gutters, rounded corners of a mouth
 constexpr double abutment_m = 5.0;           // bare earth is smeared beside a bridge or portal, by a pixel or this
 constexpr double same_place_m = 30.0;        // further apart along a chain it is another place: a loop over itself
@@ -47,8 +44,7 @@ std::vector<bool> on_the_ground(const StationChain& chain, double margin_m) {
 
 class Gatherer {
  public:
-  Gatherer(const NetworkStations& network, const HeightGrid& grid)
-      : network_(network), grid_(grid), margin_m_(std::max(least_edge_margin_m, edge_margin_px * grid.frame.gsd_m)) {}
+  Gatherer(const NetworkStations& network, const HeightGrid& grid) : network_(network), grid_(grid) {}
 
   /// Of a chain; `wanted` stations may use their pixels, all others are only in the way of other roads.
   void add(std::size_t chain_index, const std::vector<bool>& wanted) {
@@ -95,8 +91,7 @@ class Gatherer {
   void add_cell(std::size_t chain_index, std::size_t i, double ahead_m, double behind_m, bool wanted) {
     const Station& station = network_.chains[chain_index].stations[i];
     const GridFrame& frame = grid_.frame;
-    const double inner_m = station.half_width_m - margin_m_,
-                 reach_m = station.half_width_m + 0.5 * frame.gsd_m + other_road_margin_m;
+    const double reach_m = station.half_width_m + 0.5 * frame.gsd_m + other_road_margin_m;
     // On the outside of a bend cells gape: they overlap instead, and the nearest station takes the pixel.
     const double stretch = 1.05 + std::abs(station.curvature_1pm) * reach_m;
     const double radius_m = std::hypot(reach_m, stretch * std::max(ahead_m, behind_m));
@@ -115,13 +110,12 @@ class Gatherer {
         if (std::isnan(grid_.height_m.data[pixel])) continue;
         footprints_.push_back({pixel, static_cast<std::uint32_t>(chain_index), static_cast<std::uint32_t>(i),
                                static_cast<float>(t), static_cast<float>(u),
-                               wanted && std::abs(t) <= inner_m && !std::isnan(station.z_m)});
+                               wanted && std::abs(t) <= station.half_width_m && !std::isnan(station.z_m)});
       }
   }
 
   const NetworkStations& network_;
   const HeightGrid& grid_;
-  double margin_m_;
   std::vector<Footprint> footprints_;
 };
 

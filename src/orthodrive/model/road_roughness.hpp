@@ -27,7 +27,6 @@ struct RoughnessStretch {
 
 struct RoughnessFieldOptions {
   double shortest_wave_m = 0.1, longest_wave_m = 20.0;  ///< along the road; longer ones are in the profile
-  double waviness = 2.0;
   int waves = 160;
   double blend_m = 10.0;  ///< over which one stretch goes over into the next; ends go to 0 inside their stretch
 };
@@ -40,26 +39,25 @@ struct RoughnessFieldOptions {
 /// n^-w).
 class RoughnessField {
  public:
-  /// Stretches of one path in ascending s. Throws OptionError for a band or waviness that is not positive.
+  /// Stretches of one path in ascending s. Throws OptionError for a band without width and a waviness of 1 or less.
   RoughnessField(std::vector<RoughnessStretch> stretches, std::uint64_t seed,
                  const RoughnessFieldOptions& options = {});
 
   [[nodiscard]] double height_m(double s_m, double t_m) const;
-  /// Standard deviation of the height where G_d(n0) is `gd_n0_m3`: the root of the sum of the waves' powers.
-  [[nodiscard]] double rms_m(double gd_n0_m3) const;
+  /// Standard deviation of the height in a stretch: the root of the sum of the waves' powers.
+  [[nodiscard]] double rms_m(std::size_t stretch) const;
 
  private:
   struct Wave {
-    double amplitude_m, n_s, n_t, phase;  ///< amplitude of a G_d(n0) of 1 m3; angular wave numbers in rad/m
+    double amplitude_m, n_s, n_t, phase;  ///< angular wave numbers in rad/m
   };
-  /// Where a stretch has come and gone by half, and the root of its G_d(n0).
+  /// A stretch: where it has come and gone by half, and its waves. All have the same ones along, with the same phase.
   struct Level {
-    double rises_m, falls_m, amplitude;
+    double rises_m, falls_m;
+    std::vector<Wave> waves;
   };
-  [[nodiscard]] double amplitude_at(double s_m) const;
   std::vector<Level> levels_;
   double half_blend_m_ = 0.0;
-  std::vector<Wave> waves_;
 };
 
 }  // namespace orthodrive

@@ -25,6 +25,7 @@
 #include "orthodrive/pipeline/pictures.hpp"
 #include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/pipeline/report.hpp"
+#include "orthodrive/pipeline/road_relief.hpp"
 #include "orthodrive/pipeline/score.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 #include "orthodrive/scene/build_scene.hpp"
@@ -241,10 +242,14 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   // The route counts where surfaces are made of it.
   const json of_network{site.name, site.drives_left, site.crg, site.opendrive, site.crg.empty() ? "" : site.route};
   stage("network", of_network, network_files, [&] {
-    NetworkResult network = build_network(io::read_roads(out_dir / "roads.gpkg"), {.name = site.name, .left_hand_traffic = site.drives_left, .threads = options.threads}, monitor);
+    const RoadNetwork roads = io::read_roads(out_dir / "roads.gpkg");
+    const BuildNetworkOptions network_options{.name = site.name, .left_hand_traffic = site.drives_left, .threads = options.threads};
+    NetworkResult network = build_network(roads, network_options, monitor);
     if (site.crg.empty()) fs::remove_all(crg_folder(out_dir / "roads.xodr"));  // of an earlier build with other options
-    const CrgFilesResult crg = write_crg_files(network.map, out_dir / "roads.xodr",
-                                               {.roads = site.crg, .route = site.route, .threads = options.threads});
+    CrgFilesOptions surfaces{.roads = site.crg, .route = site.route, .threads = options.threads};
+    const RoadRelief relief(roads, io::read_roughness(out_dir / "roads.gpkg"), 2.0 * surfaces.u_step_m);
+    surfaces.relief_of = [&](const roadquery::Road& road) { return relief.of(network.map, road); };
+    const CrgFilesResult crg = write_crg_files(network.map, out_dir / "roads.xodr", surfaces);
     io::write_opendrive(out_dir / "roads.xodr", network.map, {.minor_version = site.opendrive == "1.8" ? 8 : 7});
     double length = 0.0;
     for (const roadquery::Road& road : network.map.roads) length += road.length;
