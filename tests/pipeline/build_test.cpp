@@ -76,6 +76,13 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
   EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine"}));
 }
 
+TEST_F(Build, where_one_drives_left_the_network_does) {
+  fs::copy(folder / "first", folder / "left", fs::copy_options::recursive);
+  ASSERT_EQ(build("left", {"--set", "refine.driving_side=left"}).exit_code, 0);
+  EXPECT_THAT(bytes_of(folder / "left/roads.xodr"), testing::HasSubstr("rule=\"LHT\""));
+  EXPECT_THAT(bytes_of(folder / "first/roads.xodr"), testing::Not(testing::HasSubstr("rule=\"LHT\"")));
+}
+
 TEST_F(Build, the_reference_s_refinement_gives_other_roads_for_each_set_of_weights) {
   const auto refined = [](const Arguments& method) {
     const std::string roads = folder / "refined.gpkg";

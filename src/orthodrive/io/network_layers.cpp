@@ -150,7 +150,10 @@ class SideBorders {
     const std::unique_ptr<OGRGeometry> whole(cells.UnionCascaded());
     Feature feature;
     if (whole) append_geometry(feature, *whole);
-    std::erase_if(feature.polygons, [](const Polygon& part) { return signed_area_m2(part.outer) < min_part_area_m2; });
+    // Slivers between the cells, which no longer are areas once a file rounds them.
+    const auto is_sliver = [](const Ring& ring) { return std::abs(signed_area_m2(ring)) < min_part_area_m2; };
+    std::erase_if(feature.polygons, [&](const Polygon& part) { return is_sliver(part.outer); });
+    for (Polygon& part : feature.polygons) std::erase_if(part.holes, is_sliver);
     return feature.polygons.empty() ? MultiPolygon{std::move(polygon)} : std::move(feature.polygons);
   }
 
