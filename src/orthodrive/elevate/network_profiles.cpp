@@ -291,10 +291,10 @@ void NetworkProfiles::estimate_terrain_sigma() {
 
 /// Method of moments: second differences z(s - L) - 2 z(s) + z(s + L) of the terrain have the variance
 /// sigma^2 L^4 F(L / length) + 6 sigma_terrain^2 when curvature is the process of add_design. Comfort (AASHTO) is the
-/// most, as second differences also see what is not road, 3 % of it the least. Differences beyond ten robust
+/// most, as second differences also see what is not road, a tenth of it the least. Differences beyond ten robust
 /// sigmas, as at bridges and cuttings, count as that much.
 void NetworkProfiles::estimate_curvature_sigma() {
-  constexpr double widest_gap_m = 6.0, outlier_sigmas = 10.0, mad_of_normal = 0.6745, least_share = 0.03;
+  constexpr double widest_gap_m = 6.0, outlier_sigmas = 10.0, mad_of_normal = 0.6745, least_share = 0.1;
   constexpr std::size_t least_samples = 50;
   const auto reach_m = [&](double speed_kmh) {
     return std::max(1.5 * vertical_curve_length_m(speed_kmh), 3.0 * terrain_.coarsest_gsd_m);
