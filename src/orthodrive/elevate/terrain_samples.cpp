@@ -178,8 +178,8 @@ void report_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, Fin
     const Vec2 p = low_m < lowest_m ? low_p : high_p;
     findings.push_back(
         {Severity::warning, "elevate.implausible_terrain",
-         fmt::format("terrain heights on roads go from {:.0f} to {:.0f} m, no road of the earth lies there; they are taken "
-                     "as they are, check the unit and the nodata value of the terrain model",
+         fmt::format("terrain heights on roads go from {:.0f} to {:.0f} m, no road of the earth lies there; taken for "
+                     "metres as they are, check the unit and the nodata value of the terrain model",
                      low_m, high_m),
          p.x, p.y});
   }
@@ -189,7 +189,7 @@ void report_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, Fin
     findings.push_back(
         {Severity::warning, "elevate.implausible_terrain",
          fmt::format("{:.0f} % of the roads are steeper than their class allows, {:.0f} % would be if the terrain's "
-                     "heights were feet; they are taken as metres, check the unit of the terrain model",
+                     "heights were feet; taken for metres as they are, check the unit of the terrain model",
                      100.0 * steep, 100.0 * steep_in_feet),
          high_p.x, high_p.y});
 }
