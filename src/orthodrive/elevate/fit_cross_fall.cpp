@@ -38,7 +38,8 @@ constexpr double rise_pull_sigma_m = 0.5, rise_pull_m = 50.0;    // to 0
 // other.
 constexpr double verge_pull_sigma = 0.3, verge_pull_m = 50.0, verge_walk_density = 3e-4;
 constexpr double uneven_verge_sigma = 0.05;
-constexpr double held_sigma = 0.002;                             // of what is given: design, planes of junctions
+constexpr double held_sigma = 0.002;                             // of the design where nothing is measured
+constexpr double plane_sigma = 5e-4;                             // of planes of junctions: roads must agree there
 constexpr double design_sigma = 0.02;                            // what is measured in Kvarnbyn has an rms of 2.2 %
 constexpr double held_crown_sigma = 2e-4;
 
@@ -236,10 +237,10 @@ class CrossFallProblem {
 
   /// Planes of junctions, and the design where nothing is measured: not where the road runs out into such a plane.
   void add_given(const std::vector<CrossFallAnchor>& anchors) {
-    constexpr double weight = 1.0 / (held_sigma * held_sigma);
+    constexpr double weight = 1.0 / (held_sigma * held_sigma), plane_weight = 1.0 / (plane_sigma * plane_sigma);
     const std::size_t n = chain_.stations.size();
     for (const CrossFallAnchor& anchor : anchors) {
-      base_.add({{anchor.station, 1.0}}, slope, anchor.slope, weight);
+      base_.add({{anchor.station, 1.0}}, slope, anchor.slope, plane_weight);
       if (!anchor.is_main) base_.add({{anchor.station, 1.0}}, crown, 0.0, weight);
     }
     for (std::size_t i = 0; i < n; ++i) {
