@@ -21,7 +21,7 @@ constexpr double standard_gravity = 9.81;
 struct TrueRoad {
   double length_m = 1200.0, bend_1pm = 0.006, hill_m = 6.0;
   double crown_rad = 0.0, crown_end_m = 0.0;  ///< from the begin of the road
-  std::vector<Vec2> points;  ///< every metre
+  std::vector<Vec2> points;                   ///< every metre
 
   explicit TrueRoad(double length = 1200.0, double bend = 0.006, double hill = 6.0)
       : length_m(length), bend_1pm(bend), hill_m(hill) {
@@ -151,7 +151,8 @@ inline DriveRecording simulate_drive(const TrueRoad& road, const SimulatedDrive&
   for (int i = 0; s >= drive.begin_m && s <= drive.end_m; ++i, time += step_s) {
     const double w = 2.0 * std::numbers::pi / 20.0;
     const double speed = drive.speed_mps + 3.0 * std::sin(w * time), acceleration = 3.0 * w * std::cos(w * time);
-    const double gradient = d * (road.gradient(s) + t * road.banking_change(s)), banking = d * (road.banking(s) - std::copysign(road.crown(s), t));
+    const double gradient = d * (road.gradient(s) + t * road.banking_change(s)),
+                 banking = d * (road.banking(s) - std::copysign(road.crown(s), t));
     const double turn = d * speed * road.curvature(s);
     const double forward_force = acceleration + standard_gravity * gradient,
                  left_force = speed * turn + standard_gravity * banking;
@@ -166,7 +167,8 @@ inline DriveRecording simulate_drive(const TrueRoad& road, const SimulatedDrive&
       const double dt = pose_every * step_s;
       DrivePose pose{.time_s = time};
       pose.p = road.at(s, t) + Vec2{east.next(dt), north.next(dt)};
-      pose.z_m = road.z(s) + t * road.banking(s) - std::abs(t) * road.crown(s) + drive.height_offset_m + height.next(dt) + 0.02 * white.normal();
+      pose.z_m = road.z(s) + t * road.banking(s) - std::abs(t) * road.crown(s) + drive.height_offset_m +
+                 height.next(dt) + 0.02 * white.normal();
       pose.pitch_rad =
           -(std::atan(gradient) + drive.mount_pitch_rad + drive.pitch_rad_per_mps2 * forward_force + pitch.next(dt));
       pose.roll_rad = body_roll + drive.mount_roll_rad + roll.next(dt);

@@ -36,10 +36,12 @@ RoadNetwork tee() {
     RoadPath path{.osm_id = id, .highway = highway};
     const int steps = static_cast<int>(distance(a, b) / 2.0);
     for (int i = 0; i <= steps; ++i)
-      path.nodes.push_back({.p = a + (b - a) * (static_cast<double>(i) / steps), .s_m = 2.0 * i, .width_m = 2.0 * half_m});
+      path.nodes.push_back(
+          {.p = a + (b - a) * (static_cast<double>(i) / steps), .s_m = 2.0 * i, .width_m = 2.0 * half_m});
     return path;
   };
-  RoadNetwork roads{drive_crs, {way(1, "tertiary", {50, 200}, {550, 200}), way(2, "residential", {300, 200}, {300, 400})}};
+  RoadNetwork roads{drive_crs,
+                    {way(1, "tertiary", {50, 200}, {550, 200}), way(2, "residential", {300, 200}, {300, 400})}};
   roads.paths[0].nodes[125].osm_node = roads.paths[1].nodes[0].osm_node = 9;
   return roads;
 }
@@ -52,7 +54,8 @@ TEST(ElevateRoads, roads_of_a_junction_lie_in_one_plane) {
     EXPECT_NEAR(street.gradient, std::tan(main.banking), 0.004) << gsd_m;   // north is the main road's left
     EXPECT_NEAR(std::tan(street.banking), -main.gradient, 0.004) << gsd_m;  // west is the street's left
     if (gsd_m > 2.0) continue;
-    EXPECT_NEAR(std::tan(main.banking), -main_fall, 0.01) << "measured banking has the say, not the street behind the edge";
+    EXPECT_NEAR(std::tan(main.banking), -main_fall, 0.01)
+        << "measured banking has the say, not the street behind the edge";
     EXPECT_EQ(paths[0].nodes[60].banking_source, "dtm");
   }
 }
@@ -62,7 +65,8 @@ TEST(ElevateRoads, drive_logs_come_last) {
   RoadNetwork roads = road_from_terrain(road, 0.3);
   HeightGrid grid{drive_crs, {900.0, 2400.0, 10.0, 80, 80}, Raster<float>(80, 80)};
   for (int row = 0; row < 80; ++row)
-    for (int col = 0; col < 80; ++col) grid.height_m.at(col, row) = static_cast<float>(road.z(grid.frame.center_of(col, row).x - 1000.0));
+    for (int col = 0; col < 80; ++col)
+      grid.height_m.at(col, row) = static_cast<float>(road.z(grid.frame.center_of(col, row).x - 1000.0));
   const DriveLog log = log_of({simulate_drive(road, {.end_m = 595.0})});
   const auto without = elevate_roads(roads, {grid}, {}), with = elevate_roads(roads, {grid}, log);
   EXPECT_EQ(without.logged_m, 0.0);

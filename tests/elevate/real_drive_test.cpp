@@ -145,8 +145,8 @@ TEST_F(RealDrive, all_of_it_together) {
   double sigma_gradient = 0, sigma_banking = 0;
   for (const DrivenNode& driven : result.driven)
     sigma_gradient += driven.sigma_gradient / static_cast<double>(result.driven.size()),
-        sigma_banking += result.roads.paths[driven.path].nodes[driven.node].sigma_banking /
-                         static_cast<double>(result.driven.size());
+        sigma_banking +=
+        result.roads.paths[driven.path].nodes[driven.node].sigma_banking / static_cast<double>(result.driven.size());
   printf(
       "[drive_log] all measurements: left over %.2f deg of pitch, %.2f %% of climb, %.3f m of height; sigma of "
       "gradient %.2f %%, of banking %.2f %%; %d passes\n",

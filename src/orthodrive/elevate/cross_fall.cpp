@@ -99,8 +99,7 @@ void add_anchors(const StationChain& chain, const Meeting& meeting, const Statio
   const Station& at = main.stations[meeting.main_station];
   const Vec2 left = left_normal(at.along);
   if (&chain == &main) {  // also where it meets itself
-    anchors.push_back(
-        {meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
+    anchors.push_back({meeting.station, dot(*meeting.plane, left_normal(chain.stations[meeting.station].along)), true});
     return;
   }
   const Vec2 plane =

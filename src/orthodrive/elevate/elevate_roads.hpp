@@ -21,7 +21,7 @@ struct ElevateRoadsOptions {
 struct ElevateRoadsResult {
   RoadNetwork roads;                        ///< every field of heights and banking set
   std::vector<RoughnessStretch> roughness;  ///< where logs were driven
-  ProfileEnergy before, after;               ///< of `estimate_profiles`
+  ProfileEnergy before, after;              ///< of `estimate_profiles`
   SolveSummary solve;                       ///< likewise
   double cross_fall_measured_share = 0.0;   ///< of the nodes
   double logged_m = 0.0, logged_on_roads_m = 0.0;

@@ -1,9 +1,9 @@
 // Each terrain pixel on the carriageway is one equation: rise over the profile = a + t b - g(t) c - h(t) d, with the
 // unknown rise a of the terrain over the profile, slope b and crown slope c at its station; g(t) is |t| averaged over
-// the pixel; d is how much more the ground falls beyond both edges, h(t) what of the pixel lies there times how far. All
-// of them run smoothly along the chain. b is an integrated random walk, whose posterior mean is the cubic
-// smoothing spline (Wahba 1978): superelevation changes along straight ramps. Pixels count under a Cauchy loss (kerbs,
-// walls, banks), by reweighting.
+// the pixel; d is how much more the ground falls beyond both edges, h(t) what of the pixel lies there times how far.
+// All of them run smoothly along the chain. b is an integrated random walk, whose posterior mean is the cubic smoothing
+// spline (Wahba 1978): superelevation changes along straight ramps. Pixels count under a Cauchy loss (kerbs, walls,
+// banks), by reweighting.
 //
 // Roof or plane: both are fitted; a two-state Viterbi path over the stations takes the roof where it explains the
 // pixels better by more than its parameters are worth (BIC), and changes seldom. A last fit holds c at 0 on planes.
@@ -22,7 +22,7 @@ namespace {
 
 // Smoothness. Least mean error on the synthetic villages 11 to 14 with a 2 m grid; docs/cross_fall.md has the errors on
 // sites that had no part in it.
-constexpr double slope_bend_density = 4e-8;  // 1/m3: variance a metre of the change of the slope's rate
+constexpr double slope_bend_density = 4e-8;    // 1/m3: variance a metre of the change of the slope's rate
 constexpr double slope_walk_density = 3.5e-6;  // 1/m: keeps gaps from swinging; 2 % in 80 m
 // Both are so many times as large where a side road turns into its main road's plane: over cross_fall_runout_m where
 // nothing is measured, else no further than the terrain shows the mouth.
@@ -37,8 +37,9 @@ constexpr double rise_pull_sigma_m = 0.5, rise_pull_m = 50.0;    // to 0
 // other.
 constexpr double verge_pull_sigma = 0.3, verge_pull_m = 50.0, verge_walk_density = 3e-4;
 constexpr double uneven_verge_sigma = 0.05;
-constexpr double held_sigma = 0.002;                             // of what is given: design, planes of junctions
-constexpr double design_sigma = 0.02;                            // what is measured in Kvarnbyn has an rms of 2.2 %
+constexpr double held_sigma = 0.002;   // of the design where nothing is measured
+constexpr double plane_sigma = 5e-4;   // of planes of junctions: roads must agree there
+constexpr double design_sigma = 0.02;  // what is measured in Kvarnbyn has an rms of 2.2 %
 constexpr double held_crown_sigma = 2e-4;
 
 constexpr double cauchy_95 = 2.3849;  // scale in sigmas: 95 % efficiency under Gaussian noise (Holland and Welsch 1977)
@@ -235,10 +236,10 @@ class CrossFallProblem {
 
   /// Planes of junctions, and the design where nothing is measured: not where the road runs out into such a plane.
   void add_given(const std::vector<CrossFallAnchor>& anchors) {
-    constexpr double weight = 1.0 / (held_sigma * held_sigma);
+    constexpr double weight = 1.0 / (held_sigma * held_sigma), plane_weight = 1.0 / (plane_sigma * plane_sigma);
     const std::size_t n = chain_.stations.size();
     for (const CrossFallAnchor& anchor : anchors) {
-      base_.add({{anchor.station, 1.0}}, slope, anchor.slope, weight);
+      base_.add({{anchor.station, 1.0}}, slope, anchor.slope, plane_weight);
       if (!anchor.is_main) base_.add({{anchor.station, 1.0}}, crown, 0.0, weight);
     }
     for (std::size_t i = 0; i < n; ++i) {
@@ -264,9 +265,8 @@ class CrossFallProblem {
   }
   [[nodiscard]] double residual(const Field& field, const AcrossSample& sample) const {
     const std::size_t i = sample.station;
-    return sample.rise_m -
-           (field.rise[i] + sample.t_m * field.slope[i] - mean_abs(sample.t_m, sample.gsd_m) * field.crown[i] -
-            beyond(sample) * field.verge[i]);
+    return sample.rise_m - (field.rise[i] + sample.t_m * field.slope[i] -
+                            mean_abs(sample.t_m, sample.gsd_m) * field.crown[i] - beyond(sample) * field.verge[i]);
   }
 
   /// Iteratively reweighted least squares; from the second round on also the noise of the pixels (median absolute

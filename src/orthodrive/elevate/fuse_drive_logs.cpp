@@ -603,10 +603,11 @@ class ProfileProblem {
       list.push_back(std::move(m));
     }
     if (!std::isnan(bin.z_m)) {  // height of the road below the car + offset + drift
-      Measurement m{.value = bin.z_m - base.z_m - t * base.banking_rad + std::max(half_track_m, std::abs(t)) * base.crown_rad,
-                    .sigma = a.height_m,
-                    .bin_sigma = bin_sigma(a.height_m, a.height_correlation_s, bin),
-                    .kind = &DriveResiduals::height_m};
+      Measurement m{
+          .value = bin.z_m - base.z_m - t * base.banking_rad + std::max(half_track_m, std::abs(t)) * base.crown_rad,
+          .sigma = a.height_m,
+          .bin_sigma = bin_sigma(a.height_m, a.height_correlation_s, bin),
+          .kind = &DriveResiduals::height_m};
       append(m.entries, z, basis.value), append(m.entries, b, basis.value, t);
       const DriveRecording& recording = log_.recordings[bin.recording];
       const int offset = recording_column_[bin.recording], last = drift_knots(recording) - 2;

@@ -48,8 +48,8 @@ struct FuseDriveLogsOptions {
   double banking_length_m = 60.0;        ///< the same of the given banking
   /// Of nodes without standard deviations; a cross-fall of 2.5 % (RASt 06) falls to either side.
   double unknown_sigma_z_m = 1.0, unknown_sigma_banking_rad = 0.025;
-  double knot_spacing_m = 6.0;           ///< of the correction, a cubic spline
-  double clearance_m = 4.7;              ///< of roads on two levels; less is reported
+  double knot_spacing_m = 6.0;  ///< of the correction, a cubic spline
+  double clearance_m = 4.7;     ///< of roads on two levels; less is reported
 };
 
 /// How a sensor sat in its car, and how the car's body moves. Per source.
@@ -75,7 +75,7 @@ struct DriveResiduals {
 
 struct FuseDriveLogsResult {
   RoadNetwork roads;  ///< z_m, gradient, banking and both sigmas updated; banking_source "log" where driven
-  std::vector<DrivenNode> driven;  ///< ordered by path and node
+  std::vector<DrivenNode> driven;           ///< ordered by path and node
   std::vector<RoughnessStretch> roughness;  ///< ordered by path and s
   std::vector<DriveCalibration> calibration;
   DriveResiduals residuals;

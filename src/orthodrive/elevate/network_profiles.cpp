@@ -16,7 +16,7 @@ constexpr double first_sigma_m = 0.05, first_sigma_per_gsd = 0.02;  // until the
 // Junctions: exact to what drivers and tools could notice, with room to the precision of the solver.
 constexpr double tie_height_sigma_m = 1e-4, tie_gradient_sigma = 1e-5;
 constexpr double cross_slope_sigma = 0.025;  // drainage (RASt 06: 2.5 %) is all that is known of it beforehand
-constexpr double known_banking_sigma = 0.002;
+constexpr double known_banking_sigma = 1e-3;
 // Limits give way where they would keep a road off a terrain that is sure of itself over more than this length: those
 // of the gradient, and those of the curvature (which a bump in the terrain breaks over a longer one).
 constexpr double gradient_gives_way_m = 10.0, gradient_gives_way_pixels = 1.0;

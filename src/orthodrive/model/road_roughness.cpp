@@ -80,7 +80,8 @@ double RoughnessField::height_m(double s_m, double t_m) const {
     const double share = step(s_m - level->rises_m) - step(s_m - level->falls_m);
     if (share == 0.0) continue;
     double sum = 0.0;
-    for (const Wave& wave : level->waves) sum += wave.amplitude_m * std::cos(wave.n_s * s_m + wave.n_t * t_m + wave.phase);
+    for (const Wave& wave : level->waves)
+      sum += wave.amplitude_m * std::cos(wave.n_s * s_m + wave.n_t * t_m + wave.phase);
     height_m += share * sum;
   }
   return height_m;

@@ -108,8 +108,8 @@ RoadRelief::Height RoadRelief::of(const roadquery::RoadMap& map, const Road& roa
   }
   const auto beside = [&](const roadquery::RoadLink& link) -> std::shared_ptr<const Way> {
     if (link.kind != roadquery::LinkKind::road) return nullptr;
-    const auto found = std::lower_bound(map.roads.begin(), map.roads.end(), link.id,
-                                        [](const Road& r, int id) { return r.id < id; });
+    const auto found =
+        std::lower_bound(map.roads.begin(), map.roads.end(), link.id, [](const Road& r, int id) { return r.id < id; });
     return found != map.roads.end() && found->id == link.id ? way_of(*found) : nullptr;
   };
   const auto from = beside(road.predecessor), to = beside(road.successor);
