@@ -301,7 +301,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   Road road;
   road.left_hand_traffic = plan.options.left_hand_traffic;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
-  road.layer = incoming.layer == outgoing.layer ? incoming.layer : 0;  // a ramp ends on the ground
+  road.layer = std::abs(incoming.layer) >= std::abs(outgoing.layer) ? incoming.layer : outgoing.layer;
   road.speed_limit_mps = std::min(incoming.speed_limit_mps, outgoing.speed_limit_mps);
   road.bridge = incoming.bridge && outgoing.bridge;
   road.tunnel = incoming.tunnel && outgoing.tunnel;
