@@ -295,7 +295,8 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
   };
   write([&](pugi::xml_node root) { add_header(root, map, options); });
   for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, road); });
-  for (const roadquery::Junction& junction : map.junctions) write([&](pugi::xml_node root) { add_junction(root, junction); });
+  for (const roadquery::Junction& junction : map.junctions)
+    write([&](pugi::xml_node root) { add_junction(root, junction); });
   out << "</OpenDRIVE>\n";
   out.close();
   if (!out) throw Error(fmt::format("{}: cannot be written, is the disk full or the folder read-only?", path.string()));
