@@ -34,10 +34,11 @@ void check_file(const std::filesystem::path& file, const roadquery::RoadMap& bui
   constexpr double same_m = 1e-3;
   const SurfaceComparison comparison = compare_surfaces(built, roadquery::read_opendrive(file.string()));
   if (comparison.missing_roads > 0 || !(comparison.max_distance_m <= same_m))
-    throw Error(fmt::format("{}: read back, {} roads are missing and the surface of road {} at {:.1f} m lies {:.6f} m off", file.string(),
-                            comparison.missing_roads, comparison.road, comparison.s, comparison.max_distance_m));
-  monitor.info(fmt::format("{}: read back, {} points of the surface lie within {:.1e} m", file.string(), comparison.points,
-                           comparison.max_distance_m));
+    throw Error(
+        fmt::format("{}: read back, {} roads are missing and the surface of road {} at {:.1f} m lies {:.6f} m off",
+                    file.string(), comparison.missing_roads, comparison.road, comparison.s, comparison.max_distance_m));
+  monitor.info(fmt::format("{}: read back, {} points of the surface lie within {:.1e} m", file.string(),
+                           comparison.points, comparison.max_distance_m));
 }
 
 void run(const NetworkCommand& command, const Context& context) {
@@ -67,8 +68,8 @@ void run(const NetworkCommand& command, const Context& context) {
   for (const auto& [code, count] : counts) context.monitor->info(fmt::format("{}: {} places", code, count));
   const auto connecting = std::count_if(result.map.roads.begin(), result.map.roads.end(),
                                         [](const roadquery::Road& road) { return road.junction >= 0; });
-  context.monitor->info(fmt::format("{}: chains of {:.3f} km fitted with {} elements", command.out.string(), result.chain_length_m / 1e3,
-                                    result.chain_elements));
+  context.monitor->info(fmt::format("{}: chains of {:.3f} km fitted with {} elements", command.out.string(),
+                                    result.chain_length_m / 1e3, result.chain_elements));
   context.monitor->info(fmt::format(
       "{}: {} roads, {} junctions with {} connecting roads; nodes lie within {:.3f} m of the lines and {:.3f} m of the profiles",
       command.out.string(), static_cast<std::ptrdiff_t>(result.map.roads.size()) - connecting, result.map.junctions.size(),

@@ -161,7 +161,8 @@ TEST(EvaluateNetwork, clearance_under_a_bridge) {
 
 TEST(EvaluateNetwork, elements_and_curvature_rates_of_roads_outside_junctions) {
   RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 0, 50, 0, 20)}};
-  map.roads[0].plan = {{.length = 60.0, .shape = Line{}}, {.s = 60.0, .x = 60.0, .length = 40.0, .shape = Spiral{0.0, 0.02}}};
+  map.roads[0].plan = {{.length = 60.0, .shape = Line{}},
+                       {.s = 60.0, .x = 60.0, .length = 40.0, .shape = Spiral{0.0, 0.02}}};
   NetworkScores scores = evaluate_network(map);
   EXPECT_EQ(scores.road_elements, 3u);
   EXPECT_DOUBLE_EQ(scores.road_length_m, 120.0);

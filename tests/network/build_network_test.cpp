@@ -395,8 +395,9 @@ TEST(BuildNetwork, hairpin_is_eased_to_what_the_carriageway_allows) {
 
 TEST(BuildNetwork, sharp_corner_where_two_ways_meet_is_eased_to_the_end) {
   // 120 degrees, as where a service road leaves a street backwards.
-  const NetworkResult result = build_network(network_of(
-      {make_path({{0, 80}, {0, 0}}, {1, 2}, {.width_m = 5.4}), make_path({{0, 0}, {-60, 35}}, {2, 3}, {.osm_id = 2, .width_m = 5.4})}));
+  const NetworkResult result =
+      build_network(network_of({make_path({{0, 80}, {0, 0}}, {1, 2}, {.width_m = 5.4}),
+                                make_path({{0, 0}, {-60, 35}}, {2, 3}, {.osm_id = 2, .width_m = 5.4})}));
   expect_sound(result.map);
   EXPECT_EQ(count_findings(result, "network.bend_too_sharp"), 0);
   EXPECT_EQ(count_findings(result, "network.bend_eased"), 1);

@@ -405,13 +405,14 @@ TEST(RoadCuts, ways_do_not_change_in_a_bend) {
 }
 
 TEST(RoadCuts, end_where_an_element_ends_if_that_is_near) {
-  // Straight, then a wide bend that begins 8 m from the crossing: a cut through its first metre would make an element more.
+  // Straight, then a wide bend that begins 8 m from the crossing: a cut through its first metre would make an element
+  // more.
   std::vector<Vec2> line{{-100, 0}, {0, 0}};
   for (const Vec2 p : circle_points({8.0, 60.0}, 60.0, -M_PI / 2.0, 1.2)) line.push_back(p);
   std::vector<std::int64_t> ids(line.size(), 0);
   ids[0] = 1, ids[1] = 2, ids.back() = 3;
-  const NetworkResult result =
-      build_network(network_of({make_path(line, ids), make_path({{0, -60}, {0, 0}, {0, 60}}, {4, 2, 5}, {.osm_id = 2})}));
+  const NetworkResult result = build_network(
+      network_of({make_path(line, ids), make_path({{0, -60}, {0, 0}, {0, 60}}, {4, 2, 5}, {.osm_id = 2})}));
   expect_sound(result.map);
   for (const Road* road : plain_roads(result.map))
     for (const roadquery::PlanElement& e : road->plan) EXPECT_GT(e.length, 2.0) << road->osm_id;
@@ -431,7 +432,8 @@ TEST(RoadCuts, divided_slivers_look_smooth_to_readers_of_polylines) {
   EXPECT_EQ(network::divide_slivers({{.length = 9.5, .shape = Arc{0.12}}}, 0.0).size(), 1u) << "a long rest";
   EXPECT_EQ(network::divide_slivers({{.length = 8.2, .shape = Arc{0.01}}}, 0.0).size(), 1u) << "hardly a bend";
   EXPECT_EQ(network::divide_slivers({{.length = 8.2, .shape = roadquery::Line{}}}, 0.0).size(), 1u);
-  const std::vector<PlanElement> bend{{.length = 8.2, .shape = Arc{0.12}}, {.s = 8.2, .length = 7.6, .shape = roadquery::Line{}}};
+  const std::vector<PlanElement> bend{{.length = 8.2, .shape = Arc{0.12}},
+                                      {.s = 8.2, .length = 7.6, .shape = roadquery::Line{}}};
   EXPECT_EQ(network::divide_slivers(bend, 3.0).size(), 3u) << "lanes 3 m inside the bend turn round in 0.2 m";
   EXPECT_EQ(network::divide_slivers(bend, -3.0).size(), 2u) << "outside it they do not";
 }
@@ -444,11 +446,13 @@ TEST(LaneLayout, a_car_fits_into_every_lane) {
   EXPECT_EQ(count_findings(result, "network.widened"), 1) << "3.5 m and a one-way road of 2 m are near enough";
   for (const Road* road : plain_roads(result.map))
     for (const auto* side : {&road->sections[0].left, &road->sections[0].right})
-      for (const Lane& lane : *side) EXPECT_NEAR(roadquery::lane_width(lane, 10.0), road->osm_id == "3" ? 2.0 : 1.85, 1e-6);
+      for (const Lane& lane : *side)
+        EXPECT_NEAR(roadquery::lane_width(lane, 10.0), road->osm_id == "3" ? 2.0 : 1.85, 1e-6);
 }
 
 TEST(LaneLayout, three_lanes_on_four_metres_are_told) {
-  const NetworkResult result = build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.width_m = 4.0, .lanes = 3})}));
+  const NetworkResult result =
+      build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.width_m = 4.0, .lanes = 3})}));
   expect_sound(result.map);
   EXPECT_EQ(count_findings(result, "network.too_many_lanes"), 1);
   EXPECT_EQ(result.map.roads.at(0).sections[0].left.size() + result.map.roads[0].sections[0].right.size(), 2u);
@@ -456,11 +460,13 @@ TEST(LaneLayout, three_lanes_on_four_metres_are_told) {
 
 TEST(Junction, narrow_branch_of_a_wide_road_overlaps_none_of_it) {
   // A slip road leaves the middle of a 10 m wide road at 7 degrees: its edges reach those of the wide road 40 m on.
-  const NetworkResult result = build_network(network_of(
-      {make_path({{-100, 0}, {0, 0}, {200, 0}}, {1, 2, 3}, {.highway = "primary", .width_m = 10.0, .oneway = Oneway::forward}),
-       make_path({{0, 0}, {150, 18}}, {2, 4}, {.osm_id = 2, .highway = "primary_link", .width_m = 3.5, .oneway = Oneway::forward})}));
+  const NetworkResult result = build_network(
+      network_of({make_path({{-100, 0}, {0, 0}, {200, 0}}, {1, 2, 3},
+                            {.highway = "primary", .width_m = 10.0, .oneway = Oneway::forward}),
+                  make_path({{0, 0}, {150, 18}}, {2, 4},
+                            {.osm_id = 2, .highway = "primary_link", .width_m = 3.5, .oneway = Oneway::forward})}));
   expect_sound(result.map);
-  const Road &branch = road_of(result.map, "2");
+  const Road& branch = road_of(result.map, "2");
   for (const Road* road : plain_roads(result.map)) {
     if (road->osm_id != "1" || roadquery::reference_point(*road, 0.0).x < site_origin.x) continue;
     const roadquery::SurfacePoint begin = roadquery::surface_point(*road, 0.0, 0.0);

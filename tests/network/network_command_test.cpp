@@ -87,6 +87,15 @@ TEST(NetworkCommand, surfaces_of_a_route_do_not_depend_on_the_number_of_threads)
   }
 }
 
+TEST(NetworkCommand, check_reads_the_file_back_and_tells_how_near_it_is) {
+  const Scratch scratch;
+  write_town(scratch / "roads.gpkg");
+  const ToolRun run = run_tool(
+      {"network", "--roads", (scratch / "roads.gpkg").string(), "-o", (scratch / "a.xodr").string(), "--check"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("points of the surface lie within"));
+}
+
 TEST(NetworkCommand, roads_that_are_not_there_are_refused) {
   const Scratch scratch;
   write_town(scratch / "roads.gpkg");

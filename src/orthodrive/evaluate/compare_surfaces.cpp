@@ -20,7 +20,8 @@ void compare(const roadquery::Road& a, const roadquery::Road& b, SurfaceComparis
     for (const double t : {edges.left_t, 0.5 * (edges.left_t + edges.right_t), edges.right_t}) {
       const roadquery::SurfacePoint p = roadquery::surface_point(a, s, t), q = roadquery::surface_point(b, s, t);
       const double apart = std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
-      if (apart > result.max_distance_m || result.points == 0) result.max_distance_m = apart, result.road = a.id, result.s = s;
+      if (apart > result.max_distance_m || result.points == 0)
+        result.max_distance_m = apart, result.road = a.id, result.s = s;
       ++result.points;
     }
   }
@@ -38,8 +39,10 @@ SurfaceComparison compare_surfaces(const roadquery::RoadMap& a, const roadquery:
       ++result.missing_roads;
       continue;
     }
-    if (std::abs(road.length - other->second->length) > same_length_m) ++result.missing_roads;
-    else compare(road, *other->second, result);
+    if (std::abs(road.length - other->second->length) > same_length_m)
+      ++result.missing_roads;
+    else
+      compare(road, *other->second, result);
     others.erase(other);
   }
   result.missing_roads += others.size();

@@ -36,18 +36,21 @@ void count_elements(const RoadMap& map, NetworkScores& scores) {
     scores.road_length_m += road.length;
     scores.road_elements += road.plan.size();
   }
-  scores.mean_road_element_m = scores.road_elements > 0 ? scores.road_length_m / static_cast<double>(scores.road_elements) : nan;
+  scores.mean_road_element_m =
+      scores.road_elements > 0 ? scores.road_length_m / static_cast<double>(scores.road_elements) : nan;
 }
 
 /// Of clothoids exactly, of cubics in 20 steps.
 double curvature_rate(const roadquery::PlanElement& element) {
-  if (std::holds_alternative<roadquery::Line>(element.shape) || std::holds_alternative<roadquery::Arc>(element.shape)) return 0.0;
+  if (std::holds_alternative<roadquery::Line>(element.shape) || std::holds_alternative<roadquery::Arc>(element.shape))
+    return 0.0;
   const int steps = std::holds_alternative<roadquery::Spiral>(element.shape) ? 1 : 20;
   const double step_m = element.length / steps;
   double largest = 0.0;
   for (int i = 0; i < steps; ++i)
     largest = std::max(largest, std::abs(roadquery::evaluate(element, (i + 1) * step_m).curvature -
-                                         roadquery::evaluate(element, i * step_m).curvature) / step_m);
+                                         roadquery::evaluate(element, i * step_m).curvature) /
+                                    step_m);
   return largest;
 }
 
@@ -231,7 +234,8 @@ void check_end_lanes(const RoadEnd& from, const RoadEnd* to, bool in_junction, N
 
 /// At its start, middle or end: many lanes taper.
 double widest_m(const roadquery::Lane& lane, double length) {
-  return std::max({roadquery::lane_width(lane, 0.0), roadquery::lane_width(lane, 0.5 * length), roadquery::lane_width(lane, length)});
+  return std::max({roadquery::lane_width(lane, 0.0), roadquery::lane_width(lane, 0.5 * length),
+                   roadquery::lane_width(lane, length)});
 }
 
 void check_lanes(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {
@@ -391,12 +395,15 @@ void measure_clearance(const RoadMap& map, const RoadsById& by_id, NetworkScores
       const Layers &a = layers[p.road], &b = layers[q.road];
       if (a.low <= b.high && b.low <= a.high && std::abs(above) < two_levels_m) continue;
       const Road &upper = above >= 0.0 ? first : second, &lower = above >= 0.0 ? second : first;
-      scores.crossing_places.push_back({upper.id, lower.id, upper.osm_id, lower.osm_id, upper.highway, lower.highway, upper.layer,
-                                        lower.layer, upper.bridge, p.a.x + u * d.x, p.a.y + u * d.y, std::abs(above)});
+      scores.crossing_places.push_back({upper.id, lower.id, upper.osm_id, lower.osm_id, upper.highway, lower.highway,
+                                        upper.layer, lower.layer, upper.bridge, p.a.x + u * d.x, p.a.y + u * d.y,
+                                        std::abs(above)});
     }
-  std::sort(scores.crossing_places.begin(), scores.crossing_places.end(), [](const LevelCrossing& a, const LevelCrossing& b) {
-    return std::tuple(a.clearance_m, a.upper_road, a.lower_road) < std::tuple(b.clearance_m, b.upper_road, b.lower_road);
-  });
+  std::sort(scores.crossing_places.begin(), scores.crossing_places.end(),
+            [](const LevelCrossing& a, const LevelCrossing& b) {
+              return std::tuple(a.clearance_m, a.upper_road, a.lower_road) <
+                     std::tuple(b.clearance_m, b.upper_road, b.lower_road);
+            });
   scores.crossings = scores.crossing_places.size();
   if (scores.crossings > 0) scores.min_clearance_m = scores.crossing_places.front().clearance_m;
 }

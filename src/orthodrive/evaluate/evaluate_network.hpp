@@ -12,7 +12,7 @@ namespace orthodrive {
 
 /// A place where two reference lines cross on different layers.
 struct LevelCrossing {
-  int upper_road = 0, lower_road = 0;  ///< by height, ids of the file
+  int upper_road = 0, lower_road = 0;      ///< by height, ids of the file
   std::string upper_osm_id, lower_osm_id;  ///< empty: a connecting road between two ways
   std::string upper_highway, lower_highway;
   int upper_layer = 0, lower_layer = 0;
@@ -48,7 +48,8 @@ struct NetworkScores {
   /// Lanes that are linked to a lane that is not there, not of their type, or that leads the other way; lane links of
   /// junctions that the lanes of the connecting road do not repeat.
   std::size_t lane_link_errors = 0;
-  std::size_t dead_lanes = 0;  ///< driving lanes that end, wider than 1 cm, at a joint or junction where nothing is linked to them
+  std::size_t dead_lanes =
+      0;  ///< driving lanes that end, wider than 1 cm, at a joint or junction where nothing is linked to them
   std::vector<LaneEnd> dead_lane_places;
   double min_lane_width_m = 0.0;  ///< of driving lanes where they are widest (start, middle or end); NaN without any
   double min_clearance_m =

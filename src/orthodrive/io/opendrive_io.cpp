@@ -313,7 +313,8 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
   const Offset offset = options.absolute ? Offset{} : offset_of(map);
   write([&](pugi::xml_node root) { add_header(root, map, offset, options.minor_version); });
   for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, road, offset); });
-  for (const roadquery::Junction& junction : map.junctions) write([&](pugi::xml_node root) { add_junction(root, junction); });
+  for (const roadquery::Junction& junction : map.junctions)
+    write([&](pugi::xml_node root) { add_junction(root, junction); });
   out << "</OpenDRIVE>\n";
   out.close();
   if (!out) throw Error(fmt::format("{}: cannot be written, is the disk full or the folder read-only?", path.string()));

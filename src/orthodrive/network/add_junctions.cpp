@@ -127,10 +127,11 @@ bool take_arrow_lanes(const std::vector<unsigned>& arrows, unsigned bits, bool m
   return true;
 }
 
-/// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes, and others the
-/// lane next to where they go, or as many as the main way lacks (`surplus`). Arrows are no prohibition: a turn that none
-/// shows takes its lanes, too.
-void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, const Gate& out, bool left_hand_traffic) {
+/// Lanes of a way on. By the arrows where there are any; else the straightest way (`main`) takes all lanes, and others
+/// the lane next to where they go, or as many as the main way lacks (`surplus`). Arrows are no prohibition: a turn that
+/// none shows takes its lanes, too.
+void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, const Gate& out,
+                  bool left_hand_traffic) {
   const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
   const bool left = m.turn_rad > 0.0, inwards = left != left_hand_traffic;
   const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
@@ -151,11 +152,12 @@ void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, c
   m.first_in = inwards ? 0 : lanes_in - m.count_in, m.first_out = inwards ? 0 : lanes_out - m.count_out;
 }
 
-/// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest. `sharp`
-/// gets those that nobody drives who has a choice.
+/// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
+/// `sharp` gets those that nobody drives who has a choice.
 std::vector<Movement> ways_on(const Restrictions& restrictions, const std::vector<int>& vertices,
-                              const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in, const std::vector<Gate>& out,
-                              std::size_t from, const std::set<int>& reached, std::vector<Movement>& sharp) {
+                              const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in,
+                              const std::vector<Gate>& out, std::size_t from, const std::set<int>& reached,
+                              std::vector<Movement>& sharp) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
   for (std::size_t to = 0; to < ends.size(); ++to) {
@@ -178,7 +180,8 @@ std::vector<Movement> ways_on(const Restrictions& restrictions, const std::vecto
 }
 
 /// Of the sharp turns into a road that nothing else leads into, the widest.
-std::vector<Movement> only_ways_in(const std::vector<Movement>& movements, const std::vector<Movement>& sharp, std::size_t ends) {
+std::vector<Movement> only_ways_in(const std::vector<Movement>& movements, const std::vector<Movement>& sharp,
+                                   std::size_t ends) {
   std::vector<Movement> only;
   for (std::size_t to = 0; to < ends; ++to) {
     const auto leads_there = [to](const Movement& m) { return m.to == static_cast<int>(to); };
@@ -301,7 +304,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   Road road;
   road.left_hand_traffic = plan.options.left_hand_traffic;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
-  road.layer = incoming.layer == outgoing.layer ? incoming.layer : 0;  // a ramp ends on the ground
+  road.layer = std::abs(incoming.layer) >= std::abs(outgoing.layer) ? incoming.layer : outgoing.layer;
   road.speed_limit_mps = std::min(incoming.speed_limit_mps, outgoing.speed_limit_mps);
   road.bridge = incoming.bridge && outgoing.bridge;
   road.tunnel = incoming.tunnel && outgoing.tunnel;
@@ -343,7 +346,8 @@ void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<Juncti
       std::vector<Movement> on = ways_on(restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[at(on[0].to)].lanes.size();
-        choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)], plan.options.left_hand_traffic);
+        choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)],
+                     plan.options.left_hand_traffic);
         movements.push_back(on[i]);
       }
     }

@@ -77,7 +77,8 @@ Draft draft_road(const NetworkPlan& plan, int chain, double s0, double s1, Road&
   }
   road.shape = crown_shape(crown, road.length);
   const double left = plan.options.left_hand_traffic ? -1.0 : 1.0;  // the inner edge of a one-way road's lanes
-  road.plan = divide_slivers(std::move(road.plan), path.oneway == Oneway::forward ? left * 0.5 * median(draft.widths) : 0.0);
+  road.plan =
+      divide_slivers(std::move(road.plan), path.oneway == Oneway::forward ? left * 0.5 * median(draft.widths) : 0.0);
   return draft;
 }
 

@@ -65,9 +65,9 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
     if (monitor) monitor->progress(fraction, "network");
   };
   progress(0.0);
-  RoadNetwork roads =
-      assume_roundabouts(close_roundabouts(with_lane_room(with_heights(input, result.findings), result.findings), result.findings),
-                         options.left_hand_traffic, result.findings);
+  RoadNetwork roads = assume_roundabouts(
+      close_roundabouts(with_lane_room(with_heights(input, result.findings), result.findings), result.findings),
+      options.left_hand_traffic, result.findings);
   Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
   smooth_rings(roads, topology);
   const std::vector<std::vector<PieceNode>> pieces = join_pieces(roads, topology, result.findings);

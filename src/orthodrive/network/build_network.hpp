@@ -27,8 +27,8 @@ struct NetworkResult {
   roadquery::RoadMap map;
   /// Over all nodes, against the input after joints were closed and bends eased (fit_plan.hpp, chain_line.hpp).
   double max_plan_deviation_m = 0.0, max_elevation_error_m = 0.0;
-  double chain_length_m = 0.0;      ///< of the fitted chains, before they are cut into roads
-  std::size_t chain_elements = 0;   ///< lines, arcs, clothoids and cubics of the chains
+  double chain_length_m = 0.0;     ///< of the fitted chains, before they are cut into roads
+  std::size_t chain_elements = 0;  ///< lines, arcs, clothoids and cubics of the chains
   int eased_nodes = 0;  ///< nodes moved because a bend was sharper than the carriageway is wide
   Findings findings;
 };

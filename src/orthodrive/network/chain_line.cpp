@@ -170,7 +170,8 @@ class BendEasing {
     const auto moved = [&](std::size_t i) { return !is_joint[i] && distance_moved_m(i) > 0.0; };
     for (std::size_t i = 0; i < line_.nodes.size(); ++i) {
       const bool crowded = !kept.empty() && distance(line_.nodes[kept.back()].p, line_.nodes[i].p) < eased_spacing_m;
-      if (crowded && is_joint[i] && moved(kept.back())) kept.pop_back();  // a joint takes the place of the node before it
+      if (crowded && is_joint[i] && moved(kept.back()))
+        kept.pop_back();  // a joint takes the place of the node before it
       if (!crowded || !moved(i)) kept.push_back(i);
       new_index.push_back(kept.size() - 1);
     }
@@ -185,7 +186,8 @@ class BendEasing {
 
   [[nodiscard]] int moved() const {
     int count = 0;
-    for (std::size_t i = 0; i < original_.size(); ++i) count += distance(line_.nodes[i].p, original_[i]) > notable_easing_m ? 1 : 0;
+    for (std::size_t i = 0; i < original_.size(); ++i)
+      count += distance(line_.nodes[i].p, original_[i]) > notable_easing_m ? 1 : 0;
     return count;
   }
   [[nodiscard]] std::size_t farthest() const {
@@ -223,10 +225,12 @@ int ease_bends(ChainLine& line, bool closed, Findings& findings) {
   const std::size_t far = easing.farthest();
   if (easing.distance_moved_m(far) > reported_easing_m)
     report(Severity::info, "network.bend_eased",
-           fmt::format("a bend sharper than the carriageway is wide was eased: its nodes move by up to {:.1f} m", easing.distance_moved_m(far)),
+           fmt::format("a bend sharper than the carriageway is wide was eased: its nodes move by up to {:.1f} m",
+                       easing.distance_moved_m(far)),
            line.nodes[far].p);
   if (const auto sharp = easing.sharp_node())
-    report(Severity::warning, "network.bend_too_sharp", "a bend is sharper than the carriageway is wide and stays so", line.nodes[*sharp].p);
+    report(Severity::warning, "network.bend_too_sharp", "a bend is sharper than the carriageway is wide and stays so",
+           line.nodes[*sharp].p);
   return easing.moved();
 }
 

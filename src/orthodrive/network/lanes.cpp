@@ -21,7 +21,8 @@ constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
 constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
 constexpr double min_lane_m = 1.85, notable_widening_m = 0.3;
 constexpr int max_untagged_lanes = 4;      // a direction
-constexpr double taper_m = 30.0;           // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
+constexpr double taper_m =
+    30.0;  // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
 constexpr double taper_step_m = 3.0;       // between the ends of its cubics: they leave the smooth step by under 1 mm
 constexpr double sidewalk_m = 2.0, shoulder_m = 1.5, motorway_shoulder_m = 2.5;
 constexpr double centre_line_from_m = 5.5;  // narrower two-way roads have no centre line (RMS: from 5.5 m)
@@ -212,7 +213,8 @@ RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
     }
     if (narrowest)
       findings.push_back({Severity::info, "network.widened",
-                          fmt::format("way {}: {:.1f} m are too narrow for its lanes, took {:.1f} m", path.osm_id, narrowest_m, least_m),
+                          fmt::format("way {}: {:.1f} m are too narrow for its lanes, took {:.1f} m", path.osm_id,
+                                      narrowest_m, least_m),
                           narrowest->p.x, narrowest->p.y});
   }
   return roads;

@@ -27,8 +27,8 @@ struct LaneLayout {
 /// of a tag.
 [[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_hand_traffic);
 
-/// Widens carriageways that are narrower than a lane of 1.85 m for each direction: a car of 1.8 m has to fit, and SUMO leaves
-/// narrower lanes out. Finding network.widened where that is by more than 0.3 m.
+/// Widens carriageways that are narrower than a lane of 1.85 m for each direction: a car of 1.8 m has to fit, and SUMO
+/// leaves narrower lanes out. Finding network.widened where that is by more than 0.3 m.
 [[nodiscard]] RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings);
 
 /// The lanes of a side that are open at an end of a road, counted from the inside; the others taper out towards it.

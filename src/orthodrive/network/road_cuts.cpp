@@ -23,7 +23,7 @@ constexpr double corner_reach_m = 8.0, calm_joint_radius_m = 24.0;
 constexpr double fold_margin = 1.5, long_rest_m = 1.4;
 constexpr double element_reach_m = 5.0;  // so far a cut goes to lie where an element ends: then none is cut in two
 constexpr double step_m = 0.25;
-constexpr double min_road_m = 3.0;      // shorter ones are hardly shortened further
+constexpr double min_road_m = 3.0;  // shorter ones are hardly shortened further
 constexpr double short_road_reach_m = 0.5;
 constexpr double dead_end_m = 3.0;      // a dead end may become this much shorter
 constexpr double outwards_m = 15.0, along_m = 25.0;
@@ -143,7 +143,8 @@ class StretchCuts {
   };
   [[nodiscard]] Calm calm_at(std::size_t k, double s) const {
     Calm calm{calm_radius_m, calm_joint_radius_m};
-    if (k > 0) calm.end_radius_m = std::min(calm.end_radius_m, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, side(k - 1)));
+    if (k > 0)
+      calm.end_radius_m = std::min(calm.end_radius_m, end_radius_m(geometry_.plan, cuts_[k - 1], s, true, side(k - 1)));
     if (k + 1 < cuts_.size())
       calm.end_radius_m = std::min(calm.end_radius_m, end_radius_m(geometry_.plan, s, cuts_[k + 1], false, side(k)));
     if (k > 0 && k + 1 < cuts_.size()) calm.joint_radius_m = std::min(calm.joint_radius_m, turn_radius_m(s));
@@ -232,7 +233,8 @@ std::vector<roadquery::PlanElement> divide_slivers(std::vector<roadquery::PlanEl
     const double next = last ? 0.0 : std::min(plan[i + 1].length, sample_m);
     const double next_turn = last ? 0.0 : std::abs(curvature) * 0.5 * (rest + next);
     const double inside_m = curvature > 0.0 ? offset_m : -offset_m;  // the lanes' line is that much sharper
-    const bool corner = last && turn >= flat_turn_rad && rest < long_rest_m && rest < (calm_radius_m + inside_m) * std::tan(0.5 * turn);
+    const bool corner =
+        last && turn >= flat_turn_rad && rest < long_rest_m && rest < (calm_radius_m + inside_m) * std::tan(0.5 * turn);
     const bool folds = rest < fold_margin * inside_m * (std::tan(0.5 * turn) + std::tan(0.5 * next_turn));
     if (!corner && !folds) continue;
     const double cut = e.s + e.length - 0.5 * (sample_m + rest), end = e.s + e.length;

@@ -81,8 +81,8 @@ bool covers(const ArmLine& other, Vec2 p) {
   return false;
 }
 
-/// Whether the other carriageway reaches into the cross section i of an arm. Not only its edges count: a narrow branch begins
-/// in the middle of a wide road.
+/// Whether the other carriageway reaches into the cross section i of an arm. Not only its edges count: a narrow branch
+/// begins in the middle of a wide road.
 bool meets(const ArmLine& arm, std::size_t i, const ArmLine& other) {
   const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * arm.half_width_m[i] / across_step_m)));
   for (int k = 0; k <= steps; ++k)

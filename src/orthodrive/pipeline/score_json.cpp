@@ -156,8 +156,17 @@ ScoreJson to_json(const NetworkScores& scores) {
     crossings.push_back({{"clearance_m", c.clearance_m},
                          {"x", c.x},
                          {"y", c.y},
-                         {"upper", {{"road", c.upper_road}, {"osm_id", c.upper_osm_id}, {"highway", c.upper_highway}, {"layer", c.upper_layer}, {"bridge", c.bridge}}},
-                         {"lower", {{"road", c.lower_road}, {"osm_id", c.lower_osm_id}, {"highway", c.lower_highway}, {"layer", c.lower_layer}}}});
+                         {"upper",
+                          {{"road", c.upper_road},
+                           {"osm_id", c.upper_osm_id},
+                           {"highway", c.upper_highway},
+                           {"layer", c.upper_layer},
+                           {"bridge", c.bridge}}},
+                         {"lower",
+                          {{"road", c.lower_road},
+                           {"osm_id", c.lower_osm_id},
+                           {"highway", c.lower_highway},
+                           {"layer", c.lower_layer}}}});
   for (const LaneEnd& end : scores.dead_lane_places)
     dead_lanes.push_back({{"road", end.road}, {"lane", end.lane}, {"x", end.x}, {"y", end.y}});
   return {{"roads", scores.roads},
