@@ -285,6 +285,22 @@ TEST_F(OddData, terrain_that_ends_in_the_middle_of_roads) {
     for (const RoadNode& node : path.nodes) EXPECT_LT(std::abs(node.gradient), 0.15);
 }
 
+TEST_F(OddData, a_site_whose_terrain_ends_in_the_middle_is_built_and_driven) {
+  // Cut off by nodata, and by the edge of the file.
+  const fs::path cut = terrain("dtm_10m.tif", [&](Vec2 p, float z) { return p.x > 460200.0 ? nan_height() : z; });
+  const fs::path ends = scratch_ / "ends.tif";
+  ASSERT_EQ(run_program({"/usr/bin/gdal_translate", "-q", "-projwin", "459950", "5270350", "460200", "5269950", cut, ends}).exit_code, 0);
+  for (const fs::path& dtm : {cut, ends}) {
+    const fs::path out = scratch_ / dtm.stem().string();
+    expect_success({"--quiet", "build", site_ / "site.toml", "-o", out, "--set", "sources.dtm=[\"" + dtm.string() + "\"]"});
+    EXPECT_THAT(bytes_of(out / "findings.geojson"), HasSubstr("elevate.no_terrain"));
+    EXPECT_TRUE(fs::exists(out / "scene/tileset.json"));
+    const json run = json::parse(bytes_of(out / "run.json"));
+    for (const json& stage : run.at("stages"))
+      if (stage.at("stage") == "drive") EXPECT_TRUE(stage.at("numbers").at("finished"));
+  }
+}
+
 /// Two roads that cross in the middle, the second on the level of the ground.
 OsmText crossing(std::vector<std::pair<std::string, std::string>> tags) {
   OsmText osm;
