@@ -35,11 +35,9 @@ SiteFrame site_of(const std::filesystem::path& file, const RoadNetwork& roads) {
 
 void run(const ElevateCommand& command, const Context& context) {
   const RoadNetwork roads = io::read_roads(command.roads);
-  // Where the terrain ends roads go on, so half of it is enough; less is the wrong file.
-  constexpr double least_coverage = 0.5;
   Findings findings;
   const std::vector<HeightGrid> dtms =
-      io::read_dtms(command.dtm, site_of(command.roads, roads), {.least_coverage = least_coverage}, &findings);
+      io::read_dtms(command.dtm, site_of(command.roads, roads), {.least_coverage = io::least_site_coverage}, &findings);
   const io::DriveLogs logs = io::read_drive_logs(command.logs, site_of(command.roads, roads));
   ElevateRoadsOptions options = command.options;
   options.heights.threads = context.threads;

@@ -52,7 +52,7 @@ void run(const SceneCommand& command, const Context& context) {
   const io::RasterInfo info = io::raster_info(command.photo);
   SiteFrame site{site_crs(command.network.string(), roads, info.crs), {}};
   const Photo photo = read_photo_for(command.photo, info, site, context.threads);
-  const HeightGrid terrain = merge_heights(io::read_dtms(command.dtm, site), bounds_of(site.area.outer).grown(50.0));
+  const HeightGrid terrain = merge_heights(io::read_dtms(command.dtm, site, {.least_coverage = io::least_site_coverage}), bounds_of(site.area.outer).grown(50.0));
 
   std::optional<LabelMap> labels;
   if (!command.labels.empty()) labels = io::read_labels(command.labels);

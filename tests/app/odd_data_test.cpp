@@ -126,7 +126,8 @@ class OddData : public testing::Test {
   /// Through the tool: heights, network, scores.
   Driven drive(const fs::path& roads, const std::vector<fs::path>& dtms, const std::vector<fs::path>& logs = {}) const {
     const fs::path elevated = scratch_ / "elevated.gpkg", xodr = scratch_ / "roads.xodr";
-    Arguments arguments{"--quiet", "elevate", "--roads", roads, "-o", elevated, "--findings", scratch_ / "heights.geojson"};
+    Arguments arguments{"--quiet", "elevate", "--roads",    roads,
+                        "-o",      elevated,  "--findings", scratch_ / "heights.geojson"};
     for (const fs::path& dtm : dtms) arguments.insert(arguments.end(), {"--dtm", dtm});
     for (const fs::path& log : logs) arguments.insert(arguments.end(), {"--log", log});
     expect_success(arguments);
@@ -197,11 +198,14 @@ TEST_F(OddData, clean_data_have_no_warning) {
 
 TEST_F(OddData, terrain_with_the_wrong_crs_is_refused_in_one_line) {
   const fs::path wrong = scratch_ / "zone_34.tif";
-  ASSERT_EQ(run_program({"/usr/bin/gdal_translate", "-q", "-a_srs", "EPSG:32634", site_ / "dtm_1m.tif", wrong}).exit_code, 0);
-  const ToolRun run = run_tool({"--quiet", "elevate", "--roads", true_roads(), "--dtm", wrong, "-o", scratch_ / "a.gpkg"});
+  ASSERT_EQ(
+      run_program({"/usr/bin/gdal_translate", "-q", "-a_srs", "EPSG:32634", site_ / "dtm_1m.tif", wrong}).exit_code, 0);
+  const ToolRun run =
+      run_tool({"--quiet", "elevate", "--roads", true_roads(), "--dtm", wrong, "-o", scratch_ / "a.gpkg"});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-  EXPECT_THAT(run.err, testing::AllOf(HasSubstr("zone_34.tif"), HasSubstr("longitude 20.4"), HasSubstr("longitude 14.4")));
+  EXPECT_THAT(run.err,
+              testing::AllOf(HasSubstr("zone_34.tif"), HasSubstr("longitude 20.4"), HasSubstr("longitude 14.4")));
   EXPECT_FALSE(fs::exists(scratch_ / "a.gpkg"));
 }
 
@@ -215,7 +219,8 @@ TEST_F(OddData, terrain_in_feet_beside_one_in_metres_becomes_metres) {
   const fs::path feet = terrain("dtm_1m.tif", [](Vec2, float z) { return z / 0.3048F; });
   for (const auto& dtms : {std::vector{feet, site_ / "dtm_10m.tif"}, std::vector{site_ / "dtm_10m.tif", feet}}) {
     const Driven driven = drive(true_roads(), dtms);
-    driven.expect_finding("terrain.feet", "odd_dtm_1m.tif is 3.28 times as high as dtm_10m.tif: its heights are taken for feet");
+    driven.expect_finding("terrain.feet",
+                          "odd_dtm_1m.tif is 3.28 times as high as dtm_10m.tif: its heights are taken for feet");
     EXPECT_LT(height_error(driven).mean_m, 0.1);
   }
 }
@@ -233,7 +238,8 @@ TEST_F(OddData, terrain_that_says_it_is_in_feet_becomes_metres) {
 }
 
 TEST_F(OddData, holes_of_the_terrain_are_bridged) {
-  const Vec2 holes[] = {corner + Vec2{60, 110}, corner + Vec2{150, 150}, corner + Vec2{230, 60}, corner + Vec2{110, 250}};
+  const Vec2 holes[] = {corner + Vec2{60, 110}, corner + Vec2{150, 150}, corner + Vec2{230, 60},
+                        corner + Vec2{110, 250}};
   const auto in_hole = [&](Vec2 p) {
     return std::any_of(std::begin(holes), std::end(holes), [&](Vec2 hole) { return distance(hole, p) < 15.0; });
   };
@@ -257,7 +263,8 @@ TEST_F(OddData, spikes_of_the_terrain_do_not_reach_the_road) {
   for (const auto& [source, pixel_m, mean_m, largest_m] :
        {std::tuple{"dtm_1m.tif", 1.0, 0.05, 0.3}, std::tuple{"dtm_10m.tif", 10.0, 0.15, 1.5}})
     for (const float spike_m : {50.0F, -50.0F}) {
-      const fs::path dtm = terrain(source, [&, pixel = pixel_m](Vec2 p, float z) { return is_spike(p, pixel) ? z + spike_m : z; });
+      const fs::path dtm =
+          terrain(source, [&, pixel = pixel_m](Vec2 p, float z) { return is_spike(p, pixel) ? z + spike_m : z; });
       const Driven driven = drive(true_roads(), {dtm});
       driven.expect_finding(pixel_m < 5.0 ? "elevate.terrain_spikes" : "elevate.off_terrain", "of the terrain model");
       const HeightError error = height_error(driven);
@@ -268,7 +275,8 @@ TEST_F(OddData, spikes_of_the_terrain_do_not_reach_the_road) {
 
 TEST_F(OddData, a_block_of_wrong_terrain_does_not_reach_the_road) {
   const Vec2 middle = corner + Vec2{150, 150};
-  const fs::path dtm = terrain("dtm_1m.tif", [&](Vec2 p, float z) { return distance(p, middle) < 12.0 ? z + 50.0F : z; });
+  const fs::path dtm =
+      terrain("dtm_1m.tif", [&](Vec2 p, float z) { return distance(p, middle) < 12.0 ? z + 50.0F : z; });
   const Driven driven = drive(true_roads(), {dtm});
   driven.expect_finding("elevate.off_terrain", "an error of the terrain model");
   EXPECT_LT(height_error(driven).largest_m, 1.0);
@@ -283,6 +291,29 @@ TEST_F(OddData, terrain_that_ends_in_the_middle_of_roads) {
   EXPECT_LT(height_error(driven).largest_m, 0.1 * gradients_fade_m) << "10 % of gradient at most, on and on";
   for (const RoadPath& path : driven.roads.paths)
     for (const RoadNode& node : path.nodes) EXPECT_LT(std::abs(node.gradient), 0.15);
+}
+
+TEST_F(OddData, a_site_whose_terrain_ends_in_the_middle_is_built_and_driven) {
+  // Cut off by nodata, and by the edge of the file.
+  const fs::path cut = terrain("dtm_10m.tif", [&](Vec2 p, float z) { return p.x > 460200.0 ? nan_height() : z; });
+  const fs::path ends = scratch_ / "ends.tif";
+  ASSERT_EQ(
+      run_program({"/usr/bin/gdal_translate", "-q", "-projwin", "459950", "5270350", "460200", "5269950", cut, ends})
+          .exit_code,
+      0);
+  for (const fs::path& dtm : {cut, ends}) {
+    const fs::path out = scratch_ / dtm.stem().string();
+    expect_success(
+        {"--quiet", "build", site_ / "site.toml", "-o", out, "--set", "sources.dtm=[\"" + dtm.string() + "\"]"});
+    EXPECT_THAT(bytes_of(out / "findings.geojson"), HasSubstr("elevate.no_terrain"));
+    EXPECT_TRUE(fs::exists(out / "scene/tileset.json"));
+    const json run = json::parse(bytes_of(out / "run.json"));
+    for (const json& stage : run.at("stages")) {
+      if (stage.at("stage") == "drive") {
+        EXPECT_TRUE(stage.at("numbers").at("finished"));
+      }
+    }
+  }
 }
 
 /// Two roads that cross in the middle, the second on the level of the ground.
@@ -315,7 +346,8 @@ TEST_F(OddData, bridge_and_tunnel_at_once) {
 TEST_F(OddData, three_lanes_on_four_metres) {
   OsmText osm;
   const int middle = osm.node(150, 160);
-  osm.way({osm.node(10, 150), middle, osm.node(290, 150)}, {{"highway", "residential"}, {"lanes", "3"}, {"width", "4"}});
+  osm.way({osm.node(10, 150), middle, osm.node(290, 150)},
+          {{"highway", "residential"}, {"lanes", "3"}, {"width", "4"}});
   osm.way({middle, osm.node(150, 10)}, {{"highway", "residential"}});
   const Driven driven = drive_osm(osm);
   driven.expect_finding("network.too_many_lanes", "3 lanes do not fit in 4.0 m, took 2");
@@ -348,7 +380,8 @@ TEST_F(OddData, nine_roads_meet_in_one_node) {
   const char* const classes[] = {"primary", "secondary", "tertiary", "residential", "service"};
   for (int i = 0; i < 9; ++i) {
     const double angle = angles_deg[i] * std::numbers::pi / 180.0;
-    osm.way({middle, osm.node(150.0 + 140.0 * std::cos(angle), 150.0 + 140.0 * std::sin(angle))}, {{"highway", classes[i % 5]}});
+    osm.way({middle, osm.node(150.0 + 140.0 * std::cos(angle), 150.0 + 140.0 * std::sin(angle))},
+            {{"highway", classes[i % 5]}});
   }
   const Driven driven = drive_osm(osm);
   driven.expect_finding("network.many_roads", "9 roads meet in one junction");
@@ -372,16 +405,19 @@ std::vector<Pose> drive_round(const RoadNetwork& truth) {
       const RoadNode &a = path.nodes[n], &b = path.nodes[n + 1];
       const double run_m = distance(a.p, b.p);
       for (int i = 0; i < 2; ++i)
-        poses.push_back({0.1 * static_cast<double>(poses.size()), a.p + (b.p - a.p) * (0.5 * i), a.z_m + (b.z_m - a.z_m) * 0.5 * i,
-                         10.0 * a.gradient, (b.p - a.p) * (1.0 / run_m)});
+        poses.push_back({0.1 * static_cast<double>(poses.size()), a.p + (b.p - a.p) * (0.5 * i),
+                         a.z_m + (b.z_m - a.z_m) * 0.5 * i, 10.0 * a.gradient, (b.p - a.p) * (1.0 / run_m)});
     }
   }
   return poses;
 }
 /// Five seconds without a pose, and two seconds 30 m to the side.
 std::vector<Pose> with_a_gap_and_jumps(std::vector<Pose> poses) {
-  const auto from = [&](double share) { return static_cast<std::ptrdiff_t>(share * static_cast<double>(poses.size())); };
-  for (auto i = from(0.6); i < from(0.6) + 20; ++i) poses[static_cast<std::size_t>(i)].p = poses[static_cast<std::size_t>(i)].p + Vec2{30, 5};
+  const auto from = [&](double share) {
+    return static_cast<std::ptrdiff_t>(share * static_cast<double>(poses.size()));
+  };
+  for (auto i = from(0.6); i < from(0.6) + 20; ++i)
+    poses[static_cast<std::size_t>(i)].p = poses[static_cast<std::size_t>(i)].p + Vec2{30, 5};
   poses.erase(poses.begin() + from(0.3), poses.begin() + from(0.3) + 50);
   return poses;
 }
@@ -417,7 +453,8 @@ TEST_F(OddData, comma2k19_log_with_a_gap_and_jumps) {
   for (const Pose& pose : with_a_gap_and_jumps(drive_round(io::read_roads(true_roads())))) {
     const Vec2 p = lonlat.target_from_source(pose.p);
     const Vec2 ahead = lonlat.target_from_source(pose.p + pose.direction * 10.0);
-    const Vec3 here = ecef_from_geographic(p.x, p.y, pose.z_m), there = ecef_from_geographic(ahead.x, ahead.y, pose.z_m + pose.climb_mps);
+    const Vec3 here = ecef_from_geographic(p.x, p.y, pose.z_m),
+               there = ecef_from_geographic(ahead.x, ahead.y, pose.z_m + pose.climb_mps);
     times.push_back(pose.time_s);
     for (const double x : {here.x, here.y, here.z}) places.push_back(x);
     for (const double x : {there.x - here.x, there.y - here.y, there.z - here.z}) speeds.push_back(x);

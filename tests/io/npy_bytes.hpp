@@ -10,7 +10,7 @@ namespace orthodrive {
 
 template <typename T>
 inline std::string npy(const std::string& type, const std::string& shape, const std::vector<T>& values,
-                const std::string& order = "False") {
+                       const std::string& order = "False") {
   std::string header = fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}", type, order, shape);
   header.resize((header.size() + 10 + 1 + 63) / 64 * 64 - 10 - 1, ' ');
   header += '\n';

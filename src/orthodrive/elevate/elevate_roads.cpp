@@ -16,6 +16,18 @@ bool shows_cross_fall(const std::vector<HeightGrid>& dtms, const CrossFallOption
                      [&](const HeightGrid& dtm) { return dtm.frame.gsd_m <= options.coarsest_gsd_m; });
 }
 
+/// `roads` with the cross-fall of `measured`, the same roads.
+RoadNetwork with_cross_fall(RoadNetwork roads, const RoadNetwork& measured) {
+  for (std::size_t p = 0; p < roads.paths.size(); ++p)
+    for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n) {
+      RoadNode& node = roads.paths[p].nodes[n];
+      const RoadNode& from = measured.paths[p].nodes[n];
+      node.banking = from.banking, node.crown = from.crown;
+      node.sigma_banking = from.sigma_banking, node.banking_source = from.banking_source;
+    }
+  return roads;
+}
+
 }  // namespace
 
 ElevateRoadsResult elevate_roads(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const DriveLog& log,
@@ -26,8 +38,8 @@ ElevateRoadsResult elevate_roads(const RoadNetwork& roads, const std::vector<Hei
   if (of_cross_fall.in_junction_planes && shows_cross_fall(dtms, options.cross_fall)) {
     // The plane of a junction is known by the banking of the roads through it and by the gradients of those that end
     // there: banking as measured goes into the heights, and their planes into the final cross-fall.
-    EstimateCrossFallResult measured = estimate_cross_fall(profiles.roads, dtms, options.cross_fall);
-    profiles = estimate_profiles(measured.roads, dtms, options.heights, monitor);
+    const RoadNetwork measured = estimate_cross_fall(profiles.roads, dtms, options.cross_fall).roads;
+    profiles = estimate_profiles(with_cross_fall(roads, measured), dtms, options.heights, monitor);
   }
   EstimateCrossFallResult cross_fall = estimate_cross_fall(profiles.roads, dtms, of_cross_fall);
   ElevateRoadsResult result{.roads = std::move(cross_fall.roads),

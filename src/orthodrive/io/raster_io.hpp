@@ -46,6 +46,9 @@ struct ReadPhotoOptions {
 /// Heights over the area and the margin around it. Throws InputError when less than 98 % of the area is covered: by how
 /// much, and which box the file covers.
 [[nodiscard]] HeightGrid read_dtm(const std::filesystem::path& path, const SiteFrame& site, double margin_m = 50.0);
+/// What sites need: where terrain ends, roads and ground go on with findings; less of it is the wrong file.
+constexpr double least_site_coverage = 0.5;
+
 struct ReadDtmsOptions {
   double margin_m = 50.0;        ///< around the area
   double least_coverage = 0.98;  ///< share of the area; a rim thinner than a pixel or a pond without returns is no obstacle

@@ -21,9 +21,9 @@ RoadNetwork with_nodes_every(RoadNetwork roads, double step_m) {
         node.osm_node = 0;
         node.p = a.p + (b.p - a.p) * f;
         for (double RoadNode::*const member :
-             {&RoadNode::s_m, &RoadNode::offset_m, &RoadNode::width_m, &RoadNode::sigma_offset_m, &RoadNode::sigma_width_m,
-              &RoadNode::z_m, &RoadNode::gradient, &RoadNode::banking, &RoadNode::crown, &RoadNode::sigma_z_m,
-              &RoadNode::sigma_banking})
+             {&RoadNode::s_m, &RoadNode::offset_m, &RoadNode::width_m, &RoadNode::sigma_offset_m,
+              &RoadNode::sigma_width_m, &RoadNode::z_m, &RoadNode::gradient, &RoadNode::banking, &RoadNode::crown,
+              &RoadNode::sigma_z_m, &RoadNode::sigma_banking})
           between(member);
       }
     }

@@ -69,7 +69,7 @@ Sources open_sources(const Site& site) {
   sources.osm = read_all_osm(site, sources.osm_findings);
   sources.gpx = io::read_gpx(site.gpx, site.frame);
   sources.drive_logs = io::read_drive_logs(site.drive_logs, site.frame);
-  sources.dtms = io::read_dtms(site.dtm, site.frame, {}, &sources.dtm_findings);
+  sources.dtms = io::read_dtms(site.dtm, site.frame, {.least_coverage = io::least_site_coverage}, &sources.dtm_findings);
   const fs::path model_file = io::find_model(site.model);
   sources.model = load_model(io::read_file(model_file), model_file.string());
   if (site.crf && !sources.model.crf) {
