@@ -174,30 +174,31 @@ void limit_twist(const StationChain& chain, const std::vector<CrossFallAnchor>& 
   }
 }
 
-/// Cuts slopes at the limit; one finding for every stretch that was measured beyond it.
+/// Cuts slopes at the limit; one finding for every stretch that was measured notably beyond it.
 void limit_slopes(const RoadNetwork& roads, const StationChain& chain, const std::vector<double>& limits,
                   CrossFallFit& fit, Findings& findings) {
+  constexpr double notable = 0.005;  // about what measured slopes are unsure by
   std::size_t worst = 0;
-  double worst_slope = 0.0;
+  double worst_excess = 0.0;
   const auto report = [&] {
-    if (worst_slope == 0.0) return;
-    const Station& station = chain.stations[worst];
-    findings.push_back(
-        {Severity::warning, "elevate.banking_limit",
-         fmt::format("way {}: a cross-fall of {:.1f} % was measured, {:.1f} % are taken; is the line on the road?",
-                     roads.paths[station.path].osm_id, 100.0 * worst_slope, 100.0 * limits[worst]),
-         station.p.x, station.p.y});
-    worst_slope = 0.0;
+    if (worst_excess > notable) {
+      const Station& station = chain.stations[worst];
+      findings.push_back(
+          {Severity::warning, "elevate.banking_limit",
+           fmt::format("way {}: a cross-fall of {:.1f} % was measured, {:.1f} % are taken; is the line on the road?",
+                       roads.paths[station.path].osm_id, 100.0 * (limits[worst] + worst_excess), 100.0 * limits[worst]),
+           station.p.x, station.p.y});
+    }
+    worst_excess = 0.0;
   };
   for (std::size_t i = 0; i < chain.stations.size(); ++i) {
-    const double limit = limits[i];
-    if (std::abs(fit.slope[i]) <= limit) {
+    const double excess = std::abs(fit.slope[i]) - limits[i];
+    if (excess <= 0.0) {
       report();
       continue;
     }
-    if (std::abs(fit.slope[i]) > worst_slope && fit.source[i] == CrossFallSource::dtm)
-      worst = i, worst_slope = std::abs(fit.slope[i]);
-    fit.slope[i] = std::copysign(limit, fit.slope[i]);
+    if (excess > worst_excess && fit.source[i] == CrossFallSource::dtm) worst = i, worst_excess = excess;
+    fit.slope[i] = std::copysign(limits[i], fit.slope[i]);
   }
   report();
 }
