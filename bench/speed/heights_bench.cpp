@@ -15,7 +15,7 @@
 
 #include "orthodrive/core/memory.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/elevate/estimate_profiles.hpp"
+#include "orthodrive/elevate/elevate_roads.hpp"
 #include "orthodrive/network/build_network.hpp"
 
 namespace {
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
     for (const RoadPath& path : roads.paths) nodes += path.nodes.size();
     reset_peak_memory();
     const Stopwatch elevate;
-    const EstimateProfilesResult heights = estimate_profiles(roads, {dtm});
+    const ElevateRoadsResult heights = elevate_roads(roads, {dtm}, {}, {});
     const std::string elevate_time = elevate.text();
     const Stopwatch build;
     const NetworkResult network = build_network(heights.roads);

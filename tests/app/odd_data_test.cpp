@@ -212,7 +212,7 @@ TEST_F(OddData, terrain_with_the_wrong_crs_is_refused_in_one_line) {
 TEST_F(OddData, terrain_in_feet_is_told_by_its_slopes) {
   // Alone, nothing proves it: the heights are taken as metres and the finding says so.
   const fs::path feet = terrain("dtm_10m.tif", [](Vec2, float z) { return z / 0.3048F; });
-  drive(true_roads(), {feet}).expect_finding("elevate.implausible_terrain", "feet; they are taken as metres");
+  drive(true_roads(), {feet}).expect_finding("elevate.implausible_terrain", "feet; taken for metres as they are");
 }
 
 TEST_F(OddData, terrain_in_feet_beside_one_in_metres_becomes_metres) {

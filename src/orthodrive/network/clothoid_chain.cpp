@@ -462,7 +462,8 @@ void ClothoidChain::polish() {
     }
 }
 
-/// About how far the line moves when joints go: the triangles of curvature that are lost, integrated twice.
+/// About how far the line moves when joints go: the triangles of curvature that are lost, integrated twice. Where nothing
+/// moves, short pieces go first: one that grows by a joint at a time would be walked along as often as it has joints.
 double ClothoidChain::removal_cost(int j, int count) const {
   int end = j;
   double l = joints_[at(joints_[at(j)].previous)].length_m;
@@ -477,7 +478,8 @@ double ClothoidChain::removal_cost(int j, int count) const {
     cost = std::max(cost, std::abs(joints_[at(j)].knot.curvature - (k0 + (k1 - k0) * s / l)));
     s += joints_[at(j)].length_m;
   }
-  return cost * l * l;
+  constexpr double cost_per_m = 1e-6;
+  return cost * l * l + cost_per_m * l;
 }
 
 void ClothoidChain::remove_knots(int count) {
