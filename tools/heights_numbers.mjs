@@ -1,14 +1,14 @@
 #!/usr/bin/env node
 // Measures heights: all methods and samplings of `orthodrive elevate` on Kvarnbyn and on synthetic sites, for the tables and
 // pictures of docs/heights.md, which it writes. Some minutes on two cores.
-// Usage: tools/heights_numbers.mjs [--only kvarnbyn,pardubice,village,circuit,junction,speed] [--out FOLDER] [--sites FOLDER] [--refined FILE]
+// Usage: tools/heights_numbers.mjs [--only kvarnbyn,pardubice,village,circuit,junction,ring,speed] [--out FOLDER] [--sites FOLDER] [--refined FILE]
 //        [--tool PROGRAM] [--table]   (--table: write the page from what was measured before)
-// --sites: synthetic sites village-99, circuit, junction as `orthodrive synth` makes them (made when they lack); --refined: Kvarnbyn's
+// --sites: synthetic sites village-99, circuit, junction, spielberg (the Red Bull Ring, with its surveyed heights) as `orthodrive synth` makes them (made when they lack); --refined: Kvarnbyn's
 // refined roads, Pardubice's of the same name beside them (tools/refinement_numbers.mjs leaves both in out/refinement/roads). Synthetic roads are the true lines, so that heights
 // alone are measured. Needs python3 to read GeoPackages and gdalwarp for the village's 2 m grid.
 // What is not measured in this run keeps its last values from bench/results/heights.json.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { cpus } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -22,7 +22,7 @@ const tool = argument('--tool', join(root, 'build/release/orthodrive'));
 const out = argument('--out', join(root, 'out/heights'));
 const sites = argument('--sites', join(root, 'out/synth'));
 const refined = argument('--refined', join(root, 'out/refinement/roads/kvarnbyn drawn.default.gpkg'));
-const only = argument('--only', 'kvarnbyn,pardubice,village,circuit,junction,speed').split(',');
+const only = argument('--only', 'kvarnbyn,pardubice,village,circuit,junction,ring,speed').split(',');
 const data = join(root, '../shared/data');
 const store = join(root, 'bench/results/heights.json');
 const numbers = existsSync(store) ? JSON.parse(readFileSync(store, 'utf8')) : { rows: {}, profiles: {} };
@@ -109,9 +109,45 @@ function utm33([lon, lat]) {
   return [500000 + 0.9996 * radius * x, 0.9996 * radius * y];
 }
 
+// ---- the reference's own setting: the Red Bull Ring, nodes 4 m apart, and a terrain model with one gross error
+// The ways of `file` with a node every 4 m or so (all that are shared, first and last ones are kept).
+function thinned(file, target) {
+  copyFileSync(file, target);
+  execFileSync('python3', ['-c', `
+import itertools, sqlite3, sys
+db = sqlite3.connect(sys.argv[1])
+for (name,) in db.execute("select name from sqlite_master where type = 'trigger'").fetchall():
+    db.execute(f'drop trigger "{name}"')  # those of the spatial index call functions that only GDAL has
+gone = []
+for _, nodes in itertools.groupby(db.execute('select osm_id, part, fid, s_m, osm_node from nodes order by osm_id, part, fid').fetchall(), key=lambda row: row[:2]):
+    nodes, last_m = list(nodes), float('-inf')
+    for node in nodes:
+        if node is nodes[-1] or (node[4] or 0) > 0 or node[3] - last_m >= 4.0:
+            last_m = node[3]
+        else:
+            gone.append((node[2],))
+db.executemany('delete from nodes where fid = ?', gone)
+db.commit()`, target]);
+  return target;
+}
+// A dent of 6 m depth and 20 m radius (a raised cosine) at [x, y].
+function dented(dtm, [x, y], target) {
+  const raw = target.replace('.tif', '.bin');
+  execFileSync('gdal_translate', ['-q', '-of', 'ENVI', '-ot', 'Float32', dtm, raw]);
+  const { size: [columns], geoTransform: [west, gsd_x, , north, , gsd_y] } = JSON.parse(execFileSync('gdalinfo', ['-json', raw], { encoding: 'utf8' }));
+  const bytes = readFileSync(raw), z = new Float32Array(bytes.buffer, bytes.byteOffset, bytes.length / 4);
+  z.forEach((value, i) => {
+    const r = Math.hypot(west + ((i % columns) + 0.5) * gsd_x - x, north + (Math.floor(i / columns) + 0.5) * gsd_y - y);
+    if (r < 20) z[i] = value - 3 * (1 + Math.cos((Math.PI * r) / 20));
+  });
+  writeFileSync(raw, bytes);
+  execFileSync('gdal_translate', ['-q', raw, target]);
+  return target;
+}
+
 // truth: decks left out; with_decks: everywhere; dtm: against the grid that was used.
 function measure(name, roads, dtm, truth, way, ignore) {
-  const truths = { dtm: [dtm, []], truth: [truth, ['--ignore', ignore]], with_decks: [truth, []] };
+  const truths = { dtm: [dtm, []], truth: [truth, ignore ? ['--ignore', ignore] : []], with_decks: [truth, []] };
   for (const sampling of samplings)
     for (const [method, [, options]] of Object.entries(methods)) {
       const file = join(out, `${name}.${sampling}.${method}.gpkg`.replaceAll(' ', '_'));
@@ -153,6 +189,17 @@ if (!process.argv.includes('--table')) {
       measure(`${name} ${grid}`, truth, dtm, truth, grid === '10 m' ? way : 0, decks);
     }
     numbers.profiles[`${name} 10 m`].truth = nodes_of(truth, way);
+    save();
+  }
+  if (only.includes('ring')) {
+    const site = join(sites, 'spielberg'), truth = join(site, 'truth/roads.gpkg'), track = join(data, 'spielberg');
+    if (!existsSync(truth))
+      orthodrive('synth', '--from-track', join(track, 'spielberg_utm33.csv'), '--track-osm', join(track, 'osm_way_red_bull_ring.osm'), '--track-heights', join(track, 'elevation_zaggyai.csv'), '-o', site);
+    const roads = thinned(truth, join(out, 'ring.gpkg')), way = longest_way(truth), dtm = join(site, 'dtm_10m.tif');
+    const lap = all_nodes(truth).filter((n) => n[0] === way), [, , , , , x, y] = lap[Math.floor(lap.length / 2)];
+    measure('ring 10 m', roads, dtm, truth, 0, '');  // no decks
+    measure('ring 10 m with an error', roads, dented(dtm, [x, y], join(out, 'ring_dented.tif')), truth, way, '');
+    numbers.profiles['ring 10 m with an error'].truth = nodes_of(truth, way);
     save();
   }
   if (only.includes('speed')) {
@@ -239,7 +286,7 @@ function table(name) {
 function summary() {
   const lines = [];
   const add = (what, asked, value, good) => lines.push(`| ${what} | ${asked} | ${value}${good ? '' : ' **missed**'} |\n`);
-  for (const name of ['kvarnbyn 10 m', 'village 10 m', 'circuit 10 m', 'junction 10 m'])
+  for (const name of ['ring 10 m with an error', 'ring 10 m', 'kvarnbyn 10 m', 'village 10 m', 'circuit 10 m', 'junction 10 m'])
     for (const sampling of samplings) {
       const d = row(name, sampling, 'default')?.truth, n = row(name, sampling, 'reference')?.truth, averages = ['ma11', 'ma35', 'ma67'].map((m) => row(name, sampling, m)?.truth);
       if (!d || !n || averages.some((a) => !a)) continue;
@@ -256,7 +303,7 @@ function summary() {
       add(`${name}, ${sampling}: distance of E_RG from that of the truth`, 'default nearest', triple(far, 1e4, 2), far(d) < Math.min(best_of(far), far(n)));
       compare('squared error of the gradient', best_of(wrong), wrong(n), wrong(d), triple(wrong, 1e4, 3));
       compare('E_h to the truth, decks left out', best_of(e_h), e_h(n), e_h(d), triple(e_h, 1, 4));
-      if (!name.startsWith('kvarnbyn')) {
+      if (!/kvarnbyn|ring/.test(name)) {
         const average = Math.min(...['ma11', 'ma35', 'ma67'].map(all));
         compare('E_h to the truth, with decks', average, all('reference'), all('default'), `${fixed(average, 4)}, ${fixed(all('reference'), 4)}, ${fixed(all('default'), 4)}`);
       }
@@ -279,7 +326,7 @@ function summary() {
 const page = join(root, 'docs/heights.md');
 const commits = [...new Set(Object.values(numbers.rows).map((r) => r.commit))].join(', ');
 let text = `Written by \`tools/heights_numbers.mjs\` from \`bench/results/heights.json\` (measured on ${commits}; two shared cores).\n\n### Asked and reached\n\n${summary()}`;
-for (const name of ['kvarnbyn 10 m', 'village 10 m', 'village 2 m', 'village 1 m', 'circuit 10 m', 'circuit 1 m', 'junction 10 m', 'junction 1 m'])
+for (const name of ['ring 10 m with an error', 'ring 10 m', 'kvarnbyn 10 m', 'village 10 m', 'village 2 m', 'village 1 m', 'circuit 10 m', 'circuit 1 m', 'junction 10 m', 'junction 1 m'])
   if (row(name, 'cubic', 'default')) text += `\n### ${name[0].toUpperCase()}${name.slice(1)} grid\n\n${table(name)}`;
 if (numbers.speed) text += `\n### Cost against road length (${numbers.speed.commit}, \`bench_heights\`)\n\n${numbers.speed.lines.map((l) => `    ${l}\n`).join('')}`;
 text += `\n### Pictures\n\n![E_RG against E_h of all methods](images/heights_energies.svg)\n\n${pictures.join('\n')}`;
