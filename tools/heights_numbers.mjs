@@ -31,7 +31,9 @@ mkdirSync(out, { recursive: true });
 const orthodrive = (...args) => execFileSync(tool, ['--quiet', ...args], { encoding: 'utf8', maxBuffer: 1 << 26, stdio: ['ignore', 'pipe', 'inherit'] });
 const git = (...args) => execFileSync('git', ['-C', root, ...args], { encoding: 'utf8' }).trim();
 const commit = git('rev-parse', '--short', 'HEAD') + (git('status', '--porcelain', '--untracked-files=no', '--', '.', ':!bench/results', ':!docs') ? ' + changes' : '');
-const save = () => writeFileSync(store, JSON.stringify(numbers, null, 1) + '\n');
+// A line a row and a profile.
+const lines_of = (table) => `{\n${Object.entries(table).map(([key, value]) => `  ${JSON.stringify(key)}: ${JSON.stringify(value)}`).join(',\n')}\n }`;
+const save = () => writeFileSync(store, `{\n "rows": ${lines_of(numbers.rows)},\n "profiles": ${lines_of(numbers.profiles)},\n "speed": ${JSON.stringify(numbers.speed ?? null)}\n}\n`);
 
 const methods = {
   none: ['none', ['--method', 'moving-average', '--window', '1']],
@@ -43,11 +45,15 @@ const methods = {
 };
 const samplings = ['bilinear', 'cubic'];
 
-// Distance, height and gradient of the nodes of one way.
+// Distance, height and gradient of the nodes of one way, 4 m apart: enough for pictures.
 const nodes_of = (file, osm_id) => JSON.parse(execFileSync('python3', ['-c', `
 import json, sqlite3, sys
 rows = sqlite3.connect(sys.argv[1]).execute('select s_m, z_m, gradient from nodes where osm_id = ? and part = 0 order by fid', (int(sys.argv[2]),)).fetchall()
-print(json.dumps([[round(v, 4) for v in row] for row in rows]))`, file, String(osm_id)], { encoding: 'utf8', maxBuffer: 1 << 26 }));
+kept = []
+for row in rows:
+    if not kept or row[0] - kept[-1][0] >= 4.0 or row is rows[-1]:
+        kept.append([round(row[0], 2), round(row[1], 3), round(row[2], 5)])
+print(json.dumps(kept))`, file, String(osm_id)], { encoding: 'utf8', maxBuffer: 1 << 26 }));
 const longest_way = (file) => +execFileSync('python3', ['-c', `
 import sqlite3, sys
 print(sqlite3.connect(sys.argv[1]).execute('select osm_id from nodes where part = 0 group by osm_id order by max(s_m) desc, osm_id').fetchone()[0])`, file], { encoding: 'utf8' });
