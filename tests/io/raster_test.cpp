@@ -4,8 +4,11 @@
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <thread>
+#include <vector>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/hash.hpp"
@@ -218,6 +221,27 @@ TEST(Photo, same_photo_same_bytes) {
   const Scratch scratch;
   for (const char* name : {"a.tif", "b.tif"}) io::write_photo(scratch / name, noisy_photo(300), {.jpeg_quality = 85});
   EXPECT_EQ(bytes_of(scratch / "a.tif"), bytes_of(scratch / "b.tif"));
+}
+
+/// Each test is a process of its own under CTest: this is the first JPEG of its process.
+TEST(Photo, the_first_jpegs_may_be_encoded_by_many_threads_at_once) {
+  constexpr int threads = 8;
+  Raster<std::uint8_t> image(16, 16, 3);
+  std::atomic<int> waiting{threads}, failed{0};
+  std::vector<std::jthread> encoders;
+  for (int i = 0; i < threads; ++i)
+    encoders.emplace_back([&] {
+      --waiting;
+      while (waiting > 0) {
+      }
+      try {
+        (void)io::encode_jpeg(image);
+      } catch (const Error&) {
+        ++failed;
+      }
+    });
+  encoders.clear();
+  EXPECT_EQ(failed, 0);
 }
 
 TEST(BadRaster, missing_file) {

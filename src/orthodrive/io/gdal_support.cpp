@@ -17,6 +17,11 @@ void start_gdal() {
   std::call_once(once, [] {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // GDAL's own threads; ours collect with GdalErrors
     GDALAllRegister();
+    // GDAL 3.6 puts the list of these drivers' options together at the first look at it, without a lock: two threads that
+    // write their first images at once would read half a list.
+    for (const char* driver : {"JPEG", "COG"})
+      if (GDALDriver* found = GetGDALDriverManager()->GetDriverByName(driver))
+        found->GetMetadataItem(GDAL_DMD_CREATIONOPTIONLIST);
     // The default is 5 % of the machine's memory, on top of what the stages hold.
     if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(GIntBig{128} << 20);
     // A truncated JPEG is a warning to libjpeg and grey pixels to its reader.
