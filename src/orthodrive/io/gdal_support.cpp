@@ -17,8 +17,8 @@ void start_gdal() {
   std::call_once(once, [] {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // GDAL's own threads; ours collect with GdalErrors
     GDALAllRegister();
-    // GDAL 3.6 puts the list of these drivers' options together at the first look at it, without a lock: two threads that
-    // write their first images at once would read half a list.
+    // GDAL 3.6 puts the list of these drivers' options together at the first look at it, without a lock: two threads
+    // that write their first images at once would read half a list.
     for (const char* driver : {"JPEG", "COG"})
       if (GDALDriver* found = GetGDALDriverManager()->GetDriverByName(driver))
         found->GetMetadataItem(GDAL_DMD_CREATIONOPTIONLIST);
