@@ -351,6 +351,15 @@ TEST(CubicPlan, goes_through_all_points_without_jump_of_curvature) {
 
 double hill(double s) { return 5.0 * std::sin(s / 40.0) + 0.03 * s; }
 
+/// Value and slope go on at every joint.
+void expect_joined(const std::vector<Cubic>& cubics) {
+  for (std::size_t i = 1; i < cubics.size(); ++i) {
+    const std::span<const Cubic> before(cubics.data(), i);
+    EXPECT_NEAR(roadquery::evaluate(before, cubics[i].s), cubics[i].a, 1e-9);
+    EXPECT_NEAR(roadquery::derivative(before, cubics[i].s), cubics[i].b, 1e-9);
+  }
+}
+
 TEST(FitProfile, follows_a_hill_with_few_cubics) {
   std::vector<ProfileSample> samples;
   for (int i = 0; i <= 250; ++i) samples.push_back({2.0 * i, hill(2.0 * i)});
@@ -358,11 +367,7 @@ TEST(FitProfile, follows_a_hill_with_few_cubics) {
   EXPECT_LT(fit.cubics.size(), 20u);
   EXPECT_LE(fit.max_error, 0.02);
   for (double s = 0.0; s <= 500.0; s += 0.5) EXPECT_NEAR(roadquery::evaluate(fit.cubics, s), hill(s), 0.025) << s;
-  for (std::size_t i = 1; i < fit.cubics.size(); ++i) {
-    const std::span<const Cubic> before(fit.cubics.data(), i);
-    EXPECT_NEAR(roadquery::evaluate(before, fit.cubics[i].s), fit.cubics[i].a, 1e-9);
-    EXPECT_NEAR(roadquery::derivative(before, fit.cubics[i].s), fit.cubics[i].b, 1e-9);
-  }
+  expect_joined(fit.cubics);
 }
 
 TEST(FitProfile, constant_line_and_single_sample) {
@@ -406,10 +411,8 @@ TEST(FitSpline, follows_a_hill_with_continuous_curvature) {
   EXPECT_LT(fit.cubics.size(), 40u);
   EXPECT_LE(fit.max_error, 0.02);
   for (double s = 0.0; s <= 500.0; s += 0.5) EXPECT_NEAR(roadquery::evaluate(fit.cubics, s), hill(s), 0.025) << s;
+  expect_joined(fit.cubics);
   for (std::size_t i = 1; i < fit.cubics.size(); ++i) {
-    const std::span<const Cubic> before(fit.cubics.data(), i);
-    EXPECT_NEAR(roadquery::evaluate(before, fit.cubics[i].s), fit.cubics[i].a, 1e-9);
-    EXPECT_NEAR(roadquery::derivative(before, fit.cubics[i].s), fit.cubics[i].b, 1e-9);
     const auto [end, start] = curvatures_at(fit.cubics, i);
     EXPECT_NEAR(end, start, 1e-9);
   }

@@ -92,6 +92,23 @@ std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const 
   return meetings;
 }
 
+/// Both ways along the chain from a station, which is left out: visit(station, metres gone) until that is over
+/// `reach_m`, the chain ends, or visit returns false.
+template <typename Visit>
+void walk_away(const StationChain& chain, std::size_t from, double reach_m, Visit&& visit) {
+  const std::size_t n = chain.stations.size();
+  for (const int way : {1, -1}) {
+    double gone_m = 0.0;
+    for (std::size_t i = from, count = 1; count < n; ++count) {
+      if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
+      const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
+      gone_m += step_m(chain, way > 0 ? i : next);
+      i = next;
+      if (gone_m > reach_m || !visit(i, gone_m)) break;
+    }
+  }
+}
+
 /// Stations of the chain on the main road's carriageway lie in its plane there (the half of its roof that they leave
 /// over); the main road itself does where a junction's plane is known.
 void add_anchors(const StationChain& chain, const Meeting& meeting, const StationChain& main,
@@ -104,7 +121,6 @@ void add_anchors(const StationChain& chain, const Meeting& meeting, const Statio
   }
   const Vec2 plane =
       meeting.plane ? *meeting.plane : at.along * at.gradient + left * main_fit.slope[meeting.main_station];
-  const std::size_t n = chain.stations.size();
   const auto anchor = [&](std::size_t i) {
     const double t = dot(chain.stations[i].p - chain.stations[meeting.station].p, left);
     if (std::abs(t) > at.half_width_m) return false;
@@ -114,16 +130,7 @@ void add_anchors(const StationChain& chain, const Meeting& meeting, const Statio
     return true;
   };
   anchor(meeting.station);
-  for (const int way : {1, -1}) {
-    double gone_m = 0.0;
-    for (std::size_t i = meeting.station, count = 1; count < n; ++count) {
-      if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
-      const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
-      gone_m += step_m(chain, way > 0 ? i : next);
-      i = next;
-      if (gone_m > longest_overlap_m || !anchor(i)) break;
-    }
-  }
+  walk_away(chain, meeting.station, longest_overlap_m, [&](std::size_t i, double) { return anchor(i); });
 }
 
 /// What slopes may be at every station: the limit of the road, and no less than a junction's plane until it has run
@@ -134,20 +141,12 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
   for (const Station& station : chain.stations)
     limits.push_back(roads.paths[station.path].highway == "raceway" ? options.largest_raceway_slope
                                                                     : options.largest_slope);
-  const std::size_t n = limits.size();
   for (const CrossFallAnchor& anchor : anchors) {
     limits[anchor.station] = std::max(limits[anchor.station], std::abs(anchor.slope));
-    for (const int way : {1, -1}) {
-      double gone_m = 0.0;
-      for (std::size_t i = anchor.station, count = 1; count < n; ++count) {
-        if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
-        const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
-        gone_m += step_m(chain, way > 0 ? i : next);
-        i = next;
-        if (gone_m > cross_fall_runout_m) break;
-        limits[i] = std::max(limits[i], std::abs(anchor.slope));
-      }
-    }
+    walk_away(chain, anchor.station, cross_fall_runout_m, [&](std::size_t i, double) {
+      limits[i] = std::max(limits[i], std::abs(anchor.slope));
+      return true;
+    });
   }
   return limits;
 }
@@ -155,22 +154,14 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
 /// From where it lies in another road's plane a side road turns no faster than this: 5 % in 7 m.
 void limit_twist(const StationChain& chain, const std::vector<CrossFallAnchor>& anchors, CrossFallFit& fit) {
   constexpr double most_1pm = 0.007;
-  const std::size_t n = chain.stations.size();
   const std::vector<double> fitted = fit.slope;
   for (const CrossFallAnchor& anchor : anchors) {
     if (anchor.is_main) continue;
     const double from = fitted[anchor.station];
-    for (const int way : {1, -1}) {
-      double gone_m = 0.0;
-      for (std::size_t i = anchor.station, count = 1; count < n; ++count) {
-        if (!chain.closed && (way > 0 ? i + 1 == n : i == 0)) break;
-        const std::size_t next = way > 0 ? (i + 1) % n : (i + n - 1) % n;
-        gone_m += step_m(chain, way > 0 ? i : next);
-        i = next;
-        if (gone_m > cross_fall_runout_m) break;
-        fit.slope[i] = std::clamp(fit.slope[i], from - most_1pm * gone_m, from + most_1pm * gone_m);
-      }
-    }
+    walk_away(chain, anchor.station, cross_fall_runout_m, [&](std::size_t i, double gone_m) {
+      fit.slope[i] = std::clamp(fit.slope[i], from - most_1pm * gone_m, from + most_1pm * gone_m);
+      return true;
+    });
   }
 }
 

@@ -11,14 +11,6 @@ using roadquery::Cubic;
 
 constexpr double stencil_m = 5.0;  // slopes look this far to both sides: two node spacings, against node noise
 
-double value_at(const Cubic& cubic, double s) {
-  const double ds = s - cubic.s;
-  return cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d));
-}
-double slope_at(const Cubic& cubic, double s) {
-  const double ds = s - cubic.s;
-  return cubic.b + ds * (2.0 * cubic.c + ds * 3.0 * cubic.d);
-}
 /// The same polynomial written from another start.
 Cubic moved_to(const Cubic& cubic, double s) {
   const double ds = s - cubic.s;
@@ -63,6 +55,16 @@ std::vector<double> slopes(const std::vector<ProfileSample>& samples, bool close
 }
 
 }  // namespace
+
+double value_at(const Cubic& cubic, double s) {
+  const double ds = s - cubic.s;
+  return cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d));
+}
+
+double slope_at(const Cubic& cubic, double s) {
+  const double ds = s - cubic.s;
+  return cubic.b + ds * (2.0 * cubic.c + ds * 3.0 * cubic.d);
+}
 
 std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples) {
   constexpr double min_step_m = 0.01;

@@ -28,6 +28,8 @@ struct ProfileFit {
 
 /// Samples at least 1 cm apart; the last one stays.
 [[nodiscard]] std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples);
+[[nodiscard]] double value_at(const roadquery::Cubic& cubic, double s);
+[[nodiscard]] double slope_at(const roadquery::Cubic& cubic, double s);
 /// The cubic with these values and slopes at both ends.
 [[nodiscard]] roadquery::Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1);
 /// The part from s0 to s1 with s from 0.

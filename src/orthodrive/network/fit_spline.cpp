@@ -84,10 +84,6 @@ Cubic piece(const ProfileSample& a, const ProfileSample& b, double moment_a, dou
           (moment_b - moment_a) / (6.0 * h)};
 }
 
-double value_at(const Cubic& cubic, double s) {
-  const double ds = s - cubic.s;
-  return cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d));
-}
 
 /// Evenly some 64 m apart, at least three around a closed profile, and the ones asked for.
 std::vector<std::size_t> first_knots(const std::vector<ProfileSample>& samples, bool closed,

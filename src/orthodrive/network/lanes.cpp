@@ -27,14 +27,6 @@ constexpr double taper_step_m = 3.0;       // between the ends of its cubics: th
 constexpr double sidewalk_m = 2.0, shoulder_m = 1.5, motorway_shoulder_m = 2.5;
 constexpr double centre_line_from_m = 5.5;  // narrower two-way roads have no centre line (RMS: from 5.5 m)
 
-double value_at(const Cubic& cubic, double s) {
-  const double ds = s - cubic.s;
-  return cubic.a + ds * (cubic.b + ds * (cubic.c + ds * cubic.d));
-}
-double slope_at(const Cubic& cubic, double s) {
-  const double ds = s - cubic.s;
-  return cubic.b + ds * (2.0 * cubic.c + ds * 3.0 * cubic.d);
-}
 
 /// A share of the carriageway that changes along the tapers at both ends.
 struct Share {
