@@ -1,25 +1,24 @@
-// orthodrive drive: one lap in a simulated car.
+// orthodrive drive: laps, routes or every road in a simulated car.
 
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <filesystem>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "commands.hpp"
-#include "orthodrive/core/aside_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/drive/drive_report.hpp"
-#include "orthodrive/drive/simulate_lap.hpp"
+#include "orthodrive/pipeline/run_drive.hpp"
+#include "stage_output.hpp"
 
 namespace orthodrive::app {
 namespace {
 
 struct Arguments {
-  std::string network;
-  std::filesystem::path out_dir;
-  DriveOptions drive;
+  DriveFiles files;
+  RunDriveOptions drive;
   std::vector<std::string> via;
 };
 
@@ -32,46 +31,72 @@ Vec2 parse_point(const std::string& text) {
   return p;
 }
 
-void run(Arguments& arguments, Monitor* monitor) {
+void run(Arguments& arguments, const Context& context) {
   for (const std::string& text : arguments.via) arguments.drive.route.via.push_back(parse_point(text));
-  const roadquery::RoadMap map = roadquery::read_opendrive(arguments.network);
-  const DriveResult result = simulate_lap(map, arguments.drive, monitor);
-  write_text_file(arguments.out_dir / "lap.csv", lap_csv(result));
-  write_text_file(arguments.out_dir / "report.html", lap_report_html(map, result));
-  if (monitor == nullptr) return;
-  for (const auto& [label, value] : lap_numbers(result)) monitor->info(fmt::format("{}: {}", label, value));
-  for (const Finding& finding : result.findings) {
-    monitor->info(fmt::format("{} at {:.1f}, {:.1f}: {}", finding.code, finding.x_m, finding.y_m, finding.message));
-  }
+  StageContext stage = stage_context(context);
+  const StageOutcome outcome = run_drive(arguments.files, arguments.drive, stage);
+  for (const std::string& line : outcome.summary) stage.info(line);
+  for (const Finding& finding : outcome.findings)
+    stage.info(fmt::format("{} at {:.1f}, {:.1f}: {}", finding.code, finding.x_m, finding.y_m, finding.message));
+}
+
+}  // namespace
+
+namespace {
+
+void add_route_options(CLI::App& cmd, Arguments& arguments) {
+  cmd.add_option("--route", arguments.drive.route.route,
+                 "auto (a loop of raceways, else a good loop of 0.5 to 5 km), or names / OSM ids of ways with commas")
+      ->capture_default_str();
+  cmd.add_option("--via", arguments.via,
+                 "x,y in metres of the site CRS; several: past these in order and back to the first");
+  cmd.add_flag("--all-roads", arguments.drive.all_roads,
+               "drives every road of the largest connected part at its speed limit and lists the places that fail; "
+               "writes DIR/all_roads.csv");
+}
+
+void add_car_options(CLI::App& cmd, RunDriveOptions& drive) {
+  cmd.add_option("--vehicle", drive.vehicle, "auto (sports when racing, else family), family, sports, gt3, or a file")
+      ->capture_default_str();
+  cmd.add_option("--style", drive.style,
+                 "auto (racing on raceways), road (own lane, speed limits), racing (whole width, the car's limit)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, DriveStyle>{
+          {"auto", DriveStyle::automatic}, {"road", DriveStyle::road}, {"racing", DriveStyle::racing}}))
+      ->default_str("auto");
+  cmd.add_option("--laps", drive.laps, "timed laps of a closed route")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  cmd.add_flag("--standing-start", drive.standing_start, "from rest; else a lap to warm up comes before the timed one");
+  cmd.add_flag("--stops", drive.stops, "stands where other traffic goes first");
+  cmd.add_flag("--flat", drive.flat, "without the heights of the roads, to see what they change");
+  cmd.add_option("--max-speed", drive.max_speed_mps, "top speed, m/s; else 36 on roads")->check(CLI::Range(3.0, 120.0));
+  cmd.add_option("--max-lateral", drive.max_lateral_mps2, "lateral acceleration in bends, m/s^2; else 4 on roads")
+      ->check(CLI::Range(0.5, 50.0));
+  cmd.add_option("--step", drive.step_ms, "time step of the car, ms")
+      ->check(CLI::Range(0.1, 2.0))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 void add_drive(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* cmd =
-      app.add_subcommand("drive",
-                         "Drives one lap on OpenDRIVE roads: four tyres ask for the road surface 1000 times a second.\n"
-                         "Reads roads.xodr (OpenDRIVE 1.4 - 1.8), writes DIR/lap.csv and DIR/report.html.");
-  cmd->add_option("--network", arguments->network, "OpenDRIVE file")->required();
-  cmd->add_option("-o,--output", arguments->out_dir, "output folder")->required();
-  cmd->add_option("--route", arguments->drive.route.route,
-                  "auto (a loop of raceways, else a good loop of 0.5 to 5 km), or names / OSM ids of ways with commas")
-      ->capture_default_str();
-  cmd->add_option("--via", arguments->via,
-                  "x,y in metres of the site CRS; several: past these in order and back to the first");
-  Driver& driver = arguments->drive.driver;
-  cmd->add_option("--max-speed", driver.max_speed_mps, "top speed, m/s")
-      ->check(CLI::Range(3.0, 120.0))
-      ->capture_default_str();
-  cmd->add_option("--max-lateral", driver.max_lateral_mps2, "lateral acceleration in bends, m/s^2")
-      ->check(CLI::Range(0.5, 9.0))
-      ->capture_default_str();
+  CLI::App* cmd = app.add_subcommand(
+      "drive",
+      "Drives on OpenDRIVE roads: a car whose four tyres ask for the road surface 1000 times a second.\n"
+      "Reads roads.xodr (OpenDRIVE 1.4 - 1.8), writes into DIR lap.csv, cycle.csv, lap.gpx, lap.xosc\n"
+      "(OpenSCENARIO) and report.html.");
+  cmd->add_option("--network", arguments->files.network, "OpenDRIVE file")->required();
+  cmd->add_option("-o,--output", arguments->files.folder, "output folder")->required();
+  add_route_options(*cmd, *arguments);
+  add_car_options(*cmd, arguments->drive);
   cmd->footer(
       "Examples:\n"
       "  orthodrive drive --network out/roads.xodr -o out/drive\n"
+      "  orthodrive drive --network ring/roads.xodr --vehicle gt3 --laps 2 -o lap\n"
+      "  orthodrive drive --network roads.xodr --all-roads --vehicle family -o check\n"
       "  orthodrive drive --network roads.xodr --via 529900,5542300 --via 530400,5542800 --max-lateral 3 -o lap");
-  cmd->callback([arguments, &context] { run(*arguments, context.monitor); });
+  cmd->callback([arguments, &context] { run(*arguments, context); });
 }
 
 }  // namespace orthodrive::app

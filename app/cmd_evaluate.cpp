@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "orthodrive/core/error.hpp"
 #include "orthodrive/pipeline/score.hpp"
 
 namespace orthodrive::app {
@@ -16,45 +17,37 @@ struct EvaluateCommand {
   ScoreRequest request;
   LabelScoreOptions label_options;
   RoadScoreOptions road_options;
+  NetworkScoreOptions network_options;
+  bool strict = false;
   bool json = false;
 };
-}  // namespace
+using Command = std::shared_ptr<EvaluateCommand>;
+using Score = std::function<ScoreJson(const EvaluateCommand&)>;
 
-void add_evaluate(CLI::App& app, Context&) {
-  auto command = std::make_shared<EvaluateCommand>();
-  CLI::App* cmd = app.add_subcommand(
-      "evaluate",
-      "Score labels, roads, heights, a network or a whole site against truth. Writes nothing but what --html, "
-      "--overlay and --layers name.");
-  cmd->require_subcommand(1);
-  cmd->fallthrough();
-  cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
-  cmd->add_option("--area", command->request.region.area,
-                  "polygons (GeoJSON, GeoPackage, any CRS) that limit the score; default: everywhere");
-  cmd->add_option("--ignore", command->request.region.ignore, "polygons taken out of the score");
-  cmd->footer(
-      "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
-      "  orthodrive evaluate site out --truth site/truth --json");
+/// A kind of score, as a sub-command of its own.
+CLI::App* add_kind(CLI::App* cmd, const Command& command, const char* name, const char* purpose, const char* footer,
+                   const Score& score) {
+  CLI::App* kind = cmd->add_subcommand(name, purpose);
+  kind->footer(footer);
+  kind->callback([command, score] {
+    const ScoreJson scores = score(*command);
+    fmt::print("{}", command->json ? scores.dump(2) + "\n" : to_table(scores));
+    if (command->strict && !scores.at("verdict").at("pass").get<bool>())
+      throw Error(fmt::format("{}: the verdict is fail, {} places are over a limit", command->request.scored.string(),
+                              scores.at("faults").size()));
+  });
+  return kind;
+}
+Score of_files(ScoreJson (*score)(const ScoreRequest&)) {
+  return [score](const EvaluateCommand& c) { return score(c.request); };
+}
+void positional(CLI::App* kind, const char* name, fs::path& path, const char* text) {
+  kind->add_option(name, path, text)->required();
+}
 
-  using Score = std::function<ScoreJson(const EvaluateCommand&)>;
-  const auto add = [&](const char* name, const char* purpose, const char* footer, const Score& score) {
-    CLI::App* kind = cmd->add_subcommand(name, purpose);
-    kind->footer(footer);
-    kind->callback([command, score] {
-      const ScoreJson scores = score(*command);
-      fmt::print("{}", command->json ? scores.dump(2) + "\n" : to_table(scores));
-    });
-    return kind;
-  };
-  const auto of_files = [](ScoreJson (*score)(const ScoreRequest&)) {
-    return [score](const EvaluateCommand& c) { return score(c.request); };
-  };
-  const auto positional = [&](CLI::App* kind, const char* name, fs::path& path, const char* text) {
-    kind->add_option(name, path, text)->required();
-  };
-
-  CLI::App* labels = add(
-      "labels", "Accuracy, intersection over union, confusion and calibration of a label map.",
+void add_labels(CLI::App* cmd, const Command& command) {
+  CLI::App* labels = add_kind(
+      cmd, command, "labels", "Accuracy, intersection over union, confusion and calibration of a label map.",
       "Compares at the truth's pixel centres; classes are matched by name. Of polygons with `class` later ones cover "
       "earlier ones, the class `unknown` is not scored, and each `piece` is scored on its own as well. Polygons "
       "without `class` score the road role.\n"
@@ -78,9 +71,11 @@ void add_evaluate(CLI::App& app, Context&) {
                      "write a page with tables, confusion matrix and error pictures; a folder gets labels.html");
   labels->add_option("--photo", command->label_options.photo,
                      "orthophoto in grey under the error pictures of the page");
+}
 
-  CLI::App* roads = add(
-      "roads", "Surface overlap, offset and width of roads, in metres.",
+void add_roads(CLI::App* cmd, const Command& command) {
+  CLI::App* roads = add_kind(
+      cmd, command, "roads", "Surface overlap, offset and width of roads, in metres.",
       "offset_m: from each truth centre line across to the nearest road line, every 2 m, within 15 m and 30 degrees.\n"
       "sigma_coverage: share of the offsets (and widths) within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
       "width_variance_m2: of the width along a path, mean over the paths. largest_curvature_jump: 1/m, over 4 m of a "
@@ -107,35 +102,77 @@ void add_evaluate(CLI::App& app, Context&) {
   roads->add_option("--photo", command->road_options.photo, "orthophoto in grey under the overlay");
   roads->add_option("--layers", command->road_options.layers,
                     "write a GeoPackage: layers false_positive, false_negative, truth_lines, truth_samples");
+}
 
-  CLI::App* heights = add("heights", "Errors of z (m), gradient (dz/ds) and banking (rad) at the nodes of roads.",
-                          "A terrain model has no decks: with one as truth, bridges and tunnels are left out.\n"
-                          "gradient_energy: E_RG, height_error_energy: E_h of the thesis (eq. 3.13, 3.12); "
-                          "gradient_error_energy: mean squared difference to the true gradient.\n"
-                          "sigma_coverage: share of the heights within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
-                          "largest_kink: jump of dz/ds along ways; largest_junction_kink: of a road from the common plane of "
-                          "a junction; largest_step_m: between ways that share a node. With the place.\n"
-                          "min_clearance_m: at the crossings on two levels; level_crossings: the other ones.\n"
-                          "Examples:\n  orthodrive evaluate heights out/roads.gpkg site/truth/roads.gpkg\n"
-                          "  orthodrive evaluate heights out/roads.gpkg dtm_1m.tif --json",
-                          of_files(score_heights));
+void add_heights(CLI::App* cmd, const Command& command) {
+  CLI::App* heights =
+      add_kind(cmd, command, "heights", "Errors of z (m), gradient (dz/ds) and banking (rad) at the nodes of roads.",
+               "A terrain model has no decks: with one as truth, bridges and tunnels are left out.\n"
+               "gradient_energy: E_RG, height_error_energy: E_h of the thesis (eq. 3.13, 3.12); "
+               "gradient_error_energy: mean squared difference to the true gradient.\n"
+               "sigma_coverage: share of the heights within 1 and 2 stated sigma; 0.68 and 0.95 would be right.\n"
+               "largest_kink: jump of dz/ds along ways; largest_junction_kink: of a road from the common plane of "
+               "a junction; largest_step_m: between ways that share a node. With the place.\n"
+               "min_clearance_m: at the crossings on two levels; level_crossings: the other ones.\n"
+               "Examples:\n  orthodrive evaluate heights out/roads.gpkg site/truth/roads.gpkg\n"
+               "  orthodrive evaluate heights out/roads.gpkg dtm_1m.tif --json",
+               of_files(score_heights));
   positional(heights, "ROADS", command->request.scored, "roads.gpkg with heights");
   positional(heights, "TRUTH", command->request.truth, "terrain model in metres, a true roads.gpkg, or a truth folder");
+}
 
-  CLI::App* network = add(
-      "network", "Size and faults of an OpenDRIVE file: kinks, gaps, clearance, what hangs together.",
-      "Examples:\n  orthodrive evaluate network out/roads.xodr\n  orthodrive evaluate network out/roads.xodr --json",
-      of_files(score_network));
+void add_network(CLI::App* cmd, const Command& command) {
+  CLI::App* network = add_kind(
+      cmd, command, "network", "Size and faults of an OpenDRIVE file: kinks, gaps, clearance, what hangs together.",
+      "verdict: both wheel tracks of every driving lane are followed through every link; what a tyre feels there is "
+      "held "
+      "against limits (docs/evaluate.md). `faults` lists the places that fail.\n"
+      "Exit code 1 where the verdict is fail and --strict is given, else 0.\n"
+      "Examples:\n  orthodrive evaluate network out/roads.xodr\n  orthodrive evaluate network out/roads.xodr --json\n"
+      "  orthodrive evaluate network out/roads.xodr --strict --findings faults.geojson --layers faults.gpkg",
+      [](const EvaluateCommand& c) { return score_network(c.request, c.network_options); });
+  network->add_flag("--strict", command->strict, "exit code 1 when the verdict is fail");
+  network->add_option("--findings", command->network_options.findings,
+                      "write the places that fail as GeoJSON points (WGS84)");
+  network->add_option("--layers", command->network_options.layers,
+                      "write them as a GeoPackage, a layer a kind of fault");
   positional(network, "FILE", command->request.scored, "OpenDRIVE 1.4 - 1.8");
+}
 
-  CLI::App* site = add("site", "All of the above for the output folder of `orthodrive build`.",
-                       "Examples:\n  orthodrive evaluate site out --truth site/truth\n  orthodrive evaluate site out "
-                       "--truth site/truth --json",
-                       of_files(score_site));
+void add_site(CLI::App* cmd, const Command& command) {
+  CLI::App* site =
+      add_kind(cmd, command, "site", "All of the above for the output folder of `orthodrive build`.",
+               "Examples:\n  orthodrive evaluate site out --truth site/truth\n  orthodrive evaluate site out "
+               "--truth site/truth --json",
+               of_files(score_site));
   positional(site, "DIR", command->request.scored, "output folder of `orthodrive build`");
   site->add_option("--truth", command->request.truth,
                    "folder with labels.tif, roads.gpkg or surface.geojson, as `orthodrive synth` makes it")
       ->required();
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Context&) {
+  auto command = std::make_shared<EvaluateCommand>();
+  CLI::App* cmd = app.add_subcommand(
+      "evaluate",
+      "Score labels, roads, heights, a network or a whole site against truth. Writes nothing but what --html, "
+      "--overlay and --layers name.");
+  cmd->require_subcommand(1);
+  cmd->fallthrough();
+  cmd->add_flag("--json", command->json, "print one JSON object on standard output instead of a table");
+  cmd->add_option("--area", command->request.region.area,
+                  "polygons (GeoJSON, GeoPackage, any CRS) that limit the score; default: everywhere");
+  cmd->add_option("--ignore", command->request.region.ignore, "polygons taken out of the score");
+  cmd->footer(
+      "Examples:\n  orthodrive evaluate labels out/labels.tif site/truth/labels.tif\n"
+      "  orthodrive evaluate site out --truth site/truth --json");
+  add_labels(cmd, command);
+  add_roads(cmd, command);
+  add_heights(cmd, command);
+  add_network(cmd, command);
+  add_site(cmd, command);
 }
 
 }  // namespace orthodrive::app

@@ -2,45 +2,26 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
-#include <system_error>
 
 #include "commands.hpp"
-#include "orthodrive/core/aside_file.hpp"
-#include "orthodrive/core/error.hpp"
-#include "orthodrive/pipeline/tune_refine.hpp"
+#include "orthodrive/pipeline/run_tune.hpp"
+#include "stage_output.hpp"
 
 namespace orthodrive::app {
 namespace {
-
 struct TuneCommand {
-  std::filesystem::path sites, out;
+  TuneFiles files;
   SearchWeightsOptions options;
 };
-
-void run(const TuneCommand& command, const Context& context) {
-  SearchWeightsOptions options = command.options;
-  options.threads = context.threads;
-  const TuneSites sites = read_tune_sites(command.sites, context.monitor);
-  std::error_code failed;  // told before the search, which takes minutes
-  std::filesystem::create_directories(command.out, failed);
-  if (!std::filesystem::is_directory(command.out))
-    throw OptionError(fmt::format("{}: cannot make this folder; give another -o", command.out.string()));
-  const TuneResult result = tune_refine(sites, options, context.monitor);
-  write_text_file(command.out / "weights.toml", to_weights_file(result));
-  write_text_file(command.out / "report.json", to_json(result).dump(1) + "\n");
-  fmt::print("{}", to_table(result));
-}
-
 }  // namespace
 
 void add_tune(CLI::App& app, Context& context) {
   auto command = std::make_shared<TuneCommand>();
   CLI::App* cmd = app.add_subcommand(
       "tune", "Search the weights of refine's default method on sites with truth, and tell over-fitting.");
-  cmd->add_option("sites", command->sites, "TOML file of [[site]]")->required();
-  cmd->add_option("-o,--output", command->out, "folder for weights.toml and report.json; created when missing")
+  cmd->add_option("sites", command->files.sites, "TOML file of [[site]]")->required();
+  cmd->add_option("-o,--output", command->files.folder, "folder for weights.toml and report.json; created when missing")
       ->required();
   SearchWeightsOptions& o = command->options;
   cmd->add_option("--trials", o.trials, "weights tried in each search")
@@ -67,7 +48,10 @@ void add_tune(CLI::App& app, Context& context) {
       "  orthodrive tune sites.toml -o tuned\n"
       "  orthodrive tune sites.toml -o tuned --trials 200 --seed 2\n"
       "  orthodrive refine --osm roads.osm --labels labels.tif --weights-file tuned/weights.toml -o roads.gpkg");
-  cmd->callback([command, &context] { run(*command, context); });
+  cmd->callback([command, &context] {
+    StageContext stage = stage_context(context);
+    for (const std::string& table : run_tune(command->files, command->options, stage).summary) fmt::print("{}", table);
+  });
 }
 
 }  // namespace orthodrive::app

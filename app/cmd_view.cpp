@@ -16,9 +16,11 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/find_resource.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -33,13 +35,12 @@ struct ViewOptions {
 
 std::filesystem::path viewer_folder() {
   const char* elsewhere = std::getenv("ORTHODRIVE_VIEWER_DIR");
-  const std::filesystem::path folder = elsewhere ? elsewhere : ORTHODRIVE_VIEWER_DIR;
-  if (!std::filesystem::exists(folder / "index.html"))
-    throw Error(
-        fmt::format("{}: the viewer is not built; run `npm ci && npm run build` in the folder viewer/, or set "
-                    "ORTHODRIVE_VIEWER_DIR to a built one",
-                    folder.string()));
-  return folder;
+  const std::vector<std::filesystem::path> folders =
+      elsewhere ? std::vector<std::filesystem::path>{elsewhere} : resource_folders("viewer", "viewer/dist");
+  return find_resource(
+             folders, "index.html", "the viewer is not built",
+             "run `npm ci && npm run build` in the folder viewer/, or set ORTHODRIVE_VIEWER_DIR to a built one")
+      .parent_path();
 }
 
 void check_site(const std::filesystem::path& folder) {

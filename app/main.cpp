@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   add_network(app, context);
   add_scene(app, context);
   add_drive(app, context);
+  add_fmu(app, context);
   add_view(app, context);
   add_evaluate(app, context);
   add_tune(app, context);

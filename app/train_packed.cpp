@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/segment/packed_scenes.hpp"
-#include "orthodrive/segment/safetensors_stream.hpp"
+#include "orthodrive/io/safetensors_stream.hpp"
+#include "orthodrive/pipeline/packed_scenes.hpp"
+#include "orthodrive/pipeline/training_run.hpp"
 #include "terminal_monitor.hpp"
-#include "training_run.hpp"
 
 namespace orthodrive::app {
 namespace {

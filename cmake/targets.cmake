@@ -21,6 +21,18 @@ function(orthodrive_library NAME)
   add_library(orthodrive::${NAME} ALIAS ${TARGET})
 endfunction()
 
+# Inner loops that exist once a processor family, chosen at run time: NAME.cpp dispatches to NAME_plain, NAME_avx2 and
+# NAME_avx512. -Wno-psabi: vectors are only passed to functions that are inlined.
+function(orthodrive_cpu_kernels NAME)
+  cmake_parse_arguments(A "" "" "AVX512" ${ARGN})
+  set_source_files_properties(${NAME}_plain.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    set_source_files_properties(${NAME}.cpp PROPERTIES COMPILE_DEFINITIONS ORTHODRIVE_X86_KERNELS)
+    set_source_files_properties(${NAME}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;-mavx2;-mfma")
+    set_source_files_properties(${NAME}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;-mavx2;-mfma;${A_AVX512}")
+  endif()
+endfunction()
+
 # A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest. FIXTURE is a ctest
 # fixture that must have run before (sites built by tests/pipeline).
 function(orthodrive_test NAME)
@@ -36,9 +48,11 @@ function(orthodrive_test NAME)
   add_executable(test_${NAME} ${SOURCES})
   target_include_directories(test_${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
-  target_compile_definitions(test_${NAME} PRIVATE
-    ORTHODRIVE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" ORTHODRIVE_TOOL="$<TARGET_FILE:orthodrive>")
-  target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} orthodrive_test_paths
+    GTest::gtest GTest::gmock GTest::gtest_main)
+  if(NOT NAME STREQUAL core)  # gtest costs seconds a file: one precompiled header serves all tests
+    target_precompile_headers(test_${NAME} REUSE_FROM test_core)
+  endif()
   gtest_discover_tests(test_${NAME} DISCOVERY_TIMEOUT 60 DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${A_TIMEOUT}
     FIXTURES_REQUIRED "${A_FIXTURE}")
 endfunction()

@@ -9,13 +9,14 @@
 #include <string>
 
 #include "app/run_tool.hpp"
+#include "paths.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace orthodrive {
 
 /// xmllint includes a schema twice when its path has "..": the path is made canonical.
-inline const std::filesystem::path opendrive_schema = std::filesystem::weakly_canonical(
-    std::filesystem::path(ORTHODRIVE_SOURCE_DIR) / "../shared/data/opendrive/xsd/1.7.0/opendrive_17_core.xsd");
+inline const std::filesystem::path opendrive_schema =
+    std::filesystem::weakly_canonical(paths::in_source("../shared/data/opendrive/xsd/1.7.0/opendrive_17_core.xsd"));
 
 inline Arguments validate_opendrive(const std::filesystem::path& xodr) {
   return {"/usr/bin/xmllint", "--noout", "--schema", opendrive_schema.string(), xodr.string()};
@@ -29,7 +30,8 @@ inline void expect_valid_opendrive(const std::filesystem::path& xodr) {
 inline void expect_sumo_finds_all_roads(const std::filesystem::path& xodr, const std::filesystem::path& scratch) {
   const std::filesystem::path net = scratch / "out.net.xml";
   setenv("SUMO_HOME", "/usr/share/sumo", 1);
-  const ToolRun run = run_program({"/usr/bin/netconvert", "--opendrive-files", xodr.string(), "--xml-validation", "never", "-o", net.string()});
+  const ToolRun run = run_program(
+      {"/usr/bin/netconvert", "--opendrive-files", xodr.string(), "--xml-validation", "never", "-o", net.string()});
   ASSERT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
   EXPECT_EQ(run.err.find("Error"), std::string::npos) << run.err.substr(0, 2000);
   const std::string text = bytes_of(net), key = "<edge id=\"";

@@ -14,7 +14,7 @@
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/segment/dense_crf.hpp"
+#include "orthodrive/crf/dense_crf.hpp"
 
 namespace {
 

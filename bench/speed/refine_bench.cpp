@@ -1,7 +1,7 @@
-// Refinement of roads against the size of the area and the number of nodes: labels of a synthetic village, repeated until
-// there are 400 megapixels, and as many of its roads as a case asks for. The reference took 37 minutes for 17,714 nodes.
-// Usage: bench_refine [megapixels] [nodes ...]; prints a line a case: nodes, kilometres, seconds, nodes a second, peak memory
-// of the process. OSM is the truth with a node every 20 m, moved by a smooth field of some 2 m.
+// Refinement of roads against the size of the area and the number of nodes: labels of a synthetic village, repeated
+// until there are 400 megapixels, and as many of its roads as a case asks for. The reference took 37 minutes for 17,714
+// nodes. Usage: bench_refine [megapixels] [nodes ...]; prints a line a case: nodes, kilometres, seconds, nodes a
+// second, peak memory of the process. OSM is the truth with a node every 20 m, moved by a smooth field of some 2 m.
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -26,7 +26,9 @@ struct Area {
   RoadNetwork osm;  // of one tile after the other
 };
 
-Vec2 disturbance(Vec2 p) { return {2.0 * std::sin(p.x / 90.0 + p.y / 160.0), 2.0 * std::cos(p.y / 110.0 - p.x / 210.0)}; }
+Vec2 disturbance(Vec2 p) {
+  return {2.0 * std::sin(p.x / 90.0 + p.y / 160.0), 2.0 * std::cos(p.y / 110.0 - p.x / 210.0)};
+}
 
 RoadPath moved_way(const RoadPath& way, Vec2 by, int tile) {
   constexpr std::int64_t ids_per_tile = 1'000'000;
@@ -95,7 +97,7 @@ int main(int argc, char** argv) {
   for (const double wanted : cases) {
     const RoadNetwork osm = first_roads(area.osm, wanted, options);
     const auto start = std::chrono::steady_clock::now();
-    const RefineRoadsResult result = refine_roads(osm, area.evidence, options);
+    const RefinedRoads result = refine_roads(osm, area.evidence, options);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     std::size_t nodes = 0;
     double length = 0.0;

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -14,10 +15,15 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "roadquery/junction_surface.hpp"
+#include "roadquery/junction_surface_text.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace roadquery {
 namespace {
+
+constexpr double longest_road_m = 1e6;  // memory and time of a query grow with the length
+constexpr int most_lanes = 1000;        // to a side
 
 /// The attributes of one element, checked as they are read.
 class Attributes {
@@ -115,7 +121,7 @@ class Builder {
     if (path_.empty() && name != "OpenDRIVE") {
       throw std::runtime_error("the root element is <" + std::string(name) + ">, not <OpenDRIVE>");
     }
-    if (parent == "OpenDRIVE") {
+    if (path_.size() == 1) {
       start_top(name, a);
     } else if (parent == "header") {
       start_header_part(name, a);
@@ -129,10 +135,17 @@ class Builder {
 
   void end(std::string_view name) {
     path_.pop_back();
-    if (in_road_ && name == "geometry" && !has_shape_) throw std::runtime_error("<geometry> without a shape");
-    if (in_road_ && name == "laneSection") finish_section();
+    const std::string_view parent = path_.empty() ? std::string_view{} : std::string_view{path_.back()};
+    if (in_geometry_ && parent == "planView" && name == "geometry") {
+      if (!has_shape_) throw std::runtime_error("<geometry> without a shape");
+      in_geometry_ = false;
+    }
+    if (in_road_ && parent == "lanes" && name == "laneSection") finish_section();
     if (in_road_ && name == "road" && path_.size() == 1) finish_road();
-    if (in_junction_ && name == "junction" && path_.size() == 1) in_junction_ = false;
+    if (in_junction_ && name == "junction" && path_.size() == 1) {
+      in_junction_ = false;
+      check_surface(map.junctions.back());
+    }
     if (name == "lane") lane_ = nullptr;
   }
 
@@ -141,7 +154,7 @@ class Builder {
   }
 
   /// What can only be checked with the whole file read.
-  void finish() {
+  void finish(HeaderOffset offset) {
     if (map.roads.empty()) throw std::runtime_error("no <road> in the file");
     const auto by_id = [](const auto& p, const auto& q) { return p.id < q.id; };
     std::stable_sort(map.roads.begin(), map.roads.end(), by_id);
@@ -154,10 +167,21 @@ class Builder {
     const std::size_t begin = map.geo_reference.find_first_not_of(" \t\r\n");
     const std::size_t last = map.geo_reference.find_last_not_of(" \t\r\n");
     map.geo_reference = begin == std::string::npos ? "" : map.geo_reference.substr(begin, last - begin + 1);
-    apply_offset();
+    apply_offset(offset);
+    for (Road& road : map.roads) take_highway(road);
+    join_arms(map);
   }
 
  private:
+  /// A connecting road that does not say its highway class has that of the road before it.
+  void take_highway(Road& road) const {
+    if (road.junction < 0 || !road.highway.empty() || road.predecessor.kind != LinkKind::road) return;
+    const auto before = std::lower_bound(map.roads.begin(), map.roads.end(), road.predecessor.id,
+                                         [](const Road& other, int id) { return other.id < id; });
+    if (before != map.roads.end() && before->id == road.predecessor.id && before->junction < 0)
+      road.highway = before->highway;
+  }
+
   void start_top(std::string_view name, const Attributes& a) {
     if (name == "header") {
       map.name = a.text("name");
@@ -169,19 +193,19 @@ class Builder {
       road.name = a.text("name");
       road.length = a.number("length");
       road.junction = a.find("junction") != nullptr ? a.integer("junction") : -1;
-      road.left_hand_traffic = a.text("rule") == "LHT";
+      road.driving_side = a.text("rule") == "LHT" ? DrivingSide::left : DrivingSide::right;
       map.roads.push_back(std::move(road));
       in_road_ = true;
     } else if (name == "junction") {
-      map.junctions.push_back({a.integer("id"), a.text("name"), {}, {}});
+      map.junctions.push_back({a.integer("id"), a.text("name"), {}, {}, {}});
       in_junction_ = true;
     }
   }
 
   void start_header_part(std::string_view name, const Attributes& a) {
     if (name != "offset") return;
-    if (a.number("hdg", 0.0) != 0.0) throw std::runtime_error("<offset> with a heading is not supported");
-    offset_x_ = a.number("x"), offset_y_ = a.number("y"), offset_z_ = a.number("z");
+    map.header_offset_m = {a.number("x"), a.number("y"), a.number("z")};
+    map.header_offset_hdg = a.number("hdg", 0.0);
   }
 
   void start_road_part(std::string_view parent, std::string_view name, const Attributes& a) {
@@ -198,8 +222,8 @@ class Builder {
       if (road.plan.size() > 1 && road.plan.back().s < road.plan[road.plan.size() - 2].s) {
         throw std::runtime_error("<geometry> elements are not sorted by s");
       }
-      has_shape_ = false;
-    } else if (parent == "geometry") {
+      in_geometry_ = true, has_shape_ = false;
+    } else if (parent == "geometry" && in_geometry_) {
       read_shape(road.plan.back(), name, a);
     } else if (parent == "elevationProfile" && name == "elevation") {
       append(road.elevation, cubic(a));
@@ -212,6 +236,7 @@ class Builder {
     } else if (parent == "lanes" && name == "laneOffset") {
       append(road.lane_offset, cubic(a));
     } else if (parent == "lanes" && name == "laneSection") {
+      lane_ = nullptr;  // would point into the old place of the sections
       road.sections.emplace_back();
       road.sections.back().s = a.number("s");
     } else if ((parent == "left" || parent == "center" || parent == "right") && name == "lane") {
@@ -283,6 +308,7 @@ class Builder {
     crg.s_offset = a.number("sOffset", 0.0), crg.t_offset = a.number("tOffset", 0.0);
     crg.z_offset = a.number("zOffset", 0.0), crg.z_scale = a.number("zScale", 1.0);
     crg.h_offset = a.number("hOffset", 0.0);
+    crg.x_offset = a.number("xOffset", 0.0), crg.y_offset = a.number("yOffset", 0.0);
     road.surface.push_back(std::move(crg));
   }
 
@@ -296,6 +322,8 @@ class Builder {
     LaneSection& section = road.sections.back();
     Lane lane;
     lane.id = a.integer("id");
+    if (std::abs(static_cast<std::int64_t>(lane.id)) > most_lanes)
+      throw std::runtime_error("a lane has the id " + std::to_string(lane.id));
     lane.type = lane_type(a.text("type"));
     if (side == "center" ? lane.id != 0 : (side == "left") != (lane.id > 0) || lane.id == 0) {
       throw std::runtime_error("lane " + std::to_string(lane.id) + " stands under <" + std::string(side) + ">");
@@ -317,11 +345,27 @@ class Builder {
       throw std::runtime_error("lanes given by <border> are not supported, convert them to <width>");
     } else if (parent == "lane" && name == "roadMark") {
       lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
+    } else if (parent == "lane" && name == "material" && lane_->id != 0) {
+      read_material(*lane_, a);
     } else if (parent == "link" && name == "predecessor") {
       lane_->predecessor = a.integer("id");
     } else if (parent == "link" && name == "successor") {
       lane_->successor = a.integer("id");
     }
+  }
+
+  /// Texts that nobody knows are asphalt: the friction counts, and it stands beside them.
+  static void read_material(Lane& lane, const Attributes& a) {
+    LaneMaterial material;
+    material.s_offset = a.number("sOffset", 0.0);
+    material.surface = surface_class_of(a.text("surface")).value_or(SurfaceClass::asphalt);
+    material.friction = a.number("friction", material.friction);
+    material.roughness = a.number("roughness", 0.0);
+    if (material.friction < 0.0) throw std::runtime_error("<material> has a negative friction");
+    if (material.roughness < 0.0) throw std::runtime_error("<material> has a negative roughness");
+    if (!lane.materials.empty() && material.s_offset < lane.materials.back().s_offset)
+      throw std::runtime_error("<material> elements are not sorted by sOffset");
+    lane.materials.push_back(material);
   }
 
   void start_junction_part(std::string_view parent, std::string_view name, const Attributes& a) {
@@ -337,9 +381,24 @@ class Builder {
       junction.connections.push_back(std::move(connection));
     } else if (parent == "junction" && name == "priority") {
       if (a.find("high") && a.find("low")) junction.priorities.push_back({a.integer("high"), a.integer("low")});
-    } else if (parent == "connection" && name == "laneLink") {
+    } else if (parent == "connection" && name == "laneLink" && !junction.connections.empty()) {
       junction.connections.back().lane_links.push_back({a.integer("from"), a.integer("to")});
+    } else if (parent == "junction" && name == "userData") {
+      read_junction_data(junction, a.text("code"), a.text("value"));
     }
+  }
+
+  static void read_junction_data(Junction& junction, const std::string& code, const std::string& value) {
+    if (code != boundary_code && code != heights_code) return;
+    if (!junction.surface) junction.surface.emplace();
+    if (code == boundary_code) read_boundary(value, *junction.surface);
+    if (code == heights_code) read_heights(value, *junction.surface);
+  }
+
+  static void check_surface(const Junction& junction) {
+    if (!junction.surface || (!junction.surface->boundary.empty() && !junction.surface->z.empty())) return;
+    throw std::runtime_error("junction " + std::to_string(junction.id) + " has only one of the userData " +
+                             boundary_code + " and " + heights_code);
   }
 
   void finish_section() {
@@ -353,9 +412,11 @@ class Builder {
     in_road_ = false;
     const Road& road = map.roads.back();
     const std::string who = "road " + std::to_string(road.id);
-    if (road.plan.empty()) throw std::runtime_error(who + " has no <geometry>");
+    if (road.plan.empty()) throw std::runtime_error(who + " has no <geometry> in a <planView>");
     if (road.sections.empty()) throw std::runtime_error(who + " has no <laneSection>");
     if (road.length < 0.0) throw std::runtime_error(who + " has a negative length");
+    if (road.length > longest_road_m)
+      throw std::runtime_error(who + " is longer than 1000 km: is its length in metres?");
     const auto by_s = [](const LaneSection& p, const LaneSection& q) { return p.s < q.s; };
     if (!std::is_sorted(road.sections.begin(), road.sections.end(), by_s)) {
       throw std::runtime_error(who + " has lane sections that are not sorted by s");
@@ -363,21 +424,37 @@ class Builder {
   }
 
   /// <offset> (1.5+) moves the coordinates of the file into the CRS of geoReference.
-  void apply_offset() {
-    if (offset_x_ == 0.0 && offset_y_ == 0.0 && offset_z_ == 0.0) return;
-    map.north += offset_y_, map.south += offset_y_, map.east += offset_x_, map.west += offset_x_;
+  void apply_offset(HeaderOffset how) {
+    if (how == HeaderOffset::ignore) return;
+    if (map.header_offset_hdg != 0.0)
+      throw std::runtime_error("<offset> with a heading is not supported: it can only be ignored");
+    const double sign = how == HeaderOffset::add ? 1.0 : -1.0;
+    const double x = sign * map.header_offset_m[0], y = sign * map.header_offset_m[1],
+                 z = sign * map.header_offset_m[2];
+    if (x == 0.0 && y == 0.0 && z == 0.0) return;
+    map.north += y, map.south += y, map.east += x, map.west += x;
     for (Road& road : map.roads) {
-      for (PlanElement& element : road.plan) element.x += offset_x_, element.y += offset_y_;
+      for (PlanElement& element : road.plan) element.x += x, element.y += y;
       if (road.elevation.empty()) road.elevation.emplace_back();
-      for (Cubic& elevation : road.elevation) elevation.a += offset_z_;
+      for (Cubic& elevation : road.elevation) elevation.a += z;
+      for (SurfaceCrg& crg : road.surface) {
+        crg.x_offset += x, crg.y_offset += y;
+        if (crg.mode != "attached" && crg.purpose == "elevation") crg.z_offset += z;
+      }
+    }
+    for (Junction& junction : map.junctions) {
+      if (!junction.surface) continue;
+      for (auto& [border_x, border_y] : junction.surface->boundary) border_x += x, border_y += y;
+      junction.surface->x += x, junction.surface->y += y;
+      for (double& height : junction.surface->z) height += z;
     }
   }
 
   std::vector<std::string> path_;  ///< names of the open elements
   bool in_road_ = false, in_junction_ = false;
-  bool has_shape_ = false;  ///< of the last <geometry>
-  Lane* lane_ = nullptr;    ///< the open <lane>
-  double offset_x_ = 0.0, offset_y_ = 0.0, offset_z_ = 0.0;
+  bool in_geometry_ = false;  ///< of the plan view
+  bool has_shape_ = false;    ///< of that <geometry>
+  Lane* lane_ = nullptr;      ///< the open <lane>
 };
 
 /// One expat parse. Exceptions must not pass through expat's C frames: they are kept as text and stop the parser.
@@ -413,7 +490,7 @@ void XMLCALL on_text(void* data, const char* characters, int count) {
 
 }  // namespace
 
-RoadMap read_opendrive(const std::string& path) {
+RoadMap read_opendrive(const std::string& path, HeaderOffset offset) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw std::runtime_error(path + ": cannot be opened: " + std::strerror(errno));
 
@@ -424,7 +501,7 @@ RoadMap read_opendrive(const std::string& path) {
   XML_SetElementHandler(parser.get(), on_start, on_end);
   XML_SetCharacterDataHandler(parser.get(), on_text);
 
-  constexpr int chunk_bytes = 1 << 20;
+  constexpr int chunk_bytes = 1 << 16;
   for (bool last = false; !last;) {
     void* buffer = XML_GetBuffer(parser.get(), chunk_bytes);
     if (buffer == nullptr) throw std::bad_alloc();
@@ -437,7 +514,7 @@ RoadMap read_opendrive(const std::string& path) {
     }
   }
   try {
-    parse.builder.finish();
+    parse.builder.finish(offset);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(path + ": " + error.what());
   }

@@ -3,10 +3,15 @@
 // network stage builds it, io writes it, the mesh, the drive and the query evaluate it with the functions in
 // road_surface.hpp. Angles in rad, lengths in metres, x east, y north, z up.
 
+#include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "roadquery/driving_side.hpp"
+#include "roadquery/surface_class.hpp"
 
 namespace roadquery {
 
@@ -47,6 +52,7 @@ struct SurfaceCrg {
   double s_start = 0.0, s_end = 0.0;
   std::string orientation = "same", mode = "genuine", purpose = "elevation";
   double s_offset = 0.0, t_offset = 0.0, z_offset = 0.0, z_scale = 1.0, h_offset = 0.0;
+  double x_offset = 0.0, y_offset = 0.0;  ///< mode "global" (1.9, 10.6.1.4): where the file's origin lies
 };
 
 enum class LaneType { none, driving, shoulder, border, sidewalk, parking, biking, other };
@@ -57,12 +63,21 @@ struct RoadMark {
   double width = 0.12;
 };
 
+/// What a lane is made of from s_offset on (OpenDRIVE 1.7, 11.7.2 <material>).
+struct LaneMaterial {
+  double s_offset = 0.0;  ///< relative to the start of the lane section
+  SurfaceClass surface = SurfaceClass::asphalt;
+  double friction = 1.0;   ///< largest force over load that a tyre finds, as written: of the site's weather
+  double roughness = 0.0;  ///< m, root mean square of the heights over the smooth surface
+};
+
 struct Lane {
   int id = 0;  ///< > 0 left, < 0 right, 0 centre
   LaneType type = LaneType::driving;
   std::vector<Cubic> width;  ///< s relative to the start of the lane section; empty for the centre lane
   std::optional<int> predecessor, successor;
   std::vector<RoadMark> marks;
+  std::vector<LaneMaterial> materials;  ///< sorted by s_offset; empty: asphalt, friction 1
 };
 
 struct LaneSection {
@@ -86,7 +101,7 @@ struct Road {
   std::string name;
   double length = 0.0;
   int junction = -1;  ///< id of the junction this is a connecting road of, or -1
-  bool left_hand_traffic = false;
+  DrivingSide driving_side = DrivingSide::right;
   RoadLink predecessor, successor;
   std::vector<PlanElement> plan;
   std::vector<Cubic> elevation;
@@ -114,22 +129,61 @@ struct Connection {
 struct Priority {
   int high = 0, low = 0;
 };
+/// The end of a road at a junction, as the junction's surface meets it: a strip that goes on straight into the junction
+/// with the road's height and slope.
+struct JunctionArm {
+  /// Across the strip, from right to left: height and its slope into the junction, linear in between and beyond.
+  struct Place {
+    double left_m = 0.0;       ///< of the end of the reference line, seen into the junction
+    double z = 0.0;            ///< m
+    double dz_dinwards = 0.0;  ///< 1
+  };
+  double x = 0.0, y = 0.0;        ///< end of the reference line
+  double in_x = 1.0, in_y = 0.0;  ///< unit vector into the junction
+  std::vector<Place> places;      ///< at least two; left_m ascends: the road's edges and what bends between them
+};
+
+/// The whole paved area of a junction as one height field: what lies inside the boundary has this surface, and no
+/// road's. junction_surface.hpp evaluates it.
+struct JunctionSurface {
+  std::vector<std::array<double, 2>> boundary;  ///< ring without its first point again, counter-clockwise, m
+  /// Heights in m at (x + column spacing_m, y + row spacing_m), row by row from the south; axes of the map's CRS.
+  /// At least one node beyond every cell that the boundary touches.
+  double x = 0.0, y = 0.0, spacing_m = 1.0;
+  int columns = 0, rows = 0;
+  std::vector<double> z;
+  /// Not in files: join_arms() takes them from the map's roads.
+  std::vector<JunctionArm> arms;
+};
+
 struct Junction {
   int id = 0;
   std::string name;
   std::vector<Connection> connections;
   std::vector<Priority> priorities;
+  std::optional<JunctionSurface> surface;  ///< none: the roads' own surfaces, blended where they overlap
 };
+
+class RoadCrgs;
 
 struct RoadMap {
   std::string name;
   std::string geo_reference;  ///< PROJ string; coordinates are absolute in that CRS
   double north = 0.0, south = 0.0, east = 0.0, west = 0.0;
+  /// <offset> of the header as written; read_opendrive has applied it to all coordinates as it was told.
+  std::array<double, 3> header_offset_m = {0.0, 0.0, 0.0};
+  double header_offset_hdg = 0.0;
   std::vector<Road> roads;          ///< sorted by id
   std::vector<Junction> junctions;  ///< sorted by id
+  /// OpenCRG files laid on the roads, by their index (load_crgs of road_crgs.hpp); none: the roads as they stand.
+  std::shared_ptr<const RoadCrgs> crgs;
 };
 
+/// What is done with the header's <offset>. `add` gives coordinates of the geoReference's CRS. Its heading is refused
+/// but by `ignore`.
+enum class HeaderOffset { add, ignore, subtract };
+
 /// Reads OpenDRIVE 1.4 - 1.8 (what of it the structs above hold). Throws std::runtime_error "file: line: what".
-[[nodiscard]] RoadMap read_opendrive(const std::string& path);
+[[nodiscard]] RoadMap read_opendrive(const std::string& path, HeaderOffset offset = HeaderOffset::add);
 
 }  // namespace roadquery

@@ -4,300 +4,302 @@
 #include <cmath>
 #include <limits>
 
+#include "roadquery/baked_surface.hpp"
+#include "roadquery/blend.hpp"
+#include "roadquery/overlaps.hpp"
+#include "roadquery/surface_search.hpp"
+
 namespace roadquery {
 namespace {
 
-constexpr double max_piece_m = 12.0;
-constexpr double max_piece_turn_rad = 0.3;  // small enough for Newton to converge from any place of the piece
-constexpr double sample_m = 2.0;            // spacing of the samples that bound a piece
-constexpr double box_margin_m = 0.5;  // more than the sagitta between two samples at the tightest radius of a road
-constexpr double min_cell_m = 16.0;
-constexpr double max_cells = 1e6;
-
-constexpr double seam_m = 0.25;  // how far a surface goes on beyond the end of its road
-constexpr double edge_rounding_m = 1e-6;
-constexpr double same_level_m = 1.5;  // surfaces of one junction differ by less, the floors of a car park by more
 constexpr double coherent_level_m = 1.0;
-constexpr double last_step_m = 1e-4;  // the step after one this small would be below 1e-8 m
-constexpr int max_steps = 12;
-constexpr std::size_t max_overlaps = 64;
+/// No surface this far above or below a station's can win against it or be blended with it when it lies within
+/// coherent_level_m of the hint.
+constexpr double alone_level_m = 2.0 * coherent_level_m + same_level_m;
 
-struct Foot {
-  double s = 0.0;
-  double along = 0.0;  ///< what is left of the distance along the line: not 0 only at the ends of the range
-  double left = 0.0;   ///< horizontal distance, positive to the left
-  PlanPoint reference;
-};
-
-/// Foot of the perpendicular from (x, y) onto the reference line, by Newton's method from s, within [s_min, s_max].
-std::optional<Foot> project(const Road& road, double x, double y, double s, double s_min, double s_max) {
-  double step = 0.0;
-  for (int i = 0; i < max_steps; ++i) {
-    s = std::clamp(s, s_min, s_max);
-    PlanPoint p = reference_point(road, s);
-    const double c = std::cos(p.hdg), n = std::sin(p.hdg);
-    const double along = (x - p.x) * c + (y - p.y) * n;
-    const double left = (y - p.y) * c - (x - p.x) * n;
-    // Beyond the centre of curvature (1 - k left <= 0) the Newton step would point away from the line.
-    step = along / (p.speed * std::max(1.0 - p.curvature * left, 0.2));
-    const double next = s + step;
-    if ((next <= s_min && s == s_min) || (next >= s_max && s == s_max)) return Foot{s, along, left, p};
-    if (std::abs(step) < last_step_m) {
-      p.x += step * p.speed * c, p.y += step * p.speed * n, p.hdg += step * p.speed * p.curvature;
-      return Foot{next, 0.0, left, p};
-    }
-    // At a kink between two elements there is no foot on the outer side: the steps go to and fro around the kink.
-    if (i + 1 == max_steps && std::abs(step) <= seam_m) return Foot{s, 0.0, left, p};
-    s = next;
+void fill_place(const BakedRoads& roads, const Found& found, Hit& hit) {
+  const Station& q = roads.stations[found.station];
+  hit.road = static_cast<int>(roads.road_of(q));
+  hit.s = q.s + found.line.u, hit.t = found.on.t;
+  if (const BakedLane* lane = lane_at(roads, roads.stretches[q.lanes], hit.s, hit.t, edge_rounding_m)) {
+    hit.lane_id = lane->id, hit.surface = lane->surface;
+    hit.friction = lane->friction, hit.roughness_m = lane->roughness_m;
   }
-  return std::nullopt;
+  if (found.has_crg && !std::isnan(found.friction)) hit.friction = found.friction;
 }
 
-int lane_at(const Road& road, double s, double t) {
-  const LaneSection& section = section_at(road, s);
-  double rest = t - evaluate(road.lane_offset, s);
-  const std::vector<Lane>& lanes = rest > 0.0 || section.right.empty() ? section.left : section.right;
-  rest = std::abs(rest);
-  for (const Lane& lane : lanes) {
-    rest -= lane_width(lane, s - section.s);
-    if (rest <= edge_rounding_m) return lane.id;
-  }
-  return 0;
+/// Normal and curvature at a found surface, OpenCRG files included.
+Bearing bearing_of(const BakedRoads& roads, const Found& found) {
+  const Station& q = roads.stations[found.station];
+  Bearing bearing = bearing_at(q, found.line, found.on);
+  if (!found.has_crg) return bearing;
+  const LinePlace& line = found.line;
+  const double inverse_speed = inverse_root(line.dx_du * line.dx_du + line.dy_du * line.dy_du);
+  const double c = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
+  const double n = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
+  const double scale = 1.0 / std::sqrt(1.0 + found.rise_along * found.rise_along + found.rise_left * found.rise_left);
+  bearing.normal[0] = (-found.rise_along * c + found.rise_left * n) * scale;
+  bearing.normal[1] = (-found.rise_along * n - found.rise_left * c) * scale;
+  bearing.normal[2] = scale;
+  return bearing;
 }
 
-/// A surface under the point.
-struct Candidate {
-  int road = -1;
-  Foot foot;
-  double t = 0.0, z = 0.0;
-  double inside_m = 0.0;  ///< distance to the nearest of the road's edges and ends
-  bool on_seam = false;   ///< beyond the end of the road, or of its piece: then the neighbour piece is not
-};
-
-std::optional<Candidate> candidate_at(const Road& road, int index, const std::optional<Foot>& foot) {
-  if (!foot || std::abs(foot->along) > seam_m) return std::nullopt;
-  const double t = t_at(road, foot->s, foot->left);
-  const Edges edges = road_edges(road, foot->s);
-  if (t < edges.right_t - edge_rounding_m || t > edges.left_t + edge_rounding_m) return std::nullopt;
-  const double inside_m = std::min({edges.left_t - t, t - edges.right_t, foot->s, road.length - foot->s});
-  return Candidate{index,
-                   *foot,
-                   t,
-                   surface_height(road, foot->s, t),
-                   std::max(inside_m, 0.0),
-                   std::abs(foot->along) > edge_rounding_m};
-}
-
-Hit to_hit(const Road& road, const Candidate& c) {
-  const SurfacePoint point = surface_point(road, c.foot.s, c.t, c.foot.reference);
-  return {c.road,
-          c.foot.s,
-          c.t,
-          point.z,
-          {point.normal[0], point.normal[1], point.normal[2]},
-          lane_at(road, c.foot.s, c.t)};
-}
-
-/// Mean of the surfaces, weighted by how far inside each the point lies: without a step where one begins or ends.
-Hit blend(const std::vector<Road>& roads, std::span<const Candidate> surfaces, const Candidate& named) {
-  constexpr double border_weight_m = 1e-6;  // a point on the very borders of all has a height, too
-  Hit hit = to_hit(roads[static_cast<std::size_t>(named.road)], named);
-  if (surfaces.size() == 1) return hit;
-  double sum_weight = 0.0, sum_z = 0.0;
-  std::array<double, 3> sum_normal = {0.0, 0.0, 0.0};
-  for (const Candidate& c : surfaces) {
-    const SurfacePoint point = surface_point(roads[static_cast<std::size_t>(c.road)], c.foot.s, c.t, c.foot.reference);
-    const double weight = c.inside_m + border_weight_m;
-    sum_weight += weight, sum_z += weight * point.z;
-    for (std::size_t k = 0; k < 3; ++k) sum_normal[k] += weight * point.normal[k];
-  }
-  const double norm = std::hypot(sum_normal[0], sum_normal[1], sum_normal[2]);
-  hit.z = sum_z / sum_weight;
-  for (std::size_t k = 0; k < 3; ++k) hit.normal[k] = sum_normal[k] / norm;
+Hit hit_of(const BakedRoads& roads, const Found& found) {
+  Hit hit;
+  fill_place(roads, found, hit);
+  const Bearing bearing = bearing_of(roads, found);
+  hit.z = found.on.z, hit.curvature = bearing.curvature;
+  hit.normal = {bearing.normal[0], bearing.normal[1], bearing.normal[2]};
   return hit;
+}
+
+Hit blended(const BakedRoads& roads, std::span<const Found> surfaces, const Found& named) {
+  if (surfaces.size() == 1) return hit_of(roads, named);
+  Hit hit;
+  fill_place(roads, named, hit);
+  Blend blend;
+  for (const Found& found : surfaces) {
+    const Bearing bearing = bearing_of(roads, found);
+    blend.add(found.inside_m, found.on.z, bearing.normal);
+    if (&found == &named) hit.curvature = bearing.curvature;
+  }
+  double normal[3];
+  blend.get_normal(normal);
+  hit.z = blend.z(), hit.normal = {normal[0], normal[1], normal[2]};
+  return hit;
+}
+
+/// The cursor's station, or no_index for one of another map.
+std::uint32_t station_of(const BakedRoads& roads, const Cursor& cursor) {
+  if (cursor.road < 0 || static_cast<std::size_t>(cursor.road) + 1 >= roads.first_station.size()) return no_index;
+  const auto road = static_cast<std::uint32_t>(cursor.road);
+  if (cursor.station < roads.stations.size() && roads.road_of(roads.stations[cursor.station]) == road)
+    return cursor.station;
+  return roads.station_at(road, cursor.s);
+}
+
+/// The surface under the point near the cursor's place; false unless the point lies on it and z_hint near it: then it
+/// is of the level that counts.
+bool follow(const BakedRoads& roads, double x, double y, double z_hint, const Cursor& cursor, Found& found) {
+  constexpr int most_steps = 4;
+  found.station = station_of(roads, cursor);
+  if (found.station == no_index) return false;
+  const Station& q = roads.stations[found.station];
+  if (q.shape_count == unusable_station) return false;
+  const FramePoint p = in_frame(q, x, y);
+  found.line = foot_on(q, p, guess_u(q, p));
+  found.along_rest_m = 0.0;
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  if (holds(q, found.line.u)) {
+    if (!complete(roads, q, lanes, x, y, edge_rounding_m, found)) return false;
+  } else if (!find_on(roads, {lanes.first_station, lanes.last_station}, x, y, most_steps, edge_rounding_m, found)) {
+    return false;
+  }
+  return found.along_rest_m <= edge_rounding_m && std::abs(found.on.z - z_hint) <= coherent_level_m;
+}
+
+/// Whether no other surface touches the found one's station there.
+bool is_alone(const BakedRoads& roads, const Found& found) {
+  const Station& q = roads.stations[found.station];
+  return found.line.left_m >= q.free_right * free_step_m && found.line.left_m <= q.free_left * free_step_m;
+}
+
+constexpr auto any_road = [](const Found&) { return true; };
+
+const Found& named_of(const BakedRoads& roads, std::span<const Found> level, int preferred_road) {
+  if (level.size() == 1) return level.front();
+  const auto is_preferred = [&](const Found& f) {
+    return static_cast<int>(roads.road_of(roads.stations[f.station])) == preferred_road;
+  };
+  return *std::max_element(level.begin(), level.end(), [&](const Found& a, const Found& b) {
+    if (is_preferred(a) != is_preferred(b)) return is_preferred(b);
+    return a.inside_m < b.inside_m;
+  });
 }
 
 }  // namespace
 
-RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)) {
-  for (std::size_t i = 0; i < map_.roads.size(); ++i) cut_into_pieces(static_cast<int>(i));
-  first_piece_.push_back(pieces_.size());
-  fill_grid();
-  find_overlaps();
+RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), cells_(baked_) {
+  find_overlaps(baked_, cells_, alone_level_m);
+  junctions_ = JunctionIndex(map_, baked_);
+  if (!map_.crgs || map_.crgs->empty()) return;
+  for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road));
+  baked_.crgs = map_.crgs;
 }
 
-void RoadQuery::cut_into_pieces(int index) {
-  const Road& road = map_.roads[static_cast<std::size_t>(index)];
-  first_piece_.push_back(pieces_.size());
-  for (std::size_t i = 0; i < road.plan.size(); ++i) {
-    const PlanElement& element = road.plan[i];
-    const double begin = std::max(element.s, 0.0);
-    const double end = std::min(i + 1 < road.plan.size() ? road.plan[i + 1].s : road.length, road.length);
-    if (end < begin || (end == begin && road.length > 0.0)) continue;
-    // The turn is not monotonous in a spiral through 0 or a polynomial: sum it over samples.
-    const int samples = 1 + static_cast<int>((end - begin) / sample_m);
-    double turn = 0.0;
-    for (int k = 0; k < samples; ++k) {
-      const double step = (end - begin) / samples;
-      turn += step * std::abs(evaluate(element, begin - element.s + (k + 0.5) * step).curvature);
-    }
-    const int count = 1 + static_cast<int>(std::max((end - begin) / max_piece_m, turn / max_piece_turn_rad));
-    for (int k = 0; k < count; ++k) {
-      Piece piece{index, begin + (end - begin) * k / count, begin + (end - begin) * (k + 1) / count};
-      piece.min_x = piece.min_y = std::numeric_limits<double>::infinity();
-      piece.max_x = piece.max_y = -std::numeric_limits<double>::infinity();
-      double reach = 0.0;
-      const int steps = 1 + static_cast<int>((piece.s_end - piece.s_begin) / sample_m);
-      for (int j = 0; j <= steps; ++j) {
-        const double s = piece.s_begin + (piece.s_end - piece.s_begin) * j / steps;
-        const PlanPoint p = reference_point(road, s);
-        const Edges edges = road_edges(road, s);
-        reach = std::max({reach, std::abs(edges.left_t), std::abs(edges.right_t)});
-        piece.min_x = std::min(piece.min_x, p.x), piece.max_x = std::max(piece.max_x, p.x);
-        piece.min_y = std::min(piece.min_y, p.y), piece.max_y = std::max(piece.max_y, p.y);
-      }
-      piece.reach_m = reach += box_margin_m;
-      piece.middle = reference_point(road, 0.5 * (piece.s_begin + piece.s_end));
-      piece.cos_hdg = std::cos(piece.middle.hdg), piece.sin_hdg = std::sin(piece.middle.hdg);
-      piece.min_x -= reach, piece.min_y -= reach, piece.max_x += reach, piece.max_y += reach;
-      pieces_.push_back(piece);
-    }
-  }
+/// The surfaces under a point that make up one level.
+struct RoadQuery::Level {
+  std::span<Found> roads;
+  JunctionOver junction;
+
+  [[nodiscard]] bool empty() const { return roads.empty() && junction.junction == no_index; }
+};
+
+void RoadQuery::search_place(double x, double y, FoundList& list) const {
+  const Cell cell = cells_.at(x, y);
+  search_cell(baked_, cell, x, y, edge_rounding_m, list);
+  if (list.count == 0) search_stations(baked_, cell, x, y, edge_rounding_m, true, list);
 }
 
-void RoadQuery::fill_grid() {
-  if (pieces_.empty()) return;
-  double east = -std::numeric_limits<double>::infinity(), north = east;
-  west_ = south_ = std::numeric_limits<double>::infinity();
-  for (const Piece& p : pieces_) {
-    west_ = std::min(west_, p.min_x), south_ = std::min(south_, p.min_y);
-    east = std::max(east, p.max_x), north = std::max(north, p.max_y);
+RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const {
+  Found& here = list.items[0];
+  if (follow(baked_, x, y, z_hint, cursor, here)) {
+    list.count = 1;
+    if (is_alone(baked_, here)) return {list.all(), {}};
+    search_companions(baked_, here.station, x, y, list);
+  } else {
+    search_place(x, y, list);
   }
-  cell_m_ = std::max(min_cell_m, std::sqrt((east - west_) * (north - south_) / max_cells));
-  columns_ = 1 + static_cast<int>((east - west_) / cell_m_);
-  rows_ = 1 + static_cast<int>((north - south_) / cell_m_);
-
-  const auto for_cells = [&](const Piece& p, auto&& visit) {
-    const int c0 = static_cast<int>((p.min_x - west_) / cell_m_), c1 = static_cast<int>((p.max_x - west_) / cell_m_);
-    const int r0 = static_cast<int>((p.min_y - south_) / cell_m_), r1 = static_cast<int>((p.max_y - south_) / cell_m_);
-    for (int r = r0; r <= r1; ++r) {
-      for (int c = c0; c <= c1; ++c)
-        visit(static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c));
-    }
-  };
-  cell_begin_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_) + 1, 0);
-  for (const Piece& p : pieces_) for_cells(p, [&](std::size_t cell) { ++cell_begin_[cell + 1]; });
-  for (std::size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
-  cell_pieces_.resize(cell_begin_.back());
-  std::vector<std::uint32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
-  for (std::uint32_t i = 0; i < pieces_.size(); ++i) {
-    for_cells(pieces_[i], [&](std::size_t cell) { cell_pieces_[next[cell]++] = i; });
-  }
+  if (junctions_.empty()) return {list.count == 1 ? list.all() : level_of(list, z_hint, any_road), {}};
+  return with_junction(junctions_.over(map_, x, y, z_hint), z_hint, list);
 }
 
-/// A piece is alone where no other road's reference line comes nearer than both reach.
-void RoadQuery::find_overlaps() {
-  // Reference points of every piece, so dense that a line passes at most half their spacing from one.
-  std::vector<std::vector<PlanPoint>> points(pieces_.size());
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const Piece& p = pieces_[i];
-    const int steps = 1 + static_cast<int>((p.s_end - p.s_begin) / sample_m);
-    for (int k = 0; k <= steps; ++k) {
-      points[i].push_back(
-          reference_point(map_.roads[static_cast<std::size_t>(p.road)], p.s_begin + (p.s_end - p.s_begin) * k / steps));
-    }
-  }
-  const auto touch = [&](std::size_t i, std::size_t j) {
-    const Piece &a = pieces_[i], &b = pieces_[j];
-    if (a.min_x > b.max_x || b.min_x > a.max_x || a.min_y > b.max_y || b.min_y > a.max_y) return false;
-    const double near = a.reach_m + b.reach_m + sample_m;  // half a spacing of each
-    return std::any_of(points[i].begin(), points[i].end(), [&](const PlanPoint& p) {
-      return std::any_of(points[j].begin(), points[j].end(), [&](const PlanPoint& q) {
-        return (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) < near * near;
-      });
-    });
-  };
-  for (std::size_t cell = 0; cell + 1 < cell_begin_.size(); ++cell) {
-    const std::span<const std::uint32_t> here{cell_pieces_.data() + cell_begin_[cell],
-                                              cell_begin_[cell + 1] - cell_begin_[cell]};
-    for (const std::uint32_t i : here) {
-      for (const std::uint32_t j : here) {
-        if (!pieces_[i].alone) break;
-        if (pieces_[i].road != pieces_[j].road && touch(i, j)) pieces_[i].alone = false;
-      }
-    }
-  }
+/// A junction's own surface takes part in the choice of the level like a road's.
+RoadQuery::Level RoadQuery::with_junction(const JunctionOver& over, double z_hint, FoundList& list) {
+  if (over.junction == no_index) return {level_of(list, z_hint, any_road), {}};
+  const auto distance = [&](double z) { return std::isnan(z_hint) ? -z : std::abs(z - z_hint); };
+  double level_z = over.at.z;
+  for (const Found& found : list.all())
+    if (distance(found.on.z) < distance(level_z)) level_z = found.on.z;
+  const std::span<Found> roads = level_of(list, level_z, any_road);
+  if (!is_same_level(over.at.z, level_z)) return {roads, {}};
+  return {list.count > 0 && !roads.empty() && is_same_level(roads.front().on.z, level_z) ? roads : std::span<Found>{},
+          over};
 }
 
-bool RoadQuery::is_alone(int road, double s) const {
-  const auto begin = pieces_.begin() + static_cast<std::ptrdiff_t>(first_piece_[static_cast<std::size_t>(road)]);
-  const auto end = pieces_.begin() + static_cast<std::ptrdiff_t>(first_piece_[static_cast<std::size_t>(road) + 1]);
-  const auto after = std::upper_bound(begin, end, s, [](double v, const Piece& p) { return v < p.s_begin; });
-  return after != begin && (after - 1)->alone;
-}
-
-/// Foot on the circle of curvature in the middle of the piece, which saves Newton two steps of four.
-double RoadQuery::guess_s(const Piece& piece, double x, double y) {
-  const PlanPoint& m = piece.middle;
-  const double dx = x - m.x, dy = y - m.y;
-  const double along = dx * piece.cos_hdg + dy * piece.sin_hdg, left = dy * piece.cos_hdg - dx * piece.sin_hdg;
-  const double turn = std::atan2(m.curvature * along, 1.0 - m.curvature * left);
-  const double step = std::abs(m.curvature) > 1e-6 ? turn / m.curvature : along;
-  return 0.5 * (piece.s_begin + piece.s_end) + step / m.speed;
-}
-
-std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor) const {
-  if (cursor.road >= 0 && static_cast<std::size_t>(cursor.road) < map_.roads.size()) {
-    const Road& road = map_.roads[static_cast<std::size_t>(cursor.road)];
-    const auto here = candidate_at(road, cursor.road, project(road, x, y, cursor.s, 0.0, road.length));
-    if (here && !here->on_seam && std::abs(here->z - z_hint) <= coherent_level_m &&
-        is_alone(cursor.road, here->foot.s)) {
-      cursor.s = here->foot.s;
-      return to_hit(road, *here);
-    }
+/// The road of a junction whose lanes are nearest to a point between them.
+std::optional<Found> RoadQuery::nearest_of_junction(std::uint32_t junction, double x, double y) const {
+  constexpr double far_m = 100.0;
+  constexpr int most_steps = 64;
+  std::optional<Found> best;
+  for (const std::uint32_t road : junctions_.roads(junction)) {
+    const StationRange all{baked_.first_station[road], baked_.first_station[road + 1] - 1};
+    if (baked_.first_station[road] == baked_.first_station[road + 1]) continue;
+    Found found;
+    found.station = all.first + (all.last - all.first) / 2;
+    if (find_on(baked_, all, x, y, most_steps, far_m, found) && (!best || found.inside_m > best->inside_m))
+      best = found;
   }
-  const auto hit = search(x, y, z_hint, cursor.road);
-  cursor = hit ? Cursor{hit->road, hit->s} : Cursor{};
+  return best;
+}
+
+std::optional<Hit> RoadQuery::hit_of_level(const Level& level, double x, double y, Cursor& cursor) const {
+  std::optional<Found> nearest;
+  if (level.roads.empty()) nearest = nearest_of_junction(level.junction.junction, x, y);
+  if (level.roads.empty() && !nearest) return std::nullopt;
+  const Found& named = nearest ? *nearest : named_of(baked_, level.roads, cursor.road);
+  Hit hit = nearest ? hit_of(baked_, named) : blended(baked_, level.roads, named);
+  if (level.junction.junction != no_index) {
+    const JunctionHeight& at = level.junction.at;
+    const double scale = 1.0 / std::sqrt(1.0 + at.dz_dx * at.dz_dx + at.dz_dy * at.dz_dy);
+    hit.z = at.z, hit.normal = {-at.dz_dx * scale, -at.dz_dy * scale, scale};
+    hit.in_junction = true;
+  }
+  cursor = {hit.road, hit.s, named.station};
   return hit;
 }
 
-std::optional<Hit> RoadQuery::search(double x, double y, double z_hint, int preferred_road) const {
-  const double column = std::floor((x - west_) / cell_m_), row = std::floor((y - south_) / cell_m_);
-  if (!(column >= 0.0 && column < columns_ && row >= 0.0 && row < rows_)) return std::nullopt;
-  const std::size_t cell =
-      static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor) const {
+  FoundList list;
+  const Level level = search(x, y, z_hint, cursor, list);
+  std::optional<Hit> hit;
+  if (!level.empty()) hit = hit_of_level(level, x, y, cursor);
+  if (!hit) cursor = {};
+  return hit;
+}
 
-  std::array<Candidate, max_overlaps> found;
-  std::size_t count = 0;
-  for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1] && count < found.size(); ++i) {
-    const Piece& piece = pieces_[cell_pieces_[i]];
-    if (x < piece.min_x || x > piece.max_x || y < piece.min_y || y > piece.max_y) continue;
-    const Road& road = map_.roads[static_cast<std::size_t>(piece.road)];
-    const auto foot = project(road, x, y, guess_s(piece, x, y), piece.s_begin, piece.s_end);
-    const auto candidate = candidate_at(road, piece.road, foot);
-    if (!candidate) continue;
-    // Two pieces of a road share the foot where they meet: count it once.
-    const bool again =
-        count > 0 && found[count - 1].road == piece.road && std::abs(found[count - 1].foot.s - foot->s) < seam_m;
-    if (again && (candidate->on_seam || !found[count - 1].on_seam)) continue;
-    found[again ? count - 1 : count++] = *candidate;
+std::optional<double> RoadQuery::find_height(double x, double y, double z_hint, Cursor& cursor) const {
+  FoundList list;
+  const Level level = search(x, y, z_hint, cursor, list);
+  if (level.roads.empty()) {
+    const auto hit = level.empty() ? std::nullopt : hit_of_level(level, x, y, cursor);
+    if (!hit) cursor = {};
+    return hit ? std::optional(hit->z) : std::nullopt;
   }
-  if (count == 0) return std::nullopt;
+  const Found& named = named_of(baked_, level.roads, cursor.road);
+  const Station& station = baked_.stations[named.station];
+  cursor = {static_cast<int>(baked_.road_of(station)), station.s + named.line.u, named.station};
+  if (level.junction.junction != no_index) return level.junction.at.z;
+  if (level.roads.size() == 1) return named.on.z;
+  Blend blend;
+  for (const Found& found : level.roads) blend.add(found.inside_m, found.on.z);
+  return blend.z();
+}
 
-  auto end = found.begin() + static_cast<std::ptrdiff_t>(count);
-  const auto level_distance = [&](const Candidate& c) { return std::isnan(z_hint) ? -c.z : std::abs(c.z - z_hint); };
-  const double level_z = std::min_element(found.begin(), end, [&](const Candidate& a, const Candidate& b) {
-                           return level_distance(a) < level_distance(b);
-                         })->z;
-  end = std::remove_if(found.begin(), end, [&](const Candidate& c) { return std::abs(c.z - level_z) > same_level_m; });
-  if (std::any_of(found.begin(), end, [](const Candidate& c) { return !c.on_seam; })) {
-    end = std::remove_if(found.begin(), end, [](const Candidate& c) { return c.on_seam; });
+void RoadQuery::find_batch(std::span<const std::array<double, 3>> points, std::span<Cursor> cursors,
+                           std::span<std::optional<Hit>> hits) const {
+  for (std::size_t i = 0; i < points.size(); ++i) hits[i] = find(points[i][0], points[i][1], points[i][2], cursors[i]);
+}
+
+std::optional<Hit> RoadQuery::at(std::size_t road, double s, double t) const {
+  if (road >= map_.roads.size() || std::isnan(s) || !std::isfinite(t)) return std::nullopt;
+  Found found;
+  found.station = baked_.station_at(road, std::clamp(s, 0.0, map_.roads[road].length));
+  if (found.station == no_index || baked_.stations[found.station].shape_count == unusable_station) return std::nullopt;
+  const Station& q = baked_.stations[found.station];
+  const double half = q.half_m;
+  found.line = place_at(q, std::clamp(s - q.s, -half, half), {});
+  surface_at_t(baked_, q, found.line.u, t, found.on);
+  found.has_crg = baked_.stretches[q.lanes].has_crg;
+  if (found.has_crg) {
+    const SurfacePoint p = surface_point(map_.roads[road], q.s + found.line.u, t);
+    lay_crgs(baked_, q, p.x, p.y, found);
   }
-  const auto named = std::max_element(found.begin(), end, [&](const Candidate& a, const Candidate& b) {
-    if ((a.road == preferred_road) != (b.road == preferred_road)) return b.road == preferred_road;
-    return a.inside_m < b.inside_m;
-  });
-  return blend(map_.roads, {found.begin(), end}, *named);
+  return hit_of(baked_, found);
+}
+
+/// Of the surfaces that end or go by at most reach_m from the point the nearest one of the level's roads.
+std::span<Found> RoadQuery::nearest_beside(double x, double y, double reach_m, const std::vector<bool>& is_on_level,
+                                           FoundList& list) const {
+  list.count = 0;
+  const CellEntry* looked_at[4] = {};
+  for (int corner = 0; corner < 4; ++corner) {
+    const double dx = corner % 2 == 0 ? -reach_m : reach_m, dy = corner < 2 ? -reach_m : reach_m;
+    const Cell cell = cells_.at(x + dx, y + dy);
+    looked_at[corner] = cell.entries.data();
+    if (std::find(looked_at, looked_at + corner, cell.entries.data()) != looked_at + corner) continue;
+    // The point's place in its own cell goes by the cell's corner.
+    search_stations(baked_, {cell.entries, cell.x - static_cast<float>(dx), cell.y - static_cast<float>(dy)}, x, y,
+                    reach_m, false, list);
+  }
+  const Found* nearest = nullptr;
+  for (const Found& found : list.all())
+    if (is_on_level[baked_.road_of(baked_.stations[found.station])] && found.inside_m >= -reach_m &&
+        (nearest == nullptr || found.inside_m > nearest->inside_m))
+      nearest = &found;
+  return nearest == nullptr ? std::span<Found>{}
+                            : list.all().subspan(static_cast<std::size_t>(nearest - list.all().data()), 1);
+}
+
+std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_m,
+                                               const std::vector<bool>& is_on_level) const {
+  const auto is_anchor = [&](const Found& f) { return is_on_level[baked_.road_of(baked_.stations[f.station])]; };
+  FoundList list;
+  search_place(x, y, list);
+  double highest = std::numeric_limits<double>::quiet_NaN();
+  for (const Found& found : list.all())
+    if (is_anchor(found) && !(found.on.z <= highest)) highest = found.on.z;
+  Level level;
+  if (!std::isnan(highest)) {
+    level = junctions_.empty() ? Level{level_of(list, highest, any_road), {}}
+                               : with_junction(junctions_.over(map_, x, y, highest), highest, list);
+  } else if (!junctions_.empty()) {  // between the roads of a junction
+    level.junction = junctions_.over(map_, x, y, highest);
+    const auto is_own = [&](std::uint32_t road) { return is_on_level[road]; };
+    if (level.junction.junction != no_index && std::ranges::none_of(junctions_.roads(level.junction.junction), is_own))
+      level.junction = {};
+  }
+  constexpr double chord_m = 0.03;  // points of a mesh's border miss the road's by about this
+  if (level.empty() && reach_m > chord_m) level.roads = nearest_beside(x, y, chord_m, is_on_level, list);
+  if (level.empty() && reach_m > 0.0) level.roads = nearest_beside(x, y, reach_m, is_on_level, list);
+  if (level.empty()) return std::nullopt;
+  Cursor cursor;
+  const auto hit = hit_of_level(level, x, y, cursor);
+  if (!hit) return std::nullopt;
+  SurfaceSample sample{hit->z, hit->normal, 0.0};
+  constexpr double between_roads_m = 1e-3;
+  sample.inside_m = level.roads.empty() ? between_roads_m : named_of(baked_, level.roads, -1).inside_m;
+  return sample;
 }
 
 }  // namespace roadquery

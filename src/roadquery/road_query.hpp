@@ -1,14 +1,21 @@
 #pragma once
-// Which road, and how high, is under a point? Made for tyre contact points that ask 1000 times a second.
+// Which road, and how high, is under a point? Made for tyre contact points that ask thousands of times a second.
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
+#include "roadquery/cell_index.hpp"
+#include "roadquery/junction_index.hpp"
+#include "roadquery/road_crgs.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace roadquery {
+
+struct Found;
+struct FoundList;
 
 /// A point of a road's surface.
 struct Hit {
@@ -17,6 +24,10 @@ struct Hit {
   double z = 0.0;                                  ///< of the blended surface where roads of one level overlap
   std::array<double, 3> normal = {0.0, 0.0, 1.0};  ///< unit, upwards
   int lane_id = 0;                                 ///< 0 when exactly on the edge of a road without lanes there
+  double curvature = 0.0;                          ///< 1/m in plan of the line of constant t, positive = left turn
+  SurfaceClass surface = SurfaceClass::asphalt;
+  double friction = 1.0, roughness_m = 0.0;
+  bool in_junction = false;  ///< on a junction's own surface (JunctionSurface)
 };
 
 /// Remembers where the last query of one moving point ended, so that the next one begins there. One a point; start with
@@ -24,51 +35,67 @@ struct Hit {
 struct Cursor {
   int road = -1;
   double s = 0.0;
+  std::uint32_t station = no_index;  ///< of the baked roads; no_index: that at road, s
 };
 
-/// Finds the road under a point: a grid over short pieces of the reference lines, then Newton's method on the reference
-/// line. find() is const, does not allocate and may be called from many threads, each with its own cursors.
+/// The surface near a point, for who draws it.
+struct SurfaceSample {
+  double z = 0.0;
+  std::array<double, 3> normal = {0.0, 0.0, 1.0};
+  /// Distance to the border of the road that the point lies deepest in; negative: outside. 1 mm between the roads of a
+  /// junction with a surface of its own.
+  double inside_m = 0.0;
+};
+
+/// Finds the road under a point in baked tables (baked_road.hpp): a hash of cells lists the stations over a place.
+/// find() is const, does not allocate, lock or call the system, and may be called from many threads, each with its own
+/// cursors.
 ///
-/// Where surfaces lie one above the other the one nearest to z_hint wins (NaN: the highest). Surfaces within 1.5 m of
-/// that one are the same level (overlapping roads of a junction): z and normal are their mean, weighted by the distance
-/// of the point to each road's own edges and ends, so that there is no step where another road begins. The scene stage
-/// blends alike. The hit names the cursor's road while the point is inside its edges, else the one it lies deepest in.
-/// Up to 0.25 m beyond the end of a road its surface goes on where nothing else is: that closes the wedge between two
-/// roads that meet at a slight angle.
+/// Where surfaces lie one above the other the one nearest to z_hint wins (NaN: the highest; of two equally near ones
+/// the lower road index). Surfaces within 1.5 m of that one are the same level (overlapping roads of a junction): z and
+/// normal are their mean, as blend.hpp weights it. The hit names the cursor's road while the point is inside its edges,
+/// else the one it lies deepest in. Up to 0.25 m beyond the end of a road its surface goes on where nothing else is:
+/// that closes the wedge between two roads that meet at a slight angle. Likewise inside a bend tighter than the road is
+/// wide, beyond its centre, where (s, t) of the road are not one to one. OpenCRG files of the map (RoadMap::crgs) are
+/// laid on their roads first.
 class RoadQuery {
  public:
+  /// Throws std::runtime_error for a map without bounds (see bake).
   explicit RoadQuery(RoadMap map);
 
   [[nodiscard]] const RoadMap& map() const { return map_; }
-  /// Nothing when no road is under (x, y). A cursor whose surface lies within 1 m of z_hint makes the query coherent:
-  /// one road is looked at instead of all nearby.
+  [[nodiscard]] const BakedRoads& baked() const { return baked_; }
+  /// Nothing when no road is under (x, y), or when one of them is not finite. A cursor whose surface lies within 1 m of
+  /// z_hint makes the query coherent: one station is looked at instead of all nearby.
   [[nodiscard]] std::optional<Hit> find(double x, double y, double z_hint, Cursor& cursor) const;
+  /// Hit::z of find() alone, for less.
+  [[nodiscard]] std::optional<double> find_height(double x, double y, double z_hint, Cursor& cursor) const;
+  /// find() for each of the points, each with its own cursor (all spans of one length).
+  void find_batch(std::span<const std::array<double, 3>> points, std::span<Cursor> cursors,
+                  std::span<std::optional<Hit>> hits) const;
+  /// The surface at s (clamped to the road) and t of a road, whatever else lies there; nothing for roads without a
+  /// plan, lanes or finite numbers there.
+  [[nodiscard]] std::optional<Hit> at(std::size_t road, double s, double t) const;
+  /// As find() at the highest surface of the roads of a level, the others blended in: z and normal agree with a find()
+  /// whose z_hint is that surface. Up to reach_m (at most a cell; 0: not at all) beyond all borders the surface of the
+  /// nearest of the roads goes on level.
+  [[nodiscard]] std::optional<SurfaceSample> sample(double x, double y, double reach_m,
+                                                    const std::vector<bool>& is_on_level) const;
 
  private:
-  /// A piece of a reference line and a box around its surface.
-  struct Piece {
-    int road = 0;
-    double s_begin = 0.0, s_end = 0.0;
-    double min_x = 0.0, min_y = 0.0, max_x = 0.0, max_y = 0.0;
-    PlanPoint middle;
-    double cos_hdg = 1.0, sin_hdg = 0.0;  ///< of the middle
-    double reach_m = 0.0;                 ///< largest distance of the surface from the reference line
-    bool alone = true;                    ///< no other road overlaps it
-  };
-  void cut_into_pieces(int road);
-  void fill_grid();
-  void find_overlaps();
-  [[nodiscard]] static double guess_s(const Piece& piece, double x, double y);
-  [[nodiscard]] bool is_alone(int road, double s) const;
-  [[nodiscard]] std::optional<Hit> search(double x, double y, double z_hint, int preferred_road) const;
+  struct Level;
+  void search_place(double x, double y, FoundList& list) const;
+  [[nodiscard]] Level search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const;
+  [[nodiscard]] static Level with_junction(const JunctionOver& over, double z_hint, FoundList& list);
+  [[nodiscard]] std::optional<Found> nearest_of_junction(std::uint32_t junction, double x, double y) const;
+  [[nodiscard]] std::span<Found> nearest_beside(double x, double y, double reach_m,
+                                                const std::vector<bool>& is_on_level, FoundList& list) const;
+  [[nodiscard]] std::optional<Hit> hit_of_level(const Level& level, double x, double y, Cursor& cursor) const;
 
   RoadMap map_;
-  std::vector<Piece> pieces_;             // by road, then by s
-  std::vector<std::size_t> first_piece_;  // of each road, and the count of all
-  // The grid: pieces that touch cell (column, row) are cell_pieces_[cell_begin_[i] .. cell_begin_[i + 1]).
-  double west_ = 0.0, south_ = 0.0, cell_m_ = 1.0;
-  int columns_ = 0, rows_ = 0;
-  std::vector<std::uint32_t> cell_begin_, cell_pieces_;
+  BakedRoads baked_;
+  CellIndex cells_;
+  JunctionIndex junctions_;
 };
 
 }  // namespace roadquery

@@ -135,6 +135,19 @@ Edges road_edges(const Road& road, double s) {
   return edges;
 }
 
+int lane_id_at(const Road& road, double s, double t) {
+  constexpr double edge_rounding_m = 1e-6;
+  const LaneSection& section = section_at(road, s);
+  const double from_middle = t - evaluate(road.lane_offset, s);
+  const std::vector<Lane>& lanes = from_middle > 0.0 || section.right.empty() ? section.left : section.right;
+  double rest = std::abs(from_middle);
+  for (const Lane& lane : lanes) {
+    rest -= lane_width(lane, s - section.s);
+    if (rest <= edge_rounding_m) return lane.id;
+  }
+  return 0;
+}
+
 ShapePoint shape(const Road& road, double s, double t) {
   const std::vector<ShapeCubic>& all = road.shape;
   if (all.empty()) return {};

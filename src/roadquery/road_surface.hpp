@@ -35,6 +35,8 @@ struct Edges {
   double left_t = 0.0, right_t = 0.0;
 };
 [[nodiscard]] Edges road_edges(const Road& road, double s);
+/// Id of the lane at (s, t); 0 beside the lanes, and in a section without lanes on that side.
+[[nodiscard]] int lane_id_at(const Road& road, double s, double t);
 /// Height of the lateral profile over the superelevated plane, and its derivatives; 0 for roads without shapes and
 /// before the first one.
 struct ShapePoint {

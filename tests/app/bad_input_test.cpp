@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/expect_clean_failure.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -111,7 +112,7 @@ TEST(BadInput, drive_log_with_a_broken_line) {
 TEST(BadInput, class_table_that_does_not_match_the_weights) {
   const SmallSite small;
   // A model file is 8 bytes of length, that many bytes of JSON, and the weights.
-  std::string model = bytes_of(ORTHODRIVE_SOURCE_DIR "/models/default.safetensors");
+  std::string model = bytes_of(paths::in_source("models/default.safetensors"));
   ASSERT_GT(model.size(), 8u);
   std::uint64_t header_bytes = 0;
   std::memcpy(&header_bytes, model.data(), 8);

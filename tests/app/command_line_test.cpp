@@ -8,7 +8,7 @@ namespace {
 using testing::AnyOf;
 using testing::HasSubstr;
 
-const std::vector<std::string> commands{"build",   "synth", "train", "segment", "forests", "refine",  "elevate",
+const std::vector<std::string> commands{"build",   "synth", "train", "segment", "forests",  "refine", "elevate",
                                         "network", "scene", "drive", "view",    "evaluate", "tune"};
 
 TEST(CommandLine, help_lists_all_commands) {
@@ -73,8 +73,8 @@ TEST(CommandLine, missing_input_is_one_line_naming_the_file_and_writes_nothing) 
       {"segment", missing + ".tif", "-o", out},
       {"refine", "--osm", missing + ".osm", "--labels", missing + ".tif", "-o", out},
       {"tune", missing + ".toml", "-o", out + ".d"},
-      {"refine", "--method", "mrf", "--osm", missing + ".osm", "--photo", missing + ".tif", "--forests", missing + ".yml",
-       "-o", out},
+      {"refine", "--method", "mrf", "--osm", missing + ".osm", "--photo", missing + ".tif", "--forests",
+       missing + ".yml", "-o", out},
       {"forests", "--photo", missing + ".tif", "--labels", missing + ".tif", "-o", out},
       {"elevate", "--roads", missing + ".gpkg", "--dtm", missing + ".tif", "-o", out},
       {"network", "--roads", missing + ".gpkg", "-o", out},

@@ -53,9 +53,10 @@ TEST(Forests, what_cannot_be_read_is_one_line_and_writes_nothing) {
     write_bytes(forests, text);
     expect_clean_failure(scratch.folder(), forests, [&] { return run_tool(refine); });
   }
-  write_bytes(polygons,
-              R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{"class":"lava"},"geometry":)"
-              R"({"type":"Polygon","coordinates":[[[14.47,47.583],[14.471,47.583],[14.471,47.584],[14.47,47.583]]]}}]})");
+  write_bytes(
+      polygons,
+      R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{"class":"lava"},"geometry":)"
+      R"({"type":"Polygon","coordinates":[[[14.47,47.583],[14.471,47.583],[14.471,47.584],[14.47,47.583]]]}}]})");
   expect_clean_failure(scratch.folder(), polygons, [&] {
     return run_tool({"--quiet", "forests", "--photo", site / "ortho.tif", "--labels", polygons, "-o", forests});
   });

@@ -70,7 +70,12 @@ double largest_step_m(const roadquery::RoadMap& map) {
       const bool other_end = link.contact == roadquery::ContactPoint::end;
       const double s = at_end ? road.length : 0.0, s_other = other_end ? other->length : 0.0;
       const double sign = at_end == other_end ? -1.0 : 1.0;
+      const auto has = [](const roadquery::Road& r, double at, double t) {
+        const auto edges = roadquery::road_edges(r, at);
+        return t >= edges.right_t - 1e-6 && t <= edges.left_t + 1e-6;
+      };
       for (const double t : {-1.0, 0.0, 1.0}) {
+        if (!has(road, s, t) || !has(*other, s_other, sign * t)) continue;  // a crown ends at the road's edge
         const auto a = roadquery::surface_point(road, s, t), b = roadquery::surface_point(*other, s_other, sign * t);
         worst = std::max(worst, std::hypot(a.x - b.x, a.y - b.y, a.z - b.z));
       }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "io/scratch.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 
@@ -56,7 +57,7 @@ inline ToolRun run_program(const Arguments& command) {
 }
 
 inline ToolRun run_tool(Arguments arguments) {
-  arguments.insert(arguments.begin(), ORTHODRIVE_TOOL);
+  arguments.insert(arguments.begin(), paths::tool);
   return run_program(arguments);
 }
 
@@ -64,7 +65,7 @@ inline ToolRun run_tool(Arguments arguments) {
 inline ToolRun run_tool_with_file_limit(int limit_kib, const Arguments& arguments) {
   // Ignored signals stay ignored in the program, so that it sees the error of write() instead of SIGXFSZ.
   Arguments command{"/bin/bash", "-c", "trap '' XFSZ; ulimit -f " + std::to_string(limit_kib) + "; exec \"$@\"", "bash",
-                    ORTHODRIVE_TOOL};
+                    paths::tool};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return run_program(command);
 }

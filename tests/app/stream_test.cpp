@@ -7,6 +7,7 @@
 
 #include "app/expect_clean_failure.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -45,7 +46,7 @@ fs::path mosaic_of(const Scratch& scratch, const fs::path& photo, int size_px) {
 
 /// Largest resident size of the tool while it segments, in MB.
 double peak_mb(const Scratch& scratch, const fs::path& photo) {
-  const pid_t child = start_program({ORTHODRIVE_TOOL, "--quiet", "--threads", "1", "segment", photo, "-o",
+  const pid_t child = start_program({paths::tool, "--quiet", "--threads", "1", "segment", photo, "-o",
                                      scratch / "labels.tif", "--confidence", scratch / "confidence.tif"},
                                     scratch / "out", scratch / "err");
   int status = 0;

@@ -4,15 +4,16 @@
 #include <sstream>
 
 #include "app/run_tool.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 
-const fs::path models = fs::path(ORTHODRIVE_SOURCE_DIR) / "models";
+const fs::path models = paths::in_source("models");
 
 ToolRun run_trainer(Arguments arguments) {
-  arguments.insert(arguments.begin(), ORTHODRIVE_TRAINER);
+  arguments.insert(arguments.begin(), paths::trainer);
   return run_program(arguments);
 }
 
@@ -125,7 +126,7 @@ TEST_F(TrainPacked, wrong_input_is_named) {
 
 /// What it asks for itself: the libtorch of Debian asks for GDAL in turn.
 TEST(TrainPackedProgram, needs_neither_gdal_nor_proj) {
-  const ToolRun run = run_program({"/usr/bin/readelf", "--dynamic", "--wide", ORTHODRIVE_TRAINER});
+  const ToolRun run = run_program({"/usr/bin/readelf", "--dynamic", "--wide", paths::trainer});
   EXPECT_NE(run.out.find("[libtorch_cpu"), std::string::npos) << run.out;
   for (const char* library : {"[libgdal", "[libproj", "[libgeos", "[libprotobuf"})
     EXPECT_EQ(run.out.find(library), std::string::npos) << run.out;
@@ -134,12 +135,12 @@ TEST(TrainPackedProgram, needs_neither_gdal_nor_proj) {
 /// Fails when a source of the program begins to include what a machine with libtorch alone has not.
 TEST(TrainPackedProgram, its_sources_are_complete_without_other_libraries) {
   const Scratch scratch;
-  const ToolRun run = run_program({fs::path(ORTHODRIVE_SOURCE_DIR) / "tools/trainer/bundle", scratch / "bundle"});
+  const ToolRun run = run_program({paths::in_source("tools/trainer/bundle"), scratch / "bundle"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  for (const char* file : {"CMakeLists.txt", "app/train_packed.cpp", "src/orthodrive/segment/train_network.cpp",
-                           "src/orthodrive/segment/crf_kernels_avx512.cpp", "third_party/fmt/format-inl.h"})
+  for (const char* file : {"CMakeLists.txt", "app/train_packed.cpp", "src/orthodrive/train/train_network.cpp",
+                           "src/orthodrive/crf/crf_kernels_avx512.cpp", "third_party/fmt/format-inl.h"})
     EXPECT_TRUE(fs::exists(scratch / "bundle" / file)) << file;
-  EXPECT_FALSE(fs::exists(scratch / "bundle" / "src/orthodrive/segment/caffe_model.cpp"));
+  EXPECT_FALSE(fs::exists(scratch / "bundle" / "src/orthodrive/io/caffe_model.cpp"));
 }
 
 }  // namespace

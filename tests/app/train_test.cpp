@@ -13,6 +13,7 @@
 
 #include "app/expect_clean_failure.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string models = ORTHODRIVE_SOURCE_DIR "/models";
+const std::string models = paths::in_source("models").string();
 const std::string shipped_network = models + "/networks/mobilenetv2-fpn.toml";
 const std::string shipped_weights = models + "/default.safetensors";
 
@@ -225,7 +226,7 @@ TEST(Train, killed_and_resumed_gives_the_bytes_of_a_straight_run) {
   fs::remove_all(shop.out);
 
   Arguments command = shop.command(experiment);
-  command.insert(command.begin(), ORTHODRIVE_TOOL);
+  command.insert(command.begin(), paths::tool);
   const pid_t child = start_program(command, shop.scratch / "stdout", shop.scratch / "stderr");
   const fs::path model = shop.out / "model.safetensors";
   for (int i = 0; i < 60000 && !fs::exists(model); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -325,7 +326,8 @@ TEST(Train, keeps_data_for_the_crf_from_the_network_and_the_crf_from_everything_
   make_site(shop);
   const std::string for_the_crf = "\n[[raster]]\nname = \"site\"\nfolder = \"site\"\ncrf_only = true\n",
                     crf = "[crf]\nsteps = 1\nbatch = 1\nsearch_crops = 1\niterations = 2\nvalidate_every = -1\n";
-  const std::string train = few_steps(3, "validate_every = -1"), with = shop.experiment(train, shop.pictures() + for_the_crf + crf);
+  const std::string train = few_steps(3, "validate_every = -1"),
+                    with = shop.experiment(train, shop.pictures() + for_the_crf + crf);
   shop.run(shop.experiment(train, shop.pictures()));
   const std::string alone = bytes_of(shop.out / "model.safetensors");
   fs::remove_all(shop.out);
@@ -344,8 +346,9 @@ TEST(Train, keeps_data_for_the_crf_from_the_network_and_the_crf_from_everything_
 
 TEST(Train, measures_the_sets_that_are_named) {
   const Workshop shop;
-  const std::string experiment = shop.experiment(
-      few_steps(1), shop.pictures() + "\n" + shop.pictures("held_out = [\"*\"]") + "\n[[raster]]\nname = \"other\"\nfolder = \"site\"\nheld_out = true\n");
+  const std::string experiment =
+      shop.experiment(few_steps(1), shop.pictures() + "\n" + shop.pictures("held_out = [\"*\"]") +
+                                        "\n[[raster]]\nname = \"other\"\nfolder = \"site\"\nheld_out = true\n");
   make_site(shop);
   const auto measured = [&](Arguments sets) {
     Arguments arguments{"-q", "--threads", "1", "train", experiment, "--measure", shipped_weights};

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "app/expect_clean_failure.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -36,7 +37,7 @@ class Server {
  public:
   explicit Server(const TinySite& tiny)
       : out_(tiny.scratch / "server_out"),
-        child_(start_program({ORTHODRIVE_TOOL, "view", tiny.site, "--port", "0", "--no-open"}, out_,
+        child_(start_program({paths::tool, "view", tiny.site, "--port", "0", "--no-open"}, out_,
                              tiny.scratch / "server_err")) {
     for (int i = 0; i < 200 && address().find('\n') == std::string::npos; ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -6,13 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "opendrive_peers.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const fs::path sites = ORTHODRIVE_SITES;
+const fs::path sites = paths::test_sites;
 
 json json_of(const Arguments& arguments) {
   const ToolRun run = run_tool(arguments);
@@ -24,14 +25,15 @@ class BuiltSite : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     folder = sites / GetParam();
-    if (!fs::exists(folder / "run.json")) GTEST_SKIP() << "SKIPPED: " << folder << " was not built, its data is missing";
+    if (!fs::exists(folder / "run.json"))
+      GTEST_SKIP() << "SKIPPED: " << folder << " was not built, its data is missing";
   }
   fs::path folder;
 };
 
 TEST_P(BuiltSite, has_every_file_and_a_record_of_every_stage) {
-  for (const char* name : {"labels.tif", "confidence.tif", "roads.gpkg", "roads.xodr", "scene/tileset.json", "drive/lap.csv",
-                           "drive/report.html", "report.html", "findings.geojson"})
+  for (const char* name : {"labels.tif", "confidence.tif", "roads.gpkg", "roads.xodr", "scene/tileset.json",
+                           "drive/lap.csv", "drive/report.html", "report.html", "findings.geojson"})
     EXPECT_TRUE(fs::exists(folder / name)) << name;
   const json run = json::parse(bytes_of(folder / "run.json"));
   std::vector<std::string> stages;
@@ -60,7 +62,8 @@ TEST_P(BuiltSite, road_network_hangs_together) {
 }
 
 TEST_P(BuiltSite, gltf_validator_finds_no_error) {
-  const ToolRun run = run_program({"/usr/bin/env", "node", ORTHODRIVE_SOURCE_DIR "/tools/validate_gltf.mjs", (folder / "scene").string()});
+  const ToolRun run =
+      run_program({"/usr/bin/env", "node", paths::in_source("tools/validate_gltf.mjs"), (folder / "scene").string()});
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
   EXPECT_NE(run.out.find(" 0 errors"), std::string::npos);
 }
@@ -78,21 +81,26 @@ TEST_P(BuiltSite, the_lap_was_driven_on_the_road) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sites, BuiltSite, testing::Values("village", "kvarnbyn"), [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Sites, BuiltSite, testing::Values("village", "kvarnbyn"),
+                         [](const auto& info) { return std::string(info.param); });
 
 // The numbers of issue 2: 1 km2 at 0.2 m/px.
 TEST(Village, roads_are_better_than_the_input_by_the_margin_asked_for) {
   const fs::path truth = sites / "village_site" / "truth";
-  const json input = json_of({"evaluate", "roads", (sites / "village_site" / "roads.osm").string(), truth.string(), "--json"});
-  const json result = json_of({"evaluate", "site", (sites / "village").string(), "--truth", truth.string(), "--json"}).at("roads");
+  const json input =
+      json_of({"evaluate", "roads", (sites / "village_site" / "roads.osm").string(), truth.string(), "--json"});
+  const json result =
+      json_of({"evaluate", "site", (sites / "village").string(), "--truth", truth.string(), "--json"}).at("roads");
   EXPECT_GE(result.at("surface_iou").get<double>(), input.at("surface_iou").get<double>() + 0.10);
-  EXPECT_LE(result.at("offset_m").at("mean_abs").get<double>(), 0.5 * input.at("offset_m").at("mean_abs").get<double>());
+  EXPECT_LE(result.at("offset_m").at("mean_abs").get<double>(),
+            0.5 * input.at("offset_m").at("mean_abs").get<double>());
   EXPECT_GT(result.at("matched_share").get<double>(), 0.99);
 }
 
 TEST(Village, heights_follow_the_true_road) {
   const fs::path truth = sites / "village_site" / "truth";
-  const json heights = json_of({"evaluate", "site", (sites / "village").string(), "--truth", truth.string(), "--json"}).at("heights");
+  const json heights =
+      json_of({"evaluate", "site", (sites / "village").string(), "--truth", truth.string(), "--json"}).at("heights");
   EXPECT_LT(heights.at("z_m").at("mean_abs").get<double>(), 0.03);
 }
 

@@ -1,41 +1,40 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <tuple>
 
+#include "drive/cars.hpp"
 #include "drive/roads.hpp"
-#include "orthodrive/drive/drive_report.hpp"
+#include "orthodrive/drive/lane_path.hpp"
 #include "orthodrive/drive/simulate_lap.hpp"
 #include "orthodrive/drive/speed_profile.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
 
 using namespace test;
-using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
 
 bool has_finding(const DriveResult& result, const std::string& code) {
   return std::any_of(result.findings.begin(), result.findings.end(), [&](const Finding& f) { return f.code == code; });
 }
 
 TEST(SimulateLap, circle_is_driven_at_the_speed_that_the_lateral_limit_allows) {
-  const DriveResult lap = simulate_lap(map_of({make_circle(1, 50.0)}), {.driver = {.max_lateral_mps2 = 4.0}});
+  const DriveResult lap = simulate_lap(map_of({make_circle(1, 50.0)}), family());
   const double radius_m = 51.75;  // the centre of the outer lane
   EXPECT_TRUE(lap.finished);
   EXPECT_TRUE(lap.findings.empty());
-  EXPECT_NEAR(lap.length_m, 2.0 * std::numbers::pi * radius_m, 0.05);
-  EXPECT_NEAR(lap.mean_speed_mps, std::sqrt(4.0 * radius_m), 0.05);
+  EXPECT_NEAR(lap.length_m, 2.0 * std::numbers::pi * radius_m, 0.1);
+  EXPECT_NEAR(lap.mean_speed_mps, std::sqrt(4.0 * radius_m), 0.1);
   EXPECT_NEAR(lap.max_lateral_mps2, 4.0, 0.15);
-  EXPECT_LT(lap.max_line_error_m, 0.05);
+  EXPECT_LT(lap.max_line_error_m, 0.1);
   EXPECT_EQ(lap.tyre_misses, 0u);
-  EXPECT_EQ(lap.tyre_queries, 4u * static_cast<std::uint64_t>(std::lround(lap.lap_time_s * 1000.0)));
+  EXPECT_NEAR(static_cast<double>(lap.tyre_queries), 4000.0 * lap.lap_time_s, 4.0 * 20.0);
   for (const DriveSample& s : lap.samples) {
-    EXPECT_NEAR(std::hypot(s.x_m, s.y_m), radius_m, 0.1);
+    EXPECT_NEAR(std::hypot(s.x_m, s.y_m), radius_m, 0.15);
     EXPECT_NEAR(s.curvature_1pm, 1.0 / radius_m, 5e-5);
   }
 }
@@ -44,37 +43,40 @@ TEST(SimulateLap, banking_that_helps_makes_the_circle_faster_by_what_gravity_giv
   Road circle = make_circle(1, 50.0);
   const double bank = std::atan(0.1);
   circle.superelevation = {{.s = 0.0, .a = -bank}};  // left turn: right side higher
-  const DriveResult lap = simulate_lap(map_of({circle}));
+  const DriveResult lap = simulate_lap(map_of({circle}), family());
   const double radius_m = 50.0 + 1.75 * std::cos(bank);
   EXPECT_NEAR(lap.mean_speed_mps, std::sqrt((4.0 + 9.80665 * std::sin(bank)) * radius_m), 0.1);
-  for (const DriveSample& s : lap.samples) EXPECT_NEAR(s.roll_rad, -bank, 2e-3);
+  for (const DriveSample& s : lap.samples) {
+    EXPECT_NEAR(s.banking_rad, -bank, 1e-3);
+    EXPECT_NEAR(s.roll_rad, -bank, 0.05);  // the body leans outwards on its springs
+  }
 }
 
 TEST(SimulateLap, heights_follow_a_hill_and_an_open_road_is_driven_to_its_end) {
   Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 200.0, Line{}});
   // Up 10 m and down again: 100 + 0.003 s^2 - 2e-5 s^3 from 0 to 100, mirrored.
   road.elevation = {{0.0, 100.0, 0.0, 0.003, -2e-5}, {100.0, 110.0, 0.0, -0.003, 2e-5}};
-  const DriveResult lap = simulate_lap(map_of({road}));
+  const DriveResult lap = simulate_lap(map_of({road}), family());
   EXPECT_TRUE(lap.finished);
   EXPECT_TRUE(has_finding(lap, "drive.open_route"));
   EXPECT_EQ(lap.tyre_misses, 0u);
-  EXPECT_NEAR(lap.length_m, 200.0 - 3.2, 0.1);
-  EXPECT_LT(lap.max_height_step_m, 1e-5);  // the surface is smooth: only its curvature over 4 cm is left
-  EXPECT_NEAR(lap.climb_m, 10.0, 0.1);
+  EXPECT_NEAR(lap.length_m, 200.0 - family().car.body.wheelbase_m - 1.0, 0.1);
+  EXPECT_LT(lap.max_height_step_m, 2e-5);  // the surface is smooth: only its curvature over 4 cm is left
+  EXPECT_NEAR(lap.climb_m, 10.0, 0.15);
   EXPECT_NEAR(lap.max_gradient, 0.15, 2e-3);
   ASSERT_GT(lap.samples.size(), 100u);
   for (const DriveSample& s : lap.samples) {
-    // The mean of axle heights 1.35 m ahead and behind differs from the middle by z'' 1.35^2 / 2 < 6 mm.
-    EXPECT_NEAR(s.z_m, roadquery::elevation(road, s.x_m), 0.007) << s.x_m;
+    // The body stands on its springs: it dips and rises by some centimetres.
+    EXPECT_NEAR(s.z_m, roadquery::elevation(road, s.x_m), 0.05) << s.x_m;
     EXPECT_NEAR(s.gradient, roadquery::gradient(road, s.x_m), 2e-3) << s.x_m;
-    EXPECT_NEAR(s.y_m, -1.75, 0.01);
+    EXPECT_NEAR(s.y_m, -1.75, 0.02);
     EXPECT_EQ(s.road_id, 1);
     EXPECT_NEAR(s.road_s_m, s.x_m, 1e-6);
   }
 }
 
 TEST(SimulateLap, samples_are_10_ms_apart_and_move_forward) {
-  const DriveResult lap = simulate_lap(map_of(make_stadium(1, 458000.0, 5540000.0, 150.0, 30.0)));
+  const DriveResult lap = simulate_lap(map_of(make_stadium(1, 458000.0, 5540000.0, 150.0, 30.0)), family());
   ASSERT_GT(lap.samples.size(), 1000u);
   for (std::size_t i = 1; i < lap.samples.size(); ++i) {
     const DriveSample &a = lap.samples[i - 1], &b = lap.samples[i];
@@ -82,13 +84,16 @@ TEST(SimulateLap, samples_are_10_ms_apart_and_move_forward) {
     ASSERT_GT(b.s_m, a.s_m);
     ASSERT_NEAR(std::hypot(b.x_m - a.x_m, b.y_m - a.y_m), 0.01 * b.speed_mps, 0.02);
     for (int wheel = 0; wheel < 4; ++wheel) ASSERT_NEAR(b.wheel_z_m[static_cast<std::size_t>(wheel)], 0.0, 1e-9);
+    double load_n = 0.0;
+    for (const double wheel_n : b.load_n) load_n += wheel_n;
+    ASSERT_NEAR(load_n, family().car.body.mass_kg * 9.81, 0.1 * family().car.body.mass_kg * 9.81);
   }
   // The car brakes for the bends and stays within what the driver asks for.
   EXPECT_TRUE(lap.finished);
   EXPECT_GT(lap.max_speed_mps, 18.0);
   EXPECT_LT(lap.max_lateral_mps2, 4.6);
   EXPECT_LT(lap.max_braking_mps2, 4.6);
-  EXPECT_LT(lap.max_line_error_m, 0.2);
+  EXPECT_LT(lap.max_line_error_m, 0.3);
   EXPECT_EQ(lap.tyre_misses, 0u);
 }
 
@@ -96,8 +101,8 @@ TEST(SimulateLap, step_between_two_roads_is_measured_and_found) {
   Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, 60.0, Line{}}, 5.0),
        b = make_road(2, {0.0, 60.0, 0.0, 0.0, 60.0, Line{}}, 5.06);
   link(a, b);
-  const DriveResult lap = simulate_lap(map_of({a, b}));
-  EXPECT_NEAR(lap.max_height_step_m, 0.06, 1e-9);
+  const DriveResult lap = simulate_lap(map_of({a, b}), family());
+  EXPECT_NEAR(lap.max_height_step_m, 0.06, 1e-6);
   EXPECT_NEAR(lap.max_height_step_s_m, 60.0, 3.0);
   EXPECT_TRUE(has_finding(lap, "drive.bump"));
 }
@@ -105,7 +110,7 @@ TEST(SimulateLap, step_between_two_roads_is_measured_and_found) {
 TEST(SimulateLap, hole_in_the_road_is_counted_per_tyre) {
   Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, 60.0, Line{}}), b = make_road(2, {0.0, 64.0, 0.0, 0.0, 60.0, Line{}});
   link(a, b);
-  const DriveResult lap = simulate_lap(map_of({a, b}));
+  const DriveResult lap = simulate_lap(map_of({a, b}), family());
   EXPECT_TRUE(lap.finished);
   EXPECT_TRUE(has_finding(lap, "drive.off_road"));
   // Each tyre misses the road over 4 m less the two seams of 0.25 m.
@@ -119,7 +124,7 @@ TEST(SimulateLap, lane_jump_between_roads_is_driven_smoothly) {
   Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, 150.0, Line{}}), b = make_road(2, {0.0, 150.0, 0.0, 0.0, 150.0, Line{}});
   b.sections[0].right.push_back(roadquery::test::make_lane(-2, 3.5));  // the outermost lane is now one further right
   link(a, b);
-  const DriveResult lap = simulate_lap(map_of({a, b}));
+  const DriveResult lap = simulate_lap(map_of({a, b}), family());
   EXPECT_TRUE(lap.finished);
   EXPECT_EQ(lap.tyre_misses, 0u);
   EXPECT_LT(lap.max_lateral_mps2, 4.6);
@@ -129,7 +134,8 @@ TEST(SimulateLap, lane_jump_between_roads_is_driven_smoothly) {
 TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
   // Lanes so narrow that drivers keep off the edge, and a jump of the lane that is made up where there is room.
   const auto drive = [](bool with_sidewalks) {
-    Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, 150.0, Line{}}, 0.0, 2.4), b = make_road(2, {0.0, 150.0, 0.0, 0.0, 150.0, Line{}}, 0.0, 3.2);
+    Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, 150.0, Line{}}, 0.0, 2.4),
+         b = make_road(2, {0.0, 150.0, 0.0, 0.0, 150.0, Line{}}, 0.0, 3.2);
     if (with_sidewalks)
       for (Road* road : {&a, &b})
         for (auto* side : {&road->sections[0].left, &road->sections[0].right}) {
@@ -140,86 +146,39 @@ TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
           side->push_back(shoulder), side->push_back(sidewalk);
         }
     link(a, b);
-    return simulate_lap(map_of({a, b}));
+    return simulate_lap(map_of({a, b}), family());
   };
   const DriveResult with = drive(true), without = drive(false);
   ASSERT_EQ(with.samples.size(), without.samples.size());
-  for (std::size_t i = 0; i < with.samples.size(); ++i) ASSERT_NEAR(with.samples[i].y_m, without.samples[i].y_m, 1e-9) << i;
+  for (std::size_t i = 0; i < with.samples.size(); ++i)
+    ASSERT_NEAR(with.samples[i].y_m, without.samples[i].y_m, 1e-5) << i;  // what the line's solver leaves
 }
 
 TEST(SimulateLap, hairpin_below_the_turning_circle_ends_with_a_finding_not_in_a_loop) {
   // A radius of 2 m: the car cannot steer that much. It must say so or drive wide, never hang.
   std::vector<Road> roads = make_stadium(1, 0.0, 0.0, 80.0, 2.0);
-  const DriveResult lap = simulate_lap(map_of(roads));
+  const DriveResult lap = simulate_lap(map_of(roads), family());
   EXPECT_TRUE(has_finding(lap, "drive.not_finished") || has_finding(lap, "drive.off_road"));
 }
 
-TEST(SimulateLap, same_roads_same_bytes) {
+TEST(SimulateLap, same_roads_same_samples) {
   const RoadMap map = map_of(make_stadium(1, 458000.0, 5540000.0, 150.0, 30.0));
-  EXPECT_EQ(lap_csv(simulate_lap(map)), lap_csv(simulate_lap(map)));
-}
-
-TEST(PlanSpeed, long_climb_slows_to_the_speed_at_which_power_balances) {
-  DrivingLine line;
-  for (int i = 0; i <= 6000; ++i)
-    line.points.push_back({.s_m = static_cast<double>(i), .x_m = static_cast<double>(i), .gradient = 0.15});
-  const Vehicle car;
-  const std::vector<double> speed = plan_speed(line, car, {.max_speed_mps = 80.0});
-  const double v = speed[4000];
-  const double sine = 0.15 / std::hypot(1.0, 0.15);
-  const double needed_w =
-      v * (car.mass_kg * 9.80665 * (sine + car.rolling_resistance) + 0.5 * 1.2 * car.drag_area_m2 * v * v * v / v);
-  EXPECT_NEAR(needed_w, car.max_power_w, 0.005 * car.max_power_w);
-}
-
-TEST(PlanSpeed, brakes_before_a_bend_and_accelerates_after_it) {
-  DrivingLine line;
-  for (int i = 0; i <= 400; ++i) {
-    line.points.push_back(
-        {.s_m = static_cast<double>(i), .x_m = static_cast<double>(i), .curvature_1pm = i == 200 ? 0.04 : 0.0});
-  }
-  const Driver driver;
-  const std::vector<double> speed = plan_speed(line, {}, driver);
-  EXPECT_NEAR(speed[200], std::sqrt(4.0 / 0.04), 1e-9);
-  for (std::size_t i = 1; i <= 400; ++i) {
-    const double a = 0.5 * (speed[i] * speed[i] - speed[i - 1] * speed[i - 1]);
-    EXPECT_GT(a, -driver.max_brake_mps2 - 0.7);  // resistances help to brake
-    EXPECT_LT(a, driver.max_drive_mps2 + 1e-9);
-  }
-  EXPECT_GT(speed[150], speed[200] + 5.0);
-  EXPECT_GT(speed[250], speed[200] + 5.0);
-}
-
-TEST(DriveReport, csv_has_the_agreed_columns_and_a_row_a_sample) {
-  const DriveResult lap = simulate_lap(map_of({make_circle(1, 30.0)}));
-  const std::string csv = lap_csv(lap);
-  EXPECT_THAT(csv, StartsWith("t_s,s_m,x_m,y_m,z_m,heading_rad,pitch_rad,roll_rad,speed_mps,a_lon_mps2,a_lat_mps2,"
-                              "curvature_1pm,gradient,road_id,road_s_m,road_t_m,z_fl_m,z_fr_m,z_rl_m,z_rr_m\n0.000,"));
-  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), lap.samples.size() + 1);
-  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), ',')), 19 * (lap.samples.size() + 1));
-  EXPECT_THAT(csv, Not(HasSubstr("nan")));
-}
-
-TEST(DriveReport, page_is_complete_and_escapes_names) {
-  Road circle = make_circle(1, 30.0);
-  circle.name = "R&D <Ring>";
-  const RoadMap map = map_of({circle});
-  const std::string html = lap_report_html(map, simulate_lap(map));
-  EXPECT_THAT(html, StartsWith("<!doctype html>"));
-  EXPECT_THAT(html, HasSubstr("R&amp;D &lt;Ring&gt;"));
-  EXPECT_THAT(html, Not(HasSubstr("nan")));
-  EXPECT_THAT(html, Not(HasSubstr("http://localhost")));
-  std::size_t plots = 0;
-  for (std::size_t at = html.find("role=\"img\""); at != std::string::npos; at = html.find("role=\"img\"", at + 1))
-    ++plots;
-  EXPECT_EQ(plots, 6u);
+  const DriveResult a = simulate_lap(map, family()), b = simulate_lap(map, family());
+  ASSERT_GT(a.samples.size(), 100u);
+  ASSERT_EQ(a.samples.size(), b.samples.size());
+  const auto values = [](const DriveSample& s) {
+    return std::tuple(s.t_s, s.s_m, s.x_m, s.y_m, s.z_m, s.heading_rad, s.pitch_rad, s.roll_rad, s.speed_mps,
+                      s.a_lon_mps2, s.a_lat_mps2, s.curvature_1pm, s.gradient, s.road_id, s.road_s_m, s.road_t_m,
+                      s.wheel_z_m, s.load_n, s.slip_ratio, s.slip_angle_rad, s.throttle, s.brake, s.gear);
+  };
+  for (std::size_t i = 0; i < a.samples.size(); ++i) ASSERT_EQ(values(a.samples[i]), values(b.samples[i])) << i;
 }
 
 TEST(SimulateLap, other_peoples_networks_can_be_driven) {
-  const std::string folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/opendrive/samples/";
+  const std::string folder = paths::in_source("../shared/data/opendrive/samples/").string();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no sample files at " << folder;
   for (const char* name : {"esmini_fabriksgatan.xodr", "esmini_multi_intersections.xodr", "qc_positive18.xodr"}) {
-    const DriveResult lap = simulate_lap(roadquery::read_opendrive(folder + name));
+    const DriveResult lap = simulate_lap(roadquery::read_opendrive(folder + name), family());
     EXPECT_TRUE(lap.finished) << name;
     EXPECT_GT(lap.length_m, 100.0) << name;
     EXPECT_LT(lap.off_road_share, 0.01) << name;

@@ -73,7 +73,7 @@ TEST(FindRoute, lanes_give_the_direction) {
   EXPECT_EQ(road_ids(map, find_route(map)), (std::vector<int>{-1, -4, -3, -2}));
   // In left-hand traffic the same lanes lead forward.
   RoadMap left = map;
-  for (Road& road : left.roads) road.left_hand_traffic = true;
+  for (Road& road : left.roads) road.driving_side = roadquery::DrivingSide::left;
   EXPECT_EQ(road_ids(left, find_route(left)), (std::vector<int>{1, 2, 3, 4}));
 }
 

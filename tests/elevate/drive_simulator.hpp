@@ -97,7 +97,7 @@ inline RoadNetwork road_from_terrain(const TrueRoad& road, double sigma_z_m, std
                           .gradient = road.gradient(s) + error.slope(s),
                           .crown = road.crown(s),
                           .sigma_z_m = sigma_z_m,
-                          .banking_source = "none"});
+                          .banking_source = BankingSource::none});
   path.nodes.front().osm_node = 1, path.nodes.back().osm_node = 2;
   return {drive_crs, {path}};
 }

@@ -1,4 +1,4 @@
-// All of stage elevate at once: what heights, cross-fall and drive logs must agree on.
+// All of stage elevate at once: what heights, banking and drive logs must agree on.
 
 #include "orthodrive/elevate/elevate_roads.hpp"
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "elevate/drive_simulator.hpp"
-#include "orthodrive/model/path_junctions.hpp"
+#include "orthodrive/roads/path_junctions.hpp"
 
 namespace orthodrive {
 namespace {
@@ -56,7 +56,7 @@ TEST(ElevateRoads, roads_of_a_junction_lie_in_one_plane) {
     if (gsd_m > 2.0) continue;
     EXPECT_NEAR(std::tan(main.banking), -main_fall, 0.01)
         << "measured banking has the say, not the street behind the edge";
-    EXPECT_EQ(paths[0].nodes[60].banking_source, "dtm");
+    EXPECT_EQ(paths[0].nodes[60].banking_source, BankingSource::dtm);
   }
 }
 
@@ -71,10 +71,10 @@ TEST(ElevateRoads, drive_logs_come_last) {
   const auto without = elevate_roads(roads, {grid}, {}), with = elevate_roads(roads, {grid}, log);
   EXPECT_EQ(without.logged_m, 0.0);
   EXPECT_GT(with.logged_on_roads_m, 550.0);
-  EXPECT_EQ(with.cross_fall_measured_share, 0.0);
+  EXPECT_EQ(with.banking_measured_share, 0.0);
   const RoadNode &before = without.roads.paths[0].nodes[150], &after = with.roads.paths[0].nodes[150];
-  EXPECT_EQ(before.banking_source, "design");
-  EXPECT_EQ(after.banking_source, "log");
+  EXPECT_EQ(before.banking_source, BankingSource::design);
+  EXPECT_EQ(after.banking_source, BankingSource::log);
   EXPECT_LT(after.sigma_banking, 0.7 * before.sigma_banking);
   EXPECT_EQ(before.crown, after.crown);
 }

@@ -60,14 +60,15 @@ double worst_height_error(const RoadPath& path, const Terrain& z) {
 TEST(EstimateProfiles, a_slope_stays_a_slope) {
   const Terrain plane = [](double x, double y) { return 100.0 + 0.08 * x - 0.02 * y; };
   for (const auto sampling : {HeightSampling::bilinear, HeightSampling::cubic}) {
-    const auto result = estimate_profiles(network({make_path(1, {0, 0}, {300, 40})}), {make_dtm(plane, 10.0)}, {.sampling = sampling});
+    const auto result =
+        estimate_profiles(network({make_path(1, {0, 0}, {300, 40})}), {make_dtm(plane, 10.0)}, {.sampling = sampling});
     const RoadPath& path = result.roads.paths[0];
     EXPECT_LT(worst_height_error(path, plane), 0.02);  // 0.27 with the w_g of the reference
     const double gradient = (0.08 * 300 - 0.02 * 40) / std::hypot(300, 40);
     for (const RoadNode& node : path.nodes) {
       EXPECT_NEAR(node.gradient, gradient, 0.005);
       EXPECT_EQ(node.banking, 0.0);
-      EXPECT_EQ(node.banking_source, "none");
+      EXPECT_EQ(node.banking_source, BankingSource::none);
       EXPECT_GT(node.sigma_z_m, 0.0);
     }
     EXPECT_TRUE(result.solve.converged);
@@ -77,7 +78,8 @@ TEST(EstimateProfiles, a_slope_stays_a_slope) {
 
 TEST(EstimateProfiles, gradient_is_positive_uphill_along_the_path) {
   const Terrain plane = [](double x, double) { return 0.05 * x; };
-  const auto result = estimate_profiles(network({make_path(1, {0, 0}, {100, 0}), make_path(2, {100, 50}, {0, 50})}), {make_dtm(plane)});
+  const auto result =
+      estimate_profiles(network({make_path(1, {0, 0}, {100, 0}), make_path(2, {100, 50}, {0, 50})}), {make_dtm(plane)});
   EXPECT_NEAR(result.roads.paths[0].nodes[20].gradient, 0.05, 0.005);
   EXPECT_NEAR(result.roads.paths[1].nodes[20].gradient, -0.05, 0.005);
 }
@@ -111,12 +113,14 @@ TEST(EstimateProfiles, paths_share_heights_where_they_meet) {
   const Terrain plane = [](double x, double y) { return 20.0 + 0.06 * x + 0.04 * y; };
   RoadPath through = make_path(1, {0, 100}, {200, 100}, 1, 2);
   through.nodes[50].osm_node = 7;
-  const auto roads = network({through, make_path(2, {100, 100}, {100, 300}, 7, 3), make_path(3, {400, 100}, {200, 100}, 4, 2)});
+  const auto roads =
+      network({through, make_path(2, {100, 100}, {100, 300}, 7, 3), make_path(3, {400, 100}, {200, 100}, 4, 2)});
   const auto result = estimate_profiles(roads, {make_dtm(plane)});
   const auto& p = result.roads.paths;
   EXPECT_EQ(p[0].nodes[50].z_m, p[1].nodes.front().z_m);
   EXPECT_EQ(p[0].nodes.back().z_m, p[2].nodes.back().z_m);
-  EXPECT_NEAR(p[0].nodes.back().gradient, -p[2].nodes.back().gradient, 1e-12);  // they go on in each other, in opposite directions
+  EXPECT_NEAR(p[0].nodes.back().gradient, -p[2].nodes.back().gradient,
+              1e-12);  // they go on in each other, in opposite directions
   EXPECT_NEAR(p[0].nodes.back().gradient, 0.06, 0.01);
   for (const RoadPath& path : p) EXPECT_LT(worst_height_error(path, plane), 0.08);
 }
@@ -125,7 +129,8 @@ TEST(EstimateProfiles, paths_share_heights_where_they_meet) {
 RoadNetwork valley_roads() {
   RoadPath bridge = make_path(2, {180, 0}, {220, 0}, 2, 3);
   bridge.bridge = true, bridge.layer = 1;
-  return network({make_path(1, {0, 0}, {180, 0}, 1, 2), bridge, make_path(3, {220, 0}, {400, 0}, 3, 4), make_path(4, {200, -40}, {200, 200})});
+  return network({make_path(1, {0, 0}, {180, 0}, 1, 2), bridge, make_path(3, {220, 0}, {400, 0}, 3, 4),
+                  make_path(4, {200, -40}, {200, 200})});
 }
 Terrain valley(double depth_m) {
   return [depth_m](double x, double) { return 30.0 - (x > 178 && x < 222 ? depth_m : 0.0); };
@@ -176,8 +181,10 @@ TEST(EstimateProfiles, clearance_that_cannot_be_made_is_reported) {
 TEST(EstimateProfiles, a_tunnel_ignores_the_hill_and_passes_below_its_road) {
   RoadPath tunnel = make_path(2, {150, 0}, {250, 0}, 2, 3);
   tunnel.tunnel = true, tunnel.layer = -1;
-  const auto roads = network({make_path(1, {0, 0}, {150, 0}, 1, 2), tunnel, make_path(3, {250, 0}, {400, 0}, 3, 4), make_path(4, {200, -40}, {200, 200})});
-  const auto result = estimate_profiles(roads, {make_dtm([](double x, double) { return x > 150 && x < 250 ? 25.0 : 5.0; })});
+  const auto roads = network({make_path(1, {0, 0}, {150, 0}, 1, 2), tunnel, make_path(3, {250, 0}, {400, 0}, 3, 4),
+                              make_path(4, {200, -40}, {200, 200})});
+  const auto result =
+      estimate_profiles(roads, {make_dtm([](double x, double) { return x > 150 && x < 250 ? 25.0 : 5.0; })});
   for (const RoadNode& node : result.roads.paths[1].nodes) EXPECT_NEAR(node.z_m, 5.0, 0.3);
   EXPECT_TRUE(result.findings.empty());
 }
@@ -194,7 +201,8 @@ TEST(EstimateProfiles, the_first_terrain_with_a_height_counts) {
 TEST(EstimateProfiles, holes_of_the_terrain_are_bridged_and_reported) {
   const Terrain plane = [](double x, double) { return 0.04 * x; };
   const HeightGrid holed = make_dtm([&](double x, double y) { return x > 100 && x < 140 ? nan_height : plane(x, y); });
-  const auto roads = network({make_path(1, {0, 0}, {300, 0}), make_path(2, {110, 50}, {130, 50})});  // way 2 has no height at all
+  const auto roads =
+      network({make_path(1, {0, 0}, {300, 0}), make_path(2, {110, 50}, {130, 50})});  // way 2 has no height at all
   const auto result = estimate_profiles(roads, {holed});
   EXPECT_LT(worst_height_error(result.roads.paths[0], plane), 0.15);
   EXPECT_LT(worst_height_error(result.roads.paths[1], plane), 2.0);
@@ -216,9 +224,9 @@ TEST(EstimateProfiles, any_thread_count_gives_the_same) {
 
 TEST(EstimateProfiles, degenerate_ways) {
   const HeightGrid flat = make_dtm([](double, double) { return 5.0; });
-  RoadPath same = make_path(1, {10, 10}, {10, 10});          // no length
-  RoadPath loop = make_path(2, {50, 50}, {52, 50}, 8, 8);    // both ends the same node
-  RoadPath bridge = make_path(3, {90, 90}, {120, 90});       // nothing but a bridge
+  RoadPath same = make_path(1, {10, 10}, {10, 10});        // no length
+  RoadPath loop = make_path(2, {50, 50}, {52, 50}, 8, 8);  // both ends the same node
+  RoadPath bridge = make_path(3, {90, 90}, {120, 90});     // nothing but a bridge
   bridge.bridge = true;
   const auto result = estimate_profiles(network({same, loop, bridge}), {flat});
   for (const RoadPath& path : result.roads.paths)

@@ -6,8 +6,9 @@
 #include <algorithm>
 
 #include "elevate/drive_simulator.hpp"
+#include "elevate/record_measured.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/elevate/uniform_spline.hpp"
+#include "orthodrive/math/uniform_spline.hpp"
 
 namespace orthodrive {
 namespace {
@@ -31,8 +32,8 @@ ProfileErrors errors_of(const RoadPath& path, const TrueRoad& road) {
   return e;
 }
 void show(const char* name, const ProfileErrors& e) {
-  printf("[drive_log] %-28s z %.3f m, gradient %.3f %% (worst %.2f), banking %.3f %% (worst %.2f)\n", name, e.z_m,
-         100 * e.gradient, 100 * e.worst_gradient, 100 * e.banking_rad, 100 * e.worst_banking_rad);
+  test::record_measured("%-28s z %.3f m, gradient %.3f %% (worst %.2f), banking %.3f %% (worst %.2f)", name, e.z_m,
+                        100 * e.gradient, 100 * e.worst_gradient, 100 * e.banking_rad, 100 * e.worst_banking_rad);
 }
 
 TEST(FuseDriveLogs, a_drive_corrects_gradient_and_banking) {
@@ -42,9 +43,9 @@ TEST(FuseDriveLogs, a_drive_corrects_gradient_and_banking) {
   const ProfileErrors before = errors_of(terrain.paths[0], road), after = errors_of(result.roads.paths[0], road);
   show("terrain", before), show("with a drive", after);
   const DriveCalibration& c = result.calibration[0];
-  printf(
-      "[drive_log] calibration mount pitch %.4f +- %.4f roll %.4f +- %.4f pitch gain %.4f +- %.4f roll gain %.4f +- "
-      "%.4f\n",
+  test::record_measured(
+      "calibration mount pitch %.4f +- %.4f roll %.4f +- %.4f pitch gain %.4f +- %.4f roll gain %.4f +- "
+      "%.4f",
       c.mount_pitch_rad, c.sigma_mount_pitch_rad, c.mount_roll_rad, c.sigma_mount_roll_rad, c.pitch_rad_per_mps2,
       c.sigma_pitch_rad_per_mps2, c.roll_rad_per_mps2, c.sigma_roll_rad_per_mps2);
   EXPECT_TRUE(result.solve.converged);
@@ -83,8 +84,8 @@ TEST(FuseDriveLogs, standard_deviations_hold) {
       count += 1.0;
     }
   }
-  printf("[drive_log] rms error over sigma: z %.2f, gradient %.2f, banking %.2f\n", std::sqrt(z2 / count),
-         std::sqrt(gradient2 / count), std::sqrt(banking2 / count));
+  test::record_measured("rms error over sigma: z %.2f, gradient %.2f, banking %.2f", std::sqrt(z2 / count),
+                        std::sqrt(gradient2 / count), std::sqrt(banking2 / count));
   EXPECT_LT(std::sqrt(z2 / count), 1.6);
   EXPECT_GT(std::sqrt(z2 / count), 0.4);
   EXPECT_LT(std::sqrt(gradient2 / count), 1.6);
@@ -113,7 +114,7 @@ TEST(FuseDriveLogs, banking_weighs_by_its_standard_deviation) {
   RoadNetwork terrain = road_from_terrain(road, 0.3);
   for (RoadNode& node : terrain.paths[0].nodes) {  // measured well, but 1 % off for 60 m
     node.banking = road.banking(node.s_m) + (node.s_m > 500.0 && node.s_m < 560.0 ? 0.01 : 0.0);
-    node.banking_source = "dtm", node.sigma_banking = 0.002;
+    node.banking_source = BankingSource::dtm, node.sigma_banking = 0.002;
   }
   const auto sure = fuse_drive_logs(terrain, log);
   EXPECT_LT(errors_of(sure.roads.paths[0], road).banking_rad, 0.0015);
@@ -123,7 +124,7 @@ TEST(FuseDriveLogs, banking_weighs_by_its_standard_deviation) {
   EXPECT_LT(std::abs(doubtful.roads.paths[0].nodes[265].banking - road.banking(530.0)), 0.006);
   for (std::size_t n = 10; n + 10 < terrain.paths[0].nodes.size(); n += 10) {
     const RoadNode &a = sure.roads.paths[0].nodes[n], &b = doubtful.roads.paths[0].nodes[n];
-    EXPECT_EQ(a.banking_source, "log");
+    EXPECT_EQ(a.banking_source, BankingSource::log);
     EXPECT_LT(a.sigma_banking, 0.002);
     EXPECT_LT(b.sigma_banking, 0.015);
     EXPECT_GT(b.sigma_banking, 0.002);
@@ -222,8 +223,8 @@ TEST(FuseDriveLogs, the_correction_is_as_smooth_as_a_spline) {
   }
   EXPECT_LT(worst_jump, 2e-3);
   EXPECT_NEAR(dz(0), 0.0, 1e-3);  // nothing moves far from where somebody drove
-  EXPECT_EQ(nodes[0].banking_source, "none");
-  EXPECT_EQ(nodes[250].banking_source, "log");
+  EXPECT_EQ(nodes[0].banking_source, BankingSource::none);
+  EXPECT_EQ(nodes[250].banking_source, BankingSource::log);
   EXPECT_NEAR(nodes[0].sigma_z_m, 0.3, 1e-3);
 }
 
@@ -276,7 +277,7 @@ TEST(FuseDriveLogs, side_roads_keep_their_height_and_angle) {
   EXPECT_NEAR(first.z_m, main.z_m, 1e-3);
   EXPECT_NEAR(first.gradient, std::sqrt(0.5) * (main.gradient + std::tan(main.banking)), 1e-3);
   EXPECT_NEAR(std::tan(first.banking), std::sqrt(0.5) * (std::tan(main.banking) - main.gradient), 1e-3);
-  EXPECT_NE(first.banking_source, "log");
+  EXPECT_NE(first.banking_source, BankingSource::log);
 }
 
 TEST(FuseDriveLogs, ways_that_continue_each_other_stay_without_a_kink) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "elevate/record_measured.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 
@@ -102,8 +103,8 @@ TEST(MeasureRoughness, known_unevenness_comes_back) {
       EXPECT_GE(s.s_end_m - s.s_begin_m, 100.0 - 1e-9);
       mean_ln += std::log(s.gd_n0_m3 / truth) / 6.0, mean_w += s.waviness / 6.0;
     }
-    printf("[drive_log] class %c at %.0f m/s: G_d(n0) by a factor of %.2f, waviness %.2f\n", road_class, speed_mps,
-           std::exp(mean_ln), mean_w);
+    test::record_measured("class %c at %.0f m/s: G_d(n0) by a factor of %.2f, waviness %.2f", road_class, speed_mps,
+                          std::exp(mean_ln), mean_w);
     EXPECT_NEAR(mean_ln, 0.0, std::log(1.35)) << road_class << " at " << speed_mps;
     EXPECT_NEAR(mean_w, 2.0, 0.3);
   }
@@ -127,8 +128,8 @@ TEST(MeasureRoughness, another_car_errs_by_what_it_says) {
     error_known += std::log(s.gd_n0_m3 / truth) / 6.0;
     EXPECT_LT(s.sigma_ln_gd, 0.4);
   }
-  printf("[drive_log] another car: factor %.2f with the golden car assumed, %.2f with its own numbers\n",
-         std::exp(error_assumed), std::exp(error_known));
+  test::record_measured("another car: factor %.2f with the golden car assumed, %.2f with its own numbers",
+                        std::exp(error_assumed), std::exp(error_known));
   EXPECT_LT(std::abs(error_assumed), 1.0);
   EXPECT_LT(std::abs(error_known), std::log(1.35));
 }

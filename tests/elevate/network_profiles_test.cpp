@@ -11,9 +11,9 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
-#include "orthodrive/elevate/robust_fit.hpp"
+#include "orthodrive/math/robust_fit.hpp"
 #include "orthodrive/model/design_limits.hpp"
-#include "orthodrive/model/path_junctions.hpp"
+#include "orthodrive/roads/path_junctions.hpp"
 
 namespace orthodrive {
 namespace {
@@ -118,7 +118,7 @@ TEST(NetworkProfiles, the_plane_falls_across_the_main_road_as_its_banking_says) 
   for (const double banking : {0.0, 0.05}) {
     for (std::size_t k : {0, 1})
       for (RoadNode& node : roads.paths[k].nodes)
-        node.banking = (k == 0 ? 1.0 : -1.0) * banking, node.banking_source = "test";
+        node.banking = (k == 0 ? 1.0 : -1.0) * banking, node.banking_source = BankingSource::truth;
     const auto result = estimate_profiles(roads, {make_dtm([](double, double) { return 10.0; }, 2.0)});
     // The side road leaves the main road to its left, which the banking raises, at 73 degrees.
     EXPECT_NEAR(result.roads.paths[4].nodes.front().gradient, std::tan(banking) * 130.0 / std::hypot(40.0, 130.0),
@@ -324,9 +324,8 @@ TEST(ReferenceMethods, ways_do_not_share_heights) {
 // ---- the solver
 
 TEST(RobustFit, bounds_hold_until_the_pull_is_stronger) {
-  using elevate::Term;
   const auto solved = [](double weight) {
-    elevate::RobustFit fit(1);
+    RobustFit fit(1);
     const Term x{0, 1.0};
     fit.add_square({&x, 1}, 10.0, weight);             // pulls up with weight * (10 - x)
     fit.add_bounds({&x, 1}, -1.0, 2.0, 1000.0, 0.01);  // holds against a force of 10
@@ -339,10 +338,10 @@ TEST(RobustFit, bounds_hold_until_the_pull_is_stronger) {
 }
 
 TEST(RobustFit, bounds_that_newton_stalls_at_are_met_from_soft_to_hard) {
-  // A chain that two outliers far off pull through many stiff bounds, each of which a Newton step sees only once within.
-  using elevate::Term;
+  // A chain that two outliers far off pull through many stiff bounds, each of which a Newton step sees only once
+  // within.
   constexpr int n = 60;
-  elevate::RobustFit fit(n);
+  RobustFit fit(n);
   for (int i = 0; i < n; ++i) {
     const Term here{i, 1.0};
     fit.add_cauchy({&here, 1}, i % 7 == 0 ? 30.0 : 0.0, 25.0, 0.5);
@@ -356,8 +355,7 @@ TEST(RobustFit, bounds_that_newton_stalls_at_are_met_from_soft_to_hard) {
 }
 
 TEST(RobustFit, an_outlier_counts_little_and_repeated_unknowns_add_up) {
-  using elevate::Term;
-  elevate::RobustFit fit(2);
+  RobustFit fit(2);
   const Term x{0, 1.0}, y_twice[] = {{1, 0.5}, {1, 0.5}};
   for (const double value : {1.0, 1.1, 0.9, 40.0}) fit.add_cauchy({&x, 1}, value, 1.0, 0.5);
   fit.add_square(y_twice, 7.0, 2.0);

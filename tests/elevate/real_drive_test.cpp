@@ -1,6 +1,6 @@
 // One real minute of driving (comma2k19): the halves of its information must agree. There is no map and no terrain of
 // the place, so the road is drawn along the drive itself, with a height profile as coarse as a poor terrain model's.
-// Prints the numbers of docs/drive_logs.md (tools/drive_log_numbers).
+// Prints numbers of docs/measured/drive_logs.md (tools/measure drive-logs).
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "elevate/record_measured.hpp"
 #include "orthodrive/elevate/fuse_drive_logs.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -33,7 +35,7 @@ Agreement agreement(const std::vector<double>& a, const std::vector<double>& b) 
 class RealDrive : public testing::Test {
  protected:
   void SetUp() override {
-    const std::filesystem::path folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/drives/comma2k19";
+    const std::filesystem::path folder = paths::in_source("../shared/data/drives/comma2k19");
     if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
     const SiteFrame site{Crs{"EPSG:32610"},
                          {{{545000, 4173000}, {548000, 4173000}, {548000, 4178000}, {545000, 4178000}}, {}}};
@@ -46,8 +48,11 @@ class RealDrive : public testing::Test {
       double x = 0, y = 0, n = 0;
       for (std::size_t i = 0; i < poses.size(); ++i)
         if (std::abs(s[i] - at) < 4.0) x += poses[i].p.x, y += poses[i].p.y, n += 1.0;
-      roads.paths[0].nodes.push_back(
-          {.p = {x / n, y / n}, .width_m = 8.0, .z_m = coarse_height(at), .sigma_z_m = 1.5, .banking_source = "none"});
+      roads.paths[0].nodes.push_back({.p = {x / n, y / n},
+                                      .width_m = 8.0,
+                                      .z_m = coarse_height(at),
+                                      .sigma_z_m = 1.5,
+                                      .banking_source = BankingSource::none});
     }
     auto& nodes = roads.paths[0].nodes;
     const auto along = arc_lengths_m(centerline(roads.paths[0]));
@@ -92,18 +97,18 @@ TEST_F(RealDrive, gradient_of_the_pitch_agrees_with_the_heights) {
   }
   const Agreement with_pitch = agreement(height, pitch), with_coarse = agreement(height, coarse);
   const DriveCalibration& c = result.calibration[0];
-  printf("[drive_log] drive: %.0f m in %.0f s, %.0f m of it on the road; %zu poses, %zu inertial samples\n",
-         result.length_m, log.recordings[0].poses.back().time_s - log.recordings[0].poses.front().time_s,
-         result.matched_m, log.recordings[0].poses.size(), log.recordings[0].imu.size());
-  printf(
-      "[drive_log] gradient of the pitch against height differences over 20 m: correlation %.3f, RMS %.2f %%, mean "
-      "%.2f %%\n",
+  test::record_measured("drive: %.0f m in %.0f s, %.0f m of it on the road; %zu poses, %zu inertial samples",
+                        result.length_m, log.recordings[0].poses.back().time_s - log.recordings[0].poses.front().time_s,
+                        result.matched_m, log.recordings[0].poses.size(), log.recordings[0].imu.size());
+  test::record_measured(
+      "gradient of the pitch against height differences over 20 m: correlation %.3f, RMS %.2f %%, mean "
+      "%.2f %%",
       with_pitch.correlation, 100 * with_pitch.rms, 100 * with_pitch.mean);
-  printf("[drive_log] gradient of the coarse profile alone: correlation %.3f, RMS %.2f %%\n", with_coarse.correlation,
-         100 * with_coarse.rms);
-  printf("[drive_log] sensor: nose up by %.2f +- %.2f deg; body: %.2f +- %.2f deg/g when accelerating\n",
-         c.mount_pitch_rad * 180 / M_PI, c.sigma_mount_pitch_rad * 180 / M_PI, c.pitch_rad_per_mps2 * 9.81 * 180 / M_PI,
-         c.sigma_pitch_rad_per_mps2 * 9.81 * 180 / M_PI);
+  test::record_measured("gradient of the coarse profile alone: correlation %.3f, RMS %.2f %%", with_coarse.correlation,
+                        100 * with_coarse.rms);
+  test::record_measured("sensor: nose up by %.2f +- %.2f deg; body: %.2f +- %.2f deg/g when accelerating",
+                        c.mount_pitch_rad * 180 / M_PI, c.sigma_mount_pitch_rad * 180 / M_PI,
+                        c.pitch_rad_per_mps2 * 9.81 * 180 / M_PI, c.sigma_pitch_rad_per_mps2 * 9.81 * 180 / M_PI);
   EXPECT_GT(result.matched_m, 0.97 * result.length_m);
   EXPECT_GT(with_pitch.correlation, 0.95);
   EXPECT_LT(with_pitch.rms, 0.5 * with_coarse.rms);
@@ -127,13 +132,13 @@ TEST_F(RealDrive, lateral_force_agrees_with_the_rate_of_turn) {
     const double b = result.roads.paths[driven.path].nodes[driven.node].banking;
     mean += b, count += 1, low = std::min(low, b), high = std::max(high, b);
   }
-  printf(
-      "[drive_log] lateral specific force against speed x yaw rate over 0.5 s: correlation %.3f, RMS %.3f m/s2, mean "
-      "%.3f m/s2\n",
+  test::record_measured(
+      "lateral specific force against speed x yaw rate over 0.5 s: correlation %.3f, RMS %.3f m/s2, mean "
+      "%.3f m/s2",
       lateral.correlation, lateral.rms, lateral.mean);
-  printf("[drive_log] banking: mean %.2f %%, from %.2f to %.2f %%; left over: roll %.2f deg, lateral force %.2f deg\n",
-         100 * mean / count, 100 * low, 100 * high, result.residuals.roll_rad * 180 / M_PI,
-         result.residuals.lateral_rad * 180 / M_PI);
+  test::record_measured("banking: mean %.2f %%, from %.2f to %.2f %%; left over: roll %.2f deg, lateral force %.2f deg",
+                        100 * mean / count, 100 * low, 100 * high, result.residuals.roll_rad * 180 / M_PI,
+                        result.residuals.lateral_rad * 180 / M_PI);
   EXPECT_GT(lateral.correlation, 0.5);
   EXPECT_LT(result.residuals.roll_rad, 0.02);
 }
@@ -147,16 +152,16 @@ TEST_F(RealDrive, all_of_it_together) {
     sigma_gradient += driven.sigma_gradient / static_cast<double>(result.driven.size()),
         sigma_banking +=
         result.roads.paths[driven.path].nodes[driven.node].sigma_banking / static_cast<double>(result.driven.size());
-  printf(
-      "[drive_log] all measurements: left over %.2f deg of pitch, %.2f %% of climb, %.3f m of height; sigma of "
-      "gradient %.2f %%, of banking %.2f %%; %d passes\n",
+  test::record_measured(
+      "all measurements: left over %.2f deg of pitch, %.2f %% of climb, %.3f m of height; sigma of "
+      "gradient %.2f %%, of banking %.2f %%; %d passes",
       result.residuals.pitch_rad * 180 / M_PI, 100 * result.residuals.climb_gradient, result.residuals.height_m,
       100 * sigma_gradient, 100 * sigma_banking, result.solve.iterations);
   fprintf(stderr, "%.2f s\n", seconds);
   for (const RoughnessStretch& stretch : result.roughness)
-    printf("[drive_log] roughness from %.0f to %.0f m: class %c, G_d(n0) %.0fe-6 m3 (factor %.1f), waviness %.1f\n",
-           stretch.s_begin_m, stretch.s_end_m, stretch.iso_8608_class, 1e6 * stretch.gd_n0_m3,
-           std::exp(stretch.sigma_ln_gd), stretch.waviness);
+    test::record_measured("roughness from %.0f to %.0f m: class %c, G_d(n0) %.0fe-6 m3 (factor %.1f), waviness %.1f",
+                          stretch.s_begin_m, stretch.s_end_m, stretch.iso_8608_class, 1e6 * stretch.gd_n0_m3,
+                          std::exp(stretch.sigma_ln_gd), stretch.waviness);
   EXPECT_TRUE(result.solve.converged);
   EXPECT_GE(result.roughness.size(), 6u);
   for (const RoughnessStretch& stretch : result.roughness) {  // an old asphalt street

@@ -142,7 +142,8 @@ TEST(EvaluateNetwork, clearance_under_a_bridge) {
   map.roads[1].elevation = {{.a = 13.0, .b = 0.05}};  // 15.5 m at the crossing
   EXPECT_EQ(evaluate_network(map).crossings, 1u) << "same layer, but far apart: a bridge without a tag";
   map.roads[1].elevation.front().a = 8.0;
-  EXPECT_EQ(evaluate_network(map).crossings, 0u) << "half a metre apart on the same layer: not a bridge but a missing junction";
+  EXPECT_EQ(evaluate_network(map).crossings, 0u)
+      << "half a metre apart on the same layer: not a bridge but a missing junction";
   map.roads[1].elevation.front().a = 13.0;
   map.roads[1].layer = 1;
   const NetworkScores scores = evaluate_network(map);
@@ -150,7 +151,7 @@ TEST(EvaluateNetwork, clearance_under_a_bridge) {
   EXPECT_NEAR(scores.min_clearance_m, 5.5, 1e-9);
   EXPECT_DOUBLE_EQ(scores.connected_share, 0.5);
   ASSERT_EQ(scores.crossing_places.size(), 1u);
-  const LevelCrossing& place = scores.crossing_places[0];
+  const GradeSeparation& place = scores.crossing_places[0];
   EXPECT_EQ(place.upper_road, 2);
   EXPECT_EQ(place.lower_road, 1);
   EXPECT_NEAR(place.x, 50.0, 1e-9);
@@ -210,8 +211,8 @@ TEST(CompareSurfaces, finds_the_road_that_differs_and_those_that_are_missing) {
 
 TEST(EvaluateNetwork, connecting_road_off_a_bridge_lies_on_both_layers) {
   // 1 ends on a bridge, 2 leads off it through a junction into 3 and crosses 4, which the map joins to none of them.
-  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 20), straight_road(3, 120, 0, 0, 50),
-                        straight_road(4, 110, -30, 1.5707963267948966, 60)}};
+  RoadMap map{.roads = {straight_road(1, 0, 0, 0, 100), straight_road(2, 100, 0, 0, 20),
+                        straight_road(3, 120, 0, 0, 50), straight_road(4, 110, -30, 1.5707963267948966, 60)}};
   map.roads[0].layer = map.roads[1].layer = 1;
   link(map.roads[0], map.roads[1]), link(map.roads[1], map.roads[2]);
   map.roads[1].junction = 7;

@@ -1,4 +1,4 @@
-// Measures of refined roads that go beyond area and offset: smoothness, moves away from the truth, pictures, polygons.
+// Measures of refined roads that go beyond area and offset: smoothness, moves away from the truth, polygons.
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,6 @@
 
 #include "evaluate/road_lines.hpp"
 #include "orthodrive/evaluate/evaluate_roads.hpp"
-#include "orthodrive/pipeline/road_pictures.hpp"
-#include "orthodrive/pipeline/score_json.hpp"
 
 namespace orthodrive {
 namespace {
@@ -133,53 +131,6 @@ TEST(RoadShape, surface_errors_are_the_polygons_of_one_side) {
   const SurfaceErrors missed = surface_errors(network({}), ring);
   EXPECT_NEAR(total(missed.false_negative), 1200.0, 0.01);
   EXPECT_FALSE(contains(missed.false_negative, origin + Vec2{20, 20}));
-}
-
-TEST(RoadPictures, false_positives_are_red_and_false_negatives_blue) {
-  const RoadSurfaces surfaces{{box(0, 0, 60, 10)}, {box(20, 0, 80, 10)}};
-  const ScoreRegion region{.ignore = {box(-20, 5, 100, 20)}};
-  const GridFrame frame = road_picture_frame(surfaces, region);
-  EXPECT_EQ(frame.gsd_m, 0.25);
-  EXPECT_NEAR(frame.width, (80 + 2 * 10) / 0.25, 2);
-  const Canvas canvas = picture_of_road_errors(surfaces, region, frame, nullptr);
-  const auto color = [&](double x, double y) {
-    const Vec2 q = frame.pixel_from_world(origin + Vec2{x, y});
-    std::array<int, 3> rgb;
-    for (int k = 0; k < 3; ++k)
-      rgb[static_cast<std::size_t>(k)] = canvas.rgb.at(static_cast<int>(q.x), static_cast<int>(q.y), k);
-    return rgb;
-  };
-  const auto red = color(10, 2), blue = color(70, 2), yellow = color(40, 2), nothing = color(40, -5),
-             ignored = color(10, 8);
-  EXPECT_TRUE(red[0] > 150 && red[1] < 100 && red[2] < 100);
-  EXPECT_TRUE(blue[2] > 150 && blue[0] < 100 && blue[1] < 120);
-  EXPECT_TRUE(yellow[0] > 200 && yellow[1] > 200 && yellow[2] < yellow[0]);
-  EXPECT_TRUE(nothing[0] == nothing[1] && nothing[1] == nothing[2]);
-  EXPECT_TRUE(ignored[0] == ignored[1] && ignored[0] > nothing[0]) << "pale outside the region";
-}
-
-TEST(RoadPictures, large_places_get_coarser_pixels) {
-  const GridFrame frame = road_picture_frame({{box(0, 0, 20000, 10)}, {box(0, 0, 10, 8000)}}, {});
-  EXPECT_LE(frame.width, 4000);
-  EXPECT_GT(frame.width, 3900);
-  EXPECT_NEAR(frame.gsd_m, 20020.0 / 3998.0, 1e-9);
-  const GridFrame small =
-      road_picture_frame({{box(0, 0, 20000, 10)}, {}}, {.area = MultiPolygon{box(100, -50, 200, 50)}});
-  EXPECT_LT(small.width, 410) << "the area limits it";
-}
-
-TEST(RoadShape, json_has_the_new_keys_beside_the_old_ones) {
-  const RoadNetwork truth = network({path_along(straight(0, 0, 100, 0), 6.0)});
-  const ScoreJson json = to_json(score(truth, truth, {.before = &truth}));
-  for (const char* key : {"surface_iou", "offset_m", "width_m", "sigma_coverage", "matched_share", "samples"})
-    EXPECT_TRUE(json.contains(key)) << key;
-  EXPECT_NEAR(json["width_variance_m2"].get<double>(), 0.0, 1e-12);
-  EXPECT_NEAR(json["largest_curvature_jump"]["per_m"].get<double>(), 0.0, 1e-9);
-  EXPECT_EQ(json["largest_curvature_jump"]["osm_id"], 1);
-  EXPECT_EQ(json["moved_away"]["share"], 0.0);
-  EXPECT_EQ(json["moved_away"]["share_by_more_than_0_3_m"], 0.0);
-  EXPECT_EQ(json["moved_away"]["n"], 50);
-  EXPECT_FALSE(to_json(score(truth, truth)).contains("moved_away"));
 }
 
 }  // namespace

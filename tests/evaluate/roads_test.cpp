@@ -259,7 +259,8 @@ TEST(ProfileShape, finds_a_kink_a_step_and_a_twisted_junction) {
 
 TEST(ProfileShape, three_roads_need_one_plane) {
   std::vector<RoadPath> roads;
-  for (const double angle : {0.0, 2.0 * std::numbers::pi / 3.0, 4.0 * std::numbers::pi / 3.0}) {  // none goes on in another
+  for (const double angle :
+       {0.0, 2.0 * std::numbers::pi / 3.0, 4.0 * std::numbers::pi / 3.0}) {  // none goes on in another
     roads.push_back(on_plane(straight(0, 0, 50 * std::cos(angle), 50 * std::sin(angle))));
     roads.back().nodes[0].osm_node = 7;
   }

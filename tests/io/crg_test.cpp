@@ -10,6 +10,7 @@
 #include "io/scratch.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opencrg_io.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -19,7 +20,7 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-const fs::path asam = fs::path(ORTHODRIVE_SOURCE_DIR) / ".." / "shared" / "data" / "opencrg";
+const fs::path asam = paths::in_source("..") / "shared" / "data" / "opencrg";
 
 class AsamCrg : public ::testing::Test {
  protected:

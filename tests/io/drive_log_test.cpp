@@ -13,6 +13,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/npy_reader.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -237,7 +238,7 @@ TEST(DriveLogComma, axes_become_those_of_iso_8855) {
 }
 
 TEST(DriveLogComma, the_real_minute_has_gravity_below_it) {
-  const std::filesystem::path folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/drives/comma2k19";
+  const std::filesystem::path folder = paths::in_source("../shared/data/drives/comma2k19");
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
   const auto read =
       read_drive_logs({folder}, SiteFrame{Crs{"EPSG:32610"}, rectangle(545000, 4173000, 548000, 4178000)});

@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 
@@ -76,7 +77,7 @@ TEST(Dtm, far_away_is_refused) {
 }
 
 TEST(RealDtm, kvarnbyn_is_covered_by_ten_metre_terrain_and_not_by_two_metre_terrain) {
-  const fs::path folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/kvarnbyn";
+  const fs::path folder = paths::in_source("../shared/data/kvarnbyn");
   if (!fs::exists(folder)) GTEST_SKIP() << "REAL DATA MISSING: " << folder;
   const SiteFrame site = lonlat_site(12.008, 57.6495, 12.044, 57.6625);
   const HeightGrid grid = io::read_dtm(folder / "dtm_10m_utm33.tif", site);

@@ -9,6 +9,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/osm_tags.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 
@@ -84,7 +85,8 @@ TEST(OsmTags, speeds) {
   EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:rural"), 90.0);
   EXPECT_DOUBLE_EQ(io::parse_speed_kmh("DE:zone:30"), 30.0);
   EXPECT_DOUBLE_EQ(io::parse_speed_kmh("CZ:zone30"), 30.0);
-  for (const char* bad : {"", "fast", "-30", "0", "50 furlongs", "XX:nowhere", "1e9"}) EXPECT_EQ(io::parse_speed_kmh(bad), 0.0) << bad;
+  for (const char* bad : {"", "fast", "-30", "0", "50 furlongs", "XX:nowhere", "1e9"})
+    EXPECT_EQ(io::parse_speed_kmh(bad), 0.0) << bad;
 }
 
 TEST(OsmTags, lanes_of_both_directions) {
@@ -92,8 +94,13 @@ TEST(OsmTags, lanes_of_both_directions) {
     tags.emplace("highway", "primary");
     return io::way_attributes(tags);
   };
-  io::WayAttributes way = read({{"lanes", "3"}, {"lanes:forward", "2"}, {"turn:lanes:forward", "left|through;right"},
-                                {"sidewalk", "left"}, {"shoulder:right", "yes"}, {"surface", "asphalt"}, {"maxspeed", "70"}});
+  io::WayAttributes way = read({{"lanes", "3"},
+                                {"lanes:forward", "2"},
+                                {"turn:lanes:forward", "left|through;right"},
+                                {"sidewalk", "left"},
+                                {"shoulder:right", "yes"},
+                                {"surface", "asphalt"},
+                                {"maxspeed", "70"}});
   EXPECT_EQ(way.path.lanes, 3);
   EXPECT_EQ(way.path.lanes_forward, 2);
   EXPECT_EQ(way.path.lanes_backward, 1) << "the rest";
@@ -112,6 +119,23 @@ TEST(OsmTags, lanes_of_both_directions) {
   way = read({{"oneway", "-1"}, {"lanes:backward", "2"}});
   EXPECT_EQ(way.path.lanes_forward, 2) << "turned round with the way";
   EXPECT_TRUE(way.doubts.empty());
+}
+
+TEST(OsmTags, surface_classes) {
+  const auto read = [](io::OsmTags tags) { return io::way_attributes(tags); };
+  io::WayAttributes way = read({{"highway", "residential"}, {"surface", "sett"}});
+  EXPECT_EQ(way.path.known_surface.surface, SurfaceClass::setts);
+  EXPECT_EQ(way.path.known_surface.source, SurfaceSource::tag);
+  way = read({{"highway", "track"}, {"tracktype", "grade3"}});
+  EXPECT_EQ(way.path.known_surface.surface, SurfaceClass::ground);
+  EXPECT_EQ(way.path.known_surface.source, SurfaceSource::tracktype);
+  way = read({{"highway", "service"}});
+  EXPECT_EQ(way.path.known_surface.surface, SurfaceClass::asphalt);
+  EXPECT_TRUE(way.doubts.empty());
+  way = read({{"highway", "service"}, {"surface", "lava"}});
+  EXPECT_EQ(way.path.known_surface.surface, SurfaceClass::asphalt);
+  ASSERT_EQ(way.doubts.size(), 1u);
+  EXPECT_THAT(way.doubts[0], testing::HasSubstr("surface=lava"));
 }
 
 TEST(OsmTags, contradictions_are_settled_and_told) {
@@ -147,11 +171,13 @@ TEST(OsmRoads, turn_restrictions_of_cars_over_one_node) {
   osm.way(9, {2, 4}, {{"highway", "residential"}, {"lanes", "2"}, {"lanes:forward", "2"}});
   std::string text = osm.text();
   const auto relation = [&](int id, const char* kind, const char* value, const char* more) {
-    return fmt::format("<relation id='{}'><member type='way' ref='7' role='from'/><member type='node' ref='2' role='via'/>"
-                       "<member type='way' ref='8' role='to'/><tag k='type' v='restriction'/><tag k='{}' v='{}'/>{}</relation>",
-                       id, kind, value, more);
+    return fmt::format(
+        "<relation id='{}'><member type='way' ref='7' role='from'/><member type='node' ref='2' role='via'/>"
+        "<member type='way' ref='8' role='to'/><tag k='type' v='restriction'/><tag k='{}' v='{}'/>{}</relation>",
+        id, kind, value, more);
   };
-  text.insert(text.rfind("</osm>"), relation(1, "restriction", "no_left_turn", "") + relation(2, "restriction", "only_straight_on", "") +
+  text.insert(text.rfind("</osm>"), relation(1, "restriction", "no_left_turn", "") +
+                                        relation(2, "restriction", "only_straight_on", "") +
                                         relation(3, "restriction:hgv", "no_left_turn", "") +
                                         relation(4, "restriction", "no_left_turn", "<tag k='except' v='motorcar'/>"));
   write_bytes(scratch / "a.osm", text);
@@ -233,7 +259,8 @@ TEST(OsmRoads, tags_that_are_no_numbers_and_ways_without_length_are_told) {
   Findings findings;
   const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100), &findings);
   ASSERT_EQ(roads.paths.size(), 2u);
-  for (const RoadPath& path : roads.paths) EXPECT_EQ(path.nodes[0].width_m, default_width_m(path.highway, 0, Oneway::no));
+  for (const RoadPath& path : roads.paths)
+    EXPECT_EQ(path.nodes[0].width_m, default_width_m(path.highway, 0, Oneway::no));
   ASSERT_EQ(findings.size(), 4u);
   EXPECT_EQ(findings[0].code, "osm.odd_tag");
   EXPECT_THAT(findings[0].message, HasSubstr("way 5: width=wide"));
@@ -334,7 +361,7 @@ TEST(OsmFeatures, polygons_lines_and_multipolygons_with_their_tags) {
 }
 
 TEST(RealOsm, kvarnbyn) {
-  const fs::path file = ORTHODRIVE_SOURCE_DIR "/../shared/data/kvarnbyn/roads.osm";
+  const fs::path file = paths::in_source("../shared/data/kvarnbyn/roads.osm");
   if (!fs::exists(file)) GTEST_SKIP() << "REAL DATA MISSING: " << file;
   const SiteFrame site = lonlat_site(12.008, 57.6495, 12.044, 57.6625);
   const RoadNetwork roads = io::read_osm_roads(file, site);

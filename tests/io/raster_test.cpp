@@ -14,6 +14,7 @@
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 
@@ -324,7 +325,7 @@ class Kvarnbyn : public testing::Test {
     if (!fs::exists(folder)) GTEST_SKIP() << "REAL DATA MISSING: " << folder;
     site = lonlat_site(12.008, 57.6495, 12.044, 57.6625);
   }
-  const fs::path folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/kvarnbyn";
+  const fs::path folder = paths::in_source("../shared/data/kvarnbyn");
   SiteFrame site;
 };
 

@@ -11,7 +11,9 @@
 #include <tuple>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/ogr_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 
@@ -44,11 +46,12 @@ RoadNetwork two_roads() {
                           .crown = 0.001 * i,
                           .sigma_z_m = 0.1,
                           .sigma_banking = 0.004,
-                          .banking_source = "dtm"});
+                          .banking_source = BankingSource::dtm});
   RoadPath& raw = roads.paths.emplace_back(RoadPath{.osm_id = 5, .highway = "service", .roundabout = true});
   raw.lanes_forward = 2, raw.lanes_backward = 1;
   raw.turn_forward = "left|through;right", raw.turn_backward = "none";
   raw.speed_limit_kmh = 48.28032, raw.sidewalk = Sides::right, raw.shoulder = Sides::both, raw.surface = "asphalt";
+  raw.known_surface = {SurfaceClass::setts, SurfaceSource::photo};  // not what the tag says: the columns count
   roads.restrictions = {{5, 77, 123456789012345, true}, {123456789012345, 77, 5, false}};
   raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
                {.p = origin + Vec2{0, 30}, .s_m = 30.0, .width_m = 4.0}};  // no heights yet
@@ -68,10 +71,12 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
     EXPECT_EQ(
         std::tie(p.osm_id, p.part, p.highway, p.name, p.layer, p.bridge, p.tunnel, p.oneway, p.lanes, p.roundabout),
         std::tie(q.osm_id, q.part, q.highway, q.name, q.layer, q.bridge, q.tunnel, q.oneway, q.lanes, q.roundabout));
-    EXPECT_EQ(std::tie(p.lanes_forward, p.lanes_backward, p.turn_forward, p.turn_backward, p.speed_limit_kmh, p.sidewalk,
-                       p.shoulder, p.surface),
-              std::tie(q.lanes_forward, q.lanes_backward, q.turn_forward, q.turn_backward, q.speed_limit_kmh, q.sidewalk,
-                       q.shoulder, q.surface));
+    EXPECT_EQ(std::tie(p.lanes_forward, p.lanes_backward, p.turn_forward, p.turn_backward, p.speed_limit_kmh,
+                       p.sidewalk, p.shoulder, p.surface),
+              std::tie(q.lanes_forward, q.lanes_backward, q.turn_forward, q.turn_backward, q.speed_limit_kmh,
+                       q.sidewalk, q.shoulder, q.surface));
+    EXPECT_EQ(p.known_surface.surface, q.known_surface.surface);
+    EXPECT_EQ(p.known_surface.source, q.known_surface.source);
     ASSERT_EQ(p.nodes.size(), q.nodes.size());
     for (std::size_t k = 0; k < p.nodes.size(); ++k) {
       const RoadNode &m = p.nodes[k], &n = q.nodes[k];
@@ -95,8 +100,14 @@ TEST(Roads, come_back_as_written) {
 TEST(Roads, measured_roughness_comes_back_in_order) {
   const Scratch scratch;
   const RoadNetwork roads = two_roads();
-  const RoughnessStretch late{.osm_id = 123456789012345, .part = 1, .s_begin_m = 11.0, .s_end_m = 22.0, .iso_8608_class = 'C',
-                              .gd_n0_m3 = 2e-4, .waviness = 1.7, .sigma_ln_gd = 0.5};
+  const RoughnessStretch late{.osm_id = 123456789012345,
+                              .part = 1,
+                              .s_begin_m = 11.0,
+                              .s_end_m = 22.0,
+                              .iso_8608_class = 'C',
+                              .gd_n0_m3 = 2e-4,
+                              .waviness = 1.7,
+                              .sigma_ln_gd = 0.5};
   RoughnessStretch early = late;
   early.s_begin_m = 0.0, early.s_end_m = 11.0, early.gd_n0_m3 = 1e-5, early.iso_8608_class = 'A';
   io::write_roads(scratch / "roads.gpkg", roads, {late, early});
@@ -142,6 +153,24 @@ TEST(Layers, numbers_and_geometries_come_back) {
   io::write_layers(scratch / "c.gpkg", {{.name = "areas", .fields = {"area_m2"}, .rows = {{with_hole, {1175.0}}}}},
                    utm33);
   EXPECT_EQ(bytes_of(scratch / "b.gpkg"), bytes_of(scratch / "c.gpkg")) << "same input, same bytes";
+}
+
+TEST(Roads, files_without_the_surface_class_are_read_by_their_tags) {
+  const Scratch scratch;
+  RoadNetwork roads = two_roads();
+  roads.paths[0].highway = "track";
+  io::write_roads(scratch / "old.gpkg", roads);
+  {
+    const io::DatasetPtr dataset = io::open_dataset(scratch / "old.gpkg", GDAL_OF_VECTOR | GDAL_OF_UPDATE);
+    OGRLayer& layer = *dataset->GetLayerByName("centrelines");
+    for (const char* name : {"surface_class", "surface_source"})
+      ASSERT_EQ(layer.DeleteField(layer.GetLayerDefn()->GetFieldIndex(name)), OGRERR_NONE);
+  }
+  const RoadNetwork read = io::read_roads(scratch / "old.gpkg");
+  EXPECT_EQ(read.paths[0].known_surface.surface, SurfaceClass::gravel) << "usual for a track";
+  EXPECT_EQ(read.paths[0].known_surface.source, SurfaceSource::highway);
+  EXPECT_EQ(read.paths[1].known_surface.surface, SurfaceClass::asphalt) << "its tag";
+  EXPECT_EQ(read.paths[1].known_surface.source, SurfaceSource::tag);
 }
 
 TEST(Roads, empty_network_is_a_file_too) {
@@ -214,7 +243,7 @@ TEST(Roads, full_disk_leaves_the_earlier_file_and_nothing_else) {
 }
 
 TEST(RealOsm, pardubice_reads_in_two_seconds_and_writes_in_a_few) {
-  const fs::path file = ORTHODRIVE_SOURCE_DIR "/../shared/data/pardubice/roads.osm";
+  const fs::path file = paths::in_source("../shared/data/pardubice/roads.osm");
   if (!fs::exists(file)) GTEST_SKIP() << "REAL DATA MISSING: " << file;
   const auto start = std::chrono::steady_clock::now();
   const RoadNetwork roads = io::read_osm_roads(file, lonlat_site(15.72259, 50.01013, 15.78959, 50.05329));

@@ -100,8 +100,8 @@ TEST(BuildNetwork, one_way_road_is_centred_on_its_reference_line) {
 }
 
 TEST(BuildNetwork, odd_lane_gets_to_the_forward_side_and_edges_stay_centred) {
-  const NetworkResult result =
-      build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.highway = "primary", .width_m = 9.0, .lanes = 3})}));
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.highway = "primary", .width_m = 9.0, .lanes = 3})}));
   const Road& road = result.map.roads.at(0);
   EXPECT_EQ(road.sections[0].left.size(), 1u);
   EXPECT_EQ(road.sections[0].right.size(), 2u);
@@ -111,21 +111,22 @@ TEST(BuildNetwork, odd_lane_gets_to_the_forward_side_and_edges_stay_centred) {
 }
 
 TEST(BuildNetwork, left_hand_traffic_drives_on_the_left) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.oneway = Oneway::forward}),
-                  make_path({{60, 0}, {120, 0}}, {2, 3}, {.osm_id = 2}), make_path({{60, 0}, {60, 50}}, {2, 4}, {.osm_id = 3})}),
-      {.left_hand_traffic = true});
+  const NetworkResult result =
+      build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.oneway = Oneway::forward}),
+                                make_path({{60, 0}, {120, 0}}, {2, 3}, {.osm_id = 2}),
+                                make_path({{60, 0}, {60, 50}}, {2, 4}, {.osm_id = 3})}),
+                    {.driving_side = DrivingSide::left});
   expect_sound(result.map);
   for (const Road& road : result.map.roads) {
-    EXPECT_TRUE(road.left_hand_traffic);
+    EXPECT_EQ(road.driving_side, DrivingSide::left);
     EXPECT_EQ(road.sections[0].right.empty(), road.osm_id == "1" || road.junction >= 0);
   }
 }
 
 TEST(BuildNetwork, t_junction) {
-  const NetworkResult result = build_network(network_of(
-      {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.width_m = 7.0, .height = slope_height}),
-       make_path({{0, 0}, {0, 50}}, {2, 4}, {.osm_id = 2, .width_m = 5.0, .height = slope_height})}));
+  const NetworkResult result = build_network(
+      network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.width_m = 7.0, .height = slope_height}),
+                  make_path({{0, 0}, {0, 50}}, {2, 4}, {.osm_id = 2, .width_m = 5.0, .height = slope_height})}));
   expect_sound(result.map);
   ASSERT_EQ(plain_roads(result.map).size(), 3u);
   ASSERT_EQ(result.map.junctions.size(), 1u);
@@ -150,9 +151,9 @@ TEST(BuildNetwork, t_junction) {
 }
 
 TEST(BuildNetwork, carriageways_of_an_oblique_crossing_do_not_overlap) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 2, 3}, {.width_m = 8.0}),
-                  make_path({{-70, -35}, {0, 0}, {70, 35}}, {4, 2, 5}, {.osm_id = 2, .width_m = 6.0})}));
+  const NetworkResult result =
+      build_network(network_of({make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 2, 3}, {.width_m = 8.0}),
+                                make_path({{-70, -35}, {0, 0}, {70, 35}}, {4, 2, 5}, {.osm_id = 2, .width_m = 6.0})}));
   expect_sound(result.map);
   const auto roads = plain_roads(result.map);
   ASSERT_EQ(roads.size(), 4u);
@@ -181,7 +182,8 @@ TEST(BuildNetwork, crossing_of_two_ways_cut_at_the_junction) {
   std::vector<RoadPath> arms;
   const std::vector<Vec2> ends{{60, 0}, {0, 60}, {-60, 0}, {0, -60}};
   for (std::size_t i = 0; i < ends.size(); ++i)
-    arms.push_back(make_path({ends[i], {0, 0}}, {static_cast<std::int64_t>(i) + 10, 5}, {.osm_id = static_cast<int>(i) + 1}));
+    arms.push_back(
+        make_path({ends[i], {0, 0}}, {static_cast<std::int64_t>(i) + 10, 5}, {.osm_id = static_cast<int>(i) + 1}));
   const NetworkResult result = build_network(network_of(arms));
   expect_sound(result.map);
   EXPECT_EQ(plain_roads(result.map).size(), 4u);
@@ -241,8 +243,8 @@ TEST(BuildNetwork, lanes_move_sideways_smoothly_where_a_two_way_road_becomes_one
 TEST(BuildNetwork, closed_way_is_its_own_successor) {
   std::vector<Vec2> points = circle_points({0, 0}, 60.0, 0.0, 2.0 * M_PI);
   points.back() = points.front();
-  RoadPath path = make_path(points, {1}, {.highway = "raceway", .width_m = 10.0, .oneway = Oneway::forward,
-                                          .height = slope_height});
+  RoadPath path = make_path(points, {1},
+                            {.highway = "raceway", .width_m = 10.0, .oneway = Oneway::forward, .height = slope_height});
   path.nodes.back().osm_node = 1;
   const NetworkResult result = build_network(network_of({path}));
   expect_sound(result.map);
@@ -261,17 +263,16 @@ TEST(BuildNetwork, circuit_with_an_access_road_stays_smooth_through_its_junction
   const std::size_t gate = points.size() / 3;
   std::vector<std::int64_t> ids(points.size(), 0);
   ids.front() = ids.back() = 1, ids[gate] = 2;
-  const NetworkResult result = build_network(
-      network_of({make_path(points, ids, {.highway = "raceway", .width_m = 10.0, .oneway = Oneway::forward}),
-                  make_path({points[gate], points[gate] * 2.0}, {2, 3}, {.osm_id = 2, .highway = "service", .width_m = 4.0})}));
+  const NetworkResult result = build_network(network_of(
+      {make_path(points, ids, {.highway = "raceway", .width_m = 10.0, .oneway = Oneway::forward}),
+       make_path({points[gate], points[gate] * 2.0}, {2, 3}, {.osm_id = 2, .highway = "service", .width_m = 4.0})}));
   expect_sound(result.map);
   // Once round along the same way: the roads of the circuit and the way through its junction.
   double length = 0.0;
   for (const Road& road : result.map.roads) {
     if (road.osm_id != "1") continue;
     length += road.length;
-    for (const roadquery::PlanElement& e : road.plan)
-      EXPECT_NEAR(std::get<Arc>(e.shape).curvature, 1.0 / 60.0, 1e-5);
+    for (const roadquery::PlanElement& e : road.plan) EXPECT_NEAR(std::get<Arc>(e.shape).curvature, 1.0 / 60.0, 1e-5);
   }
   EXPECT_NEAR(length, 2.0 * M_PI * 60.0, 0.05);
 }
@@ -282,7 +283,8 @@ TEST(BuildNetwork, roundabout_keeps_its_ring_and_direction) {
   std::vector<std::int64_t> ids(ring.size(), 0);
   const std::size_t second = ring.size() / 3, third = 2 * ring.size() / 3;
   ids.front() = ids.back() = 1, ids[second] = 2, ids[third] = 3;
-  std::vector<RoadPath> paths{make_path(ring, ids, {.width_m = 5.0, .oneway = Oneway::forward, .lanes = 1, .roundabout = true})};
+  std::vector<RoadPath> paths{
+      make_path(ring, ids, {.width_m = 5.0, .oneway = Oneway::forward, .lanes = 1, .roundabout = true})};
   int id = 2;
   for (const std::size_t i : {std::size_t{0}, second, third}) {
     paths.push_back(make_path({ring[i], ring[i] * 5.0}, {ids[i], id + 10}, {.osm_id = id}));
@@ -302,17 +304,19 @@ TEST(BuildNetwork, roundabout_keeps_its_ring_and_direction) {
 }
 
 TEST(BuildNetwork, one_way_roads_are_not_entered_from_their_end) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}),
-                  make_path({{0, 50}, {0, 0}}, {4, 2}, {.osm_id = 2, .width_m = 4.0, .oneway = Oneway::forward, .lanes = 1})}));
+  const NetworkResult result = build_network(network_of(
+      {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}),
+       make_path({{0, 50}, {0, 0}}, {4, 2}, {.osm_id = 2, .width_m = 4.0, .oneway = Oneway::forward, .lanes = 1})}));
   expect_sound(result.map);
   EXPECT_EQ(connecting_roads(result.map).size(), 4u);
-  for (const Road* road : connecting_roads(result.map)) EXPECT_NE(road_by_id(result.map, road->successor.id)->osm_id, "2");
+  for (const Road* road : connecting_roads(result.map))
+    EXPECT_NE(road_by_id(result.map, road->successor.id)->osm_id, "2");
 }
 
 TEST(BuildNetwork, lane_that_ends_at_a_junction_tapers_out) {
   const NetworkResult result = build_network(network_of(
-      {make_path({{-80, 0}, {0, 0}}, {1, 2}, {.highway = "primary", .width_m = 7.0, .oneway = Oneway::forward, .lanes = 2}),
+      {make_path({{-80, 0}, {0, 0}}, {1, 2},
+                 {.highway = "primary", .width_m = 7.0, .oneway = Oneway::forward, .lanes = 2}),
        make_path({{0, 0}, {80, 0}}, {2, 3}, {.osm_id = 2, .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1}),
        make_path({{0, 0}, {0, -60}}, {2, 4}, {.osm_id = 3, .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1})}));
   expect_sound(result.map);
@@ -347,9 +351,9 @@ TEST(BuildNetwork, bridge_over_a_road_is_no_junction) {
 }
 
 TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{-60, 0}, {0, 0}, {3, 0}, {60, 0}}, {1, 2, 3, 4}),
-                  make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}), make_path({{3, 0}, {3, -50}}, {3, 6}, {.osm_id = 3})}));
+  const NetworkResult result = build_network(network_of({make_path({{-60, 0}, {0, 0}, {3, 0}, {60, 0}}, {1, 2, 3, 4}),
+                                                         make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),
+                                                         make_path({{3, 0}, {3, -50}}, {3, 6}, {.osm_id = 3})}));
   expect_sound(result.map);
   EXPECT_EQ(result.map.junctions.size(), 1u);
   EXPECT_EQ(plain_roads(result.map).size(), 4u);
@@ -357,9 +361,9 @@ TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
 }
 
 TEST(BuildNetwork, short_road_between_two_junctions_is_kept) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{-60, 0}, {0, 0}, {8, 0}, {60, 0}}, {1, 2, 3, 4}),
-                  make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}), make_path({{8, 0}, {8, -50}}, {3, 6}, {.osm_id = 3})}));
+  const NetworkResult result = build_network(network_of({make_path({{-60, 0}, {0, 0}, {8, 0}, {60, 0}}, {1, 2, 3, 4}),
+                                                         make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),
+                                                         make_path({{8, 0}, {8, -50}}, {3, 6}, {.osm_id = 3})}));
   expect_sound(result.map);
   EXPECT_EQ(result.map.junctions.size(), 2u);
   double shortest = 1e9;
@@ -371,8 +375,9 @@ TEST(BuildNetwork, very_short_ways) {
   // 0.1 m between two longer ones: too short for a road; a stub of 1.5 m at a junction; a lone way of 1 m.
   const NetworkResult result = build_network(network_of(
       {make_path({{0, 0}, {40, 0}}, {1, 2}), make_path({{40, 0}, {40.1, 0}}, {2, 3}, {.osm_id = 2}),
-       make_path({{40.1, 0}, {80, 0}, {120, 0}}, {3, 4, 5}, {.osm_id = 3}), make_path({{80, 0}, {80, 1.5}}, {4, 6}, {.osm_id = 4}),
-       make_path({{0, 90}, {1, 90}}, {7, 8}, {.osm_id = 5}), make_path({{0, 95}, {0.1, 95}}, {9, 10}, {.osm_id = 6})}));
+       make_path({{40.1, 0}, {80, 0}, {120, 0}}, {3, 4, 5}, {.osm_id = 3}),
+       make_path({{80, 0}, {80, 1.5}}, {4, 6}, {.osm_id = 4}), make_path({{0, 90}, {1, 90}}, {7, 8}, {.osm_id = 5}),
+       make_path({{0, 95}, {0.1, 95}}, {9, 10}, {.osm_id = 6})}));
   expect_sound(result.map);
   EXPECT_TRUE(result.map.junctions.empty());
   EXPECT_EQ(count_findings(result, "network.stub_dropped"), 1);
@@ -437,7 +442,7 @@ TEST(BuildNetwork, way_that_meets_itself) {
   const NetworkResult result = build_network(network_of({make_path(corners, ids)}));
   expect_sound(result.map);
   EXPECT_EQ(result.map.junctions.size(), 1u);
-  EXPECT_EQ(plain_roads(result.map).size(), 4u);  // the loop is three: no road leads back into its own junction
+  EXPECT_EQ(plain_roads(result.map).size(), 4u);       // the loop is three: no road leads back into its own junction
   EXPECT_EQ(connecting_roads(result.map).size(), 6u);  // the loop's ends meet in one tangent: round again, too
 }
 

@@ -28,8 +28,8 @@ double curvature(const PlanElement& e) {
 
 template <typename Shape>
 int count(const std::vector<PlanElement>& plan) {
-  return static_cast<int>(
-      std::count_if(plan.begin(), plan.end(), [](const PlanElement& e) { return std::holds_alternative<Shape>(e.shape); }));
+  return static_cast<int>(std::count_if(plan.begin(), plan.end(),
+                                        [](const PlanElement& e) { return std::holds_alternative<Shape>(e.shape); }));
 }
 
 /// curvature_too: false for biarcs, whose curvature jumps.
@@ -97,7 +97,7 @@ std::vector<Vec2> sample(const std::vector<PlanElement>& plan, double noise_m = 
   return points;
 }
 /// Two bends with transitions as roads have them: 9 elements.
-const std::vector<Stretch> s_bend{{120, 0, 0},    {40, 0, 0.01},  {90, 0.01, 0.01}, {40, 0.01, 0}, {60, 0, 0},
+const std::vector<Stretch> s_bend{{120, 0, 0},    {40, 0, 0.01},      {90, 0.01, 0.01}, {40, 0.01, 0}, {60, 0, 0},
                                   {30, 0, -0.02}, {50, -0.02, -0.02}, {30, -0.02, 0},   {120, 0, 0}};
 
 TEST(FitPlan, straight_points_give_one_line) {
@@ -195,8 +195,15 @@ TEST(FitPlan, road_of_lines_arcs_and_clothoids_is_recovered) {
 
 TEST(FitPlan, closed_road_is_smooth_through_its_seam) {
   // An oval whose first point lies in the middle of a clothoid.
-  std::vector<PlanElement> oval = road_of({{30, 0.005, 0.01}, {M_PI / 0.01 - 60.0, 0.01, 0.01}, {60, 0.01, 0}, {200, 0, 0}, {60, 0, 0.01},
-                                           {M_PI / 0.01 - 60.0, 0.01, 0.01}, {60, 0.01, 0}, {200, 0, 0}, {30, 0, 0.005}});
+  std::vector<PlanElement> oval = road_of({{30, 0.005, 0.01},
+                                           {M_PI / 0.01 - 60.0, 0.01, 0.01},
+                                           {60, 0.01, 0},
+                                           {200, 0, 0},
+                                           {60, 0, 0.01},
+                                           {M_PI / 0.01 - 60.0, 0.01, 0.01},
+                                           {60, 0.01, 0},
+                                           {200, 0, 0},
+                                           {30, 0, 0.005}});
   std::vector<Vec2> points = sample(oval, 0.02);
   ASSERT_LT(distance(points.front(), points.back()), 0.2);
   points.back() = points.front();
@@ -245,7 +252,8 @@ TEST(FitPlan, sharp_corners_stay_within_the_tolerance) {
   const std::vector<Vec2> corners{{0, 0}, {30, 0}, {30, 25}, {8, 12}, {40, 12}};
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const int n = static_cast<int>(distance(corners[i], corners[i + 1]) / 2.0);
-    for (int k = i == 0 ? 0 : 1; k <= n; ++k) points.push_back(corners[i] + (corners[i + 1] - corners[i]) * (1.0 * k / n));
+    for (int k = i == 0 ? 0 : 1; k <= n; ++k)
+      points.push_back(corners[i] + (corners[i + 1] - corners[i]) * (1.0 * k / n));
   }
   const FitPlanOptions options{.tolerance_m = 0.08};
   const PlanFit fit = fit_plan(points, options);
@@ -255,7 +263,8 @@ TEST(FitPlan, sharp_corners_stay_within_the_tolerance) {
 
 TEST(FitPlan, three_points_and_uneven_spacing) {
   for (const std::vector<Vec2>& points :
-       {std::vector<Vec2>{{0, 0}, {0.3, 0.01}, {3.0, 0.4}}, std::vector<Vec2>{{0, 0}, {3.0, 0.0}, {3.3, 0.1}, {6.0, 1.0}, {6.25, 1.2}, {9.0, 4.0}}}) {
+       {std::vector<Vec2>{{0, 0}, {0.3, 0.01}, {3.0, 0.4}},
+        std::vector<Vec2>{{0, 0}, {3.0, 0.0}, {3.3, 0.1}, {6.0, 1.0}, {6.25, 1.2}, {9.0, 4.0}}}) {
     const FitPlanOptions options{.tolerance_m = 0.05};
     expect_fits(fit_plan(points, options), points, options);
   }
@@ -428,7 +437,8 @@ TEST(FitSpline, a_line_is_one_cubic_and_noise_is_followed) {
   for (int i = 0; i < 80; ++i) noise.push_back({1.7 * i, random.normal()});
   EXPECT_LE(fit_spline(noise, {.tolerance = 0.01}).max_error, 0.01);
   EXPECT_EQ(fit_spline(std::vector<ProfileSample>{{3.0, 1.5}}).cubics.size(), 1u);
-  EXPECT_NEAR(roadquery::evaluate(fit_spline(std::vector<ProfileSample>{{0.0, 1.0}, {10.0, 3.0}}).cubics, 5.0), 2.0, 1e-12);
+  EXPECT_NEAR(roadquery::evaluate(fit_spline(std::vector<ProfileSample>{{0.0, 1.0}, {10.0, 3.0}}).cubics, 5.0), 2.0,
+              1e-12);
 }
 
 TEST(FitSpline, closed_profile_goes_on_with_the_same_curvature) {

@@ -5,6 +5,7 @@
 #include "network_support.hpp"
 #include "orthodrive/network/road_cuts.hpp"
 #include "orthodrive/network/roundabouts.hpp"
+#include "orthodrive/network/topology.hpp"
 
 namespace orthodrive {
 namespace {
@@ -37,7 +38,7 @@ std::vector<const Road*> movements(const roadquery::RoadMap& map, const std::str
 TEST(LaneLayout, of_tags_and_width) {
   RoadPath path;
   const auto layout = [&](double width_m) {
-    const network::LaneLayout l = network::lane_layout(path, width_m, false);
+    const network::LaneLayout l = network::lane_layout(path, width_m, DrivingSide::right);
     return std::pair{l.left, l.right};
   };
   EXPECT_EQ(layout(6.0), std::pair(1, 1));
@@ -45,11 +46,12 @@ TEST(LaneLayout, of_tags_and_width) {
   path.lanes = 3;
   EXPECT_EQ(layout(10.0), std::pair(1, 2));
   EXPECT_EQ(layout(4.0), std::pair(1, 1)) << "three lanes do not fit in 4 m";
-  EXPECT_TRUE(network::lane_layout(path, 4.0, false).reduced);
-  EXPECT_FALSE(network::lane_layout(path, 10.0, false).reduced);
+  EXPECT_TRUE(network::lane_layout(path, 4.0, DrivingSide::right).reduced);
+  EXPECT_FALSE(network::lane_layout(path, 10.0, DrivingSide::right).reduced);
   path.lanes_backward = 2, path.lanes_forward = 1;
   EXPECT_EQ(layout(10.0), std::pair(2, 1));
-  EXPECT_EQ(network::lane_layout(path, 10.0, true).left, 1) << "forward is left where one drives on the left";
+  EXPECT_EQ(network::lane_layout(path, 10.0, DrivingSide::left).left, 1)
+      << "forward is left where one drives on the left";
   path = {.lanes = 2};
   path.lanes_forward = 2;
   EXPECT_EQ(layout(10.0), std::pair(1, 2)) << "somebody may come the other way";
@@ -73,8 +75,8 @@ TEST(LaneMatch, lanes_open_and_end_outside_and_turn_lanes_inside) {
 TEST(Lanes, an_added_lane_of_a_one_way_road_tapers_in_and_the_edges_stay) {
   PathOptions one{.osm_id = 1, .highway = "primary", .width_m = 3.5, .oneway = Oneway::forward, .lanes = 1};
   PathOptions two{.osm_id = 2, .highway = "primary", .width_m = 7.0, .oneway = Oneway::forward, .lanes = 2};
-  const NetworkResult result =
-      build_network(network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, one), make_path({{100, 0}, {200, 0}}, {2, 3}, two)}));
+  const NetworkResult result = build_network(
+      network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, one), make_path({{100, 0}, {200, 0}}, {2, 3}, two)}));
   expect_sound(result.map);
   EXPECT_TRUE(result.map.junctions.empty());
   const Road &a = road_of(result.map, "1"), &b = road_of(result.map, "2");
@@ -93,8 +95,10 @@ TEST(Lanes, an_added_lane_of_a_one_way_road_tapers_in_and_the_edges_stay) {
 }
 
 TEST(Lanes, a_lane_of_a_two_way_road_that_ends_tapers_out) {
-  RoadPath three = make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 10.5, .lanes = 3});
-  RoadPath next = make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 7.0, .lanes = 2});
+  RoadPath three =
+      make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 10.5, .lanes = 3});
+  RoadPath next =
+      make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 7.0, .lanes = 2});
   const NetworkResult result = build_network(network_of({three, next}));
   expect_sound(result.map);
   EXPECT_TRUE(result.map.junctions.empty());
@@ -111,9 +115,9 @@ TEST(Lanes, a_lane_of_a_two_way_road_that_ends_tapers_out) {
 }
 
 TEST(Lanes, a_lane_that_a_two_way_road_gains_is_reached_through_a_junction) {
-  const NetworkResult result = build_network(
-      network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 7.0, .lanes = 2}),
-                  make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 10.5, .lanes = 3})}));
+  const NetworkResult result = build_network(network_of(
+      {make_path({{0, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .highway = "primary", .width_m = 7.0, .lanes = 2}),
+       make_path({{100, 0}, {200, 0}}, {2, 3}, {.osm_id = 2, .highway = "primary", .width_m = 10.5, .lanes = 3})}));
   expect_sound(result.map);
   ASSERT_EQ(result.map.junctions.size(), 1u);
   EXPECT_EQ(movements(result.map, "1", "2").size(), 2u) << "one for each lane";
@@ -154,7 +158,8 @@ TEST(Lanes, sidewalks_and_shoulders_lie_outside_the_carriageway) {
 
 TEST(Lanes, markings_and_speed_by_class_and_width) {
   const auto build = [](const std::string& highway, double width_m, int lanes = 0) {
-    return build_network(network_of({make_path({{0, 0}, {100, 0}}, {1, 2}, {.highway = highway, .width_m = width_m, .lanes = lanes})}))
+    return build_network(network_of({make_path({{0, 0}, {100, 0}}, {1, 2},
+                                               {.highway = highway, .width_m = width_m, .lanes = lanes})}))
         .map.roads.at(0);
   };
   Road road = build("primary", 7.0);
@@ -176,10 +181,12 @@ TEST(Lanes, markings_and_speed_by_class_and_width) {
 
 /// A crossing of way 1 (from the west, with `lanes` forward lanes), 2 (to the east), 3 (north) and 4 (south).
 RoadNetwork crossing(const std::string& arrows, int lanes) {
-  RoadPath west = make_path({{-100, 0}, {0, 0}}, {1, 9}, {.osm_id = 1, .highway = "primary", .width_m = 3.5 * (lanes + 1), .lanes = lanes + 1});
+  RoadPath west = make_path({{-100, 0}, {0, 0}}, {1, 9},
+                            {.osm_id = 1, .highway = "primary", .width_m = 3.5 * (lanes + 1), .lanes = lanes + 1});
   west.lanes_forward = lanes, west.lanes_backward = 1, west.turn_forward = arrows;
   return network_of({west, make_path({{0, 0}, {100, 0}}, {9, 2}, {.osm_id = 2, .highway = "primary", .width_m = 7.0}),
-                     make_path({{0, 0}, {0, 100}}, {9, 3}, {.osm_id = 3}), make_path({{0, 0}, {0, -100}}, {9, 4}, {.osm_id = 4})});
+                     make_path({{0, 0}, {0, 100}}, {9, 3}, {.osm_id = 3}),
+                     make_path({{0, 0}, {0, -100}}, {9, 4}, {.osm_id = 4})});
 }
 
 TEST(TurnLanes, arrows_give_each_turn_its_lanes) {
@@ -238,7 +245,8 @@ TEST(TurnRestrictions, forbidden_turns_have_no_road) {
   EXPECT_EQ(movements(build_network(roads).map, "1", "3").size(), 1u) << "another node, another way";
 }
 
-/// A ring of four one-way ways with an arm each, counter-clockwise; `tagged` as roundabout. `gap_rad` of the last one is left out.
+/// A ring of four one-way ways with an arm each, counter-clockwise; `tagged` as roundabout. `gap_rad` of the last one
+/// is left out.
 RoadNetwork ring_with_arms(bool tagged, double gap_rad = 0.0, double turn = 1.0, double radius_m = 15.0) {
   std::vector<RoadPath> paths;
   for (int i = 0; i < 4; ++i) {
@@ -246,7 +254,8 @@ RoadNetwork ring_with_arms(bool tagged, double gap_rad = 0.0, double turn = 1.0,
     std::vector<Vec2> points = circle_points({0, 0}, radius_m, from, sweep);
     std::vector<std::int64_t> ids(points.size(), 0);
     ids.front() = i + 1, ids.back() = gap_rad > 0.0 && i == 3 ? 99 : (i + 1) % 4 + 1;
-    paths.push_back(make_path(points, ids, {.osm_id = 10 + i, .width_m = 5.0, .oneway = Oneway::forward, .lanes = 1, .roundabout = tagged}));
+    paths.push_back(make_path(
+        points, ids, {.osm_id = 10 + i, .width_m = 5.0, .oneway = Oneway::forward, .lanes = 1, .roundabout = tagged}));
     const Vec2 out{std::cos(from), std::sin(from)};
     paths.push_back(make_path({out * radius_m, out * 80.0}, {i + 1, i + 50}, {.osm_id = 20 + i}));
   }
@@ -265,7 +274,8 @@ void expect_ring(const roadquery::RoadMap& map, double radius_m) {
     if (!ring && !through) continue;
     length += road.length;
     for (double s = 0.0; s <= road.length; s += 0.5)
-      EXPECT_NEAR(std::abs(roadquery::reference_point(road, s).curvature), 1.0 / radius_m, 0.01 / radius_m + 0.02) << road.osm_id;
+      EXPECT_NEAR(std::abs(roadquery::reference_point(road, s).curvature), 1.0 / radius_m, 0.01 / radius_m + 0.02)
+          << road.osm_id;
   }
   EXPECT_NEAR(length, 2.0 * M_PI * radius_m, 0.3);
   for (int i = 0; i < 4; ++i) {  // in and out of every arm
@@ -295,19 +305,20 @@ TEST(Roundabout, that_bends_towards_its_arms_is_smoothed) {
 
 TEST(Roundabout, is_told_by_its_form_and_sense) {
   Findings findings;
-  const auto rings = [&](const RoadNetwork& roads, bool left_hand_traffic) {
-    const network::Topology topology = network::build_topology(roads, left_hand_traffic, findings);
+  const auto rings = [&](const RoadNetwork& roads, DrivingSide driving_side) {
+    const network::Topology topology = network::build_topology(roads, driving_side, findings);
     return *std::max_element(topology.ring_of_piece.begin(), topology.ring_of_piece.end()) + 1;
   };
-  EXPECT_EQ(rings(ring_with_arms(false), false), 1);
-  EXPECT_EQ(rings(ring_with_arms(false), true), 0) << "driven the wrong way round";
-  EXPECT_EQ(rings(ring_with_arms(false, 0.0, -1.0), true), 1);
-  EXPECT_EQ(rings(ring_with_arms(false, 0.0, 1.0, 90.0), false), 0) << "a one-way ring road";
+  EXPECT_EQ(rings(ring_with_arms(false), DrivingSide::right), 1);
+  EXPECT_EQ(rings(ring_with_arms(false), DrivingSide::left), 0) << "driven the wrong way round";
+  EXPECT_EQ(rings(ring_with_arms(false, 0.0, -1.0), DrivingSide::left), 1);
+  EXPECT_EQ(rings(ring_with_arms(false, 0.0, 1.0, 90.0), DrivingSide::right), 0) << "a one-way ring road";
   std::vector<RoadPath> block;
   const Vec2 corner[] = {{0, 0}, {60, 0}, {60, 60}, {0, 60}};
   for (int i = 0; i < 4; ++i)
-    block.push_back(make_path({corner[i], corner[(i + 1) % 4]}, {i + 1, (i + 1) % 4 + 1}, {.osm_id = i + 1, .oneway = Oneway::forward}));
-  EXPECT_EQ(rings(network_of(block), false), 0) << "one-way streets round a block";
+    block.push_back(make_path({corner[i], corner[(i + 1) % 4]}, {i + 1, (i + 1) % 4 + 1},
+                              {.osm_id = i + 1, .oneway = Oneway::forward}));
+  EXPECT_EQ(rings(network_of(block), DrivingSide::right), 0) << "one-way streets round a block";
 }
 
 TEST(Roundabout, that_is_not_closed_is_closed_along_its_circle) {
@@ -316,7 +327,8 @@ TEST(Roundabout, that_is_not_closed_is_closed_along_its_circle) {
   expect_ring(result.map, 15.0);
   const NetworkResult half = build_network(ring_with_arms(true, 1.5));  // a quarter is missing: still one
   EXPECT_EQ(count_findings(half, "network.roundabout_closed"), 1);
-  RoadNetwork bent = network_of({make_path({{0, 0}, {40, 0}, {60, 30}}, {1, 2, 3}, {.oneway = Oneway::forward, .roundabout = true})});
+  RoadNetwork bent =
+      network_of({make_path({{0, 0}, {40, 0}, {60, 30}}, {1, 2, 3}, {.oneway = Oneway::forward, .roundabout = true})});
   const NetworkResult open = build_network(bent);
   EXPECT_EQ(count_findings(open, "network.roundabout_open"), 1);
   expect_sound(open.map);
@@ -373,14 +385,17 @@ TEST(Junction, higher_class_goes_first) {
 
 TEST(RoadCuts, no_two_roads_join_the_same_two_junctions) {
   // A block with two ways round it, and a loop that comes back to its own junction.
-  const NetworkResult result = build_network(network_of(
-      {make_path({{-80, 0}, {0, 0}, {100, 0}, {180, 0}}, {1, 2, 3, 4}),
-       make_path({{0, 0}, {0, 40}, {100, 40}, {100, 0}}, {2, 0, 0, 3}, {.osm_id = 2}),
-       make_path({{180, 0}, {200, 40}, {240, 40}, {240, -40}, {200, -40}, {180, 0}}, {4, 0, 0, 0, 0, 4}, {.osm_id = 3})}));
+  const NetworkResult result =
+      build_network(network_of({make_path({{-80, 0}, {0, 0}, {100, 0}, {180, 0}}, {1, 2, 3, 4}),
+                                make_path({{0, 0}, {0, 40}, {100, 40}, {100, 0}}, {2, 0, 0, 3}, {.osm_id = 2}),
+                                make_path({{180, 0}, {200, 40}, {240, 40}, {240, -40}, {200, -40}, {180, 0}},
+                                          {4, 0, 0, 0, 0, 4}, {.osm_id = 3})}));
   expect_sound(result.map);
   std::set<std::pair<int, int>> pairs;
   for (const Road* road : plain_roads(result.map)) {
-    if (road->predecessor.kind != roadquery::LinkKind::junction || road->successor.kind != roadquery::LinkKind::junction) continue;
+    if (road->predecessor.kind != roadquery::LinkKind::junction ||
+        road->successor.kind != roadquery::LinkKind::junction)
+      continue;
     const auto pair = std::minmax(road->predecessor.id, road->successor.id);
     EXPECT_NE(pair.first, pair.second) << road->osm_id;
     EXPECT_TRUE(pairs.insert(pair).second) << road->osm_id;
@@ -395,12 +410,15 @@ TEST(RoadCuts, ways_do_not_change_in_a_bend) {
   second.push_back({48, 60});
   std::vector<std::int64_t> ids(first.size(), 0);
   ids.front() = 1, ids.back() = 2;
-  const NetworkResult result = build_network(network_of({make_path(first, ids), make_path(second, {2}, {.osm_id = 2})}));
+  const NetworkResult result =
+      build_network(network_of({make_path(first, ids), make_path(second, {2}, {.osm_id = 2})}));
   expect_sound(result.map);
   ASSERT_EQ(result.map.roads.size(), 2u);
   // 8 m of radius fit in the corner: outside it, or at its end.
   const Road& road = result.map.roads[0];
-  const auto heading = [&](double before_end_m) { return roadquery::reference_point(road, road.length - before_end_m).hdg; };
+  const auto heading = [&](double before_end_m) {
+    return roadquery::reference_point(road, road.length - before_end_m).hdg;
+  };
   EXPECT_LT(std::abs(std::remainder(heading(0.0) - heading(3.0), 2.0 * M_PI)), 0.2);
 }
 

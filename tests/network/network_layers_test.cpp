@@ -121,13 +121,15 @@ TEST(NetworkLayers, chords_stay_near_the_curves) {
 }
 
 TEST(NetworkLayers, lanes_that_tight_turns_fold_are_valid_in_both_files) {
-  // Turning roads as junctions have them, tighter than they are wide: the union of their cells has slivers of square millimetres.
+  // Turning roads as junctions have them, tighter than they are wide: the union of their cells has slivers of square
+  // millimetres.
   const Scratch scratch;
   RoadMap map;
   map.geo_reference = "+proj=utm +zone=33 +datum=WGS84 +units=m +no_defs";
   for (int i = 0; i < 60; ++i) {
     const double tightest = 0.25 + 0.01 * i, width = 3.0 + 0.03 * i;
-    Road road = roadquery::test::make_road(i + 1, {0.0, 500000.0 + 30.0 * i, 5500000.0, 0.1 * i, 4.0, roadquery::Spiral{0.0, tightest}}, 7.0, width);
+    Road road = roadquery::test::make_road(
+        i + 1, {0.0, 500000.0 + 30.0 * i, 5500000.0, 0.1 * i, 4.0, roadquery::Spiral{0.0, tightest}}, 7.0, width);
     roadquery::test::append(road, 4.0, roadquery::Spiral{tightest, 0.0});
     road.superelevation = {{.s = 0.0, .a = 0.03, .b = -0.01}};
     map.roads.push_back(road);
@@ -135,9 +137,11 @@ TEST(NetworkLayers, lanes_that_tight_turns_fold_are_valid_in_both_files) {
   io::write_network_layers(scratch / "a.gpkg", map);
   io::write_network_geojson(scratch / "a.geojson", map);
   for (const char* name : {"a.gpkg", "a.geojson"}) {
-    const std::string geometry = name == std::string("a.gpkg") ? "geom" : "geometry", layer = name == std::string("a.gpkg") ? "lanes" : "a";
-    const ToolRun run = run_program({"/usr/bin/ogrinfo", "-q", (scratch / name).string(), "-dialect", "sqlite", "-sql",
-                                     "SELECT COUNT(*) AS n, SUM(NOT ST_IsValid(" + geometry + ")) AS bad FROM " + layer});
+    const std::string geometry = name == std::string("a.gpkg") ? "geom" : "geometry",
+                      layer = name == std::string("a.gpkg") ? "lanes" : "a";
+    const ToolRun run =
+        run_program({"/usr/bin/ogrinfo", "-q", (scratch / name).string(), "-dialect", "sqlite", "-sql",
+                     "SELECT COUNT(*) AS n, SUM(NOT ST_IsValid(" + geometry + ")) AS bad FROM " + layer});
     EXPECT_THAT(run.out, ::testing::HasSubstr("bad (Integer) = 0")) << name << run.out;
   }
 }

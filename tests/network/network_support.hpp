@@ -24,12 +24,13 @@ struct PathOptions {
   Oneway oneway = Oneway::no;
   int lanes = 0;
   bool roundabout = false;
-  std::function<double(Vec2)> height;   ///< none: no heights
+  std::function<double(Vec2)> height;     ///< none: no heights
   std::function<double(double)> banking;  ///< of s
 };
 
 /// A path through `corners`, sampled about every 2 m. ids[i] > 0 marks corner i as an OSM node.
-inline RoadPath make_path(const std::vector<Vec2>& corners, const std::vector<std::int64_t>& ids, const PathOptions& o = {}) {
+inline RoadPath make_path(const std::vector<Vec2>& corners, const std::vector<std::int64_t>& ids,
+                          const PathOptions& o = {}) {
   RoadPath path;
   path.osm_id = o.osm_id, path.highway = o.highway, path.oneway = o.oneway, path.lanes = o.lanes;
   path.roundabout = o.roundabout;
@@ -73,7 +74,8 @@ inline const roadquery::Road* road_by_id(const roadquery::RoadMap& map, int id) 
 
 /// How roads differ where they are linked.
 struct JointGaps {
-  double position_m = 0.0, heading_rad = 0.0, curvature = 0.0, z_m = 0.0, gradient = 0.0, banking_rad = 0.0, edge_m = 0.0;
+  double position_m = 0.0, heading_rad = 0.0, curvature = 0.0, z_m = 0.0, gradient = 0.0, banking_rad = 0.0,
+         edge_m = 0.0;
   int joints = 0;
 };
 
@@ -87,8 +89,14 @@ inline EndPose end_pose(const roadquery::Road& road, roadquery::ContactPoint con
   const double s = at_end ? road.length : 0.0, sign = along ? 1.0 : -1.0;
   const roadquery::PlanPoint q = roadquery::reference_point(road, s);
   const roadquery::Edges edges = roadquery::road_edges(road, s);
-  return {q.x, q.y, q.hdg + (along ? 0.0 : M_PI), sign * q.curvature, roadquery::elevation(road, s), sign * roadquery::gradient(road, s),
-          sign * roadquery::superelevation(road, s), along ? edges.left_t : -edges.right_t,
+  return {q.x,
+          q.y,
+          q.hdg + (along ? 0.0 : M_PI),
+          sign * q.curvature,
+          roadquery::elevation(road, s),
+          sign * roadquery::gradient(road, s),
+          sign * roadquery::superelevation(road, s),
+          along ? edges.left_t : -edges.right_t,
           along ? edges.right_t : -edges.left_t};
 }
 
@@ -103,8 +111,29 @@ inline void measure(const EndPose& a, const EndPose& b, bool edges, JointGaps& g
   ++gaps.joints;
 }
 
-/// Over all road links. Edges and curvature are compared for links outside junctions: a connecting road holds one direction
-/// only and may be made of biarcs.
+/// Heights and cross slopes at five places across what both roads cover.
+inline void measure_surface(const roadquery::Road& from, roadquery::ContactPoint from_contact,
+                            const roadquery::Road& to, roadquery::ContactPoint to_contact, JointGaps& gaps) {
+  const EndPose a = end_pose(from, from_contact, true), b = end_pose(to, to_contact, false);
+  const double left = std::min(a.left_t, b.left_t), right = std::max(a.right_t, b.right_t);
+  ASSERT_GT(left, right) << "road " << from.id << " and road " << to.id << " lie beside each other";
+  const auto height = [](const roadquery::Road& road, roadquery::ContactPoint contact, bool leaving, double t) {
+    const bool at_end = contact == roadquery::ContactPoint::end;
+    return roadquery::surface_height(road, at_end ? road.length : 0.0, at_end == leaving ? t : -t);
+  };
+  double last_a = 0.0, last_b = 0.0;
+  for (int k = 0; k <= 4; ++k) {
+    const double t = right + (left - right) * k / 4.0;
+    const double z_a = height(from, from_contact, true, t), z_b = height(to, to_contact, false, t);
+    gaps.z_m = std::max(gaps.z_m, std::abs(z_a - z_b));
+    if (k > 0)
+      gaps.banking_rad = std::max(gaps.banking_rad, std::abs((z_a - last_a) - (z_b - last_b)) * 4.0 / (left - right));
+    last_a = z_a, last_b = z_b;
+  }
+}
+
+/// Over all road links. Edges and curvature are compared for links outside junctions: a connecting road holds one
+/// direction only and may be made of biarcs.
 inline JointGaps joint_gaps(const roadquery::RoadMap& map) {
   using roadquery::ContactPoint;
   JointGaps gaps;
@@ -114,6 +143,7 @@ inline JointGaps joint_gaps(const roadquery::RoadMap& map) {
       const roadquery::Road* other = road_by_id(map, link.id);
       ASSERT_NE(other, nullptr) << "road " << road.id << " is linked to road " << link.id;
       measure(end_pose(road, own, true), end_pose(*other, link.contact, false), road.junction < 0, gaps);
+      measure_surface(road, own, *other, link.contact, gaps);
     };
     check(road.successor, ContactPoint::end);
     check(road.predecessor, ContactPoint::start);
@@ -190,7 +220,8 @@ inline void expect_sound(const roadquery::RoadMap& map) {
   for (const roadquery::Junction& junction : map.junctions) {
     EXPECT_FALSE(junction.connections.empty());
     for (const roadquery::Connection& connection : junction.connections) {
-      const roadquery::Road *in = road_by_id(map, connection.incoming_road), *via = road_by_id(map, connection.connecting_road);
+      const roadquery::Road *in = road_by_id(map, connection.incoming_road),
+                            *via = road_by_id(map, connection.connecting_road);
       ASSERT_TRUE(in && via);
       EXPECT_EQ(via->junction, junction.id);
       EXPECT_FALSE(connection.lane_links.empty());

@@ -21,7 +21,9 @@ class Build : public testing::Test {
   static void SetUpTestSuite() {
     std::string pattern = (fs::temp_directory_path() / "orthodrive-build-XXXXXX").string();
     folder = mkdtemp(pattern.data());
-    ASSERT_EQ(run_tool({"synth", "--seed", "3", "--size", "300", "--gsd", "0.4", "-o", (folder / "site").string()}).exit_code, 0);
+    ASSERT_EQ(
+        run_tool({"synth", "--seed", "3", "--size", "300", "--gsd", "0.4", "-o", (folder / "site").string()}).exit_code,
+        0);
     const ToolRun first = build("first", {"--threads", "1"});
     ASSERT_EQ(first.exit_code, 0) << first.err;
   }
@@ -37,7 +39,8 @@ class Build : public testing::Test {
     std::map<std::string, std::string> files;
     for (const auto& [path, bytes] : snapshot(folder / out)) {
       const std::string name = fs::relative(path, folder / out).string();
-      if (name != "run.json" && name.find("report.html") == std::string::npos && name.rfind(".orthodrive/", 0) != 0) files[name] = bytes;
+      if (name != "run.json" && name.find("report.html") == std::string::npos && name.rfind(".orthodrive/", 0) != 0)
+        files[name] = bytes;
     }
     return files;
   }
@@ -64,7 +67,8 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
   fs::copy(folder / "first", folder / "again", fs::copy_options::recursive);
   const auto before = results("again");
   ASSERT_EQ(build("again").exit_code, 0);
-  EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine", "elevate", "network", "scene", "drive"}));
+  EXPECT_EQ(skipped_stages("again"),
+            (std::vector<std::string>{"segment", "refine", "elevate", "network", "scene", "drive"}));
 
   fs::remove(folder / "again" / ".orthodrive" / "elevate.json");  // as after a kill in that stage
   fs::remove(folder / "again" / "roads.gpkg");
@@ -83,19 +87,35 @@ TEST_F(Build, where_one_drives_left_the_network_does) {
   EXPECT_THAT(bytes_of(folder / "first/roads.xodr"), testing::Not(testing::HasSubstr("rule=\"LHT\"")));
 }
 
+/// Both call the same unit of a stage.
+TEST_F(Build, a_command_on_files_of_a_build_gives_the_bytes_of_the_build) {
+  const fs::path first = folder / "first", out = folder / "by_command";
+  const json site = json::parse(bytes_of(first / "run.json")).at("site");
+  for (const Arguments& command :
+       {Arguments{"network", "--roads", first / "roads.gpkg", "--name", site.at("name"), "-o", out / "roads.xodr"},
+        Arguments{"drive", "--network", first / "roads.xodr", "--route", site.at("route"), "-o", out / "drive"}}) {
+    const ToolRun run = run_tool(command);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  for (const char* file : {"roads.xodr", "drive/lap.csv"})
+    EXPECT_TRUE(bytes_of(out / file) == bytes_of(first / file)) << file;
+}
+
 TEST_F(Build, the_reference_s_refinement_gives_other_roads_for_each_set_of_weights) {
   const auto refined = [](const Arguments& method) {
     const std::string roads = folder / "refined.gpkg";
-    Arguments arguments{"-q", "refine", "--osm", folder / "site/roads.osm", "--labels", folder / "site/truth/labels.tif", "-o", roads};
+    Arguments arguments{
+        "-q", "refine", "--osm", folder / "site/roads.osm", "--labels", folder / "site/truth/labels.tif", "-o", roads};
     arguments.insert(arguments.end(), method.begin(), method.end());
     const ToolRun run = run_tool(arguments);
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    const ToolRun score = run_tool({"evaluate", "roads", roads, folder / "site/truth", "--before", folder / "site/roads.osm", "--json"});
+    const ToolRun score =
+        run_tool({"evaluate", "roads", roads, folder / "site/truth", "--before", folder / "site/roads.osm", "--json"});
     EXPECT_EQ(score.exit_code, 0) << score.err;
     return json::parse(score.out);
   };
-  const json ours = refined({}), set_1 = refined({"--method", "nlo", "--weights", "1"}), set_2 = refined({"--method", "nlo", "--weights", "2"}),
-             both = refined({"--method", "nlo"});
+  const json ours = refined({}), set_1 = refined({"--method", "nlo", "--weights", "1"}),
+             set_2 = refined({"--method", "nlo", "--weights", "2"}), both = refined({"--method", "nlo"});
   const auto error_m = [](const json& score) { return score["offset_m"]["mean_abs"].get<double>(); };
   EXPECT_LT(set_2["width_variance_m2"], set_1["width_variance_m2"]) << "set 2 is the smooth one";
   EXPECT_NE(error_m(both), error_m(set_1));
@@ -106,7 +126,8 @@ TEST_F(Build, the_reference_s_refinement_gives_other_roads_for_each_set_of_weigh
 
 TEST_F(Build, refines_with_the_weights_that_the_site_names) {
   fs::copy(folder / "first", folder / "weighted", fs::copy_options::recursive);
-  write_bytes(folder / "site" / "weights.toml", "search_offset_m = 0.01\nmap_shift_m = 0.05\nway_shift_m = 0.1\nnode_shift_m = 0.1\n");
+  write_bytes(folder / "site" / "weights.toml",
+              "search_offset_m = 0.01\nmap_shift_m = 0.05\nway_shift_m = 0.1\nnode_shift_m = 0.1\n");
   ASSERT_EQ(build("weighted", {"--set", "refine.weights=weights.toml"}).exit_code, 0);
   EXPECT_EQ(skipped_stages("weighted"), std::vector<std::string>{"segment"});
   const auto offset_m = [](const char* out) {
@@ -120,10 +141,12 @@ TEST_F(Build, the_crf_decides_the_labels_where_a_site_asks_for_it) {
   fs::copy(folder / "first", folder / "crf", fs::copy_options::recursive);
   ASSERT_EQ(build("crf", {"--set", "segment.crf=true"}).exit_code, 0);
   EXPECT_EQ(skipped_stages("crf"), std::vector<std::string>{}) << "all that follows from other labels";
-  const LabelMap without = io::read_labels(folder / "first" / "labels.tif"), with = io::read_labels(folder / "crf" / "labels.tif");
+  const LabelMap without = io::read_labels(folder / "first" / "labels.tif"),
+                 with = io::read_labels(folder / "crf" / "labels.tif");
   ASSERT_EQ(with.labels.data.size(), without.labels.data.size());
   std::size_t changed = 0;
-  for (std::size_t i = 0; i < with.labels.data.size(); ++i) changed += with.labels.data[i] != without.labels.data[i] ? 1 : 0;
+  for (std::size_t i = 0; i < with.labels.data.size(); ++i)
+    changed += with.labels.data[i] != without.labels.data[i] ? 1 : 0;
   EXPECT_GT(changed, 0u);
   EXPECT_LT(changed, with.labels.data.size() / 10) << "it smooths, no more";
 }
@@ -163,7 +186,8 @@ TEST_F(Build, paths_that_only_gpx_tracks_know_reach_the_network_of_roads) {
   ASSERT_EQ(build("driven", {"--set", "sources.gpx='drive.gpx'"}).exit_code, 0);
   EXPECT_EQ(skipped_stages("driven"), std::vector<std::string>{"segment"}) << "another drive under the same name";
 
-  const fs::path roads = folder / "driven.gpkg", labels = folder / "site/truth/labels.tif", osm = folder / "site/roads.osm";
+  const fs::path roads = folder / "driven.gpkg", labels = folder / "site/truth/labels.tif",
+                 osm = folder / "site/roads.osm";
   const Arguments refine{"refine", "--osm", osm, "--labels", labels, "-o", roads, "--gpx", gpx};
   Arguments twice = refine, nlo = refine;
   twice.insert(twice.end(), {"--gpx", gpx});
@@ -177,14 +201,15 @@ TEST_F(Build, paths_that_only_gpx_tracks_know_reach_the_network_of_roads) {
 
 TEST_F(Build, bad_sources_are_one_line_and_leave_the_result_untouched) {
   const auto before = snapshot(folder / "first");
-  for (const auto& [change, named] : std::vector<std::pair<std::string, std::string>>{{"sources.photo=nowhere.tif", "nowhere.tif"},
-                                                                                     {"sources.osm=nowhere.osm", "nowhere.osm"},
-                                                                                     {"sources.dtm=nowhere.tif", "nowhere.tif"},
-                                                                                     {"sources.gpx=nowhere.gpx", "nowhere.gpx"},
-                                                                                     {"sources.gpx=roads.osm", "roads.osm"},
-                                                                                     {"segment.model=nowhere", "nowhere"},
-                                                                                     {"refine.weights=nowhere.toml", "nowhere.toml"},
-                                                                                     {"area.bounds=[0, 0, 100, 100]", "roads.osm"}}) {
+  for (const auto& [change, named] :
+       std::vector<std::pair<std::string, std::string>>{{"sources.photo=nowhere.tif", "nowhere.tif"},
+                                                        {"sources.osm=nowhere.osm", "nowhere.osm"},
+                                                        {"sources.dtm=nowhere.tif", "nowhere.tif"},
+                                                        {"sources.gpx=nowhere.gpx", "nowhere.gpx"},
+                                                        {"sources.gpx=roads.osm", "roads.osm"},
+                                                        {"segment.model=nowhere", "nowhere"},
+                                                        {"refine.weights=nowhere.toml", "nowhere.toml"},
+                                                        {"area.bounds=[0, 0, 100, 100]", "roads.osm"}}) {
     const ToolRun run = build("first", {"--set", change, "--quiet"});
     EXPECT_EQ(run.exit_code, 1) << change;
     EXPECT_THAT(run.err, testing::HasSubstr(named)) << change;

@@ -12,6 +12,8 @@
 #include "io/scratch.hpp"
 #include "orthodrive/io/opencrg_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "roadquery/road_crgs.hpp"
+#include "roadquery/road_query.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -126,6 +128,47 @@ TEST(RoadRelief, roads_of_one_way_and_turns_out_of_it_share_one_surface) {
   for (const roadquery::Road& road : map.roads)
     if (road.junction < 0) most = std::max(most, std::abs(relief.of(map, road)(0.5 * road.length, 1.0)));
   EXPECT_GT(most, 0.002) << "there is something to agree on";
+}
+
+/// The height that the query gives is the file's: the road's own surface with the relief, within the file's digits.
+TEST(RoadRelief, query_answers_with_the_relief_that_the_network_wrote) {
+  const Scratch scratch;
+  const std::vector<RoughnessStretch> roughness{{.osm_id = 1, .s_end_m = 400.0, .gd_n0_m3 = 256e-6}};
+  const RoadNetwork roads = crossroads();
+  io::write_roads(scratch / "roads.gpkg", roads, roughness);
+  const ToolRun run =
+      run_tool({"network", "--roads", (scratch / "roads.gpkg").string(), "-o", (scratch / "x.xodr").string(), "--crg",
+                "way/1", "--crg-u-step", "0.25", "--crg-v-step", "0.25"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  roadquery::RoadMap map = roadquery::read_opendrive((scratch / "x.xodr").string());
+  const RoadRelief relief(roads, roughness, 0.5);
+  const roadquery::RoadQuery smooth(map);
+  roadquery::load_crgs(map, (scratch / "x.xodr").string());
+  EXPECT_TRUE(map.crgs->notes().empty());
+  const roadquery::RoadQuery rough(map);
+  int places = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < map.roads.size(); ++i) {
+    const roadquery::Road& road = map.roads[i];
+    if (road.surface.empty() || road.length < 100.0) continue;
+    const auto height = relief.of(map, road);
+    const CrgSurface surface = io::read_crg(scratch.folder() / road.surface[0].file).surface;
+    for (double s = 20.0; s < road.length - 20.0; s += 1.37)
+      for (const double t : {-2.6, -1.1, 0.4, 1.9}) {
+        const roadquery::SurfacePoint p = roadquery::surface_point(road, s, t);
+        roadquery::Cursor cursor;
+        const auto hit = rough.find(p.x, p.y, p.z, cursor);
+        ASSERT_TRUE(hit);
+        // The road is straight: u is s.
+        EXPECT_NEAR(hit->z, crg_height(surface, {s, t}), 2e-6) << road.id << " " << s << " " << t;
+        EXPECT_NEAR(hit->z, *smooth.find_height(p.x, p.y, p.z, cursor) + height(s, t), 0.01) << "between the rows";
+        most = std::max(most, std::abs(hit->z - p.z)), ++places;
+      }
+    const double s = 0.25 * std::round(0.5 * road.length / 0.25), t = 0.75;
+    EXPECT_NEAR(rough.at(i, s, t)->z, roadquery::surface_point(road, s, t).z + height(s, t), 2e-3) << "near a row";
+  }
+  EXPECT_GT(places, 500);
+  EXPECT_GT(most, 0.005) << "there is something to feel";
 }
 
 TEST(RoadRelief, ways_that_nobody_drove_stay_smooth_and_the_same_input_gives_the_same_surface) {

@@ -5,8 +5,9 @@
 
 #include <filesystem>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -45,11 +46,18 @@ TEST(Site, a_box_of_degrees_becomes_a_turned_polygon_in_the_utm_zone) {
 }
 
 TEST(Site, overrides_take_toml_values_and_bare_words) {
-  const Site site = read_site(site_file(area + sources), {"drive.route=Circuit", "sources.dtm=['c.tif']", "name=Other"});
+  const Site site =
+      read_site(site_file(area + sources), {"drive.route=Circuit", "sources.dtm=['c.tif']", "name=Other"});
   EXPECT_EQ(site.route, "Circuit");
   EXPECT_EQ(site.name, "Other");
   ASSERT_EQ(site.dtm.size(), 1u);
   EXPECT_EQ(site.dtm[0].filename(), "c.tif");
+}
+
+TEST(Site, weather_is_dry_or_wet) {
+  EXPECT_EQ(read_site(site_file(area + sources)).weather, Weather::dry);
+  EXPECT_EQ(read_site(site_file(area + sources + "[network]\nweather = \"wet\"\n")).weather, Weather::wet);
+  EXPECT_THAT(message_of<OptionError>(area + sources, {"network.weather=snow"}), HasSubstr("must be dry or wet"));
 }
 
 TEST(Site, drive_logs_are_sources_that_a_site_may_have) {
@@ -63,12 +71,12 @@ TEST(Site, drive_logs_are_sources_that_a_site_may_have) {
 TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
   const Site without = read_site(site_file(area + sources));
   EXPECT_TRUE(without.gpx.empty());
-  EXPECT_FALSE(without.drives_left);
+  EXPECT_EQ(without.driving_side, DrivingSide::right);
   const Site site = read_site(site_file(area + sources + "gpx=['a.gpx', 'b/c.gpx']\n[refine]\ndriving_side='left'\n"));
   ASSERT_EQ(site.gpx.size(), 2u);
   EXPECT_TRUE(site.gpx[1].is_absolute());
   EXPECT_EQ(site.gpx[1].filename(), "c.gpx");
-  EXPECT_TRUE(site.drives_left);
+  EXPECT_EQ(site.driving_side, DrivingSide::left);
   EXPECT_THAT(message_of<OptionError>(area + sources + "[refine]\ndriving_side='up'\n"), HasSubstr("driving_side"));
 }
 
@@ -76,14 +84,16 @@ TEST(Site, network_files_are_chosen_in_their_section) {
   const Site plain = read_site(site_file(area + sources));
   EXPECT_TRUE(plain.crg.empty());
   EXPECT_EQ(plain.opendrive, "1.7");
-  const Site site = read_site(site_file(area + sources + "[network]\ncrg=['way/7', 'all-of-route']\nopendrive='1.8'\n"));
+  const Site site =
+      read_site(site_file(area + sources + "[network]\ncrg=['way/7', 'all-of-route']\nopendrive='1.8'\n"));
   EXPECT_EQ(site.crg, (std::vector<std::string>{"way/7", "all-of-route"}));
   EXPECT_EQ(site.opendrive, "1.8");
   EXPECT_THAT(message_of<OptionError>(area + sources + "[network]\nopendrive='1.6'\n"), HasSubstr("network.opendrive"));
 }
 
 TEST(Site, mistakes_are_told_with_file_and_place) {
-  EXPECT_THAT(message_of<OptionError>(area + sources + "[drive]\nrute='x'\n"), AllOf(HasSubstr("drive.rute"), HasSubstr("route")));
+  EXPECT_THAT(message_of<OptionError>(area + sources + "[drive]\nrute='x'\n"),
+              AllOf(HasSubstr("drive.rute"), HasSubstr("route")));
   EXPECT_THAT(message_of<InputError>("name = \n"), HasSubstr("line 1"));
   EXPECT_THAT(message_of<OptionError>(sources), HasSubstr("[area]"));
   EXPECT_THAT(message_of<OptionError>(area), HasSubstr("sources.photo"));
@@ -96,7 +106,7 @@ TEST(Site, mistakes_are_told_with_file_and_place) {
 
 TEST(Site, the_sites_of_the_repository_parse) {
   for (const char* name : {"kvarnbyn", "pardubice"}) {
-    const Site site = read_site(fs::path(ORTHODRIVE_SOURCE_DIR) / "sites" / (std::string(name) + ".toml"));
+    const Site site = read_site(paths::in_source("sites") / (std::string(name) + ".toml"));
     EXPECT_FALSE(site.attribution.empty()) << name;
     EXPECT_EQ(site.frame.crs.definition, "EPSG:32633") << name;
   }

@@ -22,8 +22,8 @@ Polyline s_curve(double y = 200.0) {
 }
 
 const RoadError& print(const char* what, const RoadError& e) {
-  std::printf("%s: offset mean %.3f max %.3f m, width mean %.3f max %.3f m (%d nodes)\n", what, e.mean_offset_m, e.max_offset_m,
-              e.mean_width_m, e.max_width_m, e.count);
+  std::printf("%s: offset mean %.3f max %.3f m, width mean %.3f max %.3f m (%d nodes)\n", what, e.mean_offset_m,
+              e.max_offset_m, e.mean_width_m, e.max_width_m, e.count);
   return e;
 }
 
@@ -131,7 +131,8 @@ TEST(RefineRoads, parallel_carriageways_keep_apart) {
 }
 
 TEST(RefineRoads, dual_carriageways_do_not_collapse_onto_the_one_that_is_seen) {
-  // OSM lies 5 m too far south, so that the northern line is nearer to the southern carriageway, which trees hide for 120 m.
+  // OSM lies 5 m too far south, so that the northern line is nearer to the southern carriageway, which trees hide for
+  // 120 m.
   RoadScene scene = make_scene(400.0);
   add_truth(scene, straight(at(20, 206), at(380, 206)), 7.0);
   add_truth(scene, straight(at(380, 195), at(20, 195)), 7.0);
@@ -188,7 +189,8 @@ TEST(RefineRoads, tagged_widths_count_more_than_those_of_the_class) {
 TEST(RefineRoads, curvature_changes_smoothly) {
   // Straight, a clothoid of 60 m, an arc of 80 m radius, and back; the mapper clicked every 25 m.
   const auto heading = [](double s) {
-    const double ramp = std::clamp(s - 80.0, 0.0, 60.0), arc = std::clamp(s - 140.0, 0.0, 60.0), down = std::clamp(s - 200.0, 0.0, 60.0);
+    const double ramp = std::clamp(s - 80.0, 0.0, 60.0), arc = std::clamp(s - 140.0, 0.0, 60.0),
+                 down = std::clamp(s - 200.0, 0.0, 60.0);
     return (0.5 * ramp * ramp / 60.0 + arc + down - 0.5 * down * down / 60.0) / 80.0;
   };
   Polyline line{at(20, 150)};
@@ -225,7 +227,8 @@ TEST(RoadEvidence, is_the_expected_cost_of_a_pixel) {
   EXPECT_EQ(sure.inside.data[3], 0);
 
   ConfidenceMap road{scene.labels.crs, scene.labels.frame, Raster<std::uint8_t>(4, 4)};
-  road.confidence.data[0] = 51, road.confidence.data[1] = 204, road.confidence.data[2] = 102, road.confidence.data[3] = 0;
+  road.confidence.data[0] = 51, road.confidence.data[1] = 204, road.confidence.data[2] = 102,
+  road.confidence.data[3] = 0;
   const RoadEvidence soft = road_evidence(scene.labels, road);
   EXPECT_EQ(soft.outside.data[0], 51);
   EXPECT_EQ(soft.inside.data[0], 153);  // 0.75 * 0.8
@@ -283,7 +286,9 @@ RoadScene make_junctions() {
   add_truth(scene, straight(at(150, 205.4), at(170, 380)), 5.0);
   add_truth(scene, straight(at(300, 20), at(290, 380)), 5.0);
   const Vec2 shift{1.5, 2.5};
-  const auto node = [&](double x, double y, std::int64_t id) { return RoadNode{.p = at(x, y) + shift, .osm_node = id, .width_m = 5.5}; };
+  const auto node = [&](double x, double y, std::int64_t id) {
+    return RoadNode{.p = at(x, y) + shift, .osm_node = id, .width_m = 5.5};
+  };
   const RoadNode t = node(150, 205.4, 10), joint = node(220, 208.3, 11), cross = node(295, 211.5, 12);
   add_way(scene, 1, {node(20, 200, 1), t, joint}, "tertiary");
   add_way(scene, 2, {node(380, 215, 2), cross, joint}, "tertiary");  // against the direction of way 1
@@ -325,7 +330,9 @@ TEST(RefineRoads, ways_that_continue_share_tangent_and_width) {
 TEST(RefineRoads, roundabout_stays_closed) {
   RoadScene scene = make_scene(200.0);
   const double r = 15.0;
-  add_truth(scene, trace(2 * M_PI * r, [&](double s) { return at(100 + r * std::cos(s / r), 100 + r * std::sin(s / r)); }), 6.0);
+  add_truth(scene,
+            trace(2 * M_PI * r, [&](double s) { return at(100 + r * std::cos(s / r), 100 + r * std::sin(s / r)); }),
+            6.0);
   auto nodes = map_line(scene.truth[0].line, {.node_spacing_m = 10.0}, 5.0);
   for (RoadNode& node : nodes) node.p = node.p + Vec2{1.5, -1.0};
   nodes.front().osm_node = nodes.back().osm_node = 9;
@@ -340,7 +347,8 @@ TEST(RefineRoads, roundabout_stays_closed) {
 
 TEST(RefineRoads, any_thread_count_gives_the_same) {
   const RoadScene scene = make_junctions();
-  const auto one = refine_roads(scene.osm, scene.labels, {.threads = 1}), four = refine_roads(scene.osm, scene.labels, {.threads = 4});
+  const auto one = refine_roads(scene.osm, scene.labels, {.threads = 1}),
+             four = refine_roads(scene.osm, scene.labels, {.threads = 4});
   for (std::size_t p = 0; p < one.roads.paths.size(); ++p)
     for (std::size_t i = 0; i < one.roads.paths[p].nodes.size(); ++i) {
       const RoadNode &a = one.roads.paths[p].nodes[i], &b = four.roads.paths[p].nodes[i];
@@ -353,9 +361,12 @@ TEST(RefineRoads, any_thread_count_gives_the_same) {
 TEST(RefineRoads, tiny_and_degenerate_ways) {
   RoadScene scene = make_scene(100.0);
   add_way(scene, 1, {{.p = at(50, 50), .width_m = 5.0}, {.p = at(50.1, 50), .width_m = 5.0}});
-  add_way(scene, 2, {{.p = at(20, 20), .width_m = 5.0}, {.p = at(20, 20), .width_m = 5.0}});          // no length
-  add_way(scene, 3, {{.p = at(-500, 20), .width_m = 5.0}, {.p = at(-400, 20), .width_m = 5.0}});      // outside the labels
-  add_way(scene, 4, {{.p = at(50, 50), .width_m = 5.0}, {.p = at(60, 50), .width_m = 5.0}, {.p = at(50, 50.1), .width_m = 5.0}});  // there and back
+  add_way(scene, 2, {{.p = at(20, 20), .width_m = 5.0}, {.p = at(20, 20), .width_m = 5.0}});      // no length
+  add_way(scene, 3, {{.p = at(-500, 20), .width_m = 5.0}, {.p = at(-400, 20), .width_m = 5.0}});  // outside the labels
+  add_way(scene, 4,
+          {{.p = at(50, 50), .width_m = 5.0},
+           {.p = at(60, 50), .width_m = 5.0},
+           {.p = at(50, 50.1), .width_m = 5.0}});  // there and back
   const auto result = refine_roads(scene.osm, scene.labels);
   ASSERT_EQ(result.roads.paths.size(), 4u);
   for (const RoadPath& path : result.roads.paths) {
@@ -378,7 +389,8 @@ TEST(RefineRoads, a_way_that_crosses_itself_is_told_with_its_place) {
 TEST(RefineRoads, a_way_of_100000_nodes_is_refined) {
   RoadScene scene = make_scene(300.0);
   std::vector<RoadNode> nodes;
-  for (int i = 0; i < 100000; ++i) nodes.push_back({.p = at(20.0 + i * 260.0 / 99999.0, 150.0 + 0.001 * (i % 2)), .width_m = 5.0});
+  for (int i = 0; i < 100000; ++i)
+    nodes.push_back({.p = at(20.0 + i * 260.0 / 99999.0, 150.0 + 0.001 * (i % 2)), .width_m = 5.0});
   add_truth(scene, straight(at(20, 152), at(280, 152)), 6.0);
   add_way(scene, 1, nodes);
   const auto result = refine_roads(scene.osm, scene.labels);

@@ -28,7 +28,9 @@ inline RoadScene make_scene(double size_m, double gsd_m = 0.5) {
   RoadScene scene;
   const Crs crs{"EPSG:32633"};
   const int pixels = static_cast<int>(size_m / gsd_m);
-  scene.labels = {crs, {500000.0, 5500000.0 + size_m, gsd_m, pixels, pixels}, Raster<std::uint8_t>(pixels, pixels, 1, label_grass),
+  scene.labels = {crs,
+                  {500000.0, 5500000.0 + size_m, gsd_m, pixels, pixels},
+                  Raster<std::uint8_t>(pixels, pixels, 1, label_grass),
                   default_class_table()};
   scene.osm.crs = crs;
   return scene;
@@ -54,7 +56,8 @@ inline void paint(LabelMap& labels, const Ring& ring, std::uint8_t label) {
 
 inline void paint_disc(LabelMap& labels, Vec2 center, double radius_m, std::uint8_t label) {
   Ring ring;
-  for (int k = 0; k < 24; ++k) ring.push_back(center + Vec2{radius_m * std::cos(k * M_PI / 12), radius_m * std::sin(k * M_PI / 12)});
+  for (int k = 0; k < 24; ++k)
+    ring.push_back(center + Vec2{radius_m * std::cos(k * M_PI / 12), radius_m * std::sin(k * M_PI / 12)});
   paint(labels, ring, label);
 }
 
@@ -90,7 +93,8 @@ inline std::vector<RoadNode> map_line(const Polyline& truth, const Mapper& mappe
   return nodes;
 }
 
-inline void add_way(RoadScene& scene, std::int64_t osm_id, std::vector<RoadNode> nodes, const std::string& highway = "residential") {
+inline void add_way(RoadScene& scene, std::int64_t osm_id, std::vector<RoadNode> nodes,
+                    const std::string& highway = "residential") {
   RoadPath path;
   path.osm_id = osm_id;
   path.highway = highway;

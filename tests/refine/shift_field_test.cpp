@@ -10,6 +10,7 @@
 namespace orthodrive {
 namespace {
 
+using namespace refine;
 using namespace test;
 
 /// Samples every 10 m along a straight road, as a shift of the map would give them.

@@ -1,12 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 
-#include "roadquery/road_surface.hpp"
+#include "paths.hpp"
+#include "roadquery/road_query.hpp"
 
 namespace roadquery {
 namespace {
@@ -21,7 +23,7 @@ std::string slurp(const std::string& path) {
   return out.str();
 }
 
-const std::string arc_file = ORTHODRIVE_SOURCE_DIR "/tests/roadquery/arc.xodr";
+const std::string arc_file = orthodrive::paths::in_source("tests/roadquery/arc.xodr").string();
 
 /// A temporary file with this text.
 class TemporaryXodr {
@@ -69,7 +71,7 @@ TEST(ReadOpenDrive, holds_what_the_file_says) {
   EXPECT_EQ(road.id, 7);
   EXPECT_EQ(road.name, "Quarter");
   EXPECT_EQ(road.junction, -1);
-  EXPECT_FALSE(road.left_hand_traffic);
+  EXPECT_EQ(road.driving_side, roadquery::DrivingSide::right);
   EXPECT_EQ(road.predecessor.kind, LinkKind::none);
   EXPECT_EQ(road.successor.kind, LinkKind::road);
   EXPECT_EQ(road.successor.id, 7);
@@ -101,6 +103,27 @@ TEST(ReadOpenDrive, header_offset_moves_the_roads) {
   EXPECT_EQ(map.west, 1000.0);
 }
 
+TEST(ReadOpenDrive, header_offset_can_be_ignored_or_subtracted) {
+  std::string text = slurp(arc_file);
+  text.replace(text.find("</header>"), 9, "<offset x=\"1000\" y=\"2000\" z=\"5\" hdg=\"0\"/></header>");
+  const TemporaryXodr file(text);
+  const RoadMap ignored = read_opendrive(file.path(), HeaderOffset::ignore);
+  EXPECT_EQ(ignored.roads[0].plan[0].x, 0.0);
+  EXPECT_EQ(elevation(ignored.roads[0], 0.0), 20.0);
+  EXPECT_EQ(ignored.header_offset_m, (std::array<double, 3>{1000.0, 2000.0, 5.0}));
+  const RoadMap subtracted = read_opendrive(file.path(), HeaderOffset::subtract);
+  EXPECT_EQ(subtracted.roads[0].plan[0].y, -2000.0);
+  EXPECT_EQ(elevation(subtracted.roads[0], 0.0), 15.0);
+}
+
+TEST(ReadOpenDrive, header_offset_with_a_heading_can_only_be_ignored) {
+  std::string text = slurp(arc_file);
+  text.replace(text.find("</header>"), 9, "<offset x=\"1000\" y=\"2000\" z=\"5\" hdg=\"0.5\"/></header>");
+  const TemporaryXodr file(text);
+  EXPECT_THAT(error_of(file.path()), EndsWith("<offset> with a heading is not supported: it can only be ignored"));
+  EXPECT_EQ(read_opendrive(file.path(), HeaderOffset::ignore).header_offset_hdg, 0.5);
+}
+
 TEST(ReadOpenDrive, errors_name_file_line_and_remedy) {
   EXPECT_THAT(error_of("/no/such.xodr"), EndsWith("/no/such.xodr: cannot be opened: No such file or directory"));
   const TemporaryXodr empty(""), text("hello"), other("<?xml version='1.0'?>\n<osm/>"),
@@ -122,8 +145,44 @@ TEST(ReadOpenDrive, errors_name_file_line_and_remedy) {
   EXPECT_THAT(error_with("<lane id=\"1\"", "<lane id=\"-1\""), HasSubstr("line 15: lane -1 stands under <left>"));
 }
 
+TEST(ReadOpenDrive, misplaced_elements_are_passed_over_or_refused) {
+  std::string text = slurp(arc_file);
+  for (std::size_t at = 0; (at = text.find("planView", at)) != std::string::npos;) text.replace(at, 8, "planVeiw");
+  const TemporaryXodr misspelt(text);
+  EXPECT_THAT(error_of(misspelt.path()), HasSubstr("road 7 has no <geometry> in a <planView>"));
+  EXPECT_THAT(error_with("<laneSection s=\"0\">", "<x><laneSection s=\"0\"></laneSection></x><laneSection s=\"0\">"),
+              EndsWith("no error"));
+  EXPECT_THAT(error_with("<left>", "<laneSection s=\"0\"/><lanes><laneSection s=\"0\"/></lanes><left>"),
+              EndsWith("no error"));
+  EXPECT_THAT(error_with("</lane></left>", "<lanes><laneSection s=\"0\"/></lanes><width/></lane></left>"),
+              EndsWith("no error"));  // the outer lane is gone: its width counts no longer
+  EXPECT_THAT(error_with("</header>",
+                         "</header><junction id=\"1\"><a><connection><laneLink from=\"1\" to=\"1\"/>"
+                         "</connection></a></junction>"),
+              EndsWith("no error"));
+  EXPECT_THAT(error_with("lane id=\"-2\"", "lane id=\"-2147483648\""), HasSubstr("a lane has the id -2147483648"));
+}
+
+TEST(ReadOpenDrive, roads_without_bounds_are_refused) {
+  EXPECT_THAT(error_with("length=\"157.0796326794897\" id", "length=\"1e12\" id"), HasSubstr("longer than 1000 km"));
+  const auto query_error_with = [](const std::string& from, const std::string& to) -> std::string {
+    std::string text = slurp(arc_file);
+    text.replace(text.find(from), from.size(), to);
+    const TemporaryXodr file(text);
+    try {
+      const RoadQuery query(read_opendrive(file.path()));
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(query_error_with("curvature=\"0.01\"", "curvature=\"1e300\""), HasSubstr("road 7 turns more than"));
+  EXPECT_THAT(query_error_with("x=\"0\" y=\"0\"", "x=\"1e300\" y=\"0\""), HasSubstr("road 7 leaves the area"));
+  EXPECT_THAT(query_error_with("a=\"3.5\"", "a=\"1e9\""), HasSubstr("road 7 is wider than 1 km"));
+}
+
 TEST(ReadOpenDrive, other_peoples_files_are_read_and_join_up) {
-  const std::string folder = ORTHODRIVE_SOURCE_DIR "/../shared/data/opendrive/samples/";
+  const std::string folder = orthodrive::paths::in_source("../shared/data/opendrive/samples/").string();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no sample files at " << folder;
   struct Sample {
     const char* name;

@@ -21,7 +21,7 @@ TEST(BuildScene, straight_road_on_flat_ground_fills_the_tile) {
   const Site site =
       make_site(480.0, {{.start = {west_m + 50.3, south_m + 60.7}, .heading_rad = 0.6, .length_m = 300.0}});
   const SceneTile tile = build_one(site);
-  const TriMesh *terrain = find_mesh(tile, "terrain"), *road = find_mesh(tile, "road");
+  const TriMesh *terrain = find_mesh(tile, MeshKind::terrain), *road = find_mesh(tile, MeshKind::road);
   ASSERT_TRUE(terrain != nullptr && road != nullptr);
   EXPECT_NEAR((plan_area_m2(terrain) + plan_area_m2(road)) / (480.0 * 480.0), 1.0, 1e-9);
   EXPECT_NEAR(plan_area_m2(road), 300.0 * 6.0, 1.0);
@@ -43,7 +43,7 @@ TEST(BuildScene, road_vertices_lie_on_the_surface_of_the_road) {
                         .superelevation_rad = 0.06};
   const Site site = make_site(480.0, {shape});
   const SceneTile tile = build_one(site);
-  const TriMesh* road = find_mesh(tile, "road");
+  const TriMesh* road = find_mesh(tile, MeshKind::road);
   ASSERT_NE(road, nullptr);
   // The arc's centre and radius give (s, t) of a point in closed form.
   const double radius = 120.0;
@@ -86,13 +86,15 @@ TEST(BuildScene, road_triangles_stay_near_the_surface_between_their_vertices) {
   for (double s = 0.5; s < 250.0; s += 3.7) {
     for (const double t : {-3.8, -1.3, 0.0, 2.1, 3.8}) {
       const auto at = roadquery::surface_point(road, s, t);
-      EXPECT_NEAR(mesh_height_m(tile, *find_mesh(tile, "road"), {at.x, at.y}), at.z, 0.03) << s << ' ' << t;
+      EXPECT_NEAR(mesh_height_m(tile, *find_mesh(tile, MeshKind::road), {at.x, at.y}), at.z, 0.03) << s << ' ' << t;
     }
   }
 }
 
 TEST(BuildScene, sidewalks_and_shoulders_are_meshed_on_the_same_surface) {
-  Site site = make_site(480.0, {{.start = {west_m + 60.0, south_m + 90.0}, .heading_rad = 0.5, .length_m = 200.0, .superelevation_rad = 0.03}});
+  Site site = make_site(
+      480.0,
+      {{.start = {west_m + 60.0, south_m + 90.0}, .heading_rad = 0.5, .length_m = 200.0, .superelevation_rad = 0.03}});
   roadquery::Road& road = site.roads.roads[0];
   const auto lane = [](int id, roadquery::LaneType type, double width_m) {
     roadquery::Lane made;
@@ -107,7 +109,7 @@ TEST(BuildScene, sidewalks_and_shoulders_are_meshed_on_the_same_surface) {
   later.left.push_back(lane(2, roadquery::LaneType::sidewalk, 2.0));
   road.sections.push_back(later);
   const SceneTile tile = build_one(site);
-  const TriMesh& mesh = *find_mesh(tile, "road");
+  const TriMesh& mesh = *find_mesh(tile, MeshKind::road);
   EXPECT_NEAR(plan_area_m2(&mesh), (200.0 * 9.0 + 100.0 * 2.0) * std::cos(0.03), 1.0);
   for (double s = 1.0; s < 200.0; s += 7.3)
     for (const double t : {-5.9, -4.5, -3.5, 0.0, 2.9, 4.9}) {
@@ -140,7 +142,7 @@ TEST(BuildScene, crown_has_its_ridge_on_the_reference_line) {
     for (double s = 0.05; s < 200.0; s += 1.9)
       for (const double t : {-2.6, -1.0, 0.0, 1.0, 2.6}) {
         const auto at = roadquery::surface_point(road, s, t);
-        EXPECT_NEAR(mesh_height_m(tile, *find_mesh(tile, "road"), {at.x, at.y}), at.z, 0.02) << s << ' ' << t;
+        EXPECT_NEAR(mesh_height_m(tile, *find_mesh(tile, MeshKind::road), {at.x, at.y}), at.z, 0.02) << s << ' ' << t;
       }
 }
 
@@ -148,7 +150,7 @@ TEST(BuildScene, ground_meets_the_road_and_becomes_terrain_within_the_verge) {
   // A road 3 m above a plain, as a bad DTM would have it.
   const Site site = make_site(480.0, {{.start = {west_m + 20.0, south_m + 200.0}, .length_m = 400.0, .z_m = 13.0}});
   const SceneTile tile = build_one(site, {1000, 13000}, {.verge_m = 5.0});
-  const TriMesh* terrain = find_mesh(tile, "terrain");
+  const TriMesh* terrain = find_mesh(tile, MeshKind::terrain);
   ASSERT_NE(terrain, nullptr);
   double highest = 0.0;
   for (const auto& p : terrain->positions) {
@@ -188,16 +190,16 @@ TEST(BuildScene, neighbours_share_the_vertices_of_their_border_bit_by_bit) {
   std::map<TileAddress, SceneTile> tiles;
   for (const TileAddress a : scene_tiles(*layout)) tiles[a] = build_scene_tile(*layout, a);
   using Point = std::array<double, 3>;
-  const auto on_line = [&](const SceneTile& tile, bool vertical, double at, const char* name) {
+  const auto on_line = [&](const SceneTile& tile, bool vertical, double at, MeshKind kind) {
     std::set<Point> points;
-    if (const TriMesh* mesh = find_mesh(tile, name))
+    if (const TriMesh* mesh = find_mesh(tile, kind))
       for (const auto& p : mesh->positions)
         if (const Vec3 q = world(tile, p); (vertical ? q.x : q.y) == at) points.insert({q.x, q.y, q.z});
     return points;
   };
   const auto both = [&](const SceneTile& tile, bool vertical, double at) {
-    auto points = on_line(tile, vertical, at, "terrain");
-    points.merge(on_line(tile, vertical, at, "road"));
+    auto points = on_line(tile, vertical, at, MeshKind::terrain);
+    points.merge(on_line(tile, vertical, at, MeshKind::road));
     return points;
   };
   for (const int k : {13000, 13001}) {
@@ -213,10 +215,10 @@ TEST(BuildScene, neighbours_share_the_vertices_of_their_border_bit_by_bit) {
     EXPECT_EQ(below, above);
   }
   // The road that crosses the border is cut there: its vertices on the line are those of the other tile's road.
-  EXPECT_GE(on_line(tiles[{1000, 13000}], true, west_m + 480.0, "road").size(), 2U);
+  EXPECT_GE(on_line(tiles[{1000, 13000}], true, west_m + 480.0, MeshKind::road).size(), 2U);
   double area = 0.0;
   for (const auto& [address, tile] : tiles) {
-    area += plan_area_m2(find_mesh(tile, "terrain")) + plan_area_m2(find_mesh(tile, "road"));
+    area += plan_area_m2(find_mesh(tile, MeshKind::terrain)) + plan_area_m2(find_mesh(tile, MeshKind::road));
     expect_closed(tile, on_tile_border);
   }
   EXPECT_NEAR(area / (960.0 * 960.0), 1.0, 1e-9);
@@ -231,12 +233,12 @@ TEST(BuildScene, overlapping_roads_become_one_surface) {
                         {.start = {west_m + 100.0, south_m + 206.0015}, .heading_rad = 1e-5, .length_m = 200.0},
                         {.start = {west_m + 100.0, south_m + 205.9}, .heading_rad = 1e-3, .length_m = 200.0}});
   const SceneTile tile = build_one(site);
-  const TriMesh* road = find_mesh(tile, "road");
+  const TriMesh* road = find_mesh(tile, MeshKind::road);
   ASSERT_NE(road, nullptr);
   EXPECT_NEAR(plan_area_m2(road), 200.0 * 12.0 + 200.0 * 6.0 - 12.0 * 6.0, 25.0);
-  EXPECT_NEAR((plan_area_m2(find_mesh(tile, "terrain")) + plan_area_m2(road)) / (480.0 * 480.0), 1.0, 1e-9);
+  EXPECT_NEAR((plan_area_m2(find_mesh(tile, MeshKind::terrain)) + plan_area_m2(road)) / (480.0 * 480.0), 1.0, 1e-9);
   expect_upwards(*road);
-  expect_upwards(*find_mesh(tile, "terrain"));
+  expect_upwards(*find_mesh(tile, MeshKind::terrain));
   expect_closed(tile, on_tile_border);
   for (const auto& p : road->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
 }
@@ -246,7 +248,7 @@ TEST(BuildScene, crossing_roads_blend_between_their_heights) {
       480.0, {{.start = {west_m + 100.0, south_m + 200.0}, .length_m = 200.0, .z_m = 10.0},
               {.start = {west_m + 200.0, south_m + 100.0}, .heading_rad = 0.5 * pi, .length_m = 200.0, .z_m = 10.4}});
   const SceneTile tile = build_one(site);
-  for (const auto& p : find_mesh(tile, "road")->positions) {
+  for (const auto& p : find_mesh(tile, MeshKind::road)->positions) {
     const Vec3 q = world(tile, p);
     const bool on_first = std::abs(q.y - south_m - 200.0) < 3.001, on_second = std::abs(q.x - west_m - 200.0) < 3.001;
     if (on_first != on_second) {
@@ -268,11 +270,11 @@ TEST(BuildScene, bridge_deck_stays_above_the_terrain_and_does_not_cut_it) {
        {.start = {west_m + 240.0, south_m + 40.0}, .heading_rad = 0.5 * pi, .length_m = 400.0, .z_m = 10.0}},
       valley);
   const SceneTile tile = build_one(site);
-  const TriMesh *terrain = find_mesh(tile, "terrain"), *bridge = find_mesh(tile, "road_body");
+  const TriMesh *terrain = find_mesh(tile, MeshKind::terrain), *bridge = find_mesh(tile, MeshKind::road_body);
   ASSERT_TRUE(terrain != nullptr && bridge != nullptr);
   const double ground_roads_m2 = 2.0 * 140.0 * 6.0 + 400.0 * 6.0, deck_m2 = 120.0 * 6.0;
   EXPECT_NEAR(plan_area_m2(terrain), 480.0 * 480.0 - ground_roads_m2, 1.0);
-  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "road")), ground_roads_m2 + deck_m2, 1.0);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, MeshKind::road)), ground_roads_m2 + deck_m2, 1.0);
   int below = 0;
   for (const auto& p : terrain->positions) {
     const Vec3 q = world(tile, p);
@@ -292,8 +294,8 @@ TEST(BuildScene, tunnels_leave_the_ground_alone) {
       480.0,
       {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0, .z_m = -5.0, .layer = -1, .tunnel = true}});
   const SceneTile tile = build_one(site);
-  EXPECT_EQ(find_mesh(tile, "road"), nullptr);
-  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "terrain")), 480.0 * 480.0, 1e-6);
+  EXPECT_EQ(find_mesh(tile, MeshKind::road), nullptr);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, MeshKind::terrain)), 480.0 * 480.0, 1e-6);
 }
 
 TEST(BuildScene, scene_ends_at_a_slanted_area) {
@@ -303,8 +305,8 @@ TEST(BuildScene, scene_ends_at_a_slanted_area) {
                      {west_m + 420.0, south_m + 450.0},
                      {west_m + 10.0, south_m + 400.0}};
   const SceneTile tile = build_one(site);
-  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "terrain")) + plan_area_m2(find_mesh(tile, "road")), area_m2(site.area),
-              0.5);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, MeshKind::terrain)) + plan_area_m2(find_mesh(tile, MeshKind::road)),
+              area_m2(site.area), 0.5);
   expect_closed(tile, [&](Vec2 a, Vec2 b) {
     for (std::size_t i = 0; i < 4; ++i) {
       const Vec2 p = site.area.outer[i], d = normalized(site.area.outer[(i + 1) % 4] - p);
@@ -337,8 +339,8 @@ TEST(BuildScene, tile_outside_the_area_is_empty) {
 
 TEST(BuildScene, no_roads_at_all_is_plain_terrain) {
   const SceneTile tile = build_one(make_site(480.0, {}));
-  EXPECT_EQ(find_mesh(tile, "road"), nullptr);
-  EXPECT_NEAR(plan_area_m2(find_mesh(tile, "terrain")), 480.0 * 480.0, 1e-6);
+  EXPECT_EQ(find_mesh(tile, MeshKind::road), nullptr);
+  EXPECT_NEAR(plan_area_m2(find_mesh(tile, MeshKind::terrain)), 480.0 * 480.0, 1e-6);
   expect_closed(tile, on_tile_border);
 }
 
@@ -350,7 +352,7 @@ TEST(BuildScene, holes_of_the_terrain_are_filled_and_found) {
   ASSERT_EQ(scene_findings(*layout).size(), 1U);
   EXPECT_EQ(scene_findings(*layout)[0].code, "scene.terrain_hole");
   const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
-  for (const auto& p : find_mesh(tile, "terrain")->positions) {
+  for (const auto& p : find_mesh(tile, MeshKind::terrain)->positions) {
     const Vec3 q = world(tile, p);
     ASSERT_TRUE(std::isfinite(q.z));
     EXPECT_NEAR(q.z, 30.0 + 0.1 * (q.x - west_m), 3.0);  // as coarse as the hole is wide (60 m, 6 m of rise)
@@ -372,7 +374,7 @@ TEST(BuildScene, road_without_heights_is_left_out_and_found) {
   const auto layout = lay_out_scene(site.input());
   ASSERT_EQ(scene_findings(*layout).size(), 1U);
   EXPECT_EQ(scene_findings(*layout)[0].code, "scene.road_without_surface");
-  EXPECT_EQ(find_mesh(build_scene_tile(*layout, {1000, 13000}), "road"), nullptr);
+  EXPECT_EQ(find_mesh(build_scene_tile(*layout, {1000, 13000}), MeshKind::road), nullptr);
 }
 
 TEST(BuildScene, bend_tighter_than_the_road_is_wide_stays_a_surface) {
@@ -380,9 +382,9 @@ TEST(BuildScene, bend_tighter_than_the_road_is_wide_stays_a_surface) {
       480.0,
       {{.start = {west_m + 200.0, south_m + 200.0}, .length_m = 15.0, .width_m = 12.0, .curvature_1pm = 1.0 / 4.0}});
   const SceneTile tile = build_one(site);
-  expect_upwards(*find_mesh(tile, "road"));
+  expect_upwards(*find_mesh(tile, MeshKind::road));
   expect_closed(tile, on_tile_border);
-  for (const auto& p : find_mesh(tile, "road")->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
+  for (const auto& p : find_mesh(tile, MeshKind::road)->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
 }
 
 TEST(BuildScene, texture_has_the_photo_at_its_place) {

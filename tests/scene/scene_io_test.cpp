@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "orthodrive/geo/crs.hpp"
+#include "paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -22,13 +23,13 @@ const fs::path folder = fs::path(testing::TempDir()) / "orthodrive_scene_io_test
 
 SceneTile small_tile() {
   SceneTile tile{.column = 5, .row = 7, .origin = {500240.0, 5400240.0, 200.0}, .min_z_m = 200.0, .max_z_m = 203.0};
-  tile.meshes.push_back({"terrain",
+  tile.meshes.push_back({MeshKind::terrain,
                          {{-240.0F, -240.0F, 0.0F}, {240.0F, -240.0F, 1.0F}, {-240.0F, 240.0F, 3.0F}},
                          {{0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, 1.0F}, {0.0F, 0.0F, 1.0F}},
                          {{0.0F, 1.0F}, {1.0F, 1.0F}, {0.0F, 0.0F}},
                          {0, 1, 2}});
   tile.meshes.push_back(tile.meshes[0]);
-  tile.meshes[1].name = "road";
+  tile.meshes[1].kind = MeshKind::road;
   tile.texture_rgb = Raster<std::uint8_t>(16, 16, 3, 77);
   return tile;
 }
@@ -100,7 +101,7 @@ TEST(SceneIo, same_tile_gives_the_same_bytes) {
 }
 
 TEST(SceneIo, khronos_validator_finds_no_error) {
-  const fs::path source = ORTHODRIVE_SOURCE_DIR;
+  const fs::path source = paths::source_dir;
   if (!fs::exists(source / "viewer/node_modules/gltf-validator"))
     GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix viewer";
   const fs::path own = folder / "validated";

@@ -76,9 +76,9 @@ inline Site make_site(
   return site;
 }
 
-inline const TriMesh* find_mesh(const SceneTile& tile, const std::string& name) {
+inline const TriMesh* find_mesh(const SceneTile& tile, MeshKind kind) {
   for (const TriMesh& mesh : tile.meshes)
-    if (mesh.name == name) return &mesh;
+    if (mesh.kind == kind) return &mesh;
   return nullptr;
 }
 
@@ -105,7 +105,7 @@ inline void expect_upwards(const TriMesh& mesh) {
     const Vec2 ab{double{b[0]} - a[0], double{b[1]} - a[1]}, ac{double{c[0]} - a[0], double{c[1]} - a[1]};
     wrong += cross(ab, ac) > 0.0 ? 0 : 1;
   }
-  EXPECT_EQ(wrong, 0) << mesh.name;
+  EXPECT_EQ(wrong, 0) << to_string(mesh.kind);
 }
 
 /// Terrain and road together are a surface without cracks: each edge inside is used once in each direction, by
@@ -113,8 +113,8 @@ inline void expect_upwards(const TriMesh& mesh) {
 inline void expect_closed(const SceneTile& tile, const std::function<bool(Vec2, Vec2)>& may_be_open) {
   using Point = std::array<float, 3>;
   std::map<std::array<Point, 2>, int> edges;
-  for (const char* name : {"terrain", "road"}) {
-    const TriMesh* mesh = find_mesh(tile, name);
+  for (const MeshKind kind : {MeshKind::terrain, MeshKind::road}) {
+    const TriMesh* mesh = find_mesh(tile, kind);
     if (mesh == nullptr) continue;
     for (std::size_t i = 0; i < mesh->indices.size(); i += 3)
       for (std::size_t k = 0; k < 3; ++k)

@@ -13,6 +13,7 @@
 #include "orthodrive/io/osm_reader.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
 #include "orthodrive/synth/terrain.hpp"
+#include "paths.hpp"
 #include "synth/site_helpers.hpp"
 
 namespace orthodrive::synth {
@@ -247,7 +248,7 @@ TEST(FromTrack, osm_that_does_not_fit_is_refused) {
 }
 
 TEST(RedBullRing, edges_lap_length_and_heights) {
-  const fs::path folder = fs::path(ORTHODRIVE_SOURCE_DIR) / "../shared/data/spielberg";
+  const fs::path folder = paths::in_source("../shared/data/spielberg");
   if (!fs::exists(folder / "spielberg_utm33.csv")) GTEST_SKIP() << "no data: " << folder;
   const auto text = [&](const char* name) {
     std::ifstream file(folder / name);

@@ -31,7 +31,9 @@ class Random {
   [[nodiscard]] double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   [[nodiscard]] double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// Uniform integer in [0, count).
-  [[nodiscard]] std::uint64_t below(std::uint64_t count) { return static_cast<std::uint64_t>(uniform() * static_cast<double>(count)); }
+  [[nodiscard]] std::uint64_t below(std::uint64_t count) {
+    return static_cast<std::uint64_t>(uniform() * static_cast<double>(count));
+  }
   /// Standard normal (Box-Muller, one value a call).
   [[nodiscard]] double normal() {
     const double u = 1.0 - uniform(), v = uniform();

@@ -1,5 +1,5 @@
 #pragma once
-// The line that the driver follows along a route: lane centres, joined smoothly, with what the road does below.
+// The line that the driver follows along a route, with what the road does below.
 
 #include <vector>
 
@@ -9,13 +9,16 @@
 namespace orthodrive {
 
 struct LinePoint {
-  double s_m = 0.0;  ///< along the line
+  double s_m = 0.0;  ///< along the line, in plan
   double x_m = 0.0, y_m = 0.0;
   double heading_rad = 0.0;  ///< continuous: not wrapped at pi
   double curvature_1pm = 0.0;
   double z_m = 0.0;
-  double gradient = 0.0;  ///< of the surface along the line
-  double banking = 0.0;   ///< of the surface across the line, positive = left side higher
+  double gradient = 0.0;                ///< of the surface along the line
+  double banking = 0.0;                 ///< of the surface across the line, rad, positive = left side higher
+  double vertical_curvature_1pm = 0.0;  ///< of the profile along the line, positive = sag, negative = crest
+  double friction = 1.0;
+  int step = 0;  ///< of the route
 };
 
 struct DrivingLine {
@@ -27,12 +30,27 @@ struct DrivingLine {
   [[nodiscard]] LinePoint at(double s_m) const;
 };
 
-/// Follows the outermost driving lane in each step's direction. Where the lane centres of two steps do not meet, the
-/// jump is made up over 12 m a metre of it on the road that has room for it (half on each when both or neither have);
-/// then the line is smoothed as stiffly as a driver would steer: min sum |p - q|^2 + (15 m / 2 pi)^6 |p'''|^2, which
-/// damps waves shorter than 15 m.
+/// Where the line may be, and how it is chosen there.
+struct LineOptions {
+  bool racing = false;       ///< the whole width of the road; else one's own lane
+  double car_width_m = 1.8;  ///< over the tyres
+  double wheelbase_m = 2.7;  ///< in narrow bends the rear wheels run further in and the front wheels further out
+  double margin_m = 0.2;     ///< between the car and the edge, with what the car strays from its line
+};
+
+/// Racing: the minimum-curvature line between the edges of the roads, all their driving lanes (bounded_line.hpp).
 ///
-/// Throws Error for a route that is too short to drive (below 10 m).
-[[nodiscard]] DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route);
+/// Else along the outermost driving lane in each step's direction (lane_path.hpp), smoothed as stiffly as a driver
+/// would steer: min sum |p - q|^2 + (15 m / 2 pi)^6 |p'''|^2, which damps waves shorter than 15 m. Where that would
+/// lead a wheel off the asphalt it is moved sideways as little as need be and stays as smooth as it can.
+///
+/// The car does not leave the road where it is wide enough. Throws Error for a route below 10 m.
+[[nodiscard]] DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route,
+                                            const LineOptions& options = {});
+
+/// Heading, curvature and what the road does along a line through these points, about 1 m apart, whose surface at the
+/// first is near start_z_m. Of a closed line the first point is not repeated. `step`: of each point, or empty.
+[[nodiscard]] DrivingLine line_through(const roadquery::RoadQuery& query, const std::vector<Vec2>& points, bool closed,
+                                       double start_z_m, const std::vector<int>& step = {});
 
 }  // namespace orthodrive

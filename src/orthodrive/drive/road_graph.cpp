@@ -15,7 +15,9 @@ using roadquery::Road;
 constexpr double max_gap_m = 10.0;  // a link between ends further apart is a mistake in the file: nobody can drive it
 
 /// Sign of the ids of the lanes that go in this direction.
-int lane_sign(const Road& road, bool forward) { return forward != road.left_hand_traffic ? -1 : 1; }
+int lane_sign(const Road& road, bool forward) {
+  return forward != (road.driving_side == roadquery::DrivingSide::left) ? -1 : 1;
+}
 
 template <typename Item>
 const Item* find_by_id(const std::vector<Item>& items, int id) {

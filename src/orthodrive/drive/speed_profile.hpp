@@ -3,23 +3,56 @@
 
 #include <vector>
 
+#include "orthodrive/drive/driver.hpp"
 #include "orthodrive/drive/driving_line.hpp"
-#include "orthodrive/drive/vehicle.hpp"
+#include "orthodrive/drive/envelope_table.hpp"
 
 namespace orthodrive {
 
-constexpr double gravity_mps2 = 9.80665;
-constexpr double air_density_kgpm3 = 1.2;
-constexpr double crawl_mps = 2.0;  ///< the car never plans to be slower: open lines begin and end with it
+/// What a place of the road asks of the tyres at a speed, in the plane of the road (per mass).
+struct RoadLoad {
+  double lateral_mps2 = 0.0;  ///< to the left: path curvature and banking
+  double normal_mps2 = 0.0;   ///< gravity, banking in a bend, crests and sags; without air forces
+  double slope_mps2 = 0.0;    ///< gravity along the road, positive uphill
+};
+[[nodiscard]] RoadLoad road_load(const LinePoint& p, double speed_mps);
 
-/// One speed a line point: the limit by curvature and banking, lowered by a backward pass with the brakes and a forward
-/// pass with the engine, both with gradient, drag, rolling resistance and the friction ellipse.
-/// (Quasi-steady-state method, e.g. Brayshaw and Harrison 2005.)
-[[nodiscard]] std::vector<double> plan_speed(const DrivingLine& line, const Vehicle& vehicle, const Driver& driver);
+/// What else bounds the speed, beyond car and driver.
+struct SpeedCaps {
+  std::vector<double> legal_mps;  ///< one a line point, or empty: no limit
+  std::vector<double> stops_m;    ///< places along the line where the car comes to rest, ascending
+};
 
-/// Deceleration by drag and rolling resistance.
-[[nodiscard]] double resistance_mps2(const Vehicle& vehicle, double speed_mps);
-/// Acceleration that the engine can give, without resistances.
-[[nodiscard]] double engine_mps2(const Vehicle& vehicle, double speed_mps);
+/// One speed a line point: quasi-steady g-g-g (Brayshaw and Harrison, A quasi steady state approach to race car lap
+/// simulation, 2005; with the third dimension as Lovato and Massaro, A three-dimensional free-trajectory
+/// quasi-steady-state optimal-control method, 2022). The limit by curvature, banking, crests and the car's envelope,
+/// then a backward pass with the brakes and a forward pass with the engine, both at the lateral acceleration of the
+/// place.
+[[nodiscard]] std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& envelope,
+                                             const Driver& driver, const SpeedCaps& caps = {});
+
+/// Tagged speed limit at every point of the line, m/s; infinite where a road has none.
+[[nodiscard]] std::vector<double> legal_speeds(const roadquery::RoadMap& map, const Route& route,
+                                               const DrivingLine& line);
+
+/// Places along the line, at the end of a road, where other traffic goes first (Junction::priorities): one stops there.
+[[nodiscard]] std::vector<double> give_way_places(const roadquery::RoadMap& map, const Route& route,
+                                                  const DrivingLine& line);
+
+/// Planned speed and acceleration along a line.
+class SpeedPlan {
+ public:
+  SpeedPlan(const DrivingLine& line, std::vector<double> speed_mps) : line_(&line), speed_(std::move(speed_mps)) {}
+  struct At {
+    double speed_mps = 0.0, acceleration_mps2 = 0.0;
+  };
+  /// Between points v^2 is linear in s: the acceleration is constant.
+  [[nodiscard]] At at(double s_m) const;
+  [[nodiscard]] double duration_s() const;  ///< without the waiting at stops
+
+ private:
+  const DrivingLine* line_;
+  std::vector<double> speed_;
+};
 
 }  // namespace orthodrive

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "orthodrive/model/path_links.hpp"
+#include "orthodrive/roads/path_links.hpp"
 
 namespace orthodrive {
 namespace {

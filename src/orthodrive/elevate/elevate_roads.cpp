@@ -11,13 +11,13 @@ void append(Findings& findings, Findings&& more) {
   findings.insert(findings.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-bool shows_cross_fall(const std::vector<HeightGrid>& dtms, const CrossFallOptions& options) {
+bool shows_banking(const std::vector<HeightGrid>& dtms, const BankingOptions& options) {
   return std::any_of(dtms.begin(), dtms.end(),
                      [&](const HeightGrid& dtm) { return dtm.frame.gsd_m <= options.coarsest_gsd_m; });
 }
 
-/// `roads` with the cross-fall of `measured`, the same roads.
-RoadNetwork with_cross_fall(RoadNetwork roads, const RoadNetwork& measured) {
+/// `roads` with the banking of `measured`, the same roads.
+RoadNetwork with_banking(RoadNetwork roads, const RoadNetwork& measured) {
   for (std::size_t p = 0; p < roads.paths.size(); ++p)
     for (std::size_t n = 0; n < roads.paths[p].nodes.size(); ++n) {
       RoadNode& node = roads.paths[p].nodes[n];
@@ -33,22 +33,22 @@ RoadNetwork with_cross_fall(RoadNetwork roads, const RoadNetwork& measured) {
 ElevateRoadsResult elevate_roads(const RoadNetwork& roads, const std::vector<HeightGrid>& dtms, const DriveLog& log,
                                  const ElevateRoadsOptions& options, Monitor* monitor) {
   EstimateProfilesResult profiles = estimate_profiles(roads, dtms, options.heights, monitor);
-  CrossFallOptions of_cross_fall = options.cross_fall;
-  of_cross_fall.in_junction_planes = options.heights.method == HeightMethod::network;
-  if (of_cross_fall.in_junction_planes && shows_cross_fall(dtms, options.cross_fall)) {
-    // The plane of a junction is known by the banking of the roads through it and by the gradients of those that end
-    // there: banking as measured goes into the heights, and their planes into the final cross-fall.
-    const RoadNetwork measured = estimate_cross_fall(profiles.roads, dtms, options.cross_fall).roads;
-    profiles = estimate_profiles(with_cross_fall(roads, measured), dtms, options.heights, monitor);
+  BankingOptions of_banking = options.banking;
+  of_banking.in_junction_planes = options.heights.method == HeightMethod::network;
+  if (of_banking.in_junction_planes && shows_banking(dtms, options.banking)) {
+    // The plane of a junction follows from the banking of the roads through it and the gradients of those that end
+    // there. So measured banking enters the heights, and their junction planes the final banking.
+    const RoadNetwork measured = estimate_banking(profiles.roads, dtms, options.banking).roads;
+    profiles = estimate_profiles(with_banking(roads, measured), dtms, options.heights, monitor);
   }
-  EstimateCrossFallResult cross_fall = estimate_cross_fall(profiles.roads, dtms, of_cross_fall);
-  ElevateRoadsResult result{.roads = std::move(cross_fall.roads),
+  EstimateBankingResult banking = estimate_banking(profiles.roads, dtms, of_banking);
+  ElevateRoadsResult result{.roads = std::move(banking.roads),
                             .before = profiles.before,
                             .after = profiles.after,
                             .solve = profiles.solve,
-                            .cross_fall_measured_share = cross_fall.measured_share,
+                            .banking_measured_share = banking.measured_share,
                             .findings = std::move(profiles.findings)};
-  append(result.findings, std::move(cross_fall.findings));
+  append(result.findings, std::move(banking.findings));
   if (log.recordings.empty()) return result;
   FuseDriveLogsOptions of_logs = options.logs;
   of_logs.clearance_m = options.heights.clearance_m;

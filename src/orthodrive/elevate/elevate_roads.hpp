@@ -1,11 +1,12 @@
 #pragma once
-// Stage "elevate": all of it in its order. Refined roads get heights, then cross-fall, then what drive logs say.
+// Stage "elevate": all of it in its order. Refined roads get heights, then banking, then the measurements of drive
+// logs.
 
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
-#include "orthodrive/elevate/cross_fall.hpp"
+#include "orthodrive/elevate/estimate_banking.hpp"
 #include "orthodrive/elevate/estimate_profiles.hpp"
 #include "orthodrive/elevate/fuse_drive_logs.hpp"
 #include "orthodrive/model/drive_log.hpp"
@@ -14,7 +15,7 @@ namespace orthodrive {
 
 struct ElevateRoadsOptions {
   ElevateOptions heights;
-  CrossFallOptions cross_fall;
+  BankingOptions banking;
   FuseDriveLogsOptions logs;  ///< its clearance is that of `heights`
 };
 
@@ -23,7 +24,7 @@ struct ElevateRoadsResult {
   std::vector<RoughnessStretch> roughness;  ///< where logs were driven
   ProfileEnergy before, after;              ///< of `estimate_profiles`
   SolveSummary solve;                       ///< likewise
-  double cross_fall_measured_share = 0.0;   ///< of the nodes
+  double banking_measured_share = 0.0;      ///< of the nodes
   double logged_m = 0.0, logged_on_roads_m = 0.0;
   Findings findings;  ///< of all three, in this order
 };

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
+#include "orthodrive/baselines/reference_heights.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/elevate/level_crossings.hpp"
+#include "orthodrive/elevate/grade_separations.hpp"
 #include "orthodrive/elevate/network_profiles.hpp"
-#include "orthodrive/elevate/way_profiles.hpp"
 
 namespace orthodrive {
 namespace {
@@ -40,7 +40,7 @@ void report(Findings& findings, Severity severity, const char* code, const RoadN
   findings.push_back({severity, code, std::move(message), node.p.x, node.p.y});
 }
 
-/// Ways that are tagged as bridge and tunnel are what their layer says, bridges when it says nothing.
+/// Ways tagged as bridge and as tunnel: below ground by a negative layer, else bridges.
 RoadNetwork without_contradictions(RoadNetwork roads, Findings& findings) {
   for (RoadPath& path : roads.paths) {
     if (!path.bridge || !path.tunnel) continue;
@@ -69,7 +69,7 @@ ProfileEnergy energy(const RoadNetwork& roads, const TerrainSamples& terrain, co
           nodes > 0 ? errors / static_cast<double>(nodes) : 0.0};
 }
 
-// ---- the reference's methods
+// ---- the reference's methods (baselines/reference_heights.hpp)
 
 /// Heights, and gradients between the middles of the segments at both sides (eq. 3.14 has one a segment).
 void write_way_profiles(const NodeHeights& z_m, RoadNetwork& roads) {
@@ -87,8 +87,8 @@ void write_way_profiles(const NodeHeights& z_m, RoadNetwork& roads) {
 
 // ---- the network method
 
-/// The one that gives way is held at the clearance from where the other one lies now.
-std::vector<HeightLimit> clearance_limits(const std::vector<LevelCrossing>& levels, const std::vector<bool>& tight,
+/// The road that gives way is held at the clearance from the present height of the other.
+std::vector<HeightLimit> clearance_limits(const std::vector<GradeSeparation>& levels, const std::vector<bool>& tight,
                                           const NetworkProfiles& profiles, double clearance_m) {
   std::vector<HeightLimit> limits;
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -106,7 +106,7 @@ std::vector<HeightLimit> clearance_limits(const std::vector<LevelCrossing>& leve
   return limits;
 }
 
-double room_m(const LevelCrossing& level, const NetworkProfiles& profiles) {
+double room_m(const GradeSeparation& level, const NetworkProfiles& profiles) {
   const PathCrossing& c = level.crossing;
   const double rise_m =
       profiles.height_m(c.path_a, c.segment_a, c.fraction_a) - profiles.height_m(c.path_b, c.segment_b, c.fraction_b);
@@ -126,8 +126,7 @@ void report_breaches(const RoadNetwork& roads, const NetworkProfiles& profiles, 
                     roads.paths[b.path].osm_id, roads.paths[b.path].highway, 1.0 / b.worst, b.length_m, 1.0 / b.limit));
 }
 
-/// Stretches where the loss has given up on the terrain: a bridge or cutting that nobody tagged, or an error of the
-/// model.
+/// Stretches whose terrain the loss rejects: an untagged bridge or tunnel, or an error of the terrain model.
 void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain, const std::vector<double>& sigma_m,
                         Findings& findings) {
   constexpr double least_m = 1.0, least_sigmas = 4.0, least_length_m = 10.0, least_spike_m = 5.0;
@@ -159,34 +158,29 @@ void report_off_terrain(const RoadNetwork& roads, const TerrainSamples& terrain,
     }
     if (spikes > 0)
       report(findings, Severity::info, "elevate.terrain_spikes", nodes[worst_spike],
-             fmt::format("way {} ({}): the terrain is up to {:.1f} m {} the road at {} places shorter than {:.0f} m, taken for "
-                         "errors of the terrain model",
-                         roads.paths[k].osm_id, roads.paths[k].highway, std::abs(worst_spike_m),
-                         worst_spike_m > 0.0 ? "below" : "above", spikes, least_length_m));
+             fmt::format(
+                 "way {} ({}): the terrain is up to {:.1f} m {} the road at {} places shorter than {:.0f} m, taken for "
+                 "errors of the terrain model",
+                 roads.paths[k].osm_id, roads.paths[k].highway, std::abs(worst_spike_m),
+                 worst_spike_m > 0.0 ? "below" : "above", spikes, least_length_m));
   }
 }
 
-void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const NodeHeights& start,
-                      const std::vector<LevelCrossing>& levels, const ElevateOptions& options, Monitor* monitor,
-                      EstimateProfilesResult& result) {
+/// Graduated non-convexity (network_profiles.hpp), then rounds that hold crossing roads apart. Returns the limits that
+/// hold them.
+std::vector<HeightLimit> solve_network(const std::vector<GradeSeparation>& levels, const ElevateOptions& options,
+                                       Monitor* monitor, NetworkProfiles& profiles, SolveSummary& summary) {
   constexpr std::array loosenings{8.0, 3.0, 1.0, 1.0};  // noise and curvature are seen after the third and the fourth
   constexpr int clearance_passes = 5;                   // one a level of a stack of bridges, and one for what they move
   int passes = 0;
-  const auto progress = [&] {
+  const auto solve = [&](const std::vector<HeightLimit>& limits, double loosening) {
     if (monitor)
       monitor->progress(static_cast<double>(passes++) / (loosenings.size() + clearance_passes + 2.0), "elevate");
-  };
-  const PathLinks links = link_path_ends(roads);
-  const ProfileChains chains = make_profile_chains(roads, links);
-  const std::vector<PathJunction> junctions = find_junctions(roads, links);
-  NetworkProfiles profiles(roads, chains, junctions, terrain, start);
-  const auto solve = [&](const std::vector<HeightLimit>& limits, double loosening) {
-    progress();
-    const RobustFit::Summary summary = profiles.solve(limits, options.max_iterations, loosening);
-    if (result.solve.iterations == 0) result.solve.cost_before = summary.cost_before;
-    result.solve.iterations += summary.iterations;
-    result.solve.converged = summary.converged;
-    result.solve.cost_after = summary.cost_after;
+    const RobustFit::Summary fit = profiles.solve(limits, options.max_iterations, loosening);
+    if (summary.iterations == 0) summary.cost_before = fit.cost_before;
+    summary.iterations += fit.iterations;
+    summary.converged = fit.converged;
+    summary.cost_after = fit.cost_after;
   };
   for (const double loosening : loosenings) {
     solve({}, loosening);
@@ -203,6 +197,32 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const N
     if (!changed) break;
     limits = clearance_limits(levels, tight, profiles, options.clearance_m);
   }
+  return limits;
+}
+
+void report_clearance(const RoadNetwork& roads, const std::vector<GradeSeparation>& levels,
+                      const NetworkProfiles& profiles, double clearance_m, Findings& findings) {
+  for (const GradeSeparation& level : levels) {
+    const double room = room_m(level, profiles);
+    if (room >= clearance_m - clearance_tolerance_m) continue;
+    findings.push_back(
+        {Severity::warning, "elevate.low_clearance",
+         fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
+                     roads.paths[level.lower()].osm_id, clearance_m),
+         level.crossing.p.x, level.crossing.p.y});
+  }
+}
+
+void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const ElevateOptions& options,
+                      Monitor* monitor, EstimateProfilesResult& result) {
+  const std::vector<GradeSeparation> levels = find_grade_separations(roads, terrain, result.findings);
+  leave_out_structures(roads, untagged_spans(roads, levels), terrain);
+  const NodeHeights start = start_heights(roads, terrain);
+  const PathLinks links = link_path_ends(roads);
+  const ProfileChains chains = make_profile_chains(roads, links);
+  const std::vector<PathJunction> junctions = find_junctions(roads, links);
+  NetworkProfiles profiles(roads, chains, junctions, terrain, start);
+  const std::vector<HeightLimit> limits = solve_network(levels, options, monitor, profiles, result.solve);
   profiles.write(limits, result.roads);
   result.terrain_sigma_m = profiles.terrain_sigma_m();
   if (!result.solve.converged)
@@ -210,15 +230,23 @@ void estimate_network(const RoadNetwork& roads, TerrainSamples& terrain, const N
            fmt::format("no convergence after {} iterations", result.solve.iterations));
   report_breaches(roads, profiles, result.findings);
   report_off_terrain(result.roads, terrain, result.terrain_sigma_m, result.findings);
-  for (const LevelCrossing& level : levels) {
-    const double room = room_m(level, profiles);
-    if (room >= options.clearance_m - clearance_tolerance_m) continue;
-    result.findings.push_back(
-        {Severity::warning, "elevate.low_clearance",
-         fmt::format("way {} passes {:.1f} m over way {}, {:.1f} m are wanted", roads.paths[level.upper()].osm_id, room,
-                     roads.paths[level.lower()].osm_id, options.clearance_m),
-         level.crossing.p.x, level.crossing.p.y});
+  report_clearance(roads, levels, profiles, options.clearance_m, result.findings);
+}
+
+NodeHeights heights_of(const RoadNetwork& roads) {
+  NodeHeights z_m;
+  for (const RoadPath& path : roads.paths) {
+    auto& z = z_m.emplace_back();
+    for (const RoadNode& node : path.nodes) z.push_back(node.z_m);
   }
+  return z_m;
+}
+
+/// A node with a height has a banking: 0 until something else is known.
+void set_banking_source(RoadNetwork& roads) {
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes)
+      if (node.banking_source == BankingSource::unset) node.banking_source = BankingSource::none;
 }
 
 }  // namespace
@@ -229,35 +257,30 @@ EstimateProfilesResult estimate_profiles(const RoadNetwork& input, const std::ve
   EstimateProfilesResult result{.roads = input};
   if (input.paths.empty()) return result;
   const RoadNetwork roads = without_contradictions(input, result.findings);
-  result.roads = roads;  // the network says what the heights say
+  result.roads = roads;  // with the tags that its heights follow
   TerrainSamples terrain = sample_terrain(roads, dtms, options.sampling, options.threads);
   report_terrain(roads, terrain, result.findings);
   const NodeHeights as_sampled = start_heights(roads, terrain);
-  const bool network = options.method == HeightMethod::network;
-  std::vector<LevelCrossing> levels;
-  if (network) levels = find_level_crossings(roads, terrain, result.findings);
-  leave_out_structures(roads, untagged_spans(roads, levels), terrain);
-
-  if (network) {
-    estimate_network(roads, terrain, start_heights(roads, terrain), levels, options, monitor, result);
-  } else if (options.method == HeightMethod::moving_average) {
-    write_way_profiles(moving_average(roads, as_sampled, options.window), result.roads);
-  } else {
-    const WayProfiles profiles = reference_profiles(roads, as_sampled, options.max_iterations);
-    result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
-                    profiles.solve.cost_after};
-    write_way_profiles(profiles.z_m, result.roads);
-  }
-  NodeHeights z_m;
-  for (RoadPath& path : result.roads.paths) {
-    auto& z = z_m.emplace_back();
-    for (RoadNode& node : path.nodes) {
-      z.push_back(node.z_m);
-      if (node.banking_source.empty()) node.banking_source = "none";
+  switch (options.method) {
+    case HeightMethod::network:
+      estimate_network(roads, terrain, options, monitor, result);
+      break;
+    case HeightMethod::reference: {
+      leave_out_structures(roads, {}, terrain);
+      const ReferenceHeights profiles = reference_heights(roads, as_sampled, options.max_iterations);
+      result.solve = {profiles.solve.converged, profiles.solve.iterations, profiles.solve.cost_before,
+                      profiles.solve.cost_after};
+      write_way_profiles(profiles.z_m, result.roads);
+      break;
     }
+    case HeightMethod::moving_average:
+      leave_out_structures(roads, {}, terrain);
+      write_way_profiles(moving_average(roads, as_sampled, options.window), result.roads);
+      break;
   }
+  set_banking_source(result.roads);
   result.before = energy(roads, terrain, as_sampled);
-  result.after = energy(roads, terrain, z_m);
+  result.after = energy(roads, terrain, heights_of(result.roads));
   return result;
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 // What a drive log says of roads: gradient, banking and roughness, added with the weight that their accuracy deserves.
 //
-// The profile of the terrain is right in the mean but wrong from place to place; a drive knows gradients well and
-// heights only up to an offset that drifts. Both go into one sparse least-squares problem over the roads that were
-// driven on and those that meet them. Equations: docs/drive_logs.md.
+// The profile of the terrain is right in the mean but wrong from place to place; a drive measures gradients well and
+// heights only up to an offset that drifts. Both enter one sparse least-squares problem over the roads that were driven
+// on and those that meet them. Equations: docs/drive_logs.md. The steps are files of their own, in the order of the
+// algorithm: match_log, driven_samples, road_meetings, fusion_problem, correction_prior, sensor_model,
+// solve_corrections.
 
 #include <cstddef>
 #include <string>
@@ -23,7 +25,7 @@ namespace orthodrive {
 /// Standard deviations of what a log holds, one pose or sample each. Errors within `correlation_s` are one error: more
 /// poses a second are no more evidence.
 struct DriveLogAccuracy {
-  double pitch_rad = 0.005, pitch_correlation_s = 1.0;  ///< what is left beside mounting and suspension
+  double pitch_rad = 0.005, pitch_correlation_s = 1.0;  ///< without mounting and suspension
   double roll_rad = 0.007, roll_correlation_s = 1.0;
   double climb_mps = 0.10, climb_correlation_s = 1.0;      ///< vertical velocity
   double lateral_mps2 = 0.3, lateral_correlation_s = 0.5;  ///< lateral specific force against speed times yaw rate
@@ -46,31 +48,31 @@ struct FuseDriveLogsOptions {
   MeasureRoughnessOptions roughness;
   double terrain_error_length_m = 30.0;  ///< errors of the given profile are alike over it (Matern 5/2 covariance)
   double banking_length_m = 60.0;        ///< the same of the given banking
-  /// Of nodes without standard deviations; a cross-fall of 2.5 % (RASt 06) falls to either side.
+  /// Of nodes without standard deviations: a street falls by 2.5 % (RASt 06) to either side.
   double unknown_sigma_z_m = 1.0, unknown_sigma_banking_rad = 0.025;
   double knot_spacing_m = 6.0;  ///< of the correction, a cubic spline
   double clearance_m = 4.7;     ///< of roads on two levels; less is reported
 };
 
-/// How a sensor sat in its car, and how the car's body moves. Per source.
+/// How a source's sensor sat in its car, and how the car's body moves.
 struct DriveCalibration {
   std::string source;
   double mount_pitch_rad = 0.0, sigma_mount_pitch_rad = 0.0;  ///< nose up positive
-  double mount_roll_rad = 0.0, sigma_mount_roll_rad = 0.0;    ///< left side up positive; a crown counts in
+  double mount_roll_rad = 0.0, sigma_mount_roll_rad = 0.0;    ///< left side up positive; it includes the crown
   double pitch_rad_per_mps2 = 0.0, sigma_pitch_rad_per_mps2 = 0.0;
   double roll_rad_per_mps2 = 0.0, sigma_roll_rad_per_mps2 = 0.0;
 };
 
-/// A node that was driven over, with the standard deviation that it has no room for.
+/// A node that was driven over, and the standard deviation of its gradient, which RoadNode does not hold.
 struct DrivenNode {
   std::size_t path = 0, node = 0;
   double sigma_gradient = 0.0;
 };
 
-/// Root mean squares of what the measurements differ from the result; 0 where there are none.
+/// Root mean squares of measurement minus result; 0 where nothing was measured.
 struct DriveResiduals {
   double pitch_rad = 0.0, climb_gradient = 0.0, roll_rad = 0.0, lateral_rad = 0.0, height_m = 0.0;
-  std::size_t places = 0;  ///< of 2 m or one pose each
+  std::size_t places = 0;  ///< driven samples: 2 m of road each, or one pose
 };
 
 struct FuseDriveLogsResult {

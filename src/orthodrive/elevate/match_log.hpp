@@ -3,8 +3,8 @@
 //
 // After Newson and Krumm, Hidden Markov map matching through noise and sparseness, ACM GIS 2009: the probability of a
 // position given a place on a road (eq. 1), of the way between two places given the distance of the positions (eq. 2),
-// the most probable sequence by Viterbi's algorithm. What differs: states have a direction of travel, the heading
-// counts as well (parallel roads, ramps), and "on no road" is a state instead of a break.
+// the most probable sequence by Viterbi's algorithm. What differs: states have a direction of travel, the heading is
+// observed too (parallel roads, ramps), and "on no road" is a state instead of a break.
 
 #include <cstddef>
 #include <memory>
@@ -19,11 +19,11 @@
 namespace orthodrive {
 
 struct MatchLogOptions {
-  double spacing_m = 10.0;            ///< between the poses that are matched; those between follow on the way found
-  double lateral_sigma_m = 2.5;       ///< of a car beside the centre line: lanes, and what the roads themselves are off
+  double spacing_m = 10.0;            ///< between matched poses; the others are placed on the way between them
+  double lateral_sigma_m = 2.5;       ///< of a car beside the centre line: lanes, and the error of the line itself
   double heading_sigma_rad = 0.3;     ///< of the direction of travel to that of the road
-  double detour_m = 3.0;              ///< beta of eq. 2: mean difference between the way on roads and straight on
-  double no_road_sigmas = 3.5;        ///< further off than so many standard deviations a pose is rather on no road
+  double detour_m = 3.0;              ///< beta of eq. 2: mean difference between the way on roads and the straight line
+  double no_road_sigmas = 3.5;        ///< beyond this many standard deviations "on no road" is more probable
   double unmatched_finding_m = 50.0;  ///< a stretch without road of this length is reported
   double slowest_heading_mps = 1.5;   ///< below, positions give no direction of travel
 };
@@ -38,7 +38,7 @@ struct LogPlace {
 
 struct MatchLogResult {
   std::vector<std::optional<LogPlace>> places;  ///< [pose]; none: on no road
-  double length_m = 0.0, matched_m = 0.0;       ///< of the recording, and of it on roads
+  double length_m = 0.0, matched_m = 0.0;       ///< of the recording, and of its part on roads
   Findings findings;                            ///< "drive_log.no_match" (all of it), "drive_log.unmatched" (a stretch)
 };
 
@@ -52,10 +52,10 @@ class LogMatcher {
   [[nodiscard]] MatchLogResult match(const DriveRecording& recording, const std::string& name) const;
 
  private:
-  struct Graph;
-  const RoadNetwork& roads_;
+  struct Roads;
+  const RoadNetwork& network_;
   MatchLogOptions options_;
-  std::unique_ptr<Graph> graph_;
+  std::unique_ptr<Roads> roads_;
 };
 
 }  // namespace orthodrive

@@ -226,9 +226,11 @@ void NetworkProfiles::add_junctions(RobustFit& fit) const {
     }
     const Vec2 left = left_normal(main->direction);
     const RoadNode& node = roads_.paths[main->path].nodes[main->node];
-    // Measured banking has the say: the gradient of a road that ends here is smoothed over a vertical curve.
-    const bool is_guess = node.banking_source == "design" || node.banking_source == "interpolated";
-    const double sigma = node.banking_source.empty() || node.banking_source == "none" ? cross_slope_sigma
+    // Measured banking takes precedence: the gradient of a road that ends here is smoothed over a vertical curve.
+    const bool is_guess =
+        node.banking_source == BankingSource::design || node.banking_source == BankingSource::interpolated;
+    const double sigma = node.banking_source == BankingSource::unset || node.banking_source == BankingSource::none
+                             ? cross_slope_sigma
                          : is_guess ? std::max(known_banking_sigma, node.sigma_banking)
                                     : known_banking_sigma;
     fit.add_square(std::array{Term{east, left.x}, Term{north, left.y}}, std::tan(node.banking), 1.0 / (sigma * sigma));

@@ -1,5 +1,5 @@
 #pragma once
-// The profiles of all roads of a network, fitted at once. docs/heights.md tells the model and where its numbers come
+// The profiles of all roads of a network, fitted at once. docs/elevate.md tells the model and where its numbers come
 // from.
 
 #include <map>
@@ -8,7 +8,7 @@
 #include "orthodrive/elevate/profile_chains.hpp"
 #include "orthodrive/elevate/terrain_samples.hpp"
 #include "orthodrive/model/design_limits.hpp"
-#include "orthodrive/model/path_junctions.hpp"
+#include "orthodrive/roads/path_junctions.hpp"
 
 namespace orthodrive::elevate {
 
@@ -34,8 +34,8 @@ class NetworkProfiles {
   /// wide and narrowed, the fit does not follow the terrain into a valley that a bridge spans (graduated non-convexity,
   /// Blake and Zisserman, Visual Reconstruction, 1987).
   RobustFit::Summary solve(const std::vector<HeightLimit>& limits, int max_iterations, double loosening = 1.0);
-  /// Takes the terrain models' standard deviations from what is left between them and the profiles, and then the size
-  /// of the roads' vertical curvature, by design speed, from the terrain along them.
+  /// Estimates the standard deviations of the terrain models from their residuals, and then the roads' vertical
+  /// curvature, by design speed, from the terrain along them.
   void estimate_scales();
 
   [[nodiscard]] double height_m(std::size_t path, std::size_t segment, double fraction) const;

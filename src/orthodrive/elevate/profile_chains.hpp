@@ -5,9 +5,9 @@
 #include <array>
 #include <vector>
 
-#include "orthodrive/elevate/robust_fit.hpp"
-#include "orthodrive/model/path_links.hpp"
+#include "orthodrive/math/robust_fit.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/roads/path_links.hpp"
 
 namespace orthodrive::elevate {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-namespace orthodrive {
+namespace orthodrive::elevate {
 namespace {
 
 constexpr double other_road_margin_m = 1.0;  // kerbs, gutters, rounded corners of a mouth
@@ -144,4 +144,4 @@ std::vector<std::vector<AcrossSample>> gather_across_samples(const NetworkStatio
   return samples;
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::elevate

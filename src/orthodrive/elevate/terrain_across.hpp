@@ -8,7 +8,7 @@
 #include "orthodrive/elevate/chain_stations.hpp"
 #include "orthodrive/model/rasters.hpp"
 
-namespace orthodrive {
+namespace orthodrive::elevate {
 
 /// A pixel of the terrain that lies on the carriageway. Pixels are taken as they are: between them nothing is measured,
 /// and their errors are independent.
@@ -27,4 +27,4 @@ struct AcrossSample {
                                                                            std::span<const HeightGrid> dtms,
                                                                            double coarsest_gsd_m);
 
-}  // namespace orthodrive
+}  // namespace orthodrive::elevate

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/evaluate/line_index.hpp"
+#include "orthodrive/evaluate/roads_across.hpp"
 #include "orthodrive/model/sample_height.hpp"
 
 namespace orthodrive {
@@ -39,7 +39,8 @@ HeightScores compare(const RoadNetwork& roads, const ScoreRegion& region, Truth&
       if (i + 1 < path.nodes.size()) {
         const RoadNode& next = path.nodes[i + 1];
         const double run_m = distance(node.p, next.p);
-        if (run_m > 0.0 && !std::isnan(next.z_m)) gradient_squares += std::pow((next.z_m - node.z_m) / run_m, 2), ++segments;
+        if (run_m > 0.0 && !std::isnan(next.z_m))
+          gradient_squares += std::pow((next.z_m - node.z_m) / run_m, 2), ++segments;
       }
       if (std::isnan(expected->z_m)) continue;
       add(z_errors, node.z_m, expected->z_m);
@@ -89,7 +90,7 @@ HeightScores evaluate_heights(const RoadNetwork& roads, const HeightGrid& terrai
 HeightScores evaluate_heights(const RoadNetwork& roads, const RoadNetwork& truth, const ScoreRegion& region) {
   if (truth.crs != roads.crs)
     throw OptionError("the true roads are in " + truth.crs.definition + ", the roads are in " + roads.crs.definition);
-  const evaluate::LineIndex index(truth);
+  const evaluate::RoadsAcross index(truth);
   return compare(
       roads, region, [&](const RoadPath& path, const RoadNode& node, Vec2 direction) -> std::optional<TrueProfile> {
         const auto at = index.find({.p = node.p, .direction = direction, .reach_m = 10.0, .layer = path.layer});

@@ -11,7 +11,7 @@
 namespace orthodrive {
 
 /// A place where two reference lines cross on different layers.
-struct LevelCrossing {
+struct GradeSeparation {
   int upper_road = 0, lower_road = 0;      ///< by height, ids of the file
   std::string upper_osm_id, lower_osm_id;  ///< empty: a connecting road between two ways
   std::string upper_highway, lower_highway;
@@ -40,11 +40,13 @@ struct NetworkScores {
   double max_gradient_kink = 0.0;
   /// Largest jump of the heading between elements of a reference line and between linked roads.
   double max_heading_jump_rad = 0.0;
-  /// Largest jump of the curvature between elements of reference lines and between linked roads, 1/m; outside junctions.
+  /// Largest jump of the curvature between elements of reference lines and between linked roads, 1/m; outside
+  /// junctions.
   double max_curvature_jump = 0.0;
   double max_curvature_rate = 0.0;  ///< of clothoids and cubics of reference lines outside junctions, 1/m2
   double max_joint_gap_m = 0.0;  ///< largest distance between ends that should meet: elements of a road, linked roads
-  std::size_t broken_links = 0;  ///< links to roads or junctions that are not there, or that the other side does not answer
+  std::size_t broken_links =
+      0;  ///< links to roads or junctions that are not there, or that the other side does not answer
   /// Lanes that are linked to a lane that is not there, not of their type, or that leads the other way; lane links of
   /// junctions that the lanes of the connecting road do not repeat.
   std::size_t lane_link_errors = 0;
@@ -52,10 +54,10 @@ struct NetworkScores {
       0;  ///< driving lanes that end, wider than 1 cm, at a joint or junction where nothing is linked to them
   std::vector<LaneEnd> dead_lane_places;
   double min_lane_width_m = 0.0;  ///< of driving lanes where they are widest (start, middle or end); NaN without any
-  double min_clearance_m =
-      0.0;  ///< smallest height between reference lines that cross on different layers, or a metre and more apart; NaN without
+  double min_clearance_m = 0.0;  ///< smallest height between reference lines that cross on different layers, or a metre
+                                 ///< and more apart; NaN without
   std::size_t crossings = 0;
-  std::vector<LevelCrossing> crossing_places;  ///< by clearance, smallest first
+  std::vector<GradeSeparation> crossing_places;  ///< by clearance, smallest first
   double connected_share = 0.0;  ///< of the length, in the largest part that hangs together by links; NaN without roads
 };
 

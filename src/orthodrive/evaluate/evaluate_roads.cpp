@@ -6,8 +6,8 @@
 #include <map>
 #include <optional>
 
-#include "orthodrive/evaluate/line_index.hpp"
-#include "orthodrive/evaluate/overlay.hpp"
+#include "orthodrive/evaluate/overlap.hpp"
+#include "orthodrive/evaluate/roads_across.hpp"
 
 namespace orthodrive {
 std::vector<Polygon> surface_polygons(const RoadNetwork& roads) {
@@ -105,9 +105,7 @@ class MoveCount {
   static constexpr double nothing_m = 1e-3;
   std::size_t places_ = 0, away_ = 0, far_away_ = 0;
 };
-}  // namespace
 
-namespace {
 double length_inside_m(const Polyline& line, const ScoreRegion& region) {
   double length = 0.0;
   for (std::size_t i = 0; i + 1 < line.size(); ++i)
@@ -124,8 +122,9 @@ RoadNetwork known_ways(const RoadNetwork& roads, const RoadNetwork& before, cons
     RoadPath& path = lines.paths.emplace_back();
     for (const Vec2 p : line.line) path.nodes.push_back({.p = p});
   }
-  const evaluate::LineIndex index(lines);
-  std::map<std::pair<std::int64_t, int>, std::pair<std::size_t, std::size_t>> counts;  // places inside, places along a line
+  const evaluate::RoadsAcross index(lines);
+  std::map<std::pair<std::int64_t, int>, std::pair<std::size_t, std::size_t>>
+      counts;  // places inside, places along a line
   for (const RoadPath& way : before.paths) {
     auto& [inside, along] = counts[{way.osm_id, way.part}];
     const Polyline line = centerline(way);
@@ -163,69 +162,102 @@ RoadTruth road_truth(const RoadNetwork& roads, const Crs& crs) {
   return truth;
 }
 
-RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, const EvaluateRoadsOptions& options) {
-  const evaluate::LineIndex index(roads);
-  const std::optional<evaluate::LineIndex> index_before =
-      options.before ? std::optional<evaluate::LineIndex>(*options.before) : std::nullopt;
-  const TruthWidths widths(truth);
-  MoveCount moves;
-  std::vector<double> offsets, width_errors, edge_errors;
-  SigmaCount offset_sigma, width_sigma;
-  RoadScores scores;
-  for (std::size_t l = 0; l < truth.lines.size(); ++l) {
-    const TruthLine& line = truth.lines[l];
-    const std::vector<double> s = arc_lengths_m(line.line);
-    std::size_t segment = 0;
-    for (int k = 0; !s.empty() && (k + 0.5) * options.step_m < s.back(); ++k) {
-      const double at = (k + 0.5) * options.step_m;
-      while (s[segment + 1] <= at) ++segment;
-      const double fraction = (at - s[segment]) / (s[segment + 1] - s[segment]);
-      const Vec2 p = line.line[segment] + fraction * (line.line[segment + 1] - line.line[segment]);
-      if (!options.region.contains(p)) continue;
-      ++scores.samples;
-      const Vec2 direction = normalized(line.line[segment + 1] - line.line[segment]);
-      const evaluate::LineIndex::Query query{.p = p, .direction = direction, .reach_m = options.search_m};
-      RoadPlace& place = scores.places.emplace_back(RoadPlace{l, p, nan, nan, nan});
-      const auto road = index.find(query);
-      if (road) place.offset_m = road->offset_m;
-      if (const auto was = index_before ? index_before->find(query) : std::nullopt) {
-        place.offset_before_m = was->offset_m;
-        moves.add(was->offset_m, place.offset_m);
-      }
-      if (!road) continue;
-      const RoadNode& nearest = roads.paths[road->path].nodes[road->segment + (road->fraction < 0.5 ? 0 : 1)];
-      offsets.push_back(road->offset_m);
-      offset_sigma.add(road->offset_m, nearest.sigma_offset_m);
-      if (const auto width = widths.at(line, segment, fraction, p, direction)) {
-        width_errors.push_back(evaluate::interpolate(roads, *road, &RoadNode::width_m) - *width);
-        place.width_error_m = width_errors.back();
-        for (const double side : {0.5, -0.5}) edge_errors.push_back(road->offset_m + side * width_errors.back());
-        width_sigma.add(width_errors.back(), nearest.sigma_width_m);
-      }
-    }
+namespace {
+/// A place every step along a truth line.
+struct TruthPlace {
+  std::size_t segment = 0;
+  double fraction = 0.0;  ///< of the segment
+  Vec2 p, direction;
+};
+
+template <typename Visit>
+void for_places(const Polyline& line, double step_m, const Visit& visit) {
+  const std::vector<double> s = arc_lengths_m(line);
+  std::size_t segment = 0;
+  for (int k = 0; !s.empty() && (k + 0.5) * step_m < s.back(); ++k) {
+    const double at = (k + 0.5) * step_m;
+    while (s[segment + 1] <= at) ++segment;
+    const double fraction = (at - s[segment]) / (s[segment + 1] - s[segment]);
+    visit(TruthPlace{segment, fraction, line[segment] + fraction * (line[segment + 1] - line[segment]),
+                     normalized(line[segment + 1] - line[segment])});
   }
-  scores.surface_iou =
-      truth.surfaces.empty()
-          ? nan
-          : evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), options.region).iou();
-  scores.offset_m = summarize(offsets);
-  scores.width_m = summarize(width_errors);
-  scores.edge_m = summarize(edge_errors);
+}
+
+/// Asks at every place of the truth lines for the road there, and sums up what it finds.
+class LineScores {
+ public:
+  LineScores(const RoadNetwork& roads, const RoadTruth& truth, const EvaluateRoadsOptions& options)
+      : roads_(roads), truth_(truth), options_(options), index_(roads), widths_(truth) {
+    if (options.before) index_before_.emplace(*options.before);
+  }
+
+  void measure(RoadScores& scores) {
+    for (std::size_t l = 0; l < truth_.lines.size(); ++l)
+      for_places(truth_.lines[l].line, options_.step_m, [&](const TruthPlace& at) {
+        if (options_.region.contains(at.p)) scores.places.push_back(measure_place(l, at));
+      });
+    scores.samples = scores.places.size();
+    scores.offset_m = summarize(offsets_);
+    scores.width_m = summarize(width_errors_);
+    scores.edge_m = summarize(edge_errors_);
+    scores.offset_sigma = offset_sigma_.coverage();
+    scores.width_sigma = width_sigma_.coverage();
+    scores.matched_share =
+        scores.samples == 0 ? nan : static_cast<double>(offsets_.size()) / static_cast<double>(scores.samples);
+    if (options_.before) scores.moved_away = moves_.moved_away();
+  }
+
+ private:
+  RoadPlace measure_place(std::size_t line, const TruthPlace& at) {
+    const evaluate::RoadsAcross::Query query{.p = at.p, .direction = at.direction, .reach_m = options_.search_m};
+    RoadPlace place{line, at.p, nan, nan, nan};
+    const auto road = index_.find(query);
+    if (road) place.offset_m = road->offset_m;
+    if (const auto was = index_before_ ? index_before_->find(query) : std::nullopt) {
+      place.offset_before_m = was->offset_m;
+      moves_.add(was->offset_m, place.offset_m);
+    }
+    if (!road) return place;
+    const RoadNode& nearest = roads_.paths[road->path].nodes[road->segment + (road->fraction < 0.5 ? 0 : 1)];
+    offsets_.push_back(road->offset_m);
+    offset_sigma_.add(road->offset_m, nearest.sigma_offset_m);
+    const auto width = widths_.at(truth_.lines[line], at.segment, at.fraction, at.p, at.direction);
+    if (!width) return place;
+    place.width_error_m = evaluate::interpolate(roads_, *road, &RoadNode::width_m) - *width;
+    width_errors_.push_back(place.width_error_m);
+    for (const double side : {0.5, -0.5}) edge_errors_.push_back(road->offset_m + side * place.width_error_m);
+    width_sigma_.add(place.width_error_m, nearest.sigma_width_m);
+    return place;
+  }
+
+  const RoadNetwork& roads_;
+  const RoadTruth& truth_;
+  const EvaluateRoadsOptions& options_;
+  evaluate::RoadsAcross index_;
+  std::optional<evaluate::RoadsAcross> index_before_;
+  TruthWidths widths_;
+  MoveCount moves_;
+  std::vector<double> offsets_, width_errors_, edge_errors_;
+  SigmaCount offset_sigma_, width_sigma_;
+};
+
+double surface_iou(const RoadNetwork& roads, const RoadTruth& truth, const ScoreRegion& region) {
+  if (truth.surfaces.empty()) return nan;
+  return evaluate::overlap_areas(surface_polygons(roads), surface_polygons(truth), region).iou();
+}
+}  // namespace
+
+RoadScores evaluate_roads(const RoadNetwork& roads, const RoadTruth& truth, const EvaluateRoadsOptions& options) {
+  RoadScores scores;
+  LineScores(roads, truth, options).measure(scores);
+  scores.surface_iou = surface_iou(roads, truth, options.region);
+  scores.surface_iou_of_known_ways =
+      options.before ? surface_iou(known_ways(roads, *options.before, truth, options.region), truth, options.region)
+                     : nan;
   for (const RoadPath& path : roads.paths) scores.length_m += length_inside_m(centerline(path), options.region);
   for (const TruthLine& line : truth.lines) scores.truth_length_m += length_inside_m(line.line, options.region);
-  scores.offset_sigma = offset_sigma.coverage();
-  scores.width_sigma = width_sigma.coverage();
-  scores.matched_share =
-      scores.samples == 0 ? nan : static_cast<double>(offsets.size()) / static_cast<double>(scores.samples);
   scores.width_variance_m2 = evaluate::width_variance_m2(roads, options.region);
   scores.curvature_jump = evaluate::largest_curvature_jump(roads, options.region, options.step_m);
-  if (options.before) scores.moved_away = moves.moved_away();
-  scores.surface_iou_of_known_ways =
-      options.before && !truth.surfaces.empty()
-          ? evaluate::overlap_areas(surface_polygons(known_ways(roads, *options.before, truth, options.region)),
-                                    surface_polygons(truth), options.region)
-                .iou()
-          : nan;
   return scores;
 }
 

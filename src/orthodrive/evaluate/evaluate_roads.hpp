@@ -57,8 +57,8 @@ struct RoadScores {
   ErrorSummary width_m;      ///< at the same places
   ErrorSummary edge_m;       ///< of the left and the right edge there, by offset and width
   double length_m = 0.0, truth_length_m = 0.0;  ///< of our lines and of the truth's, inside the area
-  /// surface_iou without our ways that the truth does not know: those that, before refinement, ran along truth lines (within
-  /// 6 m and 30 degrees) for less than half of their length. NaN without EvaluateRoadsOptions::before.
+  /// surface_iou without our ways that the truth does not know: those that, before refinement, ran along truth lines
+  /// (within 6 m and 30 degrees) for less than half of their length. NaN without EvaluateRoadsOptions::before.
   double surface_iou_of_known_ways = 0.0;
   SigmaCoverage offset_sigma, width_sigma;
   std::size_t samples = 0;              ///< places on truth lines that were asked

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "orthodrive/model/path_crossings.hpp"
-#include "orthodrive/model/path_junctions.hpp"
+#include "orthodrive/roads/path_crossings.hpp"
+#include "orthodrive/roads/path_junctions.hpp"
 
 namespace orthodrive {
 namespace {

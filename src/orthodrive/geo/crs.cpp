@@ -30,7 +30,9 @@ std::string proj_string(const Crs& crs) {
   PJ* object = proj_create(context, crs.definition.c_str());
   const char* text = object ? proj_as_proj_string(context, object, PJ_PROJ_4, nullptr) : nullptr;
   std::string result = text ? text : "";
-  if (const auto at = result.find(" +type=crs"); at != std::string::npos) result.erase(at);
+  // Without what says nothing: "+type=crs" is PROJ's own, and esmini takes every word for a key with a value.
+  for (const std::string word : {" +type=crs", " +no_defs"})
+    if (const auto at = result.find(word); at != std::string::npos) result.erase(at, word.size());
   proj_destroy(object);
   proj_context_destroy(context);
   if (result.empty()) throw Error("CRS '" + crs.definition + "' is unknown or has no PROJ string");
@@ -43,7 +45,8 @@ CoordinateTransform::CoordinateTransform(const Crs& source, const Crs& target) :
   if (!raw) throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
   proj_->transform = proj_normalize_for_visualization(proj_->context, raw);
   proj_destroy(raw);
-  if (!proj_->transform) throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
+  if (!proj_->transform)
+    throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
 }
 CoordinateTransform::~CoordinateTransform() = default;
 CoordinateTransform::CoordinateTransform(CoordinateTransform&&) noexcept = default;

@@ -15,7 +15,7 @@ struct Crs {
 
 /// The WGS84 UTM zone of a place, the site CRS when the site file names none.
 [[nodiscard]] Crs utm_crs(double longitude_deg, double latitude_deg);
-/// PROJ string ("+proj=utm +zone=33 +datum=WGS84 +units=m +no_defs"), for OpenDRIVE's geoReference.
+/// PROJ string ("+proj=utm +zone=33 +datum=WGS84 +units=m"), for OpenDRIVE's geoReference.
 [[nodiscard]] std::string proj_string(const Crs& crs);
 
 /// Transforms points; geographic coordinates are (longitude, latitude) in degrees whatever the CRS's axis order.

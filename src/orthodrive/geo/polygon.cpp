@@ -98,7 +98,8 @@ Ring convex_hull(std::vector<Vec2> points) {  // Andrew's monotone chain
   for (int side = 0; side < 2; ++side) {  // the lower, then the upper one
     const std::size_t first = hull.size();
     for (const Vec2 p : points) {
-      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0) hull.pop_back();
+      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0.0)
+        hull.pop_back();
       hull.push_back(p);
     }
     hull.pop_back();  // the first of the other side

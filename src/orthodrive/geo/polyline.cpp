@@ -26,8 +26,10 @@ std::vector<Vec2> tangents(std::span<const Vec2> line) {
     while (after + 1 < line.size() && line[after] == line[i]) ++after;
     const Vec2 in = normalized(line[i] - line[before]), out = normalized(line[after] - line[i]);
     const Vec2 sum = in + out;
-    if (length(sum) > 1e-9) result[i] = normalized(sum);
-    else if (length(in) > 0.0) result[i] = in;  // a hairpin of 180 degrees: keep going straight
+    if (length(sum) > 1e-9)
+      result[i] = normalized(sum);
+    else if (length(in) > 0.0)
+      result[i] = in;  // a hairpin of 180 degrees: keep going straight
   }
   return result;
 }
@@ -54,8 +56,7 @@ LineProjection project_onto(std::span<const Vec2> line, Vec2 p) {
     const double t = n2 > 0.0 ? std::clamp(dot(p - line[i], d) / n2, 0.0, 1.0) : 0.0;
     const Vec2 q = line[i] + d * t;
     const double dist = distance(p, q);
-    if (dist < best.distance_m)
-      best = {s + t * n, n > 0.0 ? cross(d, p - line[i]) / n : 0.0, dist, i, q};
+    if (dist < best.distance_m) best = {s + t * n, n > 0.0 ? cross(d, p - line[i]) / n : 0.0, dist, i, q};
     s += n;
   }
   return best;

@@ -25,12 +25,13 @@ struct LineProjection {
   double offset_m = 0.0;    ///< signed: positive to the left of the line
   double distance_m = 0.0;  ///< >= |offset| beyond the ends
   std::size_t segment = 0;
-  Vec2 point;               ///< on the line
+  Vec2 point;  ///< on the line
 };
 /// Nearest point of the line. The line needs at least two points.
 [[nodiscard]] LineProjection project_onto(std::span<const Vec2> line, Vec2 p);
 
 /// Strip between the line shifted by +left and by -right (one value a point), as a ring. Not cleaned of self crossings.
-[[nodiscard]] Ring strip_ring(std::span<const Vec2> line, std::span<const double> left_m, std::span<const double> right_m);
+[[nodiscard]] Ring strip_ring(std::span<const Vec2> line, std::span<const double> left_m,
+                              std::span<const double> right_m);
 
 }  // namespace orthodrive

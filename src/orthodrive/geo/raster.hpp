@@ -19,13 +19,17 @@ struct Raster {
 
   Raster() = default;
   Raster(int width, int height, int channels = 1, T fill = T{})
-      : width(width), height(height), channels(channels),
-        data(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(channels), fill) {}
+      : width(width),
+        height(height),
+        channels(channels),
+        data(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(channels),
+             fill) {}
 
   [[nodiscard]] std::size_t index(int col, int row, int channel = 0) const {
     assert(col >= 0 && col < width && row >= 0 && row < height && channel >= 0 && channel < channels);
     return (static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(col)) *
-               static_cast<std::size_t>(channels) + static_cast<std::size_t>(channel);
+               static_cast<std::size_t>(channels) +
+           static_cast<std::size_t>(channel);
   }
   [[nodiscard]] T& at(int col, int row, int channel = 0) { return data[index(col, row, channel)]; }
   [[nodiscard]] const T& at(int col, int row, int channel = 0) const { return data[index(col, row, channel)]; }
@@ -40,7 +44,9 @@ struct GridFrame {
   double gsd_m = 1.0;                  ///< ground sampling distance: edge of a pixel
   int width = 0, height = 0;
 
-  [[nodiscard]] Vec2 world_from_pixel(double col, double row) const { return {west_m + col * gsd_m, north_m - row * gsd_m}; }
+  [[nodiscard]] Vec2 world_from_pixel(double col, double row) const {
+    return {west_m + col * gsd_m, north_m - row * gsd_m};
+  }
   [[nodiscard]] Vec2 pixel_from_world(Vec2 p) const { return {(p.x - west_m) / gsd_m, (north_m - p.y) / gsd_m}; }
   [[nodiscard]] Vec2 center_of(int col, int row) const { return world_from_pixel(col + 0.5, row + 0.5); }
   [[nodiscard]] Box2 bounds() const { return {west_m, north_m - height * gsd_m, west_m + width * gsd_m, north_m}; }

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 
 namespace orthodrive::io {
 

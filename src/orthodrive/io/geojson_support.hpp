@@ -16,7 +16,8 @@ namespace orthodrive::io {
 class LonLatWriter {
  public:
   /// Places for people to look at need 7 decimals of a degree (1 cm), outlines that must stay valid 9.
-  explicit LonLatWriter(const Crs& crs, int decimals = 7) : lonlat_from_site_(crs, Crs{"EPSG:4326"}), decimals_(decimals) {}
+  explicit LonLatWriter(const Crs& crs, int decimals = 7)
+      : lonlat_from_site_(crs, Crs{"EPSG:4326"}), decimals_(decimals) {}
   [[nodiscard]] std::string point(Vec2 p) const;
   [[nodiscard]] std::string line(const Polyline& line) const;
   /// Closed; outer rings counter-clockwise, holes clockwise (RFC 7946, 3.1.6).

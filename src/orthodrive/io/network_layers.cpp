@@ -163,6 +163,11 @@ class SideBorders {
   double sign_;
 };
 
+/// Of the start of the section.
+nlohmann::json surface_name(const Lane& lane) {
+  return lane.materials.empty() ? nlohmann::json() : nlohmann::json(roadquery::to_string(lane.materials[0].surface));
+}
+
 void add_lanes(const Road& road, std::vector<Row>& rows) {
   for (std::size_t k = 0; k < road.sections.size(); ++k) {
     const LaneSection& section = road.sections[k];
@@ -182,7 +187,10 @@ void add_lanes(const Road& road, std::vector<Row>& rows) {
                          {"lane", OFTInteger, lane.id},
                          {"type", OFTString, type_name(lane.type)},
                          {"junction", OFTInteger, road.junction},
-                         {"osm_id", OFTString, road.osm_id}}});
+                         {"osm_id", OFTString, road.osm_id},
+                         {"surface", OFTString, surface_name(lane)},
+                         {"friction", OFTReal,
+                          lane.materials.empty() ? nlohmann::json() : nlohmann::json(lane.materials[0].friction)}}});
       }
     }
   }

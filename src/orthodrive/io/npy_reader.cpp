@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;
@@ -85,7 +86,7 @@ NpyTable read_npy(const fs::path& file) {
   if (!type)
     throw InputError(file.string(), fmt::format("holds values of type {}, need little-endian numbers; save "
                                                 "array.astype('<f8')",
-                                                type_text.substr(0, type_text.find(','))));
+                                                printable(std::string(type_text.substr(0, type_text.find(','))))));
   const std::vector<std::size_t> shape = shape_of(value_of(header, "shape"), file.string());
   if (shape.empty() || shape.size() > 2)
     throw InputError(file.string(), fmt::format("has {} dimensions, need one or two", shape.size()));

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 
 namespace orthodrive::io {
@@ -89,7 +89,7 @@ void add_feature(OGRLayer& layer, OGRFeature& feature, const std::string& file, 
 
 void write_geopackage(const std::filesystem::path& path,
                       const std::function<void(GDALDataset& dataset, const GdalErrors& errors)>& fill) {
-  AsideFile out(path);
+  AtomicFile out(path);
   struct RemoveLeftovers {
     std::filesystem::path unfinished;
     ~RemoveLeftovers() { remove_leftovers(unfinished); }

@@ -2,23 +2,14 @@
 // OpenCRG files (*.crg), ASAM OpenCRG 1.1 and 1.2: formatted (LRFI, LDFI) and binary (KRBI, KDBI).
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "orthodrive/model/crg.hpp"
 
 namespace orthodrive::io {
 
-struct CrgFile {
-  CrgSurface surface;
-  CrgFormat format = CrgFormat::krbi;
-  std::vector<std::string> notes;  ///< what of the file is not applied or was mended, each one sentence
-};
+using roadquery::CrgFile;
 
-/// Reads any of the four formats. Options and modifiers ($ROAD_CRG_OPTS, _MODS, _MPRO) are named in the notes and not
-/// applied; where the header says how the reference line ends, what its steps miss that end by is spread over its
-/// length. A binary block from which a text transfer took bytes (CR LF became LF) is mended (crg_newlines.hpp), with a
-/// note. Throws InputError with the line, or the record of a binary block.
+/// roadquery/read_crg.hpp, which reads for everyone; throws InputError for what that throws.
 [[nodiscard]] CrgFile read_crg(const std::filesystem::path& path);
 
 /// Writes phi, and slope, banking where they are not zero; start and end of every channel are in the header in full

@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "roadquery/junction_surface_text.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -18,39 +20,78 @@ using roadquery::Cubic;
 using roadquery::Lane;
 using roadquery::Road;
 
-/// "12.50000000" becomes "12.5", "-0.00000000" becomes "0".
+/// "12.50000000" becomes "12.5", "-0.00000000" becomes "0", "1.50e-07" becomes "1.5e-7".
 std::string trimmed(std::string text) {
+  std::string exponent;
+  if (const auto e = text.find('e'); e != std::string::npos) {
+    exponent = fmt::format("e{}", std::stoi(text.substr(e + 1)));
+    text.resize(e);
+  }
   if (text.find('.') != std::string::npos) {
     while (text.back() == '0') text.pop_back();
     if (text.back() == '.') text.pop_back();
   }
-  return text == "-0" ? "0" : text;
+  return text == "-0" || text == "0" ? "0" : text + exponent;
 }
-std::string metres(double v) { return trimmed(fmt::format("{:.8f}", v)); }
-std::string radians(double v) { return trimmed(fmt::format("{:.12f}", v)); }
-std::string per_metre(double v) { return trimmed(fmt::format("{:.14f}", v)); }
-std::string coefficient(double v) { return v == 0.0 ? "0" : fmt::format("{:.13g}", v); }
 
-void set(pugi::xml_node node, const char* name, const std::string& value) { node.append_attribute(name) = value.c_str(); }
+/// Rounded to `decimals` places, in the shorter of both notations.
+std::string rounded(double v, int decimals) {
+  std::string fixed = trimmed(fmt::format("{:.{}f}", v, decimals));
+  if (fixed == "0" || std::abs(v) >= 1e-3) return fixed;
+  const int digits = decimals + static_cast<int>(std::floor(std::log10(std::abs(v))));
+  const std::string scientific = trimmed(fmt::format("{:.{}e}", v, std::max(digits, 0)));
+  return scientific.size() < fixed.size() ? scientific : fixed;
+}
+
+/// Decimal places more by which a factor of the `power` of lengths up to this one moves the product by less; ten metres
+/// at least, for the slopes of short pieces.
+int more_decimals(double length_m, int power) {
+  return static_cast<int>(std::ceil(power * std::log10(std::max(length_m, 10.0)) - 1e-6));
+}
+
+constexpr int metre_decimals = 8, height_decimals = 7, width_decimals = 10, superelevation_decimals = 8,
+              heading_decimals = 8, end_decimals = 7;  ///< the last: of the place where a curvature leads
+
+std::string metres(double v) { return trimmed(fmt::format("{:.{}f}", v, metre_decimals)); }
+std::string radians(double v) { return trimmed(fmt::format("{:.12f}", v)); }
+std::string coefficient(double v) { return v == 0.0 ? "0" : trimmed(fmt::format("{:.13g}", v)); }
+
+void set(pugi::xml_node node, const char* name, const std::string& value) {
+  node.append_attribute(name) = value.c_str();
+}
 void set(pugi::xml_node node, const char* name, int value) { node.append_attribute(name) = value; }
 
-void add_cubic(pugi::xml_node parent, const char* name, const Cubic& cubic, const char* s_name = "s") {
+/// Each coefficient so exactly that it moves the value by less than the last of the value's `decimals`.
+void add_cubic(pugi::xml_node parent, const char* name, const Cubic& cubic, double length_m, int decimals,
+               const char* s_name = "s") {
   pugi::xml_node node = parent.append_child(name);
   set(node, s_name, metres(cubic.s));
-  set(node, "a", coefficient(cubic.a));
-  set(node, "b", coefficient(cubic.b));
-  set(node, "c", coefficient(cubic.c));
-  set(node, "d", coefficient(cubic.d));
+  set(node, "a", rounded(cubic.a, decimals));
+  set(node, "b", rounded(cubic.b, decimals + more_decimals(length_m, 1)));
+  set(node, "c", rounded(cubic.c, decimals + more_decimals(length_m, 2)));
+  set(node, "d", rounded(cubic.d, decimals + more_decimals(length_m, 3)));
+}
+
+void add_cubics(pugi::xml_node parent, const char* name, const std::vector<Cubic>& cubics, double end_s, int decimals,
+                const char* s_name = "s") {
+  for (std::size_t i = 0; i < cubics.size(); ++i)
+    add_cubic(parent, name, cubics[i], (i + 1 < cubics.size() ? cubics[i + 1].s : end_s) - cubics[i].s, decimals,
+              s_name);
 }
 
 struct AddShape {
   pugi::xml_node geometry;
+  double length_m = 0.0;
+  /// The end moves by less than 1e-7 m.
+  [[nodiscard]] std::string curvature(double v) const { return rounded(v, end_decimals + more_decimals(length_m, 2)); }
   void operator()(const roadquery::Line&) { geometry.append_child("line"); }
-  void operator()(const roadquery::Arc& arc) { set(geometry.append_child("arc"), "curvature", per_metre(arc.curvature)); }
+  void operator()(const roadquery::Arc& arc) {
+    set(geometry.append_child("arc"), "curvature", curvature(arc.curvature));
+  }
   void operator()(const roadquery::Spiral& spiral) {
     pugi::xml_node node = geometry.append_child("spiral");
-    set(node, "curvStart", per_metre(spiral.curvature_start));
-    set(node, "curvEnd", per_metre(spiral.curvature_end));
+    set(node, "curvStart", curvature(spiral.curvature_start));
+    set(node, "curvEnd", curvature(spiral.curvature_end));
   }
   void operator()(const roadquery::ParamPoly3& poly) {
     pugi::xml_node node = geometry.append_child("paramPoly3");
@@ -82,7 +123,8 @@ struct Offset {
 
 Offset offset_of(const roadquery::RoadMap& map) {
   constexpr double step_m = 1000.0;
-  return {step_m * std::round(0.5 * (map.west + map.east) / step_m), step_m * std::round(0.5 * (map.south + map.north) / step_m)};
+  return {step_m * std::round(0.5 * (map.west + map.east) / step_m),
+          step_m * std::round(0.5 * (map.south + map.north) / step_m)};
 }
 
 /// OpenDRIVE's road types, coarsely: OSM does not say whether a road runs through a town.
@@ -96,14 +138,22 @@ const char* road_type(const std::string& highway) {
 
 const char* lane_type(roadquery::LaneType type) {
   switch (type) {
-    case roadquery::LaneType::none: return "none";
-    case roadquery::LaneType::driving: return "driving";
-    case roadquery::LaneType::shoulder: return "shoulder";
-    case roadquery::LaneType::border: return "border";
-    case roadquery::LaneType::sidewalk: return "sidewalk";
-    case roadquery::LaneType::parking: return "parking";
-    case roadquery::LaneType::biking: return "biking";
-    case roadquery::LaneType::other: break;
+    case roadquery::LaneType::none:
+      return "none";
+    case roadquery::LaneType::driving:
+      return "driving";
+    case roadquery::LaneType::shoulder:
+      return "shoulder";
+    case roadquery::LaneType::border:
+      return "border";
+    case roadquery::LaneType::sidewalk:
+      return "sidewalk";
+    case roadquery::LaneType::parking:
+      return "parking";
+    case roadquery::LaneType::biking:
+      return "biking";
+    case roadquery::LaneType::other:
+      break;
   }
   return "none";
 }
@@ -114,24 +164,36 @@ void add_speed(pugi::xml_node parent, double limit_mps) {
   set(speed, "unit", "km/h");
 }
 
-/// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only.
-void add_lane(pugi::xml_node side, const Lane& lane, double limit_mps = 0.0) {
+/// A lane without marks is written without.
+bool is_unmarked(const Lane& lane) {
+  return std::all_of(lane.marks.begin(), lane.marks.end(),
+                     [](const roadquery::RoadMark& mark) { return mark.type == "none"; });
+}
+
+/// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only, and only of roads outside junctions.
+void add_lane(pugi::xml_node side, const Lane& lane, double section_length_m, double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
   set(node, "type", lane_type(lane.type));
-  set(node, "level", "false");
   if (lane.predecessor || lane.successor) {
     pugi::xml_node link = node.append_child("link");
     if (lane.predecessor) set(link.append_child("predecessor"), "id", *lane.predecessor);
     if (lane.successor) set(link.append_child("successor"), "id", *lane.successor);
   }
-  for (const Cubic& width : lane.width) add_cubic(node, "width", width, "sOffset");
-  for (const roadquery::RoadMark& mark : lane.marks) {
+  add_cubics(node, "width", lane.width, section_length_m, width_decimals, "sOffset");
+  for (const roadquery::RoadMark& mark : is_unmarked(lane) ? std::vector<roadquery::RoadMark>{} : lane.marks) {
     pugi::xml_node m = node.append_child("roadMark");
     set(m, "sOffset", metres(mark.s_offset));
     set(m, "type", mark.type);
     set(m, "color", "standard");
     set(m, "width", metres(mark.width));
+  }
+  for (const roadquery::LaneMaterial& material : lane.materials) {
+    pugi::xml_node m = node.append_child("material");
+    set(m, "sOffset", metres(material.s_offset));
+    set(m, "surface", roadquery::to_string(material.surface));
+    set(m, "friction", trimmed(fmt::format("{:.4f}", material.friction)));
+    if (material.roughness > 0.0) set(m, "roughness", trimmed(fmt::format("{:.5f}", material.roughness)));
   }
   if (limit_mps > 0.0 && lane.id != 0 && lane.type == roadquery::LaneType::driving) {
     add_speed(node, limit_mps);
@@ -140,19 +202,24 @@ void add_lane(pugi::xml_node side, const Lane& lane, double limit_mps = 0.0) {
 }
 
 void add_lanes(pugi::xml_node parent, const Road& road) {
+  const double limit_mps = road.junction < 0 ? road.speed_limit_mps : 0.0;
   pugi::xml_node lanes = parent.append_child("lanes");
-  for (const Cubic& cubic : road.lane_offset) add_cubic(lanes, "laneOffset", cubic);
-  for (const roadquery::LaneSection& section : road.sections) {
+  add_cubics(lanes, "laneOffset", road.lane_offset, road.length, width_decimals);
+  for (std::size_t i = 0; i < road.sections.size(); ++i) {
+    const roadquery::LaneSection& section = road.sections[i];
+    const double length = (i + 1 < road.sections.size() ? road.sections[i + 1].s : road.length) - section.s;
     pugi::xml_node node = lanes.append_child("laneSection");
     set(node, "s", metres(section.s));
     if (!section.left.empty()) {
-      pugi::xml_node left = node.append_child("left");  // by custom from the outside in: ids descend through the section
-      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane) add_lane(left, *lane, road.speed_limit_mps);
+      pugi::xml_node left =
+          node.append_child("left");  // by custom from the outside in: ids descend through the section
+      for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane)
+        add_lane(left, *lane, length, limit_mps);
     }
-    add_lane(node.append_child("center"), section.center);
+    add_lane(node.append_child("center"), section.center, length);
     if (!section.right.empty()) {
       pugi::xml_node right = node.append_child("right");
-      for (const Lane& lane : section.right) add_lane(right, lane, road.speed_limit_mps);
+      for (const Lane& lane : section.right) add_lane(right, lane, length, limit_mps);
     }
   }
 }
@@ -160,7 +227,7 @@ void add_lanes(pugi::xml_node parent, const Road& road) {
 void add_lateral_profile(pugi::xml_node road_node, const Road& road) {
   if (road.superelevation.empty() && road.shape.empty()) return;
   pugi::xml_node profile = road_node.append_child("lateralProfile");
-  for (const Cubic& cubic : road.superelevation) add_cubic(profile, "superelevation", cubic);
+  add_cubics(profile, "superelevation", road.superelevation, road.length, superelevation_decimals);
   for (const roadquery::ShapeCubic& shape : road.shape) {
     pugi::xml_node node = profile.append_child("shape");
     set(node, "s", metres(shape.s));
@@ -215,13 +282,23 @@ void add_objects(pugi::xml_node road_node, const Road& road) {
   set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
 }
 
-void add_road(pugi::xml_node root, const Road& road, const Offset& offset) {
+/// A connecting road that is of the class of the road before it does not repeat it: the reader takes it from there.
+bool says_highway(const roadquery::RoadMap& map, const Road& road) {
+  if (road.highway.empty()) return false;
+  if (road.junction < 0 || road.predecessor.kind != roadquery::LinkKind::road) return true;
+  const auto before = std::lower_bound(map.roads.begin(), map.roads.end(), road.predecessor.id,
+                                       [](const Road& other, int id) { return other.id < id; });
+  const bool found = before != map.roads.end() && before->id == road.predecessor.id;
+  return !found || before->junction >= 0 || before->highway != road.highway;
+}
+
+void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& road, const Offset& offset) {
   pugi::xml_node node = root.append_child("road");
   if (!road.name.empty()) set(node, "name", road.name);
   set(node, "length", metres(road.length));
   set(node, "id", road.id);
   set(node, "junction", road.junction);
-  set(node, "rule", road.left_hand_traffic ? "LHT" : "RHT");
+  if (road.driving_side == roadquery::DrivingSide::left) set(node, "rule", "LHT");  // the default is RHT
   pugi::xml_node link = node.append_child("link");
   add_link(link, "predecessor", road.predecessor);
   add_link(link, "successor", road.successor);
@@ -232,26 +309,26 @@ void add_road(pugi::xml_node root, const Road& road, const Offset& offset) {
     set(geometry, "s", metres(e.s));
     set(geometry, "x", metres(e.x - offset.x));
     set(geometry, "y", metres(e.y - offset.y));
-    set(geometry, "hdg", radians(e.hdg));
+    set(geometry, "hdg", rounded(e.hdg, heading_decimals + more_decimals(e.length, 1)));
     set(geometry, "length", metres(e.length));
-    std::visit(AddShape{geometry}, e.shape);
+    std::visit(AddShape{geometry, e.length}, e.shape);
   }
   if (!road.elevation.empty()) {
     pugi::xml_node profile = node.append_child("elevationProfile");
-    for (const Cubic& cubic : road.elevation) add_cubic(profile, "elevation", cubic);
+    add_cubics(profile, "elevation", road.elevation, road.length, height_decimals);
   }
   add_lateral_profile(node, road);
   add_lanes(node, road);
   add_objects(node, road);
   add_surface(node, road);
   if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
-  if (!road.highway.empty()) add_user_data(node, "highway", road.highway);
+  if (says_highway(map, road)) add_user_data(node, "highway", road.highway);
   if (road.layer != 0) add_user_data(node, "layer", std::to_string(road.layer));
   if (road.bridge) add_user_data(node, "bridge", "yes");
   if (road.tunnel) add_user_data(node, "tunnel", "yes");
 }
 
-void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
+void add_junction(pugi::xml_node root, const roadquery::Junction& junction, const Offset& offset) {
   pugi::xml_node node = root.append_child("junction");
   if (!junction.name.empty()) set(node, "name", junction.name);
   set(node, "id", junction.id);
@@ -272,6 +349,9 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction) {
     set(p, "high", priority.high);
     set(p, "low", priority.low);
   }
+  if (!junction.surface) return;
+  add_user_data(node, roadquery::boundary_code, roadquery::boundary_text(*junction.surface, offset.x, offset.y));
+  add_user_data(node, roadquery::heights_code, roadquery::heights_text(*junction.surface, offset.x, offset.y));
 }
 
 void add_header(pugi::xml_node root, const roadquery::RoadMap& map, const Offset& offset, int minor_version) {
@@ -294,6 +374,28 @@ void add_header(pugi::xml_node root, const roadquery::RoadMap& map, const Offset
   set(node, "hdg", "0");
 }
 
+/// Characters of an element on one line, but for escaped ones.
+std::size_t width_of(pugi::xml_node node) {
+  const std::size_t name = std::char_traits<char>::length(node.name());
+  std::size_t width = node.first_child() ? 2 * name + 5 : name + 3;
+  for (const pugi::xml_attribute a : node.attributes())
+    width += std::char_traits<char>::length(a.name()) + std::char_traits<char>::length(a.value()) + 4;
+  for (const pugi::xml_node child : node.children()) width += width_of(child);
+  return width;
+}
+
+/// A line for each element with all in it where that is not too long, else one for each child. No indentation: it is a
+/// tenth of a file whose elements stand side by side.
+void break_lines(pugi::xml_node node) {
+  constexpr std::size_t longest_line = 400;
+  if (!node.first_child() || width_of(node) <= longest_line) return;
+  for (pugi::xml_node child = node.first_child(); child; child = child.next_sibling()) {
+    node.insert_child_before(pugi::node_pcdata, child).set_value("\n");
+    break_lines(child);
+  }
+  node.append_child(pugi::node_pcdata).set_value("\n");
+}
+
 }  // namespace
 
 void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap& map,
@@ -301,20 +403,22 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
   if (options.minor_version != 7 && options.minor_version != 8)
     throw OptionError(fmt::format("OpenDRIVE 1.{} cannot be written, choose 1.7 or 1.8", options.minor_version));
   if (map.roads.empty()) throw Error(path.string() + ": no road to write, OpenDRIVE needs at least one");
-  AsideFile file(path);
+  AtomicFile file(path);
   std::ofstream out(file.path(), std::ios::binary);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OpenDRIVE>\n";
   // A tree at a time: that of a whole town would take ten times the memory of its file.
   const auto write = [&out](auto&& add) {
     pugi::xml_document document;
     add(document);
-    document.first_child().print(out, " ", pugi::format_indent, pugi::encoding_utf8, 1);
+    break_lines(document.first_child());
+    document.first_child().print(out, "", pugi::format_raw, pugi::encoding_utf8);
+    out << '\n';
   };
   const Offset offset = options.absolute ? Offset{} : offset_of(map);
   write([&](pugi::xml_node root) { add_header(root, map, offset, options.minor_version); });
-  for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, road, offset); });
+  for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, map, road, offset); });
   for (const roadquery::Junction& junction : map.junctions)
-    write([&](pugi::xml_node root) { add_junction(root, junction); });
+    write([&](pugi::xml_node root) { add_junction(root, junction, offset); });
   out << "</OpenDRIVE>\n";
   out.close();
   if (!out) throw Error(fmt::format("{}: cannot be written, is the disk full or the folder read-only?", path.string()));

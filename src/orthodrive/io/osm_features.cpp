@@ -64,9 +64,10 @@ Feature feature_of(const osmium::Area& area, const CoordinateTransform& transfor
 std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs) {
   using Index = osmium::index::map::FlexMem<osmium::unsigned_object_id_type, osmium::Location>;
   return with_osm_errors(path, [&] {
-    const osmium::io::File file(path.string());
     osmium::area::MultipolygonManager<osmium::area::Assembler> polygons{osmium::area::Assembler::config_type{}};
-    osmium::relations::read_relations(file, polygons);
+    read_osm_buffers(path, osmium::osm_entity_bits::relation,
+                     [&](const osmium::memory::Buffer& buffer) { osmium::apply(buffer, polygons); });
+    polygons.prepare_for_lookup();
 
     const CoordinateTransform transform(Crs{"EPSG:4326"}, target_crs);
     std::vector<Feature> features;
@@ -74,13 +75,16 @@ std::vector<Feature> read_osm_features(const std::filesystem::path& path, const 
     osmium::handler::NodeLocationsForWays locations(index);
     locations.ignore_errors();  // extracts cut ways: what is left of them is used
     LineHandler lines(features, transform);
-    osmium::io::Reader reader(file);
-    osmium::apply(reader, locations, lines, polygons.handler([&](const osmium::memory::Buffer& buffer) {
+    auto& second_pass = polygons.handler([&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Area& area : buffer.select<osmium::Area>())
         if (!area.tags().empty() && !(area.from_way() && is_linear(area.tags())))
           features.push_back(feature_of(area, transform));
-    }));
-    reader.close();
+    });
+    read_osm_buffers(path, osmium::osm_entity_bits::nwr, [&](osmium::memory::Buffer& buffer) {
+      for (osmium::OSMEntity& entity : buffer.select<osmium::OSMEntity>())
+        osmium::apply_item(entity, locations, lines, second_pass);
+    });
+    second_pass.flush();
     return features;
   });
 }

@@ -27,14 +27,28 @@ struct ZoneSpeed {
   std::string_view country, zone;
   double kmh;
 };
-constexpr ZoneSpeed zone_speeds[] = {
-    {"CZ", "living_street", 20.0}, {"DE", "living_street", walk_kmh}, {"AT", "living_street", 5.0},
-    {"SE", "living_street", walk_kmh}, {"", "living_street", 20.0},
-    {"GB", "nsl_single", 60.0 * mile_km}, {"GB", "nsl_dual", 70.0 * mile_km}, {"GB", "nsl_restricted", 30.0 * mile_km},
-    {"GB", "motorway", 70.0 * mile_km}, {"CZ", "motorway", 130.0}, {"SE", "motorway", 110.0}, {"", "motorway", 130.0},
-    {"CZ", "trunk", 110.0}, {"", "trunk", 100.0},
-    {"DE", "rural", 100.0}, {"AT", "rural", 100.0}, {"SE", "rural", 70.0}, {"FR", "rural", 80.0}, {"", "rural", 90.0},
-    {"", "urban", 50.0}, {"", "bicycle_road", 30.0}, {"", "walk", walk_kmh}};
+constexpr ZoneSpeed zone_speeds[] = {{"CZ", "living_street", 20.0},
+                                     {"DE", "living_street", walk_kmh},
+                                     {"AT", "living_street", 5.0},
+                                     {"SE", "living_street", walk_kmh},
+                                     {"", "living_street", 20.0},
+                                     {"GB", "nsl_single", 60.0 * mile_km},
+                                     {"GB", "nsl_dual", 70.0 * mile_km},
+                                     {"GB", "nsl_restricted", 30.0 * mile_km},
+                                     {"GB", "motorway", 70.0 * mile_km},
+                                     {"CZ", "motorway", 130.0},
+                                     {"SE", "motorway", 110.0},
+                                     {"", "motorway", 130.0},
+                                     {"CZ", "trunk", 110.0},
+                                     {"", "trunk", 100.0},
+                                     {"DE", "rural", 100.0},
+                                     {"AT", "rural", 100.0},
+                                     {"SE", "rural", 70.0},
+                                     {"FR", "rural", 80.0},
+                                     {"", "rural", 90.0},
+                                     {"", "urban", 50.0},
+                                     {"", "bicycle_road", 30.0},
+                                     {"", "walk", walk_kmh}};
 
 double zone_speed_kmh(std::string_view country, std::string_view zone) {
   if (zone.starts_with("zone")) {  // zone30, zone:30
@@ -82,8 +96,7 @@ void settle_lanes(WayAttributes& way) {
   RoadPath& path = way.path;
   if (path.oneway == Oneway::forward) {
     if (path.lanes_backward > 0) {
-      way.doubts.push_back(
-          fmt::format("oneway and lanes:backward={}, took no lane against it", path.lanes_backward));
+      way.doubts.push_back(fmt::format("oneway and lanes:backward={}, took no lane against it", path.lanes_backward));
       path.lanes_backward = 0;
     }
     if (path.lanes == 0) path.lanes = path.lanes_forward;
@@ -99,8 +112,8 @@ void settle_lanes(WayAttributes& way) {
   } else if (sum > 0 && path.lanes > sum) {  // one of both is told: the rest is the other one
     (path.lanes_forward == 0 ? path.lanes_forward : path.lanes_backward) = path.lanes - sum;
   } else if (sum > 0 && path.lanes > 0) {
-    way.doubts.push_back(fmt::format("lanes={} but {} of one direction alone, took one lane for the other",
-                                             path.lanes, sum));
+    way.doubts.push_back(
+        fmt::format("lanes={} but {} of one direction alone, took one lane for the other", path.lanes, sum));
     (path.lanes_forward == 0 ? path.lanes_forward : path.lanes_backward) = 1;
     path.lanes = sum + 1;
   }
@@ -109,7 +122,7 @@ void settle_lanes(WayAttributes& way) {
 void settle_turns(std::string& turns, int lanes, const char* direction, WayAttributes& way) {
   if (turns.empty() || lanes == 0 || lanes_in(turns) == static_cast<std::size_t>(lanes)) return;
   way.doubts.push_back(fmt::format("turn:lanes tells {} lanes {}, but there are {}; its arrows are left out",
-                                           lanes_in(turns), direction, lanes));
+                                   lanes_in(turns), direction, lanes));
   turns.clear();
 }
 }  // namespace
@@ -144,6 +157,10 @@ void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
   path.sidewalk = sides_of(tags, "sidewalk");
   path.shoulder = sides_of(tags, "shoulder");
   path.surface = value_of(tags, "surface");
+  path.known_surface = surface_of_tags(path.highway, path.surface, value_of(tags, "tracktype"));
+  if (!path.surface.empty() && path.known_surface.source != SurfaceSource::tag)
+    way.doubts.push_back(fmt::format("surface={} is not known, took {}", path.surface,
+                                     roadquery::to_string(path.known_surface.surface)));
   if (way.reversed) {
     std::swap(path.lanes_forward, path.lanes_backward);
     std::swap(path.turn_forward, path.turn_backward);
@@ -153,7 +170,8 @@ void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
   if (path.oneway == Oneway::forward) path.turn_backward.clear();
 
   settle_lanes(way);
-  if (path.lanes == 0 && path.oneway == Oneway::forward) path.lanes = path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
+  if (path.lanes == 0 && path.oneway == Oneway::forward)
+    path.lanes = path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
   if (path.lanes_forward == 0) path.lanes_forward = static_cast<int>(lanes_in(path.turn_forward));
   if (path.lanes_backward == 0) path.lanes_backward = static_cast<int>(lanes_in(path.turn_backward));
   settle_turns(path.turn_forward, path.lanes_forward, "forward", way);
@@ -164,7 +182,9 @@ void read_lane_tags(const OsmTags& tags, WayAttributes& way) {
     path.speed_limit_kmh = parse_speed_kmh(text);
     if (path.speed_limit_kmh > 0.0) break;
     const bool says_no_speed = text == "signals" || text == "variable" || text == "sign";
-    if (!text.empty() && !says_no_speed && key == std::string_view("maxspeed")) way.doubts.push_back(fmt::format("maxspeed={} is no speed, took {:.0f} km/h", text, default_speed_limit_kmh(path.highway)));
+    if (!text.empty() && !says_no_speed && key == std::string_view("maxspeed"))
+      way.doubts.push_back(
+          fmt::format("maxspeed={} is no speed, took {:.0f} km/h", text, default_speed_limit_kmh(path.highway)));
   }
 }
 

@@ -24,8 +24,7 @@ struct DrivableWay {
 
 std::vector<DrivableWay> read_ways(const std::filesystem::path& path) {
   std::vector<DrivableWay> ways;
-  osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::way);
-  while (const osmium::memory::Buffer buffer = reader.read())
+  read_osm_buffers(path, osmium::osm_entity_bits::way, [&](const osmium::memory::Buffer& buffer) {
     for (const osmium::Way& way : buffer.select<osmium::Way>()) {
       const char* highway = way.tags().get_value_by_key("highway");
       if (!highway || !is_drivable(highway) || way.tags().has_tag("area", "yes")) continue;
@@ -33,17 +32,16 @@ std::vector<DrivableWay> read_ways(const std::filesystem::path& path) {
       for (const osmium::NodeRef& node : way.nodes()) road.nodes.push_back(node.ref());
       if (road.attributes.reversed) std::reverse(road.nodes.begin(), road.nodes.end());
     }
-  reader.close();
+  });
   std::stable_sort(ways.begin(), ways.end(), [](const DrivableWay& a, const DrivableWay& b) { return a.id < b.id; });
   return ways;
 }
 
-/// Turns that relations forbid, or the only ones they allow. Those that count for lorries or buses alone, exempt cars or
-/// go over a way instead of a node are passed over.
+/// Turns that relations forbid, or the only ones they allow. Those that count for lorries or buses alone, exempt cars
+/// or go over a way instead of a node are passed over.
 std::vector<TurnRestriction> read_restrictions(const std::filesystem::path& path) {
   std::vector<TurnRestriction> restrictions;
-  osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::relation);
-  while (const osmium::memory::Buffer buffer = reader.read())
+  read_osm_buffers(path, osmium::osm_entity_bits::relation, [&](const osmium::memory::Buffer& buffer) {
     for (const osmium::Relation& relation : buffer.select<osmium::Relation>()) {
       const osmium::TagList& tags = relation.tags();
       if (!tags.has_tag("type", "restriction")) continue;
@@ -51,7 +49,8 @@ std::vector<TurnRestriction> read_restrictions(const std::filesystem::path& path
       if (!kind) kind = tags.get_value_by_key("restriction", "");
       const bool only = std::string_view(kind).starts_with("only_"), no = std::string_view(kind).starts_with("no_");
       const std::string_view except = tags.get_value_by_key("except", "");
-      if ((!only && !no) || except.find("motorcar") != except.npos || except.find("motor_vehicle") != except.npos) continue;
+      if ((!only && !no) || except.find("motorcar") != except.npos || except.find("motor_vehicle") != except.npos)
+        continue;
       std::vector<std::int64_t> from, via, to;
       for (const osmium::RelationMember& member : relation.members()) {
         const std::string_view role = member.role();
@@ -63,7 +62,7 @@ std::vector<TurnRestriction> read_restrictions(const std::filesystem::path& path
       for (const std::int64_t a : from)
         for (const std::int64_t b : to) restrictions.push_back({a, via.front(), b, only});
     }
-  reader.close();
+  });
   return restrictions;
 }
 
@@ -78,14 +77,13 @@ class NodePlaces {
     lonlat_.assign(ids_.size(), {nan, nan});
   }
   void read(const std::filesystem::path& path) {
-    osmium::io::Reader reader(path.string(), osmium::osm_entity_bits::node);
-    while (const osmium::memory::Buffer buffer = reader.read())
+    read_osm_buffers(path, osmium::osm_entity_bits::node, [&](const osmium::memory::Buffer& buffer) {
       for (const osmium::Node& node : buffer.select<osmium::Node>()) {
         const auto it = std::lower_bound(ids_.begin(), ids_.end(), node.id());
         if (it == ids_.end() || *it != node.id() || !node.location().valid()) continue;
         lonlat_[static_cast<std::size_t>(it - ids_.begin())] = {node.location().lon(), node.location().lat()};
       }
-    reader.close();
+    });
   }
   [[nodiscard]] Vec2 lonlat(std::int64_t id) const {
     return lonlat_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin())];
@@ -124,7 +122,8 @@ std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, 
     const Vec2 p = places.lonlat(id);
     if (std::isnan(p.x)) {
       if (!runs.back().line.empty())
-        report("osm.missing_node", fmt::format("node {} is not in the file, the way is cut there", id), runs.back().line.back());
+        report("osm.missing_node", fmt::format("node {} is not in the file, the way is cut there", id),
+               runs.back().line.back());
       if (!runs.back().line.empty()) runs.emplace_back();
       continue;
     }
@@ -138,9 +137,11 @@ std::vector<Run> located_runs(const DrivableWay& way, const NodePlaces& places, 
     run.nodes.push_back(id);
   }
   if (doubled > 0)
-    report("osm.doubled_nodes", fmt::format("{} of its nodes lie where the one before lies, they are left out", doubled), doubled_at);
+    report("osm.doubled_nodes",
+           fmt::format("{} of its nodes lie where the one before lies, they are left out", doubled), doubled_at);
   for (const Run& run : runs)
-    if (run.line.size() == 1) report("osm.no_length", "a part of it has one place only, it is left out", run.line.front());
+    if (run.line.size() == 1)
+      report("osm.no_length", "a part of it has one place only, it is left out", run.line.front());
   return runs;
 }
 
@@ -179,7 +180,8 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
           RoadPath road = make_path(way, part, run, piece);
           if (road.nodes.back().s_m < min_piece_m) continue;
           for (const std::string& tag : part == 0 ? way.attributes.odd : std::vector<std::string>{})
-            report("osm.odd_tag", fmt::format("{} is no number above 0, took {:.1f} m as the width", tag, way.attributes.width_m),
+            report("osm.odd_tag",
+                   fmt::format("{} is no number above 0, took {:.1f} m as the width", tag, way.attributes.width_m),
                    road.nodes[road.nodes.size() / 2].p);
           for (const std::string& what : part == 0 ? way.attributes.doubts : std::vector<std::string>{})
             report("osm.lane_tags", what, road.nodes[road.nodes.size() / 2].p);

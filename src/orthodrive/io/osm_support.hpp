@@ -3,13 +3,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <osmium/io/any_input.hpp>
+#include <osmium/memory/buffer.hpp>
+#include <osmium/osm/object.hpp>
 #include <osmium/osm/tag.hpp>
+#include <stdexcept>
 #include <string>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
 
 namespace orthodrive::io {
 
@@ -26,8 +31,27 @@ auto with_osm_errors(const std::filesystem::path& path, F&& read) {
     throw InputError(
         path.string(),
         fmt::format("not an OSM file (.osm, .osm.pbf, also .gz or .bz2), or truncated ({}); get the file again",
-                    error.what()));
+                    printable(error.what())));
   }
+}
+
+/// libosmium walks a tag list from zero byte to zero byte, key and value in turn. A PBF string may hold a zero byte of
+/// its own; then the walk would leave the list.
+inline void check_tags(const osmium::OSMObject& object) {
+  const osmium::TagList& tags = object.tags();
+  if (std::count(tags.data() + sizeof(osmium::TagList), tags.data() + tags.byte_size(), 0) % 2 != 0)
+    throw std::runtime_error(fmt::format("a tag of object {} holds a zero byte", object.id()));
+}
+
+/// Reads the nodes, ways or relations of a file; `use` gets each buffer once its tags are known to be sound.
+template <typename F>
+void read_osm_buffers(const std::filesystem::path& path, osmium::osm_entity_bits::type entities, F&& use) {
+  osmium::io::Reader reader(path.string(), entities);
+  while (osmium::memory::Buffer buffer = reader.read()) {
+    for (const osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) check_tags(object);
+    use(buffer);
+  }
+  reader.close();
 }
 
 [[nodiscard]] inline std::map<std::string, std::string> tags_of(const osmium::TagList& list) {

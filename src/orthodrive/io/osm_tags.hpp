@@ -14,17 +14,18 @@ using OsmTags = std::map<std::string, std::string>;
 /// Metres from "3.5", "3.5 m", "3,5", "12'6\"", "11 ft"; 0 when it cannot be read or is not positive.
 [[nodiscard]] double parse_width_m(const std::string& text);
 
-/// km/h from maxspeed's "50", "30 mph", "walk", "none" (130, the usual advice), "CZ:urban", "DE:zone30"; 0 when it cannot
-/// be read. https://wiki.openstreetmap.org/wiki/Key:maxspeed and Default_speed_limits.
+/// km/h from maxspeed's "50", "30 mph", "walk", "none" (130, the usual advice), "CZ:urban", "DE:zone30"; 0 when it
+/// cannot be read. https://wiki.openstreetmap.org/wiki/Key:maxspeed and Default_speed_limits.
 [[nodiscard]] double parse_speed_kmh(const std::string& text);
 
 /// The attributes of a way (osm_id, part and nodes stay empty). `reversed` when oneway=-1 turns its nodes round.
 struct WayAttributes {
   RoadPath path;
   bool reversed = false;
-  double width_m = 0.0;  ///< tag, else default_width_m
+  double width_m = 0.0;          ///< tag, else default_width_m
   std::vector<std::string> odd;  ///< tags that say no number, as "width=wide"; they count as absent
-  std::vector<std::string> doubts;  ///< tags of lanes and speed that contradict each other or cannot be read: what was assumed
+  std::vector<std::string>
+      doubts;  ///< tags of lanes and speed that contradict each other or cannot be read: what was assumed
 };
 [[nodiscard]] WayAttributes way_attributes(const OsmTags& tags);
 

@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/escape_xml.hpp"
 

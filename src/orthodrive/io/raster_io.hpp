@@ -40,8 +40,9 @@ struct ReadPhotoOptions {
 [[nodiscard]] Photo read_photo_native(const std::filesystem::path& path);
 
 /// Heights over the box and a little more, NaN where the file has none. A terrain model whose CRS is the one asked for
-/// is read on its own grid without resampling; others are warped (cubic, exact coordinates) at their own GSD. Heights in a
-/// unit that the file states (feet) become metres; below -1500 and above 30000 they are nodata that it does not state.
+/// is read on its own grid without resampling; others are warped (cubic, exact coordinates) at their own GSD. Heights
+/// in a unit that the file states (feet) become metres; below -1500 and above 30000 they are nodata that it does not
+/// state.
 [[nodiscard]] HeightGrid read_heights(const std::filesystem::path& path, const Crs& crs, const Box2& box);
 /// Heights over the area and the margin around it. Throws InputError when less than 98 % of the area is covered: by how
 /// much, and which box the file covers.
@@ -50,11 +51,12 @@ struct ReadPhotoOptions {
 constexpr double least_site_coverage = 0.5;
 
 struct ReadDtmsOptions {
-  double margin_m = 50.0;        ///< around the area
-  double least_coverage = 0.98;  ///< share of the area; a rim thinner than a pixel or a pond without returns is no obstacle
+  double margin_m = 50.0;  ///< around the area
+  double least_coverage =
+      0.98;  ///< share of the area; a rim thinner than a pixel or a pond without returns is no obstacle
 };
-/// Several terrain models, best first, that cover the area together (model/sample_height.hpp: merge_heights). One that is
-/// 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Throws as read_dtm.
+/// Several terrain models, best first, that cover the area together (model/sample_height.hpp: merge_heights). One that
+/// is 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Throws as read_dtm.
 [[nodiscard]] std::vector<HeightGrid> read_dtms(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
                                                 const ReadDtmsOptions& options = {}, Findings* findings = nullptr);
 /// Share of the area (0..1) in which at least one of the grids has heights.

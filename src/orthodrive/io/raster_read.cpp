@@ -111,7 +111,8 @@ HeightGrid warp_window(const fs::path& path, GDALDataset& dtm, const Crs& crs, c
   return grid;
 }
 
-/// What one unit of the file's heights is in metres: the band says it (UNITTYPE), else the vertical CRS, else it is metres.
+/// What one unit of the file's heights is in metres: the band says it (UNITTYPE), else the vertical CRS, else it is
+/// metres.
 double height_unit_m(GDALRasterBand& band, const OGRSpatialReference& reference) {
   constexpr double foot_m = 0.3048, us_survey_foot_m = 1200.0 / 3937.0;
   const std::string unit = CPLString(band.GetUnitType()).tolower();
@@ -126,7 +127,8 @@ double height_unit_m(GDALRasterBand& band, const OGRSpatialReference& reference)
 /// (-9999, -32768, 65535, 3.4e38): a road must not lie there.
 void to_plausible_metres(double unit_m, Raster<float>& heights) {
   constexpr float lowest = -1500.0F, highest = 30000.0F;  // Dead Sea and Mount Everest in feet
-  for (float& z : heights.data) z = z > lowest && z < highest ? static_cast<float>(unit_m * static_cast<double>(z)) : no_height;
+  for (float& z : heights.data)
+    z = z > lowest && z < highest ? static_cast<float>(unit_m * static_cast<double>(z)) : no_height;
 }
 
 std::string vertical_datum_of(const OGRSpatialReference& reference) {
@@ -176,7 +178,9 @@ double height_ratio(const HeightGrid& a, const HeightGrid& b, const SiteFrame& s
   if (static_cast<double>(ratios.size()) < least_common) return 0.0;
   middle = sum * (1.0 / static_cast<double>(ratios.size()));
   std::sort(ratios.begin(), ratios.end());
-  const auto quantile = [&](double q) { return ratios[static_cast<std::size_t>(q * static_cast<double>(ratios.size() - 1))]; };
+  const auto quantile = [&](double q) {
+    return ratios[static_cast<std::size_t>(q * static_cast<double>(ratios.size() - 1))];
+  };
   return quantile(0.75) - quantile(0.25) < largest_spread * quantile(0.5) ? quantile(0.5) : 0.0;
 }
 

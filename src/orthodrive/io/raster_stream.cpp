@@ -8,7 +8,7 @@
 #include <system_error>
 #include <vector>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/raster_support.hpp"
@@ -33,7 +33,7 @@ struct RasterStream::State {
     start_gdal();
     fs::path windows = this->target;
     windows.replace_filename(this->target.stem().string() + ".windows.tif");
-    const AsideFile aside(windows);
+    const AtomicFile aside(windows);
     const ScopedGdalOption no_side_car("GDAL_PAM_ENABLED", "NO");
     GdalOptions options({"TILED=YES", fmt::format("BLOCKXSIZE={}", tile_px), fmt::format("BLOCKYSIZE={}", tile_px),
                          "COMPRESS=ZSTD", "ZSTD_LEVEL=1", "SPARSE_OK=TRUE", "BIGTIFF=IF_SAFER"});

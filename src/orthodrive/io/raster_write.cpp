@@ -7,7 +7,7 @@
 #include <atomic>
 #include <limits>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/raster_support.hpp"
@@ -31,7 +31,7 @@ struct RemoveLeftovers {
 
 void create_copy(const fs::path& target, const char* driver_name, GDALDataset& source,
                  const std::vector<std::string>& options) {
-  AsideFile out(target);
+  AtomicFile out(target);
   const RemoveLeftovers leftovers{out.path()};
   const ScopedGdalOption no_side_car("GDAL_PAM_ENABLED", "NO");
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_name);

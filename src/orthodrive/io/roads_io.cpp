@@ -1,5 +1,5 @@
-// roads.gpkg: layers centrelines, nodes and surface, table restrictions. The nodes are the truth; lines and polygons are made from them for
-// people and for other tools, and carry the attributes of the way.
+// roads.gpkg: layers centrelines, nodes and surface, table restrictions. The nodes are the truth; lines and polygons
+// are made from them for people and for other tools, and carry the attributes of the way.
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/ogr_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -27,9 +27,12 @@ constexpr Field centreline_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInt
                                        {"tunnel", OFTInteger},   {"oneway", OFTInteger},    {"lanes", OFTInteger},
                                        {"width_m", OFTReal},     {"roundabout", OFTInteger}};
 // Not in files of older versions: read where they are.
-constexpr Field lane_fields[] = {{"lanes_forward", OFTInteger}, {"lanes_backward", OFTInteger}, {"turn_forward", OFTString},
-                                 {"turn_backward", OFTString},  {"speed_limit_kmh", OFTReal},   {"sidewalk", OFTInteger},
+constexpr Field lane_fields[] = {{"lanes_forward", OFTInteger}, {"lanes_backward", OFTInteger},
+                                 {"turn_forward", OFTString},   {"turn_backward", OFTString},
+                                 {"speed_limit_kmh", OFTReal},  {"sidewalk", OFTInteger},
                                  {"shoulder", OFTInteger},      {"surface", OFTString}};
+// Not in files of older versions either: then the tags that are in them tell.
+constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
     {"from_way", OFTInteger64}, {"via_node", OFTInteger64}, {"to_way", OFTInteger64}, {"only", OFTInteger}};
 constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
@@ -45,10 +48,10 @@ constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"banking", OFTReal},
                                  {"sigma_z_m", OFTReal},
                                  {"banking_source", OFTString}};
-constexpr Field cross_fall_fields[] = {{"crown", OFTReal}, {"sigma_banking", OFTReal}};  // of nodes; older files lack them
+constexpr Field banking_fields[] = {{"crown", OFTReal}, {"sigma_banking", OFTReal}};  // of nodes; older files lack them
 constexpr Field surface_fields[] = {
     {"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
-constexpr Field roughness_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},   {"s_begin_m", OFTReal},
+constexpr Field roughness_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},          {"s_begin_m", OFTReal},
                                       {"s_end_m", OFTReal},     {"iso_8608_class", OFTString}, {"gd_n0_m3", OFTReal},
                                       {"waviness", OFTReal},    {"sigma_ln_gd", OFTReal}};
 
@@ -87,8 +90,9 @@ class RoadsWriter {
         surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)),
         file_(std::move(file)),
         errors_(errors) {
-    for (const Field& field : cross_fall_fields) create_field(nodes_, field.name, field.type);
+    for (const Field& field : banking_fields) create_field(nodes_, field.name, field.type);
     for (const Field& field : lane_fields) create_field(centrelines_, field.name, field.type);
+    for (const Field& field : class_fields) create_field(centrelines_, field.name, field.type);
   }
 
   void add(const RoadPath& path) {
@@ -119,6 +123,8 @@ class RoadsWriter {
     row.SetField("sidewalk", static_cast<int>(path.sidewalk));
     row.SetField("shoulder", static_cast<int>(path.shoulder));
     row.SetField("surface", path.surface.c_str());
+    row.SetField("surface_class", roadquery::to_string(path.known_surface.surface));
+    row.SetField("surface_source", to_string(path.known_surface.source));
     row.SetGeometryDirectly(to_ogr(centerline(path)).release());
     add_feature(centrelines_, row, file_, errors_);
   }
@@ -136,7 +142,7 @@ class RoadsWriter {
     row.SetField("gradient", node.gradient);
     row.SetField("banking", node.banking);
     row.SetField("sigma_z_m", node.sigma_z_m);
-    row.SetField("banking_source", node.banking_source.c_str());
+    row.SetField("banking_source", to_string(node.banking_source));
     row.SetField("crown", node.crown);
     row.SetField("sigma_banking", node.sigma_banking);
     OGRPoint point(node.p.x, node.p.y);
@@ -162,7 +168,8 @@ class RoadsWriter {
 namespace {
 /// The centre line of every stretch, to look at, with its numbers.
 void write_roughness(GDALDataset& dataset, OGRSpatialReference& reference, const RoadNetwork& roads,
-                     const std::vector<RoughnessStretch>& roughness, const std::string& file, const GdalErrors& errors) {
+                     const std::vector<RoughnessStretch>& roughness, const std::string& file,
+                     const GdalErrors& errors) {
   std::map<std::pair<std::int64_t, int>, const RoadPath*> path_of;
   for (const RoadPath& path : roads.paths) path_of[{path.osm_id, path.part}] = &path;
   OGRLayer& layer = create_layer(dataset, "roughness", wkbLineString, reference, roughness_fields);
@@ -179,7 +186,8 @@ void write_roughness(GDALDataset& dataset, OGRSpatialReference& reference, const
     Polyline line;
     const auto at = path_of.find({stretch.osm_id, stretch.part});
     if (at == path_of.end())
-      throw Error(fmt::format("{}: roughness of way {} part {}, which is not there", file, stretch.osm_id, stretch.part));
+      throw Error(
+          fmt::format("{}: roughness of way {} part {}, which is not there", file, stretch.osm_id, stretch.part));
     const Polyline whole = centerline(*at->second);
     line.push_back(point_at(whole, stretch.s_begin_m));
     for (const RoadNode& node : at->second->nodes)
@@ -253,6 +261,15 @@ void read_lane_fields(const OGRFeature& row, RoadPath& path) {
   path.surface = row.GetFieldAsString("surface");
 }
 
+/// Of an older file, and where somebody wrote no class: what the tags say.
+KnownSurface known_surface_of(const OGRFeature& row, const RoadPath& path) {
+  if (row.GetFieldIndex(class_fields[0].name) < 0 || row.GetFieldIndex(class_fields[1].name) < 0)
+    return surface_of_tags(path.highway, path.surface, "");
+  const auto surface = roadquery::surface_class_of(row.GetFieldAsString("surface_class"));
+  if (!surface) return surface_of_tags(path.highway, path.surface, "");
+  return {*surface, surface_source_of(row.GetFieldAsString("surface_source"))};
+}
+
 RoadPath path_of(const OGRFeature& row) {
   RoadPath path;
   std::tie(path.osm_id, path.part) = key_of(row);
@@ -265,6 +282,7 @@ RoadPath path_of(const OGRFeature& row) {
   path.lanes = row.GetFieldAsInteger("lanes");
   path.roundabout = row.GetFieldAsInteger("roundabout") != 0;
   read_lane_fields(row, path);
+  path.known_surface = known_surface_of(row, path);
   return path;
 }
 
@@ -285,9 +303,10 @@ RoadNode node_of(const fs::path& path, const OGRFeature& row) {
   node.gradient = row.GetFieldAsDouble("gradient");
   node.banking = row.GetFieldAsDouble("banking");
   node.sigma_z_m = row.GetFieldAsDouble("sigma_z_m");
-  node.banking_source = row.GetFieldAsString("banking_source");
+  node.banking_source = banking_source_of(row.GetFieldAsString("banking_source"));
   if (const int crown = row.GetFieldIndex("crown"); crown >= 0) node.crown = row.GetFieldAsDouble(crown);
-  if (const int sigma = row.GetFieldIndex("sigma_banking"); sigma >= 0) node.sigma_banking = row.GetFieldAsDouble(sigma);
+  if (const int sigma = row.GetFieldIndex("sigma_banking"); sigma >= 0)
+    node.sigma_banking = row.GetFieldAsDouble(sigma);
   return node;
 }
 }  // namespace

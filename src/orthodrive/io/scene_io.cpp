@@ -12,7 +12,7 @@
 #include <numbers>
 #include <optional>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 
@@ -222,11 +222,11 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   bool first = true;
   for (const TriMesh& mesh : tile.meshes) {
     tinygltf::Mesh gltf_mesh;
-    gltf_mesh.name = mesh.name;
+    gltf_mesh.name = std::string(to_string(mesh.kind));
     gltf_mesh.primitives.push_back(add_primitive(buffer, mesh, material));
     if (features) gltf_mesh.primitives[0].extensions["EXT_mesh_features"] = *features;
     tinygltf::Node node;
-    node.name = mesh.name;
+    node.name = gltf_mesh.name;
     node.mesh = static_cast<int>(model.meshes.size());
     node.translation = {shift.x, shift.z, -shift.y};
     scene.nodes.push_back(static_cast<int>(model.nodes.size()));
@@ -245,7 +245,7 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   model.defaultScene = 0;
 
   const std::filesystem::path target = folder / entry.uri;
-  AsideFile out(target);
+  AtomicFile out(target);
   std::ofstream stream(out.path(), std::ios::binary);
   tinygltf::TinyGLTF writer;
   const bool written = writer.WriteGltfSceneToStream(&model, stream, false, true);

@@ -19,8 +19,8 @@ namespace orthodrive::io {
 /// (osm_node 0 there) and its pieces are counted. Sorted by osm_id, then part. layer defaults to 1 for bridge, -1 for
 /// tunnel. Throws InputError for a missing or truncated file and when no road lies in the area (says where the file's
 /// roads lie). Findings: "osm.odd_tag" (width=wide, lanes=0: the default counts), "osm.doubled_nodes" (dropped),
-/// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of lanes
-/// and speed that contradict each other or cannot be read, with what was taken). Turn restrictions come along.
+/// "osm.missing_node" (the way is cut there), "osm.no_length" (a way in one place: left out), "osm.lane_tags" (tags of
+/// lanes and speed that contradict each other or cannot be read, with what was taken). Turn restrictions come along.
 [[nodiscard]] RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& site,
                                          Findings* findings = nullptr);
 
@@ -35,8 +35,9 @@ struct Feature {
 /// Closed and open ways and multipolygon relations of an OSM file with at least one tag.
 [[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);
 
-/// roads.gpkg: layers centrelines, nodes, surface as docs/architecture.md lists them. Dates are fixed unless the
-/// environment sets OGR_CURRENT_DATE, so that the same roads give the same bytes. Measured roughness makes a layer more.
+/// roads.gpkg: layers centrelines, nodes, surface as docs/build.md lists them. Dates are fixed unless the
+/// environment sets OGR_CURRENT_DATE, so that the same roads give the same bytes. Measured roughness makes a layer
+/// more.
 void write_roads(const std::filesystem::path& path, const RoadNetwork& roads,
                  const std::vector<RoughnessStretch>& roughness = {});
 /// The layer roughness of a roads.gpkg, ordered by way, part and s; empty when there is none.

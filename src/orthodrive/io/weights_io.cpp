@@ -1,12 +1,12 @@
 #include "orthodrive/io/weights_io.hpp"
 
-#include <fmt/format.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/find_resource.hpp"
+#include "orthodrive/io/safetensors.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;
@@ -23,21 +23,15 @@ std::string read_file(const fs::path& path) {
 }
 
 fs::path find_model(const std::string& name_or_path) {
-  std::vector<fs::path> candidates{name_or_path};
+  const std::string remedy = "give a file or set ORTHODRIVE_MODELS", what = name_or_path + ": no such model";
   const bool bare = name_or_path.find('/') == std::string::npos && fs::path(name_or_path).extension().empty();
-  if (bare) {
-    candidates.clear();
-    if (const char* folder = std::getenv("ORTHODRIVE_MODELS"))
-      candidates.push_back(fs::path(folder) / (name_or_path + ".safetensors"));
-    candidates.push_back(fs::path(ORTHODRIVE_MODEL_DIR) / (name_or_path + ".safetensors"));
-  }
-  std::string looked;
-  for (const fs::path& candidate : candidates) {
-    if (fs::is_regular_file(candidate)) return candidate;
-    looked += (looked.empty() ? "" : " nor ") + candidate.string();
-  }
-  throw InputError(name_or_path,
-                   fmt::format("no such model: there is no {}; give a file or set ORTHODRIVE_MODELS", looked));
+  if (!bare)
+    return find_resource({fs::path(name_or_path).parent_path()}, fs::path(name_or_path).filename(), what, remedy);
+  std::vector<fs::path> folders = resource_folders("models", "models");
+  if (const char* folder = std::getenv("ORTHODRIVE_MODELS")) folders.insert(folders.begin(), folder);
+  return find_resource(folders, name_or_path + ".safetensors", what, remedy);
 }
+
+TensorFile read_weights(const std::filesystem::path& path) { return parse_safetensors(read_file(path), path.string()); }
 
 }  // namespace orthodrive::io

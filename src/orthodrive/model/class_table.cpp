@@ -12,7 +12,8 @@ const char* to_string(Role role) { return role_names.at(static_cast<std::size_t>
 Role role_from_string(const std::string& name) {
   for (std::size_t i = 0; i < role_names.size(); ++i)
     if (name == role_names[i]) return static_cast<Role>(i);
-  throw OptionError("class role '" + name + "' is unknown, use one of ground road maybe_road building vegetation water rail other");
+  throw OptionError("class role '" + name +
+                    "' is unknown, use one of ground road maybe_road building vegetation water rail other");
 }
 
 const ClassTable& default_class_table() {

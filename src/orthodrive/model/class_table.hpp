@@ -31,7 +31,8 @@ struct ClassTable {
 constexpr std::uint8_t label_nodata = 255;  ///< no photo here, or ignored in training and evaluation
 
 /// The table of the shipped model and of the synthetic sites:
-/// 0 ground, 1 road, 2 parking (maybe_road), 3 building, 4 vegetation (trees, shrubs), 5 grass (ground), 6 water, 7 rail.
+/// 0 ground, 1 road, 2 parking (maybe_road), 3 building, 4 vegetation (trees, shrubs), 5 grass (ground), 6 water, 7
+/// rail.
 [[nodiscard]] const ClassTable& default_class_table();
 
 }  // namespace orthodrive

@@ -58,30 +58,6 @@ bool inside(const StripPlace& place) {
 
 }  // namespace
 
-const char* name_of(CrgFormat format) {
-  switch (format) {
-    case CrgFormat::lrfi:
-      return "LRFI";
-    case CrgFormat::ldfi:
-      return "LDFI";
-    case CrgFormat::krbi:
-      return "KRBI";
-    case CrgFormat::kdbi:
-      break;
-  }
-  return "KDBI";
-}
-
-void integrate_reference_line(CrgSurface& s, double x0, double y0, double z0) {
-  const std::size_t rows = s.rows();
-  s.x_m.assign(rows, x0), s.y_m.assign(rows, y0), s.z_m.assign(rows, z0);
-  for (std::size_t i = 1; i < rows; ++i) {
-    s.x_m[i] = s.x_m[i - 1] + s.u_increment_m * std::cos(s.phi_rad[i]);
-    s.y_m[i] = s.y_m[i - 1] + s.u_increment_m * std::sin(s.phi_rad[i]);
-    s.z_m[i] = s.z_m[i - 1] + s.u_increment_m * s.slope[i];
-  }
-}
-
 Vec2 crg_xy(const CrgSurface& s, CrgUv uv) {
   const auto [i, share] = row_at(s, uv.u_m);
   const Strip strip = strip_at(s, i);

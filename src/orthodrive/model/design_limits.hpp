@@ -6,11 +6,11 @@
 namespace orthodrive {
 
 struct DesignLimits {
-  double design_speed_kmh = 0.0;  ///< what bounds curves, crests and superelevation
+  double design_speed_kmh = 0.0;  ///< bounds curves, crests and banking
   double gradient = 0.0;          ///< largest, up or down
   double crest_radius_m = 0.0;    ///< least; curvature d2z/ds2 >= -1 / crest_radius_m
   double sag_radius_m = 0.0;      ///< least; curvature d2z/ds2 <= 1 / sag_radius_m
-  bool is_local = false;          ///< a street with houses, a driveway or a track, which nobody superelevates
+  bool is_local = false;          ///< a street with houses, a driveway or a track, not banked in curves
 };
 
 /// Minima for existing roads of the class, in towns as in hills: OSM's class does not say where a road lies. Unknown

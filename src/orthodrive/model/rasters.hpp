@@ -40,10 +40,10 @@ struct RoadEvidence {
   GridFrame frame;
   Raster<std::uint8_t> outside, inside;
 };
-/// Of labels that are taken for sure.
+/// Of labels of probability 1.
 [[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels);
-/// With the probability of road on the grid of the labels (throws OptionError for another), which tells how sure a pixel is;
-/// the classes' own costs count for those that may be road (parking) only.
+/// With the probability of road on the grid of the labels (throws OptionError for another), which tells how sure a
+/// pixel is; the classes' own costs count for those that may be road (parking) only.
 [[nodiscard]] RoadEvidence road_evidence(const LabelMap& labels, const ConfidenceMap& road_probability);
 
 /// Heights at pixel centres in metres, NaN where there is none (nodata).

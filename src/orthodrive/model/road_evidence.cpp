@@ -8,8 +8,9 @@
 namespace orthodrive {
 namespace {
 
-/// Cost inside a road of a pixel that is surely none, against 1 for a sure road outside: the edge of a road then lies where
-/// its probability is 0.75 / 1.75 = 43 %. About a third of what lies within 4 m of hand-drawn carriageways is road.
+/// Cost inside a road of a pixel that is surely none, against 1 for a sure road outside: the edge of a road then lies
+/// where its probability is 0.75 / 1.75 = 43 %. About a third of what lies within 4 m of hand-drawn carriageways is
+/// road.
 constexpr float no_road_inside = 0.75F;
 
 struct Costs {

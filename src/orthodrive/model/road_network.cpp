@@ -2,34 +2,36 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace orthodrive {
 namespace {
 struct HighwayClass {
   const char* value;
   int rank;
-  double lane_m;        ///< width of a lane
-  int lanes_two_way;    ///< lanes of an untagged two-way road
+  double lane_m;      ///< width of a lane
+  int lanes_two_way;  ///< lanes of an untagged two-way road
   int lanes_one_way;
-  double edge_m;        ///< paved strip outside the outer lanes, both sides together
-  double speed_kmh;     ///< limit where none is tagged
+  double edge_m;     ///< paved strip outside the outer lanes, both sides together
+  double speed_kmh;  ///< limit where none is tagged
 };
-// Lane widths: German RAL 2012 / RASt 06 typical cross sections, rounded; service roads measured on the Pardubice photo's tags.
-// Speeds: the limits of towns in Central Europe (50; living streets 20), motorways and trunk roads as out of town; slip
-// roads, service roads and tracks at what they are built for, as no law names them.
+// Lane widths: German RAL 2012 / RASt 06 typical cross sections, rounded; service roads measured on the Pardubice
+// photo's tags. Speeds: the limits of towns in Central Europe (50; living streets 20), motorways and trunk roads as out
+// of town; slip roads, service roads and tracks at what they are built for, as no law names them.
 constexpr std::array classes{
-    HighwayClass{"motorway", 9, 3.75, 4, 2, 3.0, 130.0},     HighwayClass{"motorway_link", 6, 4.0, 2, 1, 1.5, 80.0},
+    HighwayClass{"motorway", 9, 3.75, 4, 2, 3.0, 130.0},    HighwayClass{"motorway_link", 6, 4.0, 2, 1, 1.5, 80.0},
     HighwayClass{"trunk", 8, 3.5, 4, 2, 1.5, 90.0},         HighwayClass{"trunk_link", 6, 4.0, 2, 1, 1.5, 60.0},
     HighwayClass{"primary", 7, 3.5, 2, 2, 0.5, 50.0},       HighwayClass{"primary_link", 5, 4.0, 2, 1, 1.0, 50.0},
     HighwayClass{"secondary", 6, 3.25, 2, 2, 0.5, 50.0},    HighwayClass{"secondary_link", 5, 4.0, 2, 1, 0.5, 50.0},
     HighwayClass{"tertiary", 5, 3.0, 2, 2, 0.5, 50.0},      HighwayClass{"tertiary_link", 4, 4.0, 2, 1, 0.5, 50.0},
-    HighwayClass{"raceway", 4, 8.0, 1, 1, 0.0, 0.0},       HighwayClass{"unclassified", 3, 2.75, 2, 1, 0.5, 50.0},
+    HighwayClass{"raceway", 4, 8.0, 1, 1, 0.0, 0.0},        HighwayClass{"unclassified", 3, 2.75, 2, 1, 0.5, 50.0},
     HighwayClass{"residential", 3, 2.75, 2, 1, 0.0, 50.0},  HighwayClass{"road", 3, 2.75, 2, 1, 0.0, 50.0},
     HighwayClass{"living_street", 2, 2.5, 2, 1, 0.0, 20.0}, HighwayClass{"service", 1, 2.0, 2, 1, 0.0, 30.0},
     HighwayClass{"track", 0, 3.0, 1, 1, 0.0, 30.0}};
 
 const HighwayClass* find_class(const std::string& highway) {
-  const auto it = std::find_if(classes.begin(), classes.end(), [&](const HighwayClass& c) { return highway == c.value; });
+  const auto it =
+      std::find_if(classes.begin(), classes.end(), [&](const HighwayClass& c) { return highway == c.value; });
   return it == classes.end() ? nullptr : &*it;
 }
 }  // namespace
@@ -76,6 +78,29 @@ std::vector<Ring> surface_cells(const RoadPath& path) {
     if (cell.size() >= 3) cells.push_back(std::move(cell));
   }
   return cells;
+}
+
+namespace {
+constexpr std::array<std::pair<BankingSource, const char*>, 7> banking_source_names{
+    {{BankingSource::unset, ""},
+     {BankingSource::none, "none"},
+     {BankingSource::dtm, "dtm"},
+     {BankingSource::log, "log"},
+     {BankingSource::interpolated, "interpolated"},
+     {BankingSource::design, "design"},
+     {BankingSource::truth, "truth"}}};
+}  // namespace
+
+const char* to_string(BankingSource source) {
+  for (const auto& [value, name] : banking_source_names)
+    if (value == source) return name;
+  return "";
+}
+
+BankingSource banking_source_of(std::string_view text) {
+  for (const auto& [value, name] : banking_source_names)
+    if (text == name) return value;
+  return BankingSource::unset;
 }
 
 }  // namespace orthodrive

@@ -13,7 +13,8 @@ constexpr double nan_height = std::numeric_limits<double>::quiet_NaN();
 /// Keys 1981, eq. 4 with a = -1/2.
 std::array<double, 4> keys_weights(double t) {
   const double t2 = t * t, t3 = t2 * t;
-  return {0.5 * (-t3 + 2.0 * t2 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (-3.0 * t3 + 4.0 * t2 + t), 0.5 * (t3 - t2)};
+  return {0.5 * (-t3 + 2.0 * t2 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (-3.0 * t3 + 4.0 * t2 + t),
+          0.5 * (t3 - t2)};
 }
 }  // namespace
 
@@ -23,7 +24,8 @@ double sample_bilinear(const HeightGrid& grid, Vec2 p) {
   const int w = grid.frame.width, h = grid.frame.height;
   if (!(col >= -1.0 && row >= -1.0 && col <= w && row <= h)) return nan_height;
   const double c = std::clamp(col, 0.0, w - 1.0), r = std::clamp(row, 0.0, h - 1.0);
-  const int c0 = std::min(static_cast<int>(c), std::max(0, w - 2)), r0 = std::min(static_cast<int>(r), std::max(0, h - 2));
+  const int c0 = std::min(static_cast<int>(c), std::max(0, w - 2)),
+            r0 = std::min(static_cast<int>(r), std::max(0, h - 2));
   const int c1 = std::min(c0 + 1, w - 1), r1 = std::min(r0 + 1, h - 1);
   const double u = c - c0, v = r - r0;
   double sum = 0.0;

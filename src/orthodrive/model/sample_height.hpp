@@ -17,7 +17,8 @@ enum class HeightSampling { bilinear, cubic };
 [[nodiscard]] double sample_height(const HeightGrid& grid, Vec2 p, HeightSampling sampling);
 
 /// One grid over `box` at the smallest GSD of the given ones: each pixel takes the first grid (best first) that has a
-/// height there (cubic), NaN where none has. A single grid is returned as it is. All share one CRS; at least one is given.
+/// height there (cubic), NaN where none has. A single grid is returned as it is. All share one CRS; at least one is
+/// given.
 [[nodiscard]] HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box);
 
 }  // namespace orthodrive

@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "orthodrive/geo/raster.hpp"
@@ -12,10 +12,27 @@
 
 namespace orthodrive {
 
+enum class MeshKind : std::uint8_t {
+  terrain,
+  road,       ///< carriageways, on the ground and on decks of bridges
+  road_body,  ///< sides and undersides of bridge decks, facing outwards
+};
+/// The name in the glTF file: the viewer switches meshes by it.
+[[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
+  switch (kind) {
+    case MeshKind::terrain:
+      return "terrain";
+    case MeshKind::road:
+      return "road";
+    case MeshKind::road_body:
+      break;
+  }
+  return "road_body";
+}
+
 /// Triangles, counter-clockwise seen from above; x east, y north, z up, float metres relative to SceneTile::origin.
 struct TriMesh {
-  std::string name;  ///< "terrain", "road" or "road_body" (sides and undersides of bridge decks, facing outwards):
-                     ///< the viewer switches them by this name
+  MeshKind kind = MeshKind::terrain;
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<float, 3>> normals;
   std::vector<std::array<float, 2>> uv;  ///< glTF: (0,0) is the north-west corner of the texture
@@ -23,8 +40,8 @@ struct TriMesh {
 };
 
 struct SceneTile {
-  int column = 0, row = 0;           ///< of the 480 m tile grid, row 0 in the south
-  Vec3 origin;                       ///< site CRS; also the frame of the positions
+  int column = 0, row = 0;  ///< of the 480 m tile grid, row 0 in the south
+  Vec3 origin;              ///< site CRS; also the frame of the positions
   double min_z_m = 0.0, max_z_m = 0.0;
   std::vector<TriMesh> meshes;
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile

@@ -25,6 +25,10 @@ constexpr double max_turn_rad = 150.0 * std::numbers::pi / 180.0;
 // What a driver still calls straight on when arrows are read.
 constexpr double straight_turn_rad = 35.0 * std::numbers::pi / 180.0;
 
+// Jumps of the gradient on connecting roads that turn, driven at walking pace: 1 % 2 m off the reference line. At 4 m/s
+// a wheel gets 0.04 m/s from it, as from 0.1 % at 40 m/s.
+constexpr double max_crown_rate_jump_in_turns = 5e-3;  // 1/m
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A road end as a driver passes it, in driving direction.
@@ -32,8 +36,8 @@ struct Gate {
   Pose pose;
   double z_m = 0.0, gradient = 0.0, banking = 0.0, banking_rate = 0.0, crown = 0.0;  ///< crown: its tangent
   double lane_width_m = 0.0;
-  double inner_t_m = 0.0;  ///< of the edge between the lanes of this direction and the oncoming ones
-  std::vector<int> lanes;  ///< of this direction, from the inside out
+  double inner_t_m = 0.0;        ///< of the edge between the lanes of this direction and the oncoming ones
+  std::vector<int> lanes;        ///< of this direction, from the inside out
   std::vector<unsigned> arrows;  ///< of the lanes, where they are painted and the gate leads into the junction
 };
 
@@ -52,7 +56,7 @@ Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming)
   gate.lane_width_m = roadquery::lane_width(section.right.empty() ? section.left.front() : section.right.front(), s);
   gate.inner_t_m = sign * roadquery::evaluate(road.lane_offset, s);
   gate.lanes = lanes_of_direction(road, along_s);
-  if (incoming) gate.arrows = turn_lanes(path, along_s, road.left_hand_traffic);
+  if (incoming) gate.arrows = turn_lanes(path, along_s, road.driving_side);
   if (gate.arrows.size() != gate.lanes.size()) gate.arrows.clear();
   return gate;
 }
@@ -62,19 +66,20 @@ double turn_between(const Gate& in, const Gate& out) {
 }
 
 /// Vertices of a joined junction that can be driven to from `from` on its inner pieces of way.
-std::set<int> reachable_vertices(const NetworkPlan& plan, const std::vector<std::vector<int>>& inside, int junction, int from) {
-  std::set<int> reached{from};
+std::set<VertexIndex> reachable_vertices(const NetworkPlan& plan, const std::vector<std::size_t>& inside,
+                                         VertexIndex from) {
+  std::set<VertexIndex> reached{from};
   for (bool grown = true; grown;) {
     grown = false;
-    for (const int i : inside[at(junction)]) {
-      const Stretch& stretch = plan.junctions.stretches[at(i)];
-      const Chain& chain = plan.topology.chains[at(stretch.chain)];
-      const ChainGeometry& geometry = plan.geometry[at(stretch.chain)];
+    for (const std::size_t i : inside) {
+      const Stretch& stretch = plan.junctions.stretches[i];
+      const Chain& chain = plan.topology.chains[stretch.chain];
+      const ChainGeometry& geometry = plan.geometry[stretch.chain];
       bool forward = true, backward = true;
       for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
         if (geometry.vertex_s[k] < stretch.s0 || geometry.vertex_s[k + 1] > stretch.s1) continue;
-        const ChainPiece part = chain.pieces[k];
-        if (plan.roads.paths[at(plan.topology.pieces[at(part.piece)].path)].oneway == Oneway::no) continue;
+        const DirectedPiece part = chain.pieces[k];
+        if (plan.roads.paths[plan.topology.pieces[part.piece].path].oneway == Oneway::no) continue;
         (part.reversed ? forward : backward) = false;
       }
       if (forward && reached.count(stretch.vertex0)) grown |= reached.insert(stretch.vertex1).second;
@@ -84,7 +89,7 @@ std::set<int> reachable_vertices(const NetworkPlan& plan, const std::vector<std:
   return reached;
 }
 
-/// A way from one end to another, by lanes counted from the inside (0 = innermost).
+/// How one drives from one end to another, by lanes counted from the inside (0 = innermost).
 struct Movement {
   int from = 0, to = 0;  ///< indices of ends
   double turn_rad = 0.0;
@@ -98,11 +103,12 @@ class Restrictions {
     for (const TurnRestriction& r : plan.roads.restrictions) at_node_[r.via_node].push_back(&r);
   }
   /// `vertices`: those of the junction.
-  [[nodiscard]] bool forbid(const std::vector<int>& vertices, const JunctionEnd& from, const JunctionEnd& to) const {
+  [[nodiscard]] bool forbid(const std::vector<VertexIndex>& vertices, const JunctionEnd& from,
+                            const JunctionEnd& to) const {
     if (at_node_.empty()) return false;
     const std::int64_t from_way = way_of(from), to_way = way_of(to);
-    for (const int vertex : vertices) {
-      const auto found = at_node_.find(plan_.topology.vertices[at(vertex)].osm_node);
+    for (const VertexIndex vertex : vertices) {
+      const auto found = at_node_.find(plan_.topology.vertices[vertex].osm_node);
       if (found == at_node_.end()) continue;
       for (const TurnRestriction* r : found->second)
         if (r->from_way == from_way && r->only != (r->to_way == to_way)) return true;
@@ -131,9 +137,9 @@ bool take_arrow_lanes(const std::vector<unsigned>& arrows, unsigned bits, bool m
 /// the lane next to where they go, or as many as the main way lacks (`surplus`). Arrows are no prohibition: a turn that
 /// none shows takes its lanes, too.
 void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, const Gate& out,
-                  bool left_hand_traffic) {
+                  DrivingSide driving_side) {
   const std::size_t lanes_in = in.lanes.size(), lanes_out = out.lanes.size();
-  const bool left = m.turn_rad > 0.0, inwards = left != left_hand_traffic;
+  const bool left = m.turn_rad > 0.0, inwards = left != (driving_side == DrivingSide::left);
   const bool straight = std::abs(m.turn_rad) < straight_turn_rad;
   const unsigned side = left ? turn_left : turn_right;
   const unsigned bits = main && straight ? unsigned{turn_through} : straight ? (side | turn_through) : side;
@@ -152,12 +158,12 @@ void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, c
   m.first_in = inwards ? 0 : lanes_in - m.count_in, m.first_out = inwards ? 0 : lanes_out - m.count_out;
 }
 
-/// Ways on from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
-/// `sharp` gets those that nobody drives who has a choice.
-std::vector<Movement> ways_on(const Restrictions& restrictions, const std::vector<int>& vertices,
-                              const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in,
-                              const std::vector<Gate>& out, std::size_t from, const std::set<int>& reached,
-                              std::vector<Movement>& sharp) {
+/// Movements from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
+/// `sharp` collects turns over 150 degrees; they are used only where a road has no other way in.
+std::vector<Movement> movements_from(const Restrictions& restrictions, const std::vector<VertexIndex>& vertices,
+                                     const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in,
+                                     const std::vector<Gate>& out, std::size_t from,
+                                     const std::set<VertexIndex>& reached, std::vector<Movement>& sharp) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
   for (std::size_t to = 0; to < ends.size(); ++to) {
@@ -194,9 +200,10 @@ std::vector<Movement> only_ways_in(const std::vector<Movement>& movements, const
   return only;
 }
 
-/// Every lane out of the junction is fed: where more lanes lead out than any way in brings, the outermost lane (or innermost,
-/// for what opens inside) of the straightest way in leads into the others, too.
-void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate>& out, std::vector<Movement>& movements) {
+/// Every lane out of the junction is fed: where more lanes lead out than any way in brings, the outermost lane (or
+/// innermost, for what opens inside) of the straightest way in leads into the others, too.
+void feed_all_lanes(const std::vector<JunctionEnd>& ends, const std::vector<Gate>& out,
+                    std::vector<Movement>& movements) {
   const std::size_t own = movements.size();
   for (std::size_t to = 0; to < ends.size(); ++to) {
     std::vector<bool> fed(out[to].lanes.size(), false);
@@ -226,11 +233,11 @@ std::vector<roadquery::Priority> priorities_of(const NetworkPlan& plan, const st
                                                const std::vector<Movement>& movements, const std::vector<int>& roads) {
   const auto rank = [&](const Movement& m) {
     const JunctionEnd& end = ends[at(m.from)];
-    const Stretch& stretch = plan.junctions.stretches[at(end.stretch)];
-    const std::size_t k = piece_at(plan.geometry[at(stretch.chain)], end.chain_s);
-    const int piece = plan.topology.chains[at(stretch.chain)].pieces[k].piece;
+    const Stretch& stretch = plan.junctions.stretches[end.stretch];
+    const std::size_t k = piece_at(plan.geometry[stretch.chain], end.chain_s);
+    const PieceIndex piece = plan.topology.chains[stretch.chain].pieces[k].piece;
     constexpr int ring_rank = 100;
-    return plan.topology.ring_of_piece[at(piece)] >= 0 ? ring_rank : road_rank(plan.roads.paths[at(end.path)].highway);
+    return plan.topology.ring_of_piece[piece] >= 0 ? ring_rank : road_rank(plan.roads.paths[end.path].highway);
   };
   int highest = -1;
   for (const Movement& m : movements) highest = std::max(highest, rank(m));
@@ -248,8 +255,8 @@ struct Geometry {
 
 /// Cut from the chain that runs through the junction.
 Geometry chain_through(const NetworkPlan& plan, const JunctionEnd& from, const JunctionEnd& to) {
-  const Stretch& stretch = plan.junctions.stretches[at(from.stretch)];
-  const ChainGeometry& chain = plan.geometry[at(stretch.chain)];
+  const Stretch& stretch = plan.junctions.stretches[from.stretch];
+  const ChainGeometry& chain = plan.geometry[stretch.chain];
   const bool reversed = from.at_begin;  // then the chain is driven against its direction
   double s0 = reversed ? to.chain_s : from.chain_s, s1 = reversed ? from.chain_s : to.chain_s;
   if (s1 <= s0) s1 += chain.length_m;  // a closed chain's first stretch follows its last one
@@ -261,7 +268,7 @@ Geometry chain_through(const NetworkPlan& plan, const JunctionEnd& from, const J
           reverse_profile(result.superelevation, length, -1.0), reverse_profile(result.crown, length)};
 }
 
-Geometry turning(const Gate& in, const Gate& out) {
+Geometry turn_geometry(const Gate& in, const Gate& out) {
   Geometry result;
   // Differences of UTM coordinates lose digits: work relative to the start.
   result.plan = turn({{}, in.pose.direction}, {out.pose.p - in.pose.p, out.pose.direction});
@@ -275,7 +282,7 @@ Geometry turning(const Gate& in, const Gate& out) {
 }
 
 void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const Gate& out) {
-  const double side = road.left_hand_traffic ? 1.0 : -1.0;
+  const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
   const auto inner_t = [side](const Gate& gate, std::size_t first) {
     return gate.inner_t_m + side * static_cast<double>(first) * gate.lane_width_m;
   };
@@ -292,67 +299,85 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
     if (i < m.count_in) lane.predecessor = in.lanes[m.first_in + i];
     if (i < m.count_out) lane.successor = out.lanes[m.first_out + i];
     lane.marks.push_back({0.0, "none", 0.0});
-    (road.left_hand_traffic ? section.left : section.right).push_back(std::move(lane));
+    (road.driving_side == DrivingSide::left ? section.left : section.right).push_back(std::move(lane));
   }
   road.sections.push_back(std::move(section));
 }
 
-Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends, const Movement& m,
-                     const Gate& in, const Gate& out) {
+Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends,
+                     const Movement& m, const Gate& in, const Gate& out) {
   const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
   const Road &incoming = map.roads[at(from.road)], &outgoing = map.roads[at(to.road)];
   Road road;
-  road.left_hand_traffic = plan.options.left_hand_traffic;
+  road.driving_side = plan.options.driving_side;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
   road.layer = std::abs(incoming.layer) >= std::abs(outgoing.layer) ? incoming.layer : outgoing.layer;
   road.speed_limit_mps = std::min(incoming.speed_limit_mps, outgoing.speed_limit_mps);
   road.bridge = incoming.bridge && outgoing.bridge;
   road.tunnel = incoming.tunnel && outgoing.tunnel;
   if (incoming.osm_id == outgoing.osm_id) road.osm_id = incoming.osm_id;
-  Geometry geometry = m.to == from.through ? chain_through(plan, from, to) : turning(in, out);
+  const bool through = m.to == from.through;
+  Geometry geometry = through ? chain_through(plan, from, to) : turn_geometry(in, out);
   road.plan = std::move(geometry.plan);
   road.elevation = std::move(geometry.elevation);
   road.superelevation = std::move(geometry.superelevation);
   road.length = plan_length(road.plan);
-  road.shape = crown_shape(geometry.crown, road.length);
   road.predecessor = {LinkKind::road, incoming.id, from.at_end ? ContactPoint::end : ContactPoint::start};
   road.successor = {LinkKind::road, outgoing.id, to.at_end ? ContactPoint::end : ContactPoint::start};
   add_connecting_lanes(road, m, in, out);
+  // The larger road's surface runs through the junction.
+  const bool of_incoming = road_rank(incoming.highway) >= road_rank(outgoing.highway);
+  set_material(road, surface_of(of_incoming ? incoming : outgoing), plan.options.weather);
+  add_crown(road, geometry.crown, plan.options.shape_tolerance_m,
+            through ? CrownShapeOptions{}.max_rate_jump : max_crown_rate_jump_in_turns);
   return road;
+}
+
+/// CARLA takes the number of a junction for a road's if there is a road of that number.
+void number_junctions_after_roads(RoadMap& map) {
+  const int last_road = map.roads.empty() ? 0 : map.roads.back().id;
+  for (Road& road : map.roads) {
+    if (road.junction >= 0) road.junction += last_road;
+    for (roadquery::RoadLink* link : {&road.predecessor, &road.successor})
+      if (link->kind == LinkKind::junction) link->id += last_road;
+  }
+  for (roadquery::Junction& junction : map.junctions) junction.id += last_road;
 }
 
 }  // namespace
 
-void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map) {
-  std::vector<std::vector<int>> inside(ends.size());
+std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
+                               RoadMap& map) {
+  std::vector<int> straight;
+  std::vector<std::vector<std::size_t>> inside(ends.size());
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
-    if (stretch.inside) inside[at(plan.junctions.junction_of_vertex[at(stretch.vertex0)])].push_back(static_cast<int>(i));
+    if (stretch.inside) inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
   }
   const Restrictions restrictions(plan);
-  std::vector<std::vector<int>> vertices(ends.size());
-  for (std::size_t v = 0; v < plan.junctions.junction_of_vertex.size(); ++v)
-    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[at(j)].push_back(static_cast<int>(v));
+  std::vector<std::vector<VertexIndex>> vertices(ends.size());
+  for (const VertexIndex v : plan.topology.vertices.indices())
+    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[at(j)].push_back(v);
   for (std::size_t j = 0; j < ends.size(); ++j) {
     std::vector<Gate> in, out;
     for (const JunctionEnd& end : ends[j]) {
-      const RoadPath& path = plan.roads.paths[at(end.path)];
+      const RoadPath& path = plan.roads.paths[end.path];
       in.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, true));
       out.push_back(gate_of(map.roads[at(end.road)], path, end.at_end, false));
     }
     std::vector<Movement> movements, sharp;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
-      const std::set<int> reached = reachable_vertices(plan, inside, static_cast<int>(j), ends[j][from].vertex);
-      std::vector<Movement> on = ways_on(restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
+      const std::set<VertexIndex> reached = reachable_vertices(plan, inside[j], ends[j][from].vertex);
+      std::vector<Movement> on = movements_from(restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[at(on[0].to)].lanes.size();
         choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)],
-                     plan.options.left_hand_traffic);
+                     plan.options.driving_side);
         movements.push_back(on[i]);
       }
     }
     for (Movement& m : only_ways_in(movements, sharp, ends[j].size())) {
-      choose_lanes(m, false, 0, in[at(m.from)], out[at(m.to)], plan.options.left_hand_traffic);
+      choose_lanes(m, false, 0, in[at(m.from)], out[at(m.to)], plan.options.driving_side);
       movements.push_back(m);
     }
     feed_all_lanes(ends[j], out, movements);
@@ -365,10 +390,11 @@ void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<Juncti
       roadquery::Connection connection{static_cast<int>(junction.connections.size()), road.predecessor.id, road.id,
                                        ContactPoint::start};
       const roadquery::LaneSection& section = road.sections.front();
-      for (const roadquery::Lane& lane : road.left_hand_traffic ? section.left : section.right)
+      for (const roadquery::Lane& lane : road.driving_side == DrivingSide::left ? section.left : section.right)
         if (lane.predecessor) connection.lane_links.push_back({*lane.predecessor, lane.id});
       junction.connections.push_back(std::move(connection));
       connecting.push_back(road.id);
+      if (m.to == ends[j][at(m.from)].through) straight.push_back(road.id);
       map.roads.push_back(std::move(road));
     }
     junction.priorities = priorities_of(plan, ends[j], movements, connecting);
@@ -379,6 +405,8 @@ void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<Juncti
     }
     map.junctions.push_back(std::move(junction));
   }
+  number_junctions_after_roads(map);
+  return straight;
 }
 
 }  // namespace orthodrive::network

@@ -39,44 +39,47 @@ double median(std::vector<ProfileSample> samples) {
 
 /// A road that still lacks its lanes: those depend on the roads it is linked to.
 struct Draft {
-  int path = 0;
+  std::size_t path = 0;
   bool reversed = false;  ///< the chain runs against the road
   LaneLayout layout;
   std::vector<ProfileSample> widths;
+  std::vector<roadquery::Cubic> crown;  ///< along the road; its tangent
   std::optional<RoadEndLanes> start, end;
 };
 
-const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[at(draft.path)]; }
+const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[draft.path]; }
 
-Draft draft_road(const NetworkPlan& plan, int chain, double s0, double s1, Road& road) {
-  const ChainGeometry& geometry = plan.geometry[at(chain)];
+Draft draft_road(const NetworkPlan& plan, ChainIndex chain, double s0, double s1, Road& road) {
+  const ChainGeometry& geometry = plan.geometry[chain];
   const std::size_t k = piece_at(geometry, 0.5 * (s0 + s1));
-  const ChainPiece part = plan.topology.chains[at(chain)].pieces[k];
-  Draft draft{plan.topology.pieces[at(part.piece)].path, part.reversed, {}, widths_between(geometry, k, s0, s1), {}, {}};
+  const DirectedPiece part = plan.topology.chains[chain].pieces[k];
+  Draft draft{
+      plan.topology.pieces[part.piece].path, part.reversed, {}, widths_between(geometry, k, s0, s1), {}, {}, {}};
   const RoadPath& path = path_of(plan, draft);
-  draft.layout = lane_layout(path, median(geometry.widths[k]), plan.options.left_hand_traffic);
+  draft.layout = lane_layout(path, median(geometry.widths[k]), plan.options.driving_side);
 
   road.name = path.name;
-  road.left_hand_traffic = plan.options.left_hand_traffic;
+  road.driving_side = plan.options.driving_side;
   road.osm_id = std::to_string(path.osm_id);
   road.highway = path.highway;
   road.layer = path.layer, road.bridge = path.bridge, road.tunnel = path.tunnel;
-  road.speed_limit_mps = (path.speed_limit_kmh > 0.0 ? path.speed_limit_kmh : default_speed_limit_kmh(path.highway)) / kmh_per_mps;
+  road.speed_limit_mps =
+      (path.speed_limit_kmh > 0.0 ? path.speed_limit_kmh : default_speed_limit_kmh(path.highway)) / kmh_per_mps;
   road.plan = slice_plan(geometry.plan, s0, s1);
   road.length = plan_length(road.plan);
   road.elevation = slice_profile(geometry.elevation, s0, s1);
   road.superelevation = slice_profile(geometry.superelevation, s0, s1);
-  std::vector<roadquery::Cubic> crown = slice_profile(geometry.crown, s0, s1);
+  draft.crown = slice_profile(geometry.crown, s0, s1);
   if (part.reversed) {
     road.plan = reverse_plan(road.plan);
     road.elevation = reverse_profile(road.elevation, road.length);
     road.superelevation = reverse_profile(road.superelevation, road.length, -1.0);
-    crown = reverse_profile(crown, road.length);
+    draft.crown = reverse_profile(draft.crown, road.length);
     std::reverse(draft.widths.begin(), draft.widths.end());
     for (ProfileSample& sample : draft.widths) sample.s = (s1 - s0) - sample.s;
   }
-  road.shape = crown_shape(crown, road.length);
-  const double left = plan.options.left_hand_traffic ? -1.0 : 1.0;  // the inner edge of a one-way road's lanes
+  const double left =
+      plan.options.driving_side == DrivingSide::left ? -1.0 : 1.0;  // the inner edge of a one-way road's lanes
   road.plan =
       divide_slivers(std::move(road.plan), path.oneway == Oneway::forward ? left * 0.5 * median(draft.widths) : 0.0);
   return draft;
@@ -106,9 +109,9 @@ OpenLanes& open_lanes(RoadEndLanes& lanes, bool left) { return left ? lanes.left
 
 /// Lanes for the oncoming side's turns at the far end of the road that these lanes drive: they open inside.
 int inner_turn_lanes(const NetworkPlan& plan, const Draft& draft, bool forward) {
-  const unsigned inner = plan.options.left_hand_traffic ? turn_right : turn_left;
+  const unsigned inner = plan.options.driving_side == DrivingSide::left ? turn_right : turn_left;
   int count = 0;
-  for (const unsigned bits : turn_lanes(path_of(plan, draft), forward, plan.options.left_hand_traffic)) {
+  for (const unsigned bits : turn_lanes(path_of(plan, draft), forward, plan.options.driving_side)) {
     if (bits != inner) break;
     ++count;
   }
@@ -118,9 +121,9 @@ int inner_turn_lanes(const NetworkPlan& plan, const Draft& draft, bool forward) 
 /// Settles which lanes are open where two roads are linked, in both directions.
 void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool b_at_end) {
   RoadEndLanes open_a, open_b;
-  const bool lht = plan.options.left_hand_traffic;
-  // Lanes on the left of road s run against s in right-hand traffic.
-  const auto side_is_left = [lht](bool forward) { return forward == lht; };
+  // Lanes on the left of road s run against s where one drives on the right.
+  const bool left_is_forward = plan.options.driving_side == DrivingSide::left;
+  const auto side_is_left = [&](bool forward) { return forward == left_is_forward; };
   for (const bool out_of_a : {true, false}) {
     const bool a_left = side_is_left(out_of_a == a_at_end), b_left = side_is_left(out_of_a != b_at_end);
     const int n_a = a_left ? a.layout.left : a.layout.right, n_b = b_left ? b.layout.left : b.layout.right;
@@ -136,7 +139,8 @@ void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool
 }
 
 /// Links the open lanes of a side to those of the other road, and the walks beside them.
-void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, bool b_at_end, bool b_left, OpenLanes open_b) {
+void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, bool b_at_end, bool b_left,
+               OpenLanes open_b) {
   using roadquery::Lane, roadquery::LaneType;
   std::vector<Lane>& lanes_a = a_left ? a.sections.front().left : a.sections.front().right;
   std::vector<Lane>& lanes_b = b_left ? b.sections.front().left : b.sections.front().right;
@@ -158,16 +162,17 @@ void link_roads(RoadMap& map, RoadEnd a, const Draft& draft_a, RoadEnd b, const 
   set_link(map, a, {LinkKind::road, map.roads[at(b.road)].id, contact(b)});
   set_link(map, b, {LinkKind::road, map.roads[at(a.road)].id, contact(a)});
   if (!(a.at_end ? draft_a.end : draft_a.start)) return;
-  const RoadEndLanes &open_a = a.at_end ? *draft_a.end : *draft_a.start, &open_b = b.at_end ? *draft_b.end : *draft_b.start;
+  const RoadEndLanes &open_a = a.at_end ? *draft_a.end : *draft_a.start,
+                     &open_b = b.at_end ? *draft_b.end : *draft_b.start;
   for (const bool a_left : {true, false}) {
     const bool b_left = a_left == (a.at_end != b.at_end);
-    link_side(map.roads[at(a.road)], a.at_end, a_left, a_left ? open_a.left : open_a.right, map.roads[at(b.road)], b.at_end,
-              b_left, b_left ? open_b.left : open_b.right);
+    link_side(map.roads[at(a.road)], a.at_end, a_left, a_left ? open_a.left : open_a.right, map.roads[at(b.road)],
+              b.at_end, b_left, b_left ? open_b.left : open_b.right);
   }
 }
 
-/// Lanes and direct links of the roads of a stretch, `drafts` in the order along the chain; a ring's last one leads into
-/// its first.
+/// Lanes and direct links of the roads of a stretch, `drafts` in the order along the chain; a ring's last one leads
+/// into its first.
 void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, std::vector<Draft>& drafts, bool ring) {
   const std::size_t joints = drafts.size() - (ring ? 0 : 1);
   const auto next = [&](std::size_t k) { return (k + 1) % drafts.size(); };
@@ -176,77 +181,110 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
   for (std::size_t k = 0; k < drafts.size(); ++k) {
     const Draft& draft = drafts[k];
     const RoadPath& path = path_of(plan, draft);
-    add_lanes(map.roads[at(first_road) + k], draft.layout, draft.widths,
+    Road& road = map.roads[at(first_road) + k];
+    add_lanes(road, draft.layout, draft.widths,
               {plan.options.width_tolerance_m, path.sidewalk, path.shoulder, draft.start, draft.end});
+    set_material(road, path.known_surface.surface, plan.options.weather);
+    add_crown(road, draft.crown, plan.options.shape_tolerance_m);
   }
   for (std::size_t k = 0; k < joints; ++k)
     link_roads(map, {first_road + static_cast<int>(k), !drafts[k].reversed}, drafts[k],
                {first_road + static_cast<int>(next(k)), drafts[next(k)].reversed}, drafts[next(k)]);
 }
 
+/// The roads of one stretch, along its chain.
+struct StretchRoads {
+  RoadEnd begin, end;  ///< where the stretch begins and ends
+  std::size_t first_path = 0, last_path = 0;
+};
+
+StretchRoads add_stretch(const NetworkPlan& plan, const Stretch& stretch, const std::vector<double>& cuts, RoadMap& map,
+                         std::set<std::size_t>& told, Findings& findings) {
+  const int first_road = static_cast<int>(map.roads.size());
+  std::vector<Draft> drafts;
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+    map.roads.emplace_back();
+    drafts.push_back(draft_road(plan, stretch.chain, cuts[k], cuts[k + 1], map.roads.back()));
+    map.roads.back().id = static_cast<int>(map.roads.size());
+    if (drafts.back().layout.reduced && told.insert(drafts.back().path).second)
+      report_reduced_lanes(path_of(plan, drafts.back()), drafts.back(), findings);
+  }
+  add_stretch_lanes(plan, map, first_road, drafts, plan.geometry[stretch.chain].closed && !stretch.vertex0);
+  const int last_road = static_cast<int>(map.roads.size()) - 1;
+  return {{first_road, drafts.front().reversed},
+          {last_road, !drafts.back().reversed},
+          drafts.front().path,
+          drafts.back().path};
+}
+
+/// The ends at every junction, and between which of them a chain runs on.
+class JunctionEnds {
+ public:
+  explicit JunctionEnds(const NetworkPlan& plan) : plan_(plan), ends_(at(plan.junctions.junctions)) {}
+
+  /// Stretches in order, each with its roads.
+  void add(std::size_t index, const std::vector<double>& cuts, const StretchRoads& roads) {
+    const Stretch& stretch = plan_.junctions.stretches[index];
+    begin_chain(stretch.chain);
+    if (stretch.vertex0) {
+      const EndInJunction begin =
+          add_end({roads.begin.road, roads.begin.at_end, stretch.vertex0, index, true, cuts.front(), roads.first_path});
+      if (left_.end >= 0)
+        connect(left_, begin);
+      else
+        first_ = begin;
+    }
+    left_ = {};
+    if (stretch.vertex1)
+      left_ = add_end({roads.end.road, roads.end.at_end, stretch.vertex1, index, false, cuts.back(), roads.last_path});
+  }
+  std::vector<std::vector<JunctionEnd>> take() {
+    close_chain();
+    return std::move(ends_);
+  }
+
+ private:
+  struct EndInJunction {
+    int junction = -1, end = -1;
+  };
+  void begin_chain(ChainIndex chain) {
+    if (chain == chain_) return;
+    close_chain();
+    chain_ = chain, left_ = first_ = {};
+  }
+  void close_chain() {
+    if (chain_ && plan_.geometry[chain_].closed && left_.end >= 0 && first_.end >= 0) connect(first_, left_);
+  }
+  EndInJunction add_end(const JunctionEnd& end) {
+    const int junction = plan_.junctions.junction_of_vertex[end.vertex];
+    ends_[at(junction)].push_back(end);
+    return {junction, static_cast<int>(ends_[at(junction)].size()) - 1};
+  }
+  void connect(EndInJunction a, EndInJunction b) {
+    std::vector<JunctionEnd>& junction = ends_[at(b.junction)];
+    junction[at(a.end)].through = b.end;
+    junction[at(b.end)].through = a.end;
+  }
+
+  const NetworkPlan& plan_;
+  std::vector<std::vector<JunctionEnd>> ends_;
+  ChainIndex chain_;
+  // The chain runs on from the end that it left last into the next one; a closed chain's last end into its first.
+  EndInJunction left_, first_;
+};
+
 }  // namespace
 
 std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
-  std::set<int> told;  // paths whose lanes were reduced
-  const std::vector<std::vector<double>> all_cuts = cut_roads(plan.roads, plan.topology, plan.geometry, plan.junctions, plan.options.left_hand_traffic);
-  std::vector<std::vector<JunctionEnd>> ends(at(plan.junctions.junctions));
-  const auto add_end = [&](int vertex, JunctionEnd end) {
-    end.vertex = vertex;
-    std::vector<JunctionEnd>& junction = ends[at(plan.junctions.junction_of_vertex[at(vertex)])];
-    junction.push_back(end);
-    return static_cast<int>(junction.size()) - 1;
-  };
-  const auto connect_through = [&](int vertex, int a, int b) {
-    std::vector<JunctionEnd>& junction = ends[at(plan.junctions.junction_of_vertex[at(vertex)])];
-    junction[at(a)].through = b;
-    junction[at(b)].through = a;
-  };
-
-  // The ends between which a chain runs through a junction: the last one that was left, and the very first one for
-  // closed chains.
-  struct Open {
-    int vertex = -1, end = -1;
-  };
-  Open left, first;
-  int chain = -1;
-  const auto close_chain = [&] {
-    if (chain >= 0 && plan.geometry[at(chain)].closed && left.end >= 0 && first.end >= 0)
-      connect_through(left.vertex, left.end, first.end);
-  };
+  std::set<std::size_t> told;  // paths whose lanes were reduced
+  const std::vector<std::vector<double>> cuts =
+      cut_roads(plan.roads, plan.topology, plan.geometry, plan.junctions, plan.options.driving_side);
+  JunctionEnds ends(plan);
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
-    if (stretch.chain != chain) {
-      close_chain();
-      chain = stretch.chain, left = first = {};
-    }
-    if (stretch.inside) continue;
-    const ChainGeometry& geometry = plan.geometry[at(chain)];
-    const std::vector<double>& cuts = all_cuts[i];
-    const int first_road = static_cast<int>(map.roads.size());
-    std::vector<Draft> drafts;
-    for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-      map.roads.emplace_back();
-      drafts.push_back(draft_road(plan, chain, cuts[k], cuts[k + 1], map.roads.back()));
-      map.roads.back().id = static_cast<int>(map.roads.size());
-      if (drafts.back().layout.reduced && told.insert(drafts.back().path).second)
-        report_reduced_lanes(path_of(plan, drafts.back()), drafts.back(), findings);
-    }
-    add_stretch_lanes(plan, map, first_road, drafts, geometry.closed && stretch.vertex0 < 0);
-    const int last_road = static_cast<int>(map.roads.size()) - 1;
-    const RoadEnd begin{first_road, drafts.front().reversed}, end{last_road, !drafts.back().reversed};
-
-    const int index = static_cast<int>(i);
-    if (stretch.vertex0 >= 0) {
-      const int e = add_end(stretch.vertex0, {begin.road, begin.at_end, 0, index, true, cuts.front(), drafts.front().path});
-      if (left.end >= 0) connect_through(stretch.vertex0, left.end, e);
-      else first = {stretch.vertex0, e};
-    }
-    left = {};
-    if (stretch.vertex1 >= 0)
-      left = {stretch.vertex1, add_end(stretch.vertex1, {end.road, end.at_end, 0, index, false, cuts.back(), drafts.back().path})};
+    if (!stretch.inside) ends.add(i, cuts[i], add_stretch(plan, stretch, cuts[i], map, told, findings));
   }
-  close_chain();
-  return ends;
+  return ends.take();
 }
 
 }  // namespace orthodrive::network

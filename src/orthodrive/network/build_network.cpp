@@ -7,7 +7,9 @@
 #include <set>
 
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/network/junction_surface.hpp"
 #include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/rings.hpp"
 #include "orthodrive/network/road_parts.hpp"
 #include "orthodrive/network/roundabouts.hpp"
 
@@ -23,8 +25,10 @@ void set_bounds(roadquery::RoadMap& map) {
   for (const roadquery::Road& road : map.roads)
     for (double s = 0.0; s <= road.length; s += margin_m) {
       const Vec2 p = pose_at(road.plan, s).p;
-      map.west = std::min(map.west, std::floor(p.x - margin_m)), map.east = std::max(map.east, std::ceil(p.x + margin_m));
-      map.south = std::min(map.south, std::floor(p.y - margin_m)), map.north = std::max(map.north, std::ceil(p.y + margin_m));
+      map.west = std::min(map.west, std::floor(p.x - margin_m)),
+      map.east = std::max(map.east, std::ceil(p.x + margin_m));
+      map.south = std::min(map.south, std::floor(p.y - margin_m)),
+      map.north = std::max(map.north, std::ceil(p.y + margin_m));
     }
 }
 
@@ -35,25 +39,29 @@ void report_lost_ways(const RoadNetwork& roads, const roadquery::RoadMap& map, F
     if (road.junction < 0) kept.insert(road.osm_id);
   for (const RoadPath& path : roads.paths)
     if (!path.nodes.empty() && kept.count(std::to_string(path.osm_id)) == 0)
-      findings.push_back({Severity::info, "network.way_in_junction",
-                          fmt::format("way {} ({}) is so short that it lies inside a junction and has no road of its own",
-                                      path.osm_id, path.highway),
-                          path.nodes.front().p.x, path.nodes.front().p.y});
+      findings.push_back(
+          {Severity::info, "network.way_in_junction",
+           fmt::format("way {} ({}) is so short that it lies inside a junction and has no road of its own", path.osm_id,
+                       path.highway),
+           path.nodes.front().p.x, path.nodes.front().p.y});
 }
 
 /// Junctions that are drivable but rarely are what they seem: a square drawn as one point, or an error of the map.
-void report_many_roads(const std::vector<std::vector<JunctionEnd>>& ends, const roadquery::RoadMap& map, Findings& findings) {
+void report_many_roads(const std::vector<std::vector<JunctionEnd>>& ends, const roadquery::RoadMap& map,
+                       Findings& findings) {
   constexpr std::size_t usual_roads = 6;
   for (const std::vector<JunctionEnd>& junction : ends) {
     if (junction.size() <= usual_roads) continue;
     Vec2 middle;
     for (const JunctionEnd& end : junction) {
       const roadquery::Road& road = map.roads[static_cast<std::size_t>(end.road)];
-      middle = middle + pose_at(road.plan, end.at_end ? road.length : 0.0).p * (1.0 / static_cast<double>(junction.size()));
+      middle =
+          middle + pose_at(road.plan, end.at_end ? road.length : 0.0).p * (1.0 / static_cast<double>(junction.size()));
     }
-    findings.push_back({Severity::info, "network.many_roads",
-                        fmt::format("{} roads meet in one junction, every allowed movement crosses it straight", junction.size()),
-                        middle.x, middle.y});
+    findings.push_back(
+        {Severity::info, "network.many_roads",
+         fmt::format("{} roads meet in one junction, every allowed movement crosses it straight", junction.size()),
+         middle.x, middle.y});
   }
 }
 
@@ -67,16 +75,16 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   progress(0.0);
   RoadNetwork roads = assume_roundabouts(
       close_roundabouts(with_lane_room(with_heights(input, result.findings), result.findings), result.findings),
-      options.left_hand_traffic, result.findings);
-  Topology topology = build_topology(roads, options.left_hand_traffic, result.findings);
-  smooth_rings(roads, topology);
-  const std::vector<std::vector<PieceNode>> pieces = join_pieces(roads, topology, result.findings);
+      options.driving_side, result.findings);
+  Topology topology = build_topology(roads, options.driving_side, result.findings);
+  smooth_rings(topology.ring_of_piece, roads, topology);
+  const PieceLines pieces = join_pieces(roads, topology, result.findings);
 
-  std::vector<ChainGeometry> geometry(topology.chains.size());
+  ChainGeometries geometry(topology.chains.size());
   const FitChainOptions fit{options.plan_tolerance_m, options.elevation_tolerance_m, options.banking_tolerance_rad};
   parallel_for(
       geometry.size(), options.threads,
-      [&](std::size_t i) { geometry[i] = fit_chain(topology.chains[i], pieces, fit); },
+      [&](std::size_t i) { geometry[ChainIndex(i)] = fit_chain(topology.chains[ChainIndex(i)], pieces, fit); },
       [&](std::size_t done) { progress(0.7 * static_cast<double>(done) / static_cast<double>(geometry.size())); });
   for (const ChainGeometry& chain : geometry) {
     result.max_plan_deviation_m = std::max(result.max_plan_deviation_m, chain.max_plan_deviation_m);
@@ -93,7 +101,9 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
   const NetworkPlan plan{roads, topology, geometry, junctions, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
-  add_junctions(plan, ends, result.map);
+  const std::vector<int> straight = add_junctions(plan, ends, result.map);
+  if (options.junction_surfaces)
+    result.junction_surfaces = add_junction_surfaces(result.map, straight, {.threads = options.threads});
   report_many_roads(ends, result.map, result.findings);
   set_bounds(result.map);
   report_lost_ways(roads, result.map, result.findings);

@@ -24,12 +24,13 @@ struct ChainGeometry {
   [[nodiscard]] bool empty() const { return plan.empty(); }  ///< a chain shorter than 0.25 m
 };
 
+using ChainGeometries = Table<ChainIndex, ChainGeometry>;
+
 struct FitChainOptions {
   double plan_tolerance_m = 0.0, elevation_tolerance_m = 0.0, banking_tolerance_rad = 0.0;  ///< see BuildNetworkOptions
 };
 
-[[nodiscard]] ChainGeometry fit_chain(const Chain& chain, const std::vector<std::vector<PieceNode>>& pieces,
-                                      const FitChainOptions& options);
+[[nodiscard]] ChainGeometry fit_chain(const Chain& chain, const PieceLines& pieces, const FitChainOptions& options);
 
 /// Carriageway width at s; s beyond one round of a closed chain is wrapped.
 [[nodiscard]] double width_at(const ChainGeometry& geometry, double s);

@@ -10,20 +10,18 @@
 namespace orthodrive::network {
 namespace {
 
-constexpr double fade_m = 30.0;          // a height step of 0.3 m at a joint becomes a slope of 1 in 100 (1.5 in 100 at most)
-constexpr double notable_step_m = 0.5;   // steps between the ends of a vertex that deserve a finding
+constexpr double fade_m = 30.0;  // a height step of 0.3 m at a joint becomes a slope of 1 in 100 (1.5 in 100 at most)
+constexpr double notable_step_m = 0.5;  // steps between the ends of a vertex that deserve a finding
 constexpr double min_spacing_m = 0.25;
-constexpr double max_spacing_m = 3.0;    // refine resamples to 2 m; coarser lines are filled up along their chords
-constexpr double inner_radius_m = 2.5;   // the inner edge of a bend keeps at least this radius
+constexpr double max_spacing_m = 3.0;   // refine resamples to 2 m; coarser lines are filled up along their chords
+constexpr double inner_radius_m = 2.5;  // the inner edge of a bend keeps at least this radius
 constexpr int easing_passes = 200, max_easing_rounds = 20;
 constexpr double eased_spacing_m = 1.5;  // nodes that easing drew nearer together are thinned out
 constexpr double max_easing_m = 8.0;     // a node moves no further; what is sharper then stays sharp (a finding)
 constexpr double notable_easing_m = 0.05, reported_easing_m = 1.0;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-PieceNode& end_node(std::vector<std::vector<PieceNode>>& pieces, PieceEnd end) {
-  std::vector<PieceNode>& nodes = pieces[at(end.piece)];
+PieceNode& end_node(PieceLines& pieces, PieceEnd end) {
+  std::vector<PieceNode>& nodes = pieces[end.piece];
   return end.at_last ? nodes.back() : nodes.front();
 }
 
@@ -42,11 +40,11 @@ void fade_in(std::vector<PieceNode>& nodes, bool at_last, const PieceNode& corre
   }
 }
 
-std::vector<PieceNode> piece_nodes(const RoadPath& path, const Piece& piece) {
+std::vector<PieceNode> piece_nodes(const RoadPath& path, const PathPiece& piece) {
   std::vector<PieceNode> nodes;
   double s = 0.0;
-  for (int i = piece.first; i <= piece.last; ++i) {
-    const RoadNode& node = path.nodes[at(i)];
+  for (std::size_t i = piece.first; i <= piece.last; ++i) {
+    const RoadNode& node = path.nodes[i];
     if (!nodes.empty()) s += distance(nodes.back().p, node.p);
     nodes.push_back({node.p, s, node.z_m, node.banking, node.width_m, node.crown});
   }
@@ -59,24 +57,27 @@ std::vector<std::array<PieceEnd, 2>> through_pairs(const Topology& topology) {
   for (const Chain& chain : topology.chains)
     for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
       if (k + 1 == chain.pieces.size() && !chain.closed) continue;
-      const ChainPiece a = chain.pieces[k], b = chain.pieces[(k + 1) % chain.pieces.size()];
+      const DirectedPiece a = chain.pieces[k], b = chain.pieces[(k + 1) % chain.pieces.size()];
       pairs.push_back({PieceEnd{a.piece, !a.reversed}, PieceEnd{b.piece, b.reversed}});
     }
   return pairs;
 }
 
-ChainLine concatenate(const Chain& chain, const std::vector<std::vector<PieceNode>>& pieces) {
+ChainLine concatenate(const Chain& chain, const PieceLines& pieces) {
   ChainLine line;
-  for (const ChainPiece part : chain.pieces) {
-    std::vector<PieceNode> nodes = pieces[at(part.piece)];
+  for (const DirectedPiece part : chain.pieces) {
+    std::vector<PieceNode> nodes = pieces[part.piece];
     if (part.reversed) {
       std::reverse(nodes.begin(), nodes.end());
       for (PieceNode& node : nodes) node.banking = -node.banking;
     }
-    if (line.nodes.empty()) line.joint.push_back(0);
-    else line.nodes.back().width_after_m = nodes.front().width_m;
+    if (line.nodes.empty())
+      line.joint.push_back(0);
+    else
+      line.nodes.back().width_after_m = nodes.front().width_m;
     for (std::size_t i = line.nodes.empty() ? 0 : 1; i < nodes.size(); ++i)
-      line.nodes.push_back({nodes[i].p, nodes[i].z_m, nodes[i].banking, nodes[i].width_m, nodes[i].width_m, nodes[i].crown});
+      line.nodes.push_back(
+          {nodes[i].p, nodes[i].z_m, nodes[i].banking, nodes[i].width_m, nodes[i].width_m, nodes[i].crown});
     line.joint.push_back(line.nodes.size() - 1);
   }
   if (chain.closed) {
@@ -91,10 +92,10 @@ ChainLine concatenate(const Chain& chain, const std::vector<std::vector<PieceNod
 void drop_near_nodes(ChainLine& line) {
   std::vector<bool> is_joint(line.nodes.size(), false), kept_is_joint;
   for (const std::size_t joint : line.joint) is_joint[joint] = true;
-  std::vector<ChainNode> kept;
+  std::vector<ChainLineNode> kept;
   std::vector<std::size_t> new_index;
   for (std::size_t i = 0; i < line.nodes.size(); ++i) {
-    const ChainNode& node = line.nodes[i];
+    const ChainLineNode& node = line.nodes[i];
     if (kept.empty() || distance(kept.back().p, node.p) >= min_spacing_m) {
       kept.push_back(node);
       kept_is_joint.push_back(is_joint[i]);
@@ -111,16 +112,17 @@ void drop_near_nodes(ChainLine& line) {
 }
 
 void fill_gaps(ChainLine& line) {
-  std::vector<ChainNode> filled{line.nodes.front()};
+  std::vector<ChainLineNode> filled{line.nodes.front()};
   std::vector<std::size_t> new_index{0};
   for (std::size_t i = 1; i < line.nodes.size(); ++i) {
-    const ChainNode &a = line.nodes[i - 1], &b = line.nodes[i];
+    const ChainLineNode &a = line.nodes[i - 1], &b = line.nodes[i];
     const int steps = static_cast<int>(std::ceil(distance(a.p, b.p) / max_spacing_m - 1e-9));
     for (int k = 1; k < steps; ++k) {
       const double x = static_cast<double>(k) / steps;
       const auto mix = [x](double u, double v) { return u + (v - u) * x; };
       const double width = mix(a.width_after_m, b.width_before_m);
-      filled.push_back({a.p + (b.p - a.p) * x, mix(a.z_m, b.z_m), mix(a.banking, b.banking), width, width, mix(a.crown, b.crown)});
+      filled.push_back(
+          {a.p + (b.p - a.p) * x, mix(a.z_m, b.z_m), mix(a.banking, b.banking), width, width, mix(a.crown, b.crown)});
     }
     filled.push_back(b);
     new_index.push_back(filled.size() - 1);
@@ -135,13 +137,13 @@ double turn_at(Vec2 a, Vec2 b, Vec2 c) { return std::abs(std::atan2(cross(b - a,
 class BendEasing {
  public:
   BendEasing(ChainLine& line, bool closed) : line_(line), closed_(closed) {
-    for (const ChainNode& node : line.nodes) original_.push_back(node.p);
+    for (const ChainLineNode& node : line.nodes) original_.push_back(node.p);
   }
 
   /// Moves nodes of too sharp bends towards the chord of their neighbours until the circle through the three is wide
   /// enough. False: some are still too sharp.
   bool ease() {
-    std::vector<ChainNode>& nodes = line_.nodes;
+    std::vector<ChainLineNode>& nodes = line_.nodes;
     bool sharp = true;
     for (int pass = 0; pass < easing_passes && sharp; ++pass) {
       sharp = false;
@@ -204,7 +206,7 @@ class BendEasing {
 
  private:
   [[nodiscard]] bool too_sharp(std::size_t before, std::size_t i, std::size_t after) const {
-    const std::vector<ChainNode>& nodes = line_.nodes;
+    const std::vector<ChainLineNode>& nodes = line_.nodes;
     const Vec2 a = nodes[before].p, b = nodes[i].p, c = nodes[after].p;
     const double min_radius = 0.25 * (nodes[i].width_before_m + nodes[i].width_after_m) + inner_radius_m;
     return turn_at(a, b, c) * min_radius > 0.5 * (distance(a, b) + distance(b, c));
@@ -259,17 +261,17 @@ RoadNetwork with_heights(RoadNetwork roads, Findings& findings) {
   }
   if (flat > 0)
     findings.push_back({Severity::warning, "network.no_heights",
-                        fmt::format("{} of {} paths have no heights and lie flat at z = 0; run the elevate stage first", flat,
-                                    roads.paths.size()),
+                        fmt::format("{} of {} paths have no heights and lie flat at z = 0; run the elevate stage first",
+                                    flat, roads.paths.size()),
                         where.x, where.y});
   return roads;
 }
 
-std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const Topology& topology, Findings& findings) {
-  std::vector<std::vector<PieceNode>> pieces;
-  for (const Piece& piece : topology.pieces) pieces.push_back(piece_nodes(roads.paths[at(piece.path)], piece));
-  std::vector<std::array<PieceNode, 2>> correction(pieces.size());  // at the first and last node
-  const auto correction_of = [&](PieceEnd end) -> PieceNode& { return correction[at(end.piece)][end.at_last ? 1 : 0]; };
+PieceLines join_pieces(const RoadNetwork& roads, const Topology& topology, Findings& findings) {
+  PieceLines pieces;
+  for (const PathPiece& piece : topology.pieces) pieces.push_back(piece_nodes(roads.paths[piece.path], piece));
+  Table<PieceIndex, std::array<PieceNode, 2>> correction(pieces.size());  // at the first and last node
+  const auto correction_of = [&](PieceEnd end) -> PieceNode& { return correction[end.piece][end.at_last ? 1 : 0]; };
 
   for (const Vertex& vertex : topology.vertices) {
     double z = 0.0, low = INFINITY, high = -INFINITY, apart = 0.0;
@@ -284,10 +286,11 @@ std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const 
       correction_of(end).z_m = z - end_node(pieces, end).z_m;
     }
     if (high - low > notable_step_m || apart > 2.0 * notable_step_m)
-      findings.push_back({Severity::info, "network.ends_apart",
-                          fmt::format("{} road ends that meet lie up to {:.2f} m apart in height and {:.2f} m from their mean",
-                                      vertex.ends.size(), std::max(0.0, high - low), apart),
-                          vertex.p.x, vertex.p.y});
+      findings.push_back(
+          {Severity::info, "network.ends_apart",
+           fmt::format("{} road ends that meet lie up to {:.2f} m apart in height and {:.2f} m from their mean",
+                       vertex.ends.size(), std::max(0.0, high - low), apart),
+           vertex.p.x, vertex.p.y});
   }
   for (const auto& [a, b] : through_pairs(topology)) {
     const PieceNode &na = end_node(pieces, a), &nb = end_node(pieces, b);
@@ -296,13 +299,13 @@ std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const 
     correction_of(a).banking = banking - na.banking;
     correction_of(b).banking = sign * banking - nb.banking;
     correction_of(a).crown = 0.5 * (nb.crown - na.crown), correction_of(b).crown = 0.5 * (na.crown - nb.crown);
-    const Piece& piece = topology.pieces[at(a.piece)];
-    if (topology.vertices[at(a.at_last ? piece.last_vertex : piece.first_vertex)].is_junction()) continue;
+    const PathPiece& piece = topology.pieces[a.piece];
+    if (topology.vertices[a.at_last ? piece.last_vertex : piece.first_vertex].is_junction()) continue;
     const double width = 0.5 * (na.width_m + nb.width_m);
     correction_of(a).width_m = width - na.width_m;
     correction_of(b).width_m = width - nb.width_m;
   }
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
+  for (const PieceIndex i : pieces.indices()) {
     // Both computed from the untouched ends: over a piece longer than zero neither reaches the other end.
     fade_in(pieces[i], false, correction[i][0]);
     fade_in(pieces[i], true, correction[i][1]);
@@ -310,8 +313,7 @@ std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const 
   return pieces;
 }
 
-ChainLine chain_line(const Chain& chain, const std::vector<std::vector<PieceNode>>& pieces, int& eased,
-                     Findings& findings) {
+ChainLine chain_line(const Chain& chain, const PieceLines& pieces, int& eased, Findings& findings) {
   ChainLine line = concatenate(chain, pieces);
   drop_near_nodes(line);
   if (line.nodes.size() < 2) return line;

@@ -9,7 +9,7 @@
 namespace orthodrive::network {
 
 /// One place along a chain, directions along the chain.
-struct ChainNode {
+struct ChainLineNode {
   Vec2 p;
   double z_m = 0.0;
   double banking = 0.0;  ///< rad, positive = left side (seen along the chain) higher
@@ -19,26 +19,25 @@ struct ChainNode {
 };
 
 struct ChainLine {
-  std::vector<ChainNode> nodes;    ///< closed chains end with a copy of the first node
-  std::vector<std::size_t> joint;  ///< node index of every vertex along the chain: pieces + 1
+  std::vector<ChainLineNode> nodes;  ///< closed chains end with a copy of the first node
+  std::vector<std::size_t> joint;    ///< node index of every vertex along the chain: pieces + 1
 };
 
 /// Heights of paths without any become 0 (a finding), single missing ones are interpolated along their path.
 [[nodiscard]] RoadNetwork with_heights(RoadNetwork roads, Findings& findings);
 
 /// Nodes of every piece, in path direction, with their ends moved to where the pieces of a vertex meet: position and
-/// height at all vertices; banking and crown where the chain goes on; width where two pieces are linked. The corrections fade out
-/// smoothly over 30 m.
+/// height at all vertices; banking and crown where the chain goes on; width where two pieces are linked. The
+/// corrections fade out smoothly over 30 m.
 struct PieceNode {
   Vec2 p;
   double s = 0.0, z_m = 0.0, banking = 0.0, width_m = 0.0, crown = 0.0;
 };
-[[nodiscard]] std::vector<std::vector<PieceNode>> join_pieces(const RoadNetwork& roads, const Topology& topology,
-                                                              Findings& findings);
+using PieceLines = Table<PieceIndex, std::vector<PieceNode>>;
+[[nodiscard]] PieceLines join_pieces(const RoadNetwork& roads, const Topology& topology, Findings& findings);
 
 /// Concatenates the pieces, drops nodes nearer than 0.25 m to their neighbour, fills gaps to 3 m and eases bends whose
 /// radius is below half the width plus 1 m. `eased` counts the nodes moved by more than 5 cm.
-[[nodiscard]] ChainLine chain_line(const Chain& chain,
-                                   const std::vector<std::vector<PieceNode>>& pieces, int& eased, Findings& findings);
+[[nodiscard]] ChainLine chain_line(const Chain& chain, const PieceLines& pieces, int& eased, Findings& findings);
 
 }  // namespace orthodrive::network

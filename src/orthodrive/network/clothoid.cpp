@@ -5,11 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/math/tridiagonal.hpp"
+
 namespace orthodrive::network {
 namespace {
 
-// Gauss-Legendre quadrature with 6 points on [-1, 1] (Abramowitz and Stegun, table 25.4). Over a panel that turns by 0.5
-// rad at its sharper end's curvature its error is below 2e-12 of the panel's length, whatever the rate.
+// Gauss-Legendre quadrature with 6 points on [-1, 1] (Abramowitz and Stegun, table 25.4). Over a panel that turns by
+// 0.5 rad at its sharper end's curvature its error is below 2e-12 of the panel's length, whatever the rate.
 constexpr std::array<double, 6> gauss_node = {-0.9324695142031521, -0.6612093864662645, -0.2386191860831969,
                                               0.2386191860831969,  0.6612093864662645,  0.9324695142031521};
 constexpr std::array<double, 6> gauss_weight = {0.1713244923791704, 0.3607615730481386, 0.4679139345726910,
@@ -25,7 +27,8 @@ TangentMoments panel_moments(double heading, double curvature, double rate, doub
   TangentMoments m;
   for (std::size_t i = 0; i < gauss_node.size(); ++i) {
     const double v = half * gauss_node[i], turn = v * (k + 0.5 * rate * v), t2 = turn * turn;
-    const double cos_turn = 1.0 - t2 / 2.0 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0 * (1.0 - t2 / 90.0))));
+    const double cos_turn =
+        1.0 - t2 / 2.0 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0 * (1.0 - t2 / 90.0))));
     const double sin_turn = turn * (1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0 * (1.0 - t2 / 72.0))));
     const double w = half * gauss_weight[i], u = half + v;
     const Vec2 t{w * (c * cos_turn - s * sin_turn), w * (s * cos_turn + c * sin_turn)};
@@ -36,8 +39,8 @@ TangentMoments panel_moments(double heading, double curvature, double rate, doub
   return m;
 }
 
-/// Rows of the equations that a clothoid between two poses fulfils (end x, end y, end heading), derived by its curvatures
-/// and its length, inverted: derivatives of (curvature0, curvature1) by the headings at both ends.
+/// Rows of the equations that a clothoid between two poses fulfils (end x, end y, end heading), derived by its
+/// curvatures and its length, inverted: derivatives of (curvature0, curvature1) by the headings at both ends.
 struct CurvatureSlopes {
   double k0_by_h0 = 0.0, k0_by_h1 = 0.0, k1_by_h0 = 0.0, k1_by_h1 = 0.0;
 };
@@ -55,42 +58,6 @@ CurvatureSlopes curvature_slopes(Vec2 to, double heading0, const ClothoidFit& fi
   const double i00 = minor(1, 2, 1, 2) / det, i01 = -minor(0, 2, 1, 2) / det, i02 = minor(0, 1, 1, 2) / det;
   const double i10 = -minor(1, 2, 0, 2) / det, i11 = minor(0, 2, 0, 2) / det, i12 = -minor(0, 1, 0, 2) / det;
   return {-(i00 * by_h0.x + i01 * by_h0.y + i02), i02, -(i10 * by_h0.x + i11 * by_h0.y + i12), i12};
-}
-
-/// One sweep of Newton's method for the headings: equations a h[i-1] + b h[i] + c h[i+1] = r, cyclic for closed chains.
-struct TridiagonalRow {
-  double a = 0.0, b = 0.0, c = 0.0, r = 0.0;
-};
-
-/// Thomas' algorithm without pivoting: the rows are diagonally dominant where pieces turn by less than a right angle.
-std::vector<double> solve_tridiagonal(std::vector<TridiagonalRow> rows, bool closed) {
-  const std::size_t n = rows.size();
-  double corner_first = 0.0, corner_last = 0.0;
-  std::vector<double> u(n, 0.0);
-  if (closed) {  // Sherman and Morrison: a tridiagonal system plus a product of two vectors
-    corner_first = rows.front().a, corner_last = rows.back().c;
-    const double gamma = -rows.front().b;
-    u.front() = gamma, u.back() = corner_last;
-    rows.front().b -= gamma;
-    rows.back().b -= corner_first * corner_last / gamma;
-    corner_first /= gamma;  // from here on: last entry of the other vector (1, 0, ..., a / gamma)
-  }
-  for (std::size_t i = 1; i < n; ++i) {
-    const double f = rows[i].a / rows[i - 1].b;
-    rows[i].b -= f * rows[i - 1].c;
-    rows[i].r -= f * rows[i - 1].r;
-    u[i] -= f * u[i - 1];
-  }
-  std::vector<double> x(n);
-  for (std::size_t i = n; i-- > 0;) {
-    x[i] = (rows[i].r - (i + 1 < n ? rows[i].c * x[i + 1] : 0.0)) / rows[i].b;
-    u[i] = (u[i] - (i + 1 < n ? rows[i].c * u[i + 1] : 0.0)) / rows[i].b;
-  }
-  if (closed) {
-    const double factor = (x.front() + corner_first * x.back()) / (1.0 + u.front() + corner_first * u.back());
-    for (std::size_t i = 0; i < n; ++i) x[i] -= factor * u[i];
-  }
-  return x;
 }
 
 }  // namespace
@@ -138,79 +105,105 @@ ClothoidFit fit_clothoid(Vec2 to, double heading0, double heading1) {
   return {(delta - a) / l, (delta + a) / l, l, true};
 }
 
-ClothoidSpline clothoid_spline(std::span<const Vec2> points, std::span<const double> headings, bool closed) {
+namespace {
+
+/// The spline at the present headings: its pieces, and Newton's equations for better headings.
+struct SplineEquations {
+  std::vector<ClothoidFit> fit;
+  std::vector<TridiagonalRow> rows;
+  std::vector<double> jump;  ///< of curvature at every knot
+  bool found = true;         ///< all pieces exist
+};
+
+SplineEquations equations_at(std::span<const Vec2> points, std::span<const double> h, bool closed) {
   const std::size_t n = points.size(), pieces = closed ? n : n - 1;
-  ClothoidSpline spline;
-  std::vector<double> h(headings.begin(), headings.end());
-  std::vector<ClothoidFit> fit(pieces);
-  const auto next = [&](std::size_t i) { return i + 1 < n ? i + 1 : 0; };
-  double before = 0.0;
-  std::vector<double> last(n), step(n);
-  double scale = 1.0;
-  for (int iteration = 0; iteration < 40; ++iteration) {
-    bool good = true;
-    std::vector<TridiagonalRow> rows(n);
-    std::vector<double> jump(n, 0.0);
-    for (std::size_t i = 0; i < pieces; ++i) {
-      const std::size_t j = next(i);
-      const Vec2 to = points[j] - points[i];
-      fit[i] = fit_clothoid(to, h[i], h[j]);
-      if (!fit[i].found) {
-        good = false;
-        break;
+  SplineEquations result{std::vector<ClothoidFit>(pieces), std::vector<TridiagonalRow>(n), std::vector<double>(n, 0.0)};
+  std::vector<TridiagonalRow>& rows = result.rows;
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const std::size_t j = i + 1 < n ? i + 1 : 0;
+    const Vec2 to = points[j] - points[i];
+    const ClothoidFit& fit = result.fit[i] = fit_clothoid(to, h[i], h[j]);
+    if (!fit.found) {
+      result.found = false;
+      return result;
+    }
+    const CurvatureSlopes d = curvature_slopes(to, h[i], fit);
+    // Equation of a knot: curvature at the end of the piece before minus that at the start of the piece after it.
+    const double k0 = fit.curvature0, k1 = fit.curvature1;
+    result.jump[i] -= k0, result.jump[j] += k1;
+    rows[i].diagonal -= d.k0_by_h0, rows[i].above -= d.k0_by_h1;
+    rows[j].below += d.k1_by_h0, rows[j].diagonal += d.k1_by_h1;
+    if (!closed && (i == 0 || i + 1 == pieces)) {  // the ends: no change of curvature along the piece
+      if (i + 1 == pieces) {
+        result.jump[j] = k1 - k0;
+        rows[j] = {d.k1_by_h0 - d.k0_by_h0, d.k1_by_h1 - d.k0_by_h1, 0.0, 0.0};
       }
-      const CurvatureSlopes d = curvature_slopes(to, h[i], fit[i]);
-      // Equation of a knot: curvature at the end of the piece before minus that at the start of the piece after it.
-      const double k0 = fit[i].curvature0, k1 = fit[i].curvature1;
-      jump[i] -= k0, jump[j] += k1;
-      rows[i].b -= d.k0_by_h0, rows[i].c -= d.k0_by_h1;
-      rows[j].a += d.k1_by_h0, rows[j].b += d.k1_by_h1;
-      if (!closed && (i == 0 || i + 1 == pieces)) {  // the ends: no change of curvature along the piece
-        if (i + 1 == pieces) {
-          jump[j] = k1 - k0;
-          rows[j] = {d.k1_by_h0 - d.k0_by_h0, d.k1_by_h1 - d.k0_by_h1, 0.0, 0.0};
-        }
-        if (i == 0) {
-          jump[i] = k1 - k0;
-          rows[i] = {0.0, d.k1_by_h0 - d.k0_by_h0, d.k1_by_h1 - d.k0_by_h1, 0.0};
-        }
+      if (i == 0) {
+        result.jump[i] = k1 - k0;
+        rows[i] = {0.0, d.k1_by_h0 - d.k0_by_h0, d.k1_by_h1 - d.k0_by_h1, 0.0};
       }
     }
-    double sum = 0.0, largest = 0.0;
-    for (std::size_t i = 0; i < n && good; ++i) {
-      rows[i].r = -jump[i];
-      // Jumps count by the turn that they mean over the piece beside them, so that no scale of the line matters.
-      const double l = fit[std::min(i, pieces - 1)].length_m;
-      sum += jump[i] * jump[i] * l * l, largest = std::max(largest, std::abs(jump[i]));
-    }
-    good = good && std::isfinite(sum) && (iteration == 0 || sum <= before * (1.0 + 1e-9) || sum < 1e-18);
-    if (!good) {  // half a step back
+  }
+  for (std::size_t i = 0; i < n; ++i) rows[i].right = -result.jump[i];
+  return result;
+}
+
+/// Jumps count by the turn that they mean over the piece beside them, so that no scale of the line matters.
+double square_sum(const SplineEquations& equations) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < equations.jump.size(); ++i) {
+    const double l = equations.fit[std::min(i, equations.fit.size() - 1)].length_m;
+    sum += equations.jump[i] * equations.jump[i] * l * l;
+  }
+  return sum;
+}
+
+double largest(std::span<const double> values) {
+  double most = 0.0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  return most;
+}
+
+ClothoidSpline spline_of(std::span<const Vec2> points, std::span<const double> h, std::span<const ClothoidFit> fit) {
+  ClothoidSpline spline{.found = true};
+  for (const ClothoidFit& piece : fit) spline.length_m.push_back(piece.length_m);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    spline.knots.push_back({points[i], h[i], i < fit.size() ? fit[i].curvature0 : fit[i - 1].curvature1});
+  return spline;
+}
+
+}  // namespace
+
+ClothoidSpline clothoid_spline(std::span<const Vec2> points, std::span<const double> headings, bool closed) {
+  constexpr int max_iterations = 40;
+  const std::size_t n = points.size();
+  std::vector<double> h(headings.begin(), headings.end()), last(n), step(n);
+  double before = 0.0, scale = 1.0;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    SplineEquations equations = equations_at(points, h, closed);
+    const double sum = equations.found ? square_sum(equations) : INFINITY;
+    const bool better = iteration == 0 || sum <= before * (1.0 + 1e-9) || sum < 1e-18;
+    if (!std::isfinite(sum) || !better) {  // half a step back
       if (iteration == 0 || (scale *= 0.5) < 1e-3) return {};
       for (std::size_t i = 0; i < n; ++i) h[i] = last[i] + scale * step[i];
       continue;
     }
-    if (largest < 1e-12 || (largest < 1e-9 && sum > 0.01 * before && iteration > 0)) {
-      spline.found = true;
-      break;
-    }
+    const double jump = largest(equations.jump);
+    if (jump < 1e-12 || (jump < 1e-9 && sum > 0.01 * before && iteration > 0))
+      return spline_of(points, h, equations.fit);
     before = sum, last = h;
     if (n == 2 && !closed) {  // one piece: both equations are the same; the arc that leaves in the first heading
       const Vec2 to = points[1] - points[0];
       h[1] = h[0] + 2.0 * wrap_angle(std::atan2(to.y, to.x) - h[0]);
       continue;
     }
-    step = solve_tridiagonal(std::move(rows), closed);
-    double widest = 0.0;
-    for (const double d : step) widest = std::max(widest, std::abs(d));
+    step = solve_tridiagonal(std::move(equations.rows), closed);
+    const double widest = largest(step);
     if (!std::isfinite(widest)) return {};
     scale = std::min(1.0, 0.5 / std::max(widest, 1e-300));
     for (std::size_t i = 0; i < n; ++i) h[i] += scale * step[i];
   }
-  if (!spline.found) return {};
-  for (std::size_t i = 0; i < pieces; ++i) spline.length_m.push_back(fit[i].length_m);
-  for (std::size_t i = 0; i < n; ++i)
-    spline.knots.push_back({points[i], h[i], i < pieces ? fit[i].curvature0 : fit[i - 1].curvature1});
-  return spline;
+  return {};
 }
 
 }  // namespace orthodrive::network

@@ -20,13 +20,13 @@ struct Knot {
   double heading_rad = 0.0, curvature = 0.0;
 };
 
-/// Integrals over a stretch of clothoid of 1, u and u^2 times the unit tangent, u being the length from where the stretch
-/// begins.
+/// Integrals over a stretch of clothoid of 1, u and u^2 times the unit tangent, u being the length from where the
+/// stretch begins.
 struct TangentMoments {
   Vec2 m0, m1, m2;
 };
-/// A stretch that starts with `heading` and `curvature`, whose curvature changes by `rate` per metre. Good to 1e-12 of its
-/// length for any turn.
+/// A stretch that starts with `heading` and `curvature`, whose curvature changes by `rate` per metre. Good to 1e-12 of
+/// its length for any turn.
 [[nodiscard]] TangentMoments tangent_moments(double heading_rad, double curvature, double rate, double length_m);
 
 /// The clothoid from the origin with heading0 to `to` with heading1 that turns least.
@@ -37,14 +37,15 @@ struct ClothoidFit {
 [[nodiscard]] ClothoidFit fit_clothoid(Vec2 to, double heading0_rad, double heading1_rad);
 
 /// A chain of clothoids through the points, continuous in position, heading and curvature; the curvature is constant on
-/// the first and the last piece of open chains. Closed chains go on from the last point to the first, which is not repeated.
-/// `curvature` of knot i is that at the start of piece i.
+/// the first and the last piece of open chains. Closed chains go on from the last point to the first, which is not
+/// repeated. `curvature` of knot i is that at the start of piece i.
 struct ClothoidSpline {
   std::vector<Knot> knots;
   std::vector<double> length_m;  ///< of the pieces: one less than knots, as many for closed chains
   bool found = false;            ///< Newton's method converged: curvatures agree within 1e-9 at all points
 };
 /// At least two points (three when closed), neighbours apart; headings to start from.
-[[nodiscard]] ClothoidSpline clothoid_spline(std::span<const Vec2> points, std::span<const double> headings_rad, bool closed);
+[[nodiscard]] ClothoidSpline clothoid_spline(std::span<const Vec2> points, std::span<const double> headings_rad,
+                                             bool closed);
 
 }  // namespace orthodrive::network

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <queue>
 
+#include "orthodrive/math/cholesky.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -21,50 +23,49 @@ constexpr double hopeless = 10.0;  // times the tolerance after the trial iterat
 constexpr int polish_stride = 4;
 constexpr double closed_m = 1e-10, closed_rad = 1e-11;  // what may be left of a window's end condition
 
-/// Cholesky factor of a small symmetric matrix, in place (lower half); false when it is not positive definite.
-bool factorize(double (&a)[max_unknowns][max_unknowns], int n) {
-  for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
-    if (!(a[j][j] > 0.0)) return false;
-    a[j][j] = std::sqrt(a[j][j]);
-    for (int i = j + 1; i < n; ++i) {
-      for (int k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[j][k];
-      a[i][j] /= a[j][j];
-    }
-  }
-  return true;
-}
+/// Along one element from its start, with the moments of its tangent up to `ds`.
+struct ElementWalk {
+  double heading_rad, length_m, k0, k1, rate;
+  TangentMoments sum{};
+  double ds = 0.0;
 
-void back_substitute(const double (&l)[max_unknowns][max_unknowns], int n, double* x) {
-  for (int i = 0; i < n; ++i) {
-    for (int k = 0; k < i; ++k) x[i] -= l[i][k] * x[k];
-    x[i] /= l[i][i];
+  ElementWalk(const Knot& start, double end_curvature, double length)
+      : heading_rad(start.heading_rad),
+        length_m(length),
+        k0(start.curvature),
+        k1(end_curvature),
+        rate((end_curvature - start.curvature) / length) {}
+  [[nodiscard]] double heading_at(double u) const { return heading_rad + u * (k0 + 0.5 * rate * u); }
+  void to(double end) {
+    const double h = end - ds;
+    if (h <= 0.0) return;
+    const TangentMoments m = tangent_moments(heading_at(ds), k0 + rate * ds, rate, h);
+    sum.m0 = sum.m0 + m.m0;
+    sum.m1 = sum.m1 + m.m1 + m.m0 * ds;
+    sum.m2 = sum.m2 + m.m2 + m.m1 * (2.0 * ds) + m.m0 * (ds * ds);
+    ds = end;
   }
-  for (int i = n; i-- > 0;) {
-    for (int k = i + 1; k < n; ++k) x[i] -= l[k][i] * x[k];
-    x[i] /= l[i][i];
-  }
-}
+};
 
 }  // namespace
 
-/// A run of pieces that is fitted anew.
+/// A run of elements that is fitted anew.
 struct ClothoidChain::Window {
-  int pieces = 0;
-  std::array<int, max_pieces + 1> joint{};  ///< of the chain; that of a closed chain's seam may stand at both ends
-  std::array<double, max_pieces> length_m{};
-  std::array<PieceKind, max_pieces> kind{};
-  std::array<Knot, max_pieces + 1> knot{};
+  int elements = 0;
+  std::array<int, max_elements + 1> joint{};  ///< of the chain; that of a closed chain's seam may stand at both ends
+  std::array<double, max_elements> length_m{};
+  std::array<ElementKind, max_elements> kind{};
+  std::array<Knot, max_elements + 1> knot{};
   bool free_start = false, free_end = false;
   std::size_t first_node = 0, nodes = 0;
   std::vector<double> s, e, weight;  ///< of the nodes: foot, from the start of the window; lateral distance
   double max_e = 0.0, max_curvature = 0.0, max_rate = 0.0;
-  Knot target;                       ///< where it has to end unless free_end
+  Knot target;  ///< where it has to end unless free_end
 
   // Unknowns: index into the vector, -1: given.
   int unknowns = 0, u_shift = -1, u_heading = -1;
-  std::array<int, max_pieces + 1> u_curvature{};
-  std::array<int, max_pieces> u_length{};
+  std::array<int, max_elements + 1> u_curvature{};
+  std::array<int, max_elements> u_length{};
 
   // Normal equations and end conditions at the present values.
   double h[max_unknowns][max_unknowns];
@@ -72,8 +73,15 @@ struct ClothoidChain::Window {
   int conditions = 0;
   double c[3][max_unknowns];
   double rest[3];
+  // Derivatives by the unknowns of the place and heading where the present element starts.
+  std::array<Vec2, max_unknowns> by_u;
+  std::array<double, max_unknowns> turn_by_u;
 
   bool number_unknowns();
+  void clear_equations();
+  void add_node(std::size_t j, int p, const ElementWalk& walk, Vec2 t);
+  void pass_element(int p, const ElementWalk& walk, Vec2 t);
+  void set_conditions(Vec2 last_node, Vec2 t, bool derive);
   bool step(bool only_close);
   [[nodiscard]] bool closes() const {
     for (int i = 0; i < conditions; ++i)
@@ -96,12 +104,12 @@ ClothoidChain::ClothoidChain(std::span<const Vec2> nodes, bool closed, const Clo
       const std::size_t end = i + 1 < n ? knot_at[i + 1] : (closed ? nodes.size() + knot_at[0] : nodes.size());
       joint.nodes = end - knot_at[i];
       if (!closed && joint.next == static_cast<int>(n) - 1) joint.nodes = nodes.size() - knot_at[i];
-      ++alive_pieces_;
+      ++alive_elements_;
     }
     joints_.push_back(joint);
   }
   // Feet: guessed by share of the chord, then found exactly window by window.
-  for (int i = first_, k = 0; k < alive_pieces_; i = joints_[at(i)].next, ++k) {
+  for (int i = first_, k = 0; k < alive_elements_; i = joints_[at(i)].next, ++k) {
     const Joint& joint = joints_[at(i)];
     double length = 0.0;
     std::vector<double> along{0.0};
@@ -114,7 +122,7 @@ ClothoidChain::ClothoidChain(std::span<const Vec2> nodes, bool closed, const Clo
       ds_[wrapped(joint.first_node + j)] = length > 0.0 ? joint.length_m * along[j] / length : 0.0;
   }
   Window window;
-  for (int i = first_, k = 0; k < alive_pieces_; i = joints_[at(i)].next, ++k) {
+  for (int i = first_, k = 0; k < alive_elements_; i = joints_[at(i)].next, ++k) {
     if (!collect(i, 0, 1, window)) continue;
     for (int pass = 0; pass < 3; ++pass) evaluate(window, false);
     for (std::size_t j = 0; j < window.nodes; ++j) {
@@ -124,21 +132,22 @@ ClothoidChain::ClothoidChain(std::span<const Vec2> nodes, bool closed, const Clo
   }
 }
 
-/// The window of `back` pieces before joint `from` and `ahead` pieces from it on, as far as the chain reaches.
+/// The window of `back` elements before joint `from` and `ahead` elements from it on, as far as the chain reaches.
 bool ClothoidChain::collect(int from, int back, int ahead, Window& w) const {
   int start = from, count = 0;
-  const int most = std::min(max_pieces, alive_pieces_);
-  for (; count < std::min(back, most - 1) && joints_[at(start)].previous >= 0; ++count) start = joints_[at(start)].previous;
+  const int most = std::min(max_elements, alive_elements_);
+  for (; count < std::min(back, most - 1) && joints_[at(start)].previous >= 0; ++count)
+    start = joints_[at(start)].previous;
   const int wanted = std::min(count + ahead, most);
-  w.pieces = 0, w.nodes = 0;
+  w.elements = 0, w.nodes = 0;
   w.first_node = joints_[at(start)].first_node;
   w.s.clear(), w.e.clear(), w.weight.clear();
   w.max_e = w.max_curvature = w.max_rate = 0.0;
   int i = start;
   double s = 0.0;
-  for (; w.pieces < wanted && joints_[at(i)].next >= 0; i = joints_[at(i)].next) {
+  for (; w.elements < wanted && joints_[at(i)].next >= 0; i = joints_[at(i)].next) {
     const Joint& joint = joints_[at(i)];
-    const std::size_t p = at(w.pieces++);
+    const std::size_t p = at(w.elements++);
     w.joint[p] = i, w.knot[p] = joint.knot, w.length_m[p] = joint.length_m, w.kind[p] = joint.kind;
     for (std::size_t j = 0; j < joint.nodes; ++j) {
       const std::size_t node = wrapped(joint.first_node + j);
@@ -151,9 +160,9 @@ bool ClothoidChain::collect(int from, int back, int ahead, Window& w) const {
     w.max_curvature = std::max({w.max_curvature, std::abs(k0), std::abs(k1)});
     w.max_rate = std::max(w.max_rate, std::abs(k1 - k0) / joint.length_m);
   }
-  if (w.pieces == 0) return false;
-  w.joint[at(w.pieces)] = i;
-  w.knot[at(w.pieces)] = w.target = joints_[at(i)].knot;
+  if (w.elements == 0) return false;
+  w.joint[at(w.elements)] = i;
+  w.knot[at(w.elements)] = w.target = joints_[at(i)].knot;
   w.free_start = joints_[at(start)].previous < 0;
   w.free_end = joints_[at(i)].next < 0;
   w.e.assign(w.nodes, 0.0);
@@ -161,20 +170,20 @@ bool ClothoidChain::collect(int from, int back, int ahead, Window& w) const {
   return true;
 }
 
-/// Curvatures that are one unknown (both ends of an arc), zero (ends of a line) or given (at the window's border); false
-/// where these contradict.
+/// Curvatures that are one unknown (both ends of an arc), zero (ends of a line) or given (at the window's border);
+/// false where these contradict.
 bool ClothoidChain::Window::number_unknowns() {
   unknowns = 0;
   u_shift = u_heading = -1;
   if (free_start) u_shift = unknowns++, u_heading = unknowns++;
-  for (int first = 0; first <= pieces;) {
+  for (int first = 0; first <= elements;) {
     int last = first;
-    while (last < pieces && kind[at(last)] != PieceKind::clothoid) {
+    while (last < elements && kind[at(last)] != ElementKind::clothoid) {
       if (kind[at(last)] != kind[at(first)] && last > first) return false;  // line beside arc: the curvature would jump
       ++last;
     }
     // Joints first .. last have one curvature, and so has the line that may end here.
-    bool given = false, straight = last > first && kind[at(first)] == PieceKind::line;
+    bool given = false, straight = last > first && kind[at(first)] == ElementKind::line;
     double value = 0.0;
     const auto give = [&](double v) {
       if (given && v != value) return false;
@@ -183,7 +192,7 @@ bool ClothoidChain::Window::number_unknowns() {
     };
     if (straight && !give(0.0)) return false;
     if (first == 0 && !free_start && !give(knot[0].curvature)) return false;
-    if (last == pieces && !free_end && !give(target.curvature)) return false;
+    if (last == elements && !free_end && !give(target.curvature)) return false;
     double mean = 0.0;
     for (int i = first; i <= last; ++i) mean += knot[at(i)].curvature / (last - first + 1);
     const int u = given ? -1 : unknowns++;
@@ -193,24 +202,68 @@ bool ClothoidChain::Window::number_unknowns() {
     }
     first = last + 1;
   }
-  for (int p = 0; p < pieces; ++p) u_length[at(p)] = unknowns++;
+  for (int p = 0; p < elements; ++p) u_length[at(p)] = unknowns++;
   conditions = free_end ? 1 : 3;
   return unknowns <= max_unknowns;
 }
 
+void ClothoidChain::Window::clear_equations() {
+  for (int i = 0; i < unknowns; ++i) {
+    g[i] = 0.0;
+    for (int k = 0; k <= i; ++k) h[i][k] = 0.0;
+  }
+  by_u = {}, turn_by_u = {};
+  if (u_shift >= 0) by_u[at(u_shift)] = left_normal(unit(knot[0].heading_rad)), turn_by_u[at(u_heading)] = 1.0;
+}
+
+/// What node j, seen across the tangent `t`, adds to the normal equations.
+void ClothoidChain::Window::add_node(std::size_t j, int p, const ElementWalk& walk, Vec2 t) {
+  const int n = unknowns, u0 = u_curvature[at(p)], u1 = u_curvature[at(p) + 1], ul = u_length[at(p)];
+  std::array<double, max_unknowns> row;
+  const double forward = dot(t, walk.sum.m0);
+  for (int i = 0; i < n; ++i) row[at(i)] = cross(t, by_u[at(i)]) + turn_by_u[at(i)] * forward;
+  const double t1 = dot(t, walk.sum.m1), t2 = dot(t, walk.sum.m2) / (2.0 * walk.length_m);
+  if (u0 >= 0) row[at(u0)] += t1 - t2;
+  if (u1 >= 0) row[at(u1)] += t2;
+  row[at(ul)] -= walk.rate * t2;
+  for (int i = 0; i < n; ++i) {
+    const double wr = weight[j] * row[at(i)];
+    g[i] += wr * e[j];
+    for (int m = 0; m <= i; ++m) h[i][m] += wr * row[at(m)];
+  }
+}
+
+/// From the start of element p to its end, where the tangent is `t`.
+void ClothoidChain::Window::pass_element(int p, const ElementWalk& walk, Vec2 t) {
+  const double l = walk.length_m;
+  const int u0 = u_curvature[at(p)], u1 = u_curvature[at(p) + 1], ul = u_length[at(p)];
+  for (int i = 0; i < unknowns; ++i) by_u[at(i)] = by_u[at(i)] + left_normal(walk.sum.m0) * turn_by_u[at(i)];
+  const Vec2 m1 = left_normal(walk.sum.m1), m2 = left_normal(walk.sum.m2) * (0.5 / l);
+  if (u0 >= 0) by_u[at(u0)] = by_u[at(u0)] + m1 - m2, turn_by_u[at(u0)] += 0.5 * l;
+  if (u1 >= 0) by_u[at(u1)] = by_u[at(u1)] + m2, turn_by_u[at(u1)] += 0.5 * l;
+  by_u[at(ul)] = by_u[at(ul)] + t - m2 * walk.rate;
+  turn_by_u[at(ul)] += 0.5 * (walk.k0 + walk.k1);
+}
+
+/// What is left between the end of the window, with tangent `t`, and where it has to end: the target, or beside the
+/// last node.
+void ClothoidChain::Window::set_conditions(Vec2 last_node, Vec2 t, bool derive) {
+  const Knot& end = knot[at(elements)];
+  if (free_end) {
+    rest[0] = dot(t, last_node - end.p);
+    if (derive)
+      for (int i = 0; i < unknowns; ++i) c[0][i] = dot(t, by_u[at(i)]);
+  } else {
+    rest[0] = target.p.x - end.p.x, rest[1] = target.p.y - end.p.y;
+    rest[2] = wrap_angle(target.heading_rad - end.heading_rad);
+    if (derive)
+      for (int i = 0; i < unknowns; ++i) c[0][i] = by_u[at(i)].x, c[1][i] = by_u[at(i)].y, c[2][i] = turn_by_u[at(i)];
+  }
+}
+
 /// Walks along the window: knots, feet and distances of the nodes, and with `derive` the normal equations.
 void ClothoidChain::evaluate(Window& w, bool derive) {
-  const int n = w.unknowns;
-  std::array<Vec2, max_unknowns> by_u{};       // of the present piece's start
-  std::array<double, max_unknowns> turn_by_u{};
-  std::array<double, max_unknowns> row{};
-  if (derive) {
-    for (int i = 0; i < n; ++i) {
-      w.g[i] = 0.0;
-      for (int k = 0; k <= i; ++k) w.h[i][k] = 0.0;
-    }
-    if (w.u_shift >= 0) by_u[at(w.u_shift)] = left_normal(unit(w.knot[0].heading_rad)), turn_by_u[at(w.u_heading)] = 1.0;
-  }
+  if (derive) w.clear_equations();
   if (w.free_start) {  // the line begins beside the first node
     const Vec2 along = unit(w.knot[0].heading_rad);
     w.knot[0].p = w.knot[0].p + along * dot(along, nodes_.front() - w.knot[0].p);
@@ -219,71 +272,31 @@ void ClothoidChain::evaluate(Window& w, bool derive) {
   double begin = 0.0;
   w.max_e = 0.0;
   Vec2 t;
-  for (int p = 0; p < w.pieces; ++p) {
+  for (int p = 0; p < w.elements; ++p) {
     const Knot& knot = w.knot[at(p)];
-    const double l = w.length_m[at(p)], k0 = knot.curvature, k1 = w.knot[at(p) + 1].curvature, rate = (k1 - k0) / l;
-    const bool last = p + 1 == w.pieces;
-    const int u0 = w.u_curvature[at(p)], u1 = w.u_curvature[at(p) + 1], ul = w.u_length[at(p)];
-    TangentMoments sum;
-    double ds = 0.0;
-    const auto walk_to = [&](double to) {
-      const double h = to - ds;
-      if (h <= 0.0) return;
-      const TangentMoments m = tangent_moments(knot.heading_rad + ds * (k0 + 0.5 * rate * ds), k0 + rate * ds, rate, h);
-      sum.m0 = sum.m0 + m.m0;
-      sum.m1 = sum.m1 + m.m1 + m.m0 * ds;
-      sum.m2 = sum.m2 + m.m2 + m.m1 * (2.0 * ds) + m.m0 * (ds * ds);
-      ds = to;
-    };
+    ElementWalk walk(knot, w.knot[at(p) + 1].curvature, w.length_m[at(p)]);
+    const double l = walk.length_m;
+    const bool last = p + 1 == w.elements;
     for (; j < w.nodes && (w.s[j] < begin + l || last); ++j) {
-      walk_to(std::clamp(w.s[j] - begin, ds, l));
-      const double heading = knot.heading_rad + ds * (k0 + 0.5 * rate * ds), k = k0 + rate * ds;
-      t = unit(heading);
-      const Vec2 q = nodes_[wrapped(w.first_node + j)] - (knot.p + sum.m0);
+      walk.to(std::clamp(w.s[j] - begin, walk.ds, l));
+      const double k = walk.k0 + walk.rate * walk.ds;
+      t = unit(walk.heading_at(walk.ds));
+      const Vec2 q = nodes_[wrapped(w.first_node + j)] - (knot.p + walk.sum.m0);
       const double along = dot(t, q), across = cross(t, q), slack = std::max(1.0 - k * across, 0.3);
       // To the foot: a Newton step, and what the line bends away on the way.
       w.e[j] = across - 0.5 * k * along * along / slack;
-      w.s[j] = begin + ds + std::clamp(along / slack, -4.0, 4.0);
+      w.s[j] = begin + walk.ds + std::clamp(along / slack, -4.0, 4.0);
       w.max_e = std::max(w.max_e, std::abs(w.e[j]));
-      if (!derive) continue;
-      const double forward = dot(t, sum.m0);
-      for (int i = 0; i < n; ++i) row[at(i)] = cross(t, by_u[at(i)]) + turn_by_u[at(i)] * forward;
-      const double t1 = dot(t, sum.m1), t2 = dot(t, sum.m2) / (2.0 * l);
-      if (u0 >= 0) row[at(u0)] += t1 - t2;
-      if (u1 >= 0) row[at(u1)] += t2;
-      row[at(ul)] -= rate * t2;
-      for (int i = 0; i < n; ++i) {
-        const double wr = w.weight[j] * row[at(i)];
-        w.g[i] += wr * w.e[j];
-        for (int m = 0; m <= i; ++m) w.h[i][m] += wr * row[at(m)];
-      }
+      if (derive) w.add_node(j, p, walk, t);
     }
-    walk_to(l);
-    const double heading = knot.heading_rad + l * (k0 + 0.5 * rate * l);
+    walk.to(l);
+    const double heading = walk.heading_at(l);
     t = unit(heading);
-    if (derive) {
-      for (int i = 0; i < n; ++i) by_u[at(i)] = by_u[at(i)] + left_normal(sum.m0) * turn_by_u[at(i)];
-      const Vec2 m1 = left_normal(sum.m1), m2 = left_normal(sum.m2) * (0.5 / l);
-      if (u0 >= 0) by_u[at(u0)] = by_u[at(u0)] + m1 - m2, turn_by_u[at(u0)] += 0.5 * l;
-      if (u1 >= 0) by_u[at(u1)] = by_u[at(u1)] + m2, turn_by_u[at(u1)] += 0.5 * l;
-      by_u[at(ul)] = by_u[at(ul)] + t - m2 * rate;
-      turn_by_u[at(ul)] += 0.5 * (k0 + k1);
-    }
-    Knot& end = w.knot[at(p) + 1];
-    end.p = knot.p + sum.m0, end.heading_rad = heading;
+    if (derive) w.pass_element(p, walk, t);
+    w.knot[at(p) + 1].p = knot.p + walk.sum.m0, w.knot[at(p) + 1].heading_rad = heading;
     begin += l;
   }
-  const Knot& end = w.knot[at(w.pieces)];
-  if (w.free_end) {  // it ends beside the last node
-    w.rest[0] = dot(t, nodes_.back() - end.p);
-    if (derive)
-      for (int i = 0; i < n; ++i) w.c[0][i] = dot(t, by_u[at(i)]);
-  } else {
-    w.rest[0] = w.target.p.x - end.p.x, w.rest[1] = w.target.p.y - end.p.y;
-    w.rest[2] = wrap_angle(w.target.heading_rad - end.heading_rad);
-    if (derive)
-      for (int i = 0; i < n; ++i) w.c[0][i] = by_u[at(i)].x, w.c[1][i] = by_u[at(i)].y, w.c[2][i] = turn_by_u[at(i)];
-  }
+  w.set_conditions(nodes_.back(), t, derive);
 }
 
 /// Gauss-Newton step under the end conditions; false when the problem is singular.
@@ -293,22 +306,24 @@ bool ClothoidChain::Window::step(bool only_close) {
   // Lengths act on the rest with a product: the farther the line is off, the less they may change at once.
   double off = max_e * max_e;
   for (int i = 0; i < std::min(conditions, 2); ++i) off += rest[i] * rest[i];
-  for (int p = 0; p < pieces; ++p) {
+  for (int p = 0; p < elements; ++p) {
     const double slack = 0.3 * length_m[at(p)];
     h[u_length[at(p)]][u_length[at(p)]] += (4e-4 + off) / (slack * slack);
   }
-  for (int i = 0; i <= pieces; ++i)
+  for (int i = 0; i <= elements; ++i)
     if (u_curvature[at(i)] >= 0) h[u_curvature[at(i)]][u_curvature[at(i)]] += 1e-2;
   if (u_shift >= 0) h[u_shift][u_shift] += 1e-6, h[u_heading][u_heading] += 1e-6;
-  if (!factorize(h, n)) return false;
+  const auto count = static_cast<std::size_t>(n);
+  const SymmetricMatrix normal = SymmetricMatrix::dense(&h[0][0], count, max_unknowns);
+  if (!factorize(normal)) return false;
   double x[max_unknowns], y[3][max_unknowns];
   if (only_close) std::fill_n(g, n, 0.0);
   std::copy_n(g, n, x);
-  back_substitute(h, n, x);
-  double s[max_unknowns][max_unknowns], r[3];
+  solve_factored(normal, {x, count});
+  double s[3][3], r[3];
   for (int a = 0; a < conditions; ++a) {
     std::copy_n(c[a], n, y[a]);
-    back_substitute(h, n, y[a]);
+    solve_factored(normal, {y[a], count});
   }
   for (int a = 0; a < conditions; ++a) {
     r[a] = rest[a];
@@ -318,18 +333,20 @@ bool ClothoidChain::Window::step(bool only_close) {
       for (int i = 0; i < n; ++i) s[a][b] += c[a][i] * y[b][i];
     }
   }
-  if (!factorize(s, conditions)) return false;
-  back_substitute(s, conditions, r);
+  const auto held = static_cast<std::size_t>(conditions);
+  const SymmetricMatrix end = SymmetricMatrix::dense(&s[0][0], held, 3);
+  if (!factorize(end)) return false;
+  solve_factored(end, {r, held});
   double scale = 1.0;
   for (int i = 0; i < n; ++i)
     for (int a = 0; a < conditions; ++a) x[i] += y[a][i] * r[a];
-  for (int p = 0; p < pieces; ++p) {
+  for (int p = 0; p < elements; ++p) {
     const double d = x[u_length[at(p)]];
     if (!std::isfinite(d)) return false;
     scale = std::min(scale, 0.4 * length_m[at(p)] / std::max(std::abs(d), 1e-300));
   }
-  for (int p = 0; p < pieces; ++p) length_m[at(p)] += scale * x[u_length[at(p)]];
-  for (int i = 0; i <= pieces; ++i)
+  for (int p = 0; p < elements; ++p) length_m[at(p)] += scale * x[u_length[at(p)]];
+  for (int i = 0; i <= elements; ++i)
     if (u_curvature[at(i)] >= 0) knot[at(i)].curvature += scale * x[u_curvature[at(i)]];
   if (u_shift >= 0) {
     knot[0].p = knot[0].p + left_normal(unit(knot[0].heading_rad)) * (scale * x[u_shift]);
@@ -341,16 +358,17 @@ bool ClothoidChain::Window::step(bool only_close) {
 bool ClothoidChain::within_limits(const Window& w) const {
   std::size_t node = 0;
   double s = 0.0;
-  for (int p = 0; p <= w.pieces; ++p) {
+  for (int p = 0; p <= w.elements; ++p) {
     const double k = w.knot[at(p)].curvature;
     while (node + 1 < w.nodes && w.s[node] < s) ++node;
     if (!limits_.max_curvature.empty() && w.nodes > 0 &&
         std::abs(k) > std::max(limits_.max_curvature[wrapped(w.first_node + node)], w.max_curvature) + 1e-9)
       return false;
-    if (p == w.pieces) break;
+    if (p == w.elements) break;
     const double l = w.length_m[at(p)];
-    if (l < limits_.min_piece_m) return false;
-    if (std::abs(w.knot[at(p) + 1].curvature - k) / l > std::max(limits_.max_curvature_rate, w.max_rate) + 1e-9) return false;
+    if (l < limits_.min_element_m) return false;
+    if (std::abs(w.knot[at(p) + 1].curvature - k) / l > std::max(limits_.max_curvature_rate, w.max_rate) + 1e-9)
+      return false;
     s += l;
   }
   return true;
@@ -370,8 +388,10 @@ bool ClothoidChain::solve(Window& w, int least_iterations) {
     }
     if (iteration >= least_iterations && !closing) {
       // The last steps only close the window: they converge quadratically, those that also move the line do not.
-      if (w.max_e <= limit) closing = true;
-      else if (w.max_e > hopeless * limit || w.max_e > before * 0.97) return false;
+      if (w.max_e <= limit)
+        closing = true;
+      else if (w.max_e > hopeless * limit || w.max_e > before * 0.97)
+        return false;
       before = w.max_e;
       // Towards the smallest largest distance: what is far counts more (iteratively reweighted, as for the 4-norm).
       for (std::size_t j = 0; j < w.nodes && !closing; ++j) {
@@ -388,9 +408,9 @@ void ClothoidChain::commit(const Window& w) {
   // Joints of the window that are still there; those taken out have been skipped by the caller.
   std::size_t node = 0;
   double begin = 0.0;
-  for (int p = 0; p < w.pieces; ++p) {
+  for (int p = 0; p < w.elements; ++p) {
     Joint& joint = joints_[at(w.joint[at(p)])];
-    const bool last = p + 1 == w.pieces;
+    const bool last = p + 1 == w.elements;
     joint.knot = w.knot[at(p)];
     joint.length_m = w.length_m[at(p)];
     joint.kind = w.kind[at(p)];
@@ -404,26 +424,26 @@ void ClothoidChain::commit(const Window& w) {
     }
     begin += joint.length_m;
   }
-  if (w.free_end) joints_[at(w.joint[at(w.pieces)])].knot = w.knot[at(w.pieces)];
+  if (w.free_end) joints_[at(w.joint[at(w.elements)])].knot = w.knot[at(w.elements)];
 }
 
-/// Takes out `count` joints from j on: one piece instead of count + 1.
+/// Takes out `count` joints from j on: one element instead of count + 1.
 bool ClothoidChain::remove(int j, int count) {
-  if (!joints_[at(j)].alive || joints_[at(j)].previous < 0 || alive_pieces_ < count + (closed_ ? 2 : 1)) return false;
+  if (!joints_[at(j)].alive || joints_[at(j)].previous < 0 || alive_elements_ < count + (closed_ ? 2 : 1)) return false;
   Window w;
   if (!collect(j, 3, count + 2, w)) return false;
   int p = 0;
-  while (p < w.pieces && w.joint[at(p)] != j) ++p;
-  if (p == 0 || p + count > w.pieces) return false;
-  const std::size_t a = at(p) - 1, shift = at(count), left = at(w.pieces - count);
-  const std::array<int, max_pieces + 1> before = w.joint;
+  while (p < w.elements && w.joint[at(p)] != j) ++p;
+  if (p == 0 || p + count > w.elements) return false;
+  const std::size_t a = at(p) - 1, shift = at(count), left = at(w.elements - count);
+  const std::array<int, max_elements + 1> before = w.joint;
   for (std::size_t i = a + 1; i <= a + shift; ++i) {
-    w.kind[a] = w.kind[a] == w.kind[i] ? w.kind[a] : PieceKind::clothoid;
+    w.kind[a] = w.kind[a] == w.kind[i] ? w.kind[a] : ElementKind::clothoid;
     w.length_m[a] += w.length_m[i];
   }
   for (std::size_t i = a + 1; i < left; ++i) w.length_m[i] = w.length_m[i + shift], w.kind[i] = w.kind[i + shift];
   for (std::size_t i = a + 1; i <= left; ++i) w.joint[i] = w.joint[i + shift], w.knot[i] = w.knot[i + shift];
-  w.pieces -= count;
+  w.elements -= count;
   if (!solve(w, trial_iterations)) return false;
   commit(w);
   for (std::size_t i = a + 1; i <= a + shift; ++i) {
@@ -432,16 +452,16 @@ bool ClothoidChain::remove(int j, int count) {
     joint.next = joint.previous = -1;
     if (first_ == before[i]) first_ = w.joint[0];
   }
-  alive_pieces_ -= count;
+  alive_elements_ -= count;
   return true;
 }
 
-bool ClothoidChain::change_kind(int j, PieceKind kind) {
+bool ClothoidChain::change_kind(int j, ElementKind kind) {
   Window w;
   if (!collect(j, 2, 3, w)) return false;
   int p = 0;
-  while (p < w.pieces && w.joint[at(p)] != j) ++p;
-  if (p == w.pieces) return false;
+  while (p < w.elements && w.joint[at(p)] != j) ++p;
+  if (p == w.elements) return false;
   w.kind[at(p)] = kind;
   if (!solve(w, trial_iterations)) return false;
   commit(w);
@@ -451,7 +471,7 @@ bool ClothoidChain::change_kind(int j, PieceKind kind) {
 void ClothoidChain::polish() {
   // Windows overlap by half: what stood still at the border of one moves in the next.
   int i = first_;
-  for (int k = 0; k < alive_pieces_; k += polish_stride)
+  for (int k = 0; k < alive_elements_; k += polish_stride)
     for (int step = 0; step < polish_stride; ++step) {
       if (step == 0) {
         Window w;
@@ -462,8 +482,9 @@ void ClothoidChain::polish() {
     }
 }
 
-/// About how far the line moves when joints go: the triangles of curvature that are lost, integrated twice. Where nothing
-/// moves, short pieces go first: one that grows by a joint at a time would be walked along as often as it has joints.
+/// About how far the line moves when joints go: the triangles of curvature that are lost, integrated twice. Where
+/// nothing moves, short elements go first: one that grows by a joint at a time would be walked along as often as it has
+/// joints.
 double ClothoidChain::removal_cost(int j, int count) const {
   int end = j;
   double l = joints_[at(joints_[at(j)].previous)].length_m;
@@ -487,7 +508,9 @@ void ClothoidChain::remove_knots(int count) {
     double cost;
     int joint, stamp;
   };
-  const auto later = [](const Trial& a, const Trial& b) { return a.cost != b.cost ? a.cost > b.cost : a.joint > b.joint; };
+  const auto later = [](const Trial& a, const Trial& b) {
+    return a.cost != b.cost ? a.cost > b.cost : a.joint > b.joint;
+  };
   std::priority_queue<Trial, std::vector<Trial>, decltype(later)> queue(later);
   std::vector<int> stamp(joints_.size(), 0);
   const auto push = [&](int j) {
@@ -510,24 +533,26 @@ void ClothoidChain::remove_knots(int count) {
 
 void ClothoidChain::snap_kinds() {
   std::vector<int> order;
-  for (int i = first_, k = 0; k < alive_pieces_; i = joints_[at(i)].next, ++k) order.push_back(i);
+  for (int i = first_, k = 0; k < alive_elements_; i = joints_[at(i)].next, ++k) order.push_back(i);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return joints_[at(a)].length_m > joints_[at(b)].length_m; });
-  for (const PieceKind kind : {PieceKind::line, PieceKind::arc})
+  for (const ElementKind kind : {ElementKind::line, ElementKind::arc})
     for (const int i : order) {
       const Joint& joint = joints_[at(i)];
-      if (joint.kind != PieceKind::clothoid) continue;
-      const double k0 = joint.knot.curvature, k1 = joints_[at(joint.next)].knot.curvature, l2 = joint.length_m * joint.length_m;
+      if (joint.kind != ElementKind::clothoid) continue;
+      const double k0 = joint.knot.curvature, k1 = joints_[at(joint.next)].knot.curvature,
+                   l2 = joint.length_m * joint.length_m;
       // How far a node in its middle would move, neighbours aside: hopeless ones are left out.
-      const double off = kind == PieceKind::line ? std::max(std::abs(k0), std::abs(k1)) * l2 / 8.0 : std::abs(k1 - k0) * l2 / 24.0;
+      const double off =
+          kind == ElementKind::line ? std::max(std::abs(k0), std::abs(k1)) * l2 / 8.0 : std::abs(k1 - k0) * l2 / 24.0;
       if (off > 4.0 * limits_.tolerance_m) continue;
       (void)change_kind(i, kind);
     }
 }
 
-std::vector<ClothoidChain::Piece> ClothoidChain::pieces() const {
-  std::vector<Piece> result;
-  for (int i = first_, k = 0; k < alive_pieces_; i = joints_[at(i)].next, ++k) {
+std::vector<ClothoidChain::Element> ClothoidChain::elements() const {
+  std::vector<Element> result;
+  for (int i = first_, k = 0; k < alive_elements_; i = joints_[at(i)].next, ++k) {
     const Joint& joint = joints_[at(i)];
     result.push_back({joint.knot, joint.length_m, joints_[at(joint.next)].knot.curvature, joint.kind});
   }
@@ -536,11 +561,11 @@ std::vector<ClothoidChain::Piece> ClothoidChain::pieces() const {
 
 std::vector<ClothoidChain::Foot> ClothoidChain::feet() const {
   std::vector<Foot> result(nodes_.size());
-  std::size_t piece = 0;
-  for (int i = first_, k = 0; k < alive_pieces_; i = joints_[at(i)].next, ++k, ++piece)
+  std::size_t element = 0;
+  for (int i = first_, k = 0; k < alive_elements_; i = joints_[at(i)].next, ++k, ++element)
     for (std::size_t j = 0; j < joints_[at(i)].nodes; ++j) {
       const std::size_t node = wrapped(joints_[at(i)].first_node + j);
-      result[node] = {piece, ds_[node], distance_[node]};
+      result[node] = {element, ds_[node], distance_[node]};
     }
   return result;
 }

@@ -2,54 +2,119 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
+#include "orthodrive/network/fit_profile.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {
 
-constexpr double reach_m = 30.0;          // to the right; wider than any road. The left half has no end
-constexpr double fall_tolerance = 1e-4;   // 0.4 mm at the edge of two lanes
-constexpr double max_rate_jump = 2.5e-4;  // 1/m: 0.1 % of gradient, 4 m off the reference line
-constexpr double min_knot_distance_m = 0.01;
+using roadquery::Cubic;
 
-/// Knots of a piece from its start to, but without, its end.
-void add_knots(const roadquery::Cubic& cubic, double end, std::vector<double>& knots) {
-  const double length = end - cubic.s;
-  const double bend = std::max(std::abs(2.0 * cubic.c), std::abs(2.0 * cubic.c + 6.0 * cubic.d * length));
-  const double step = bend > 0.0 ? std::min(std::sqrt(8.0 * fall_tolerance / bend), max_rate_jump / bend) : length;
-  const int count = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
-  for (int k = 0; k < count; ++k) knots.push_back(cubic.s + length * k / count);
+constexpr double reach_m = 30.0;  // to the right; wider than any road. The left half has no end
+constexpr double fall_unit = 1e-6;
+constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-3;
+constexpr double banking_share = 0.125;  // of the tolerance of heights
+
+/// Fall and its slope at a place where an entry may stand.
+struct Station {
+  double s = 0.0, fall = 0.0, rate = 0.0;
+};
+
+/// So near to each other that between two of them the chord misses the cubic by an eighth of the tolerance, and the
+/// slope changes by a quarter of the largest jump.
+std::vector<Station> stations(std::span<const Cubic> fall, double length_m, const CrownShapeOptions& options) {
+  std::vector<Station> result;
+  const auto add = [&](const Cubic& cubic, double s) {
+    if (!result.empty() && s - result.back().s < min_knot_distance_m) return;
+    result.push_back({s, std::round(value_at(cubic, s) / fall_unit) * fall_unit, slope_at(cubic, s)});
+  };
+  for (std::size_t i = 0; i < fall.size(); ++i) {
+    const Cubic& cubic = fall[i];
+    const double end = std::min(i + 1 < fall.size() ? fall[i + 1].s : length_m, length_m), length = end - cubic.s;
+    if (length <= 0.0) continue;
+    const double bend = std::max(std::abs(2.0 * cubic.c), std::abs(2.0 * cubic.c + 6.0 * cubic.d * length));
+    const double step =
+        bend > 0.0 ? std::min(std::sqrt(options.fall_tolerance / bend), 0.25 * options.max_rate_jump / bend) : length;
+    const int count = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
+    for (int k = 0; k < count; ++k)
+      add(cubic, std::round((cubic.s + length * k / count) / place_unit_m) * place_unit_m);
+  }
+  if (result.empty()) return result;
+  if (result.size() > 1 && length_m - result.back().s < min_knot_distance_m) result.pop_back();
+  add(fall.back(), length_m);
+  return result;
+}
+
+/// The fewest stations with the first and the last between which chords keep the tolerances: a shortest path.
+std::vector<Station> fewest(const std::vector<Station>& all, const CrownShapeOptions& options) {
+  const std::size_t n = all.size();
+  const double tolerance = 0.875 * options.fall_tolerance;
+  std::vector<std::size_t> chords(n, std::numeric_limits<std::size_t>::max()), before(n, 0);
+  chords[0] = 0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    // Slopes of the chords from i that pass all stations up to j closely enough.
+    double lowest = -std::numeric_limits<double>::infinity(), highest = -lowest;
+    for (std::size_t j = i + 1; j < n && lowest <= highest; ++j) {
+      const double ds = all[j].s - all[i].s, slope = (all[j].fall - all[i].fall) / ds;
+      const bool smooth = std::max(std::abs(slope - all[i].rate), std::abs(slope - all[j].rate)) <=
+                          0.5 * options.max_rate_jump + fall_unit / ds;
+      if ((j == i + 1 || (smooth && slope >= lowest && slope <= highest)) && chords[i] + 1 < chords[j])
+        chords[j] = chords[i] + 1, before[j] = i;
+      lowest = std::max(lowest, slope - tolerance / ds);
+      highest = std::min(highest, slope + tolerance / ds);
+    }
+  }
+  std::vector<Station> kept;
+  for (std::size_t i = n - 1; i > 0; i = before[i]) kept.push_back(all[i]);
+  kept.push_back(all[0]);
+  std::reverse(kept.begin(), kept.end());
+  return kept;
+}
+
+/// Largest distance of an edge from the reference line.
+double widest_reach_m(const roadquery::Road& road) {
+  constexpr double step_m = 5.0;
+  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+  double widest = 1.0;
+  for (int i = 0; i <= steps; ++i) {
+    const roadquery::Edges edges = roadquery::road_edges(road, road.length * i / steps);
+    widest = std::max({widest, std::abs(edges.left_t), std::abs(edges.right_t)});
+  }
+  return widest;
+}
+
+RoadHalves halves_of(const roadquery::Road& road) {
+  const roadquery::LaneSection& section = road.sections.front();
+  if (!road.lane_offset.empty() || section.left.empty() == section.right.empty()) return RoadHalves::both;
+  return section.left.empty() ? RoadHalves::right : RoadHalves::left;
 }
 
 }  // namespace
 
-std::vector<roadquery::ShapeCubic> crown_shape(std::span<const roadquery::Cubic> fall, double length_m) {
-  std::vector<double> knots;
-  for (std::size_t i = 0; i < fall.size(); ++i) {
-    const double end = i + 1 < fall.size() ? fall[i + 1].s : length_m;
-    if (end > fall[i].s) add_knots(fall[i], std::min(end, length_m), knots);
-  }
-  knots.push_back(length_m);
+std::vector<roadquery::ShapeCubic> crown_shape(std::span<const Cubic> fall, double length_m,
+                                               const CrownShapeOptions& options) {
+  const std::vector<Station> all = stations(fall, length_m, options);
+  if (std::all_of(all.begin(), all.end(), [](const Station& at) { return at.fall == 0.0; })) return {};
+  std::vector<Station> kept = all.size() > 1 ? fewest(all, options) : all;
+  if (kept.size() == 2 && kept[0].fall == kept[1].fall) kept.pop_back();
   std::vector<roadquery::ShapeCubic> shape;
-  double before_last = 0.0, last = 0.0, last_s = -1.0;
-  bool any = false;
-  const auto add = [&](double s, double value) {
-    shape.push_back({s, -reach_m, -reach_m * value, value, 0.0, 0.0});
-    shape.push_back({s, 0.0, 0.0, -value, 0.0, 0.0});
-  };
-  for (const double s : knots) {
-    if (s - last_s < min_knot_distance_m && !shape.empty()) continue;
-    const double value = roadquery::evaluate(fall, s);
-    // Of knots with the same fall only the first and the last are needed; the last is not before others follow.
-    if (shape.size() >= 4 && value == last && last == before_last) shape.resize(shape.size() - 2);
-    add(s, value);
-    any = any || value != 0.0;
-    before_last = last, last = value, last_s = s;
+  const double first = options.halves == RoadHalves::left ? -1.0 : 1.0;  // slope of the first entry by the fall
+  for (const Station& at : kept) {
+    shape.push_back({at.s, -reach_m, -reach_m * first * at.fall, first * at.fall, 0.0, 0.0});
+    if (options.halves == RoadHalves::both) shape.push_back({at.s, 0.0, 0.0, -at.fall, 0.0, 0.0});
   }
-  if (!any) return {};
-  if (shape.size() == 4 && before_last == last) shape.resize(2);
   return shape;
+}
+
+void add_crown(roadquery::Road& road, std::span<const Cubic> fall, double tolerance_m, double max_rate_jump) {
+  const double reach = widest_reach_m(road);
+  road.shape =
+      crown_shape(fall, road.length,
+                  {.fall_tolerance = tolerance_m / reach, .max_rate_jump = max_rate_jump, .halves = halves_of(road)});
+  road.superelevation = simplify_profile(road.superelevation, road.length, banking_share * tolerance_m / reach);
 }
 
 }  // namespace orthodrive::network

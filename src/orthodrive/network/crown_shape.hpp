@@ -1,5 +1,5 @@
 #pragma once
-// A crown that changes along a road as <shape> entries of OpenDRIVE.
+// A crown that changes along a road as few <shape> entries of OpenDRIVE.
 
 #include <span>
 #include <vector>
@@ -8,9 +8,27 @@
 
 namespace orthodrive::network {
 
-/// Two straight halves that fall away from the reference line by `fall` (m/m, cubics of s): h(t) = -fall |t|. Shapes
-/// are linear in s between their knots (1.7, 9.4.3): knots lie so near to each other that this misses the cubics by
-/// 1e-4 at most and that the gradient jumps by 0.1 % at most at a knot, 4 m off the reference line. Empty for no fall.
-[[nodiscard]] std::vector<roadquery::ShapeCubic> crown_shape(std::span<const roadquery::Cubic> fall, double length_m);
+/// The halves of a road that carry lanes.
+enum class RoadHalves { both, left, right };
+
+struct CrownShapeOptions {
+  double fall_tolerance = 1e-4;  ///< m/m, largest error of the fall of a half
+  /// 1/m, largest jump of the fall's slope at an entry: 0.1 % of gradient, 4 m off the reference line.
+  double max_rate_jump = 2.5e-4;
+  RoadHalves halves = RoadHalves::both;  ///< one half needs one entry a place: the plane goes on beyond the middle
+};
+
+/// Two straight halves that fall away from the reference line by `fall` (m/m, cubics of s that join C1): h(t) =
+/// -fall |t|. Shapes are linear in s between their entries (1.7, 9.4.3): the fewest entries on the cubics (rounded to
+/// 1e-6) between which the straight line keeps both tolerances and leaves each entry by at most half the largest jump
+/// from the cubic's own slope. So roads that follow each other keep it, too, and both have the cubic's fall at their
+/// joint. Empty for no fall, one place for a constant one.
+[[nodiscard]] std::vector<roadquery::ShapeCubic> crown_shape(std::span<const roadquery::Cubic> fall, double length_m,
+                                                             const CrownShapeOptions& options = {});
+
+/// Gives a road that has its lanes a crown as lateral shapes, where it has lanes. Heights miss `fall` by `tolerance_m`
+/// at most; joints of the superelevation that move heights by less than an eighth of that are left out.
+void add_crown(roadquery::Road& road, std::span<const roadquery::Cubic> fall, double tolerance_m,
+               double max_rate_jump = CrownShapeOptions{}.max_rate_jump);
 
 }  // namespace orthodrive::network

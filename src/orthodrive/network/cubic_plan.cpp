@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "orthodrive/math/cubic_spline.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -31,7 +33,10 @@ double arc_length(const Cubic2& q) {
   constexpr int steps = 16;
   double sum = 0.0;
   for (int i = 0; i <= steps; ++i)
-    sum += (i == 0 || i == steps ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * length(derivative(q, static_cast<double>(i) / steps));
+    sum += (i == 0 || i == steps ? 1.0
+            : i % 2 == 1         ? 4.0
+                                 : 2.0) *
+           length(derivative(q, static_cast<double>(i) / steps));
   return sum / (3.0 * steps);
 }
 
@@ -39,9 +44,11 @@ double arc_length(const Cubic2& q) {
 
 PlanElement cubic_part(const PlanElement& element, double p0, double p1) {
   const ParamPoly3& poly = std::get<ParamPoly3>(element.shape);
-  const double c = std::cos(element.hdg), s = std::sin(element.hdg), d = p1 - p0, unit = poly.normalized ? 1.0 : element.length;
-  const Cubic2 q{Vec2{element.x, element.y} + turned({poly.a_u, poly.a_v}, c, s), turned({poly.b_u, poly.b_v}, c, s) * unit,
-                 turned({poly.c_u, poly.c_v}, c, s) * (unit * unit), turned({poly.d_u, poly.d_v}, c, s) * (unit * unit * unit)};
+  const double c = std::cos(element.hdg), s = std::sin(element.hdg), d = p1 - p0,
+               unit = poly.normalized ? 1.0 : element.length;
+  const Cubic2 q{Vec2{element.x, element.y} + turned({poly.a_u, poly.a_v}, c, s),
+                 turned({poly.b_u, poly.b_v}, c, s) * unit, turned({poly.c_u, poly.c_v}, c, s) * (unit * unit),
+                 turned({poly.d_u, poly.d_v}, c, s) * (unit * unit * unit)};
   PlanElement part = element_of({q[0] + (q[1] + (q[2] + q[3] * p0) * p0) * p0, derivative(q, p0) * d,
                                  (q[2] + q[3] * (3.0 * p0)) * (d * d), q[3] * (d * d * d)});
   part.length = element.length * std::abs(d);
@@ -49,34 +56,21 @@ PlanElement cubic_part(const PlanElement& element, double p0, double p1) {
 }
 
 std::vector<PlanElement> cubic_plan(std::span<const Vec2> points, bool closed) {
-  // Relative to the first point: differences of UTM coordinates lose digits. Closed lines go round three times and the
-  // middle round is kept: what the ends do fades by 1 / 3.7 a point.
-  const Vec2 origin = points.front();
-  const std::size_t round = points.size() - 1, n = closed ? 3 * round + 1 : points.size();
-  std::vector<Vec2> p;
-  for (std::size_t i = 0; i < n; ++i) p.push_back(points[closed ? i % round : i] - origin);
-  std::vector<double> h;
-  for (std::size_t i = 0; i + 1 < n; ++i) h.push_back(distance(p[i], p[i + 1]));
-  // Second derivatives m: the natural spline's tridiagonal equations, by Thomas' algorithm.
-  std::vector<double> diagonal(n, 1.0);
-  std::vector<Vec2> m(n);
-  for (std::size_t i = 1; i + 1 < n; ++i) {
-    diagonal[i] = 2.0 * (h[i - 1] + h[i]);
-    m[i] = ((p[i + 1] - p[i]) * (1.0 / h[i]) - (p[i] - p[i - 1]) * (1.0 / h[i - 1])) * 6.0;
-    if (i > 1) {
-      const double f = h[i - 1] / diagonal[i - 1];
-      diagonal[i] -= f * h[i - 1];
-      m[i] = m[i] - m[i - 1] * f;
-    }
+  const Vec2 origin = points.front();  // differences of UTM coordinates lose digits
+  std::vector<double> chord_m{0.0}, x, y;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) chord_m.push_back(chord_m.back() + distance(points[i - 1], points[i]));
+    x.push_back(points[i].x - origin.x), y.push_back(points[i].y - origin.y);
   }
-  for (std::size_t i = n - 1; i-- > 1;) m[i] = (m[i] - (i + 2 < n ? m[i + 1] * h[i] : Vec2{})) * (1.0 / diagonal[i]);
-  m.front() = m.back() = {};
+  const auto through = closed ? periodic_spline : natural_spline;
+  const CubicSpline sx = through(chord_m, std::move(x)), sy = through(chord_m, std::move(y));
   std::vector<PlanElement> plan;
   double s = 0.0;
-  for (std::size_t i = closed ? round : 0; i + 1 < n && plan.size() < round; ++i) {
-    const double l = h[i];
-    const Cubic2 q{p[i], (p[i + 1] - p[i]) - (m[i] * 2.0 + m[i + 1]) * (l * l / 6.0), m[i] * (0.5 * l * l),
-                   (m[i + 1] - m[i]) * (l * l / 6.0)};
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const double l = chord_m[i + 1] - chord_m[i];
+    const Vec2 p{sx.values[i], sy.values[i]}, next{sx.values[i + 1], sy.values[i + 1]};
+    const Vec2 m{sx.second[i], sy.second[i]}, m_next{sx.second[i + 1], sy.second[i + 1]};
+    const Cubic2 q{p, (next - p) - (m * 2.0 + m_next) * (l * l / 6.0), m * (0.5 * l * l), (m_next - m) * (l * l / 6.0)};
     PlanElement e = element_of(q);
     e.s = s, e.x += origin.x, e.y += origin.y, e.length = arc_length(q);
     s += e.length;

@@ -9,9 +9,9 @@
 
 namespace orthodrive::network {
 
-/// Cubic spline through all points over their chord length (natural at the ends of open lines): continuous in place, heading
-/// and curvature whatever the points. Closed lines repeat the first point at the end. s counts arc length; within an
-/// element the parameter is only about proportional to it.
+/// Cubic spline through all points over their chord length (natural at the ends of open lines): continuous in place,
+/// heading and curvature whatever the points. Closed lines repeat the first point at the end. s counts arc length;
+/// within an element the parameter is only about proportional to it.
 [[nodiscard]] std::vector<roadquery::PlanElement> cubic_plan(std::span<const Vec2> points, bool closed);
 
 /// The part of an element with a ParamPoly3 from share p0 to share p1 of its parameter range, p0 > p1 for walking it

@@ -1,5 +1,6 @@
-// See fit_plan.hpp for the method; docs/network.md for what it reaches. The biarc is that of K. M. Bolton, Biarc curves,
-// Computer-Aided Design 7 (1975), in closed form: the joint lies where both control lengths d are equal, d being the root of
+// See fit_plan.hpp for the method; docs/measured/network.md for what it reaches. The biarc is that of K. M. Bolton,
+// Biarc curves, Computer-Aided Design 7 (1975), in closed form: the joint lies where both control lengths d are equal,
+// d being the root of
 //   |v|^2 - 2 d v.(t1 + t2) + 2 d^2 (t1.t2 - 1) = 0.
 
 #include "orthodrive/network/fit_plan.hpp"
@@ -95,12 +96,14 @@ ClothoidSpline first_line(std::span<const Vec2> q, std::span<const std::size_t> 
   for (std::size_t i = 0; i < n; ++i) {
     const bool first = i == 0 && !closed, last = i + 1 == n && !closed;
     Vec2 t;
-    if (n == 2) t = points[1] - points[0];
+    if (n == 2)
+      t = points[1] - points[0];
     else if (first) {
       const Vec2 inner = circle_tangent(points[0], points[1], points[2]), c = normalized(points[1] - points[0]);
       t = c * (2.0 * dot(inner, c)) - inner;
     } else if (last) {
-      const Vec2 inner = circle_tangent(points[n - 3], points[n - 2], points[n - 1]), c = normalized(points[n - 1] - points[n - 2]);
+      const Vec2 inner = circle_tangent(points[n - 3], points[n - 2], points[n - 1]),
+                 c = normalized(points[n - 1] - points[n - 2]);
       t = c * (2.0 * dot(inner, c)) - inner;
     } else {
       t = circle_tangent(points[(i + n - 1) % n], points[i], points[(i + 1) % n]);
@@ -120,12 +123,12 @@ std::optional<ClothoidChain> start_line(std::span<const Vec2> nodes, bool closed
     const ClothoidSpline spline = first_line(q, at, closed);
     if (!spline.found) break;
     chain.emplace(nodes, closed, spline, at, limits);
-    // A knot more at the farthest node of every piece that leaves its nodes.
+    // A knot more at the farthest node of every element that leaves its nodes.
     const std::vector<ClothoidChain::Foot> feet = chain->feet();
     bool near = true;
     for (std::size_t i = 0; i < feet.size();) {
       std::size_t worst = i, j = i;
-      for (; j < feet.size() && feet[j].piece == feet[i].piece; ++j)
+      for (; j < feet.size() && feet[j].element == feet[i].element; ++j)
         if (feet[j].distance_m > feet[worst].distance_m) worst = j;
       if (feet[worst].distance_m > 0.8 * limits.tolerance_m && !wanted[worst]) wanted[worst] = 1, near = false;
       i = j;
@@ -190,11 +193,15 @@ roadquery::PlanShape shape_of(double curvature0, double curvature1, double lengt
   return Arc{mean};
 }
 
-PlanElement element_of(const ClothoidChain::Piece& piece, double s, Vec2 origin) {
-  PlanElement e{.s = s, .x = piece.start.p.x + origin.x, .y = piece.start.p.y + origin.y,
-                .hdg = wrap_angle(piece.start.heading_rad), .length = piece.length_m};
-  if (piece.kind == PieceKind::arc) e.shape = Arc{piece.start.curvature};
-  if (piece.kind == PieceKind::clothoid) e.shape = shape_of(piece.start.curvature, piece.end_curvature, piece.length_m);
+PlanElement element_of(const ClothoidChain::Element& element, double s, Vec2 origin) {
+  PlanElement e{.s = s,
+                .x = element.start.p.x + origin.x,
+                .y = element.start.p.y + origin.y,
+                .hdg = wrap_angle(element.start.heading_rad),
+                .length = element.length_m};
+  if (element.kind == ElementKind::arc) e.shape = Arc{element.start.curvature};
+  if (element.kind == ElementKind::clothoid)
+    e.shape = shape_of(element.start.curvature, element.end_curvature, element.length_m);
   return e;
 }
 
@@ -258,16 +265,21 @@ std::vector<PlanElement> turn(const Pose& from, const Pose& to) {
   const ClothoidFit fit = fit_clothoid(to.p - from.p, heading(from), heading(to));
   if (!fit.found || fit.length_m > 1.5 * plan_length(arcs)) return arcs;
   const double sharpest = std::max(std::abs(fit.curvature0), std::abs(fit.curvature1));
-  if (std::none_of(arcs.begin(), arcs.end(), [&](const PlanElement& e) { return 2.0 * std::abs(curvature_of(e)) >= sharpest; }))
+  if (std::none_of(arcs.begin(), arcs.end(),
+                   [&](const PlanElement& e) { return 2.0 * std::abs(curvature_of(e)) >= sharpest; }))
     return arcs;
-  return {{0.0, from.p.x, from.p.y, heading(from), fit.length_m, shape_of(fit.curvature0, fit.curvature1, fit.length_m)}};
+  return {
+      {0.0, from.p.x, from.p.y, heading(from), fit.length_m, shape_of(fit.curvature0, fit.curvature1, fit.length_m)}};
 }
 
-double plan_length(std::span<const PlanElement> plan) { return plan.empty() ? 0.0 : plan.back().s + plan.back().length; }
+double plan_length(std::span<const PlanElement> plan) {
+  return plan.empty() ? 0.0 : plan.back().s + plan.back().length;
+}
 
 Pose pose_at(std::span<const PlanElement> plan, double s) {
   assert(!plan.empty());
-  const auto next = std::upper_bound(plan.begin() + 1, plan.end(), s, [](double a, const PlanElement& e) { return a < e.s; });
+  const auto next =
+      std::upper_bound(plan.begin() + 1, plan.end(), s, [](double a, const PlanElement& e) { return a < e.s; });
   const PlanElement& e = *(next - 1);
   const roadquery::PlanPoint q = roadquery::evaluate(e, std::clamp(s - e.s, 0.0, e.length));
   return {{q.x, q.y}, unit(q.hdg)};
@@ -335,9 +347,10 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
       measure(*circle, points);
       return *circle;
     }
-  const ChainLimits limits{.tolerance_m = 0.999 * options.tolerance_m,  // measured across the line, stated to the foot
-                           .max_curvature_rate = options.max_curvature_rate,
-                           .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
+  const ChainLimits limits{
+      .tolerance_m = 0.999 * options.tolerance_m,  // measured across the line, stated to the foot
+      .max_curvature_rate = options.max_curvature_rate,
+      .max_curvature = options.max_curvature.first(std::min(local.size(), options.max_curvature.size()))};
   std::optional<ClothoidChain> chain = start_line(local, options.closed, limits);
   if (!chain) return cubic_fit(points, options.closed);
   chain->remove_knots(1);
@@ -347,14 +360,14 @@ PlanFit fit_plan(std::span<const Vec2> points, const FitPlanOptions& options) {
 
   double s = 0.0;
   std::vector<double> begin;
-  for (const ClothoidChain::Piece& piece : chain->pieces()) {
-    fit.elements.push_back(element_of(piece, s, origin));
+  for (const ClothoidChain::Element& element : chain->elements()) {
+    fit.elements.push_back(element_of(element, s, origin));
     begin.push_back(s);
-    s += piece.length_m;
+    s += element.length_m;
   }
   // The plan begins beside the first node and ends beside the last one.
   const std::vector<ClothoidChain::Foot> feet = chain->feet();
-  const auto foot_s = [&](std::size_t i) { return begin[feet[i].piece] + feet[i].ds_m; };
+  const auto foot_s = [&](std::size_t i) { return begin[feet[i].element] + feet[i].ds_m; };
   const double seam = foot_s(0), end = options.closed ? seam + s : foot_s(feet.size() - 1);
   if (seam > 0.0 || end < s) {
     for (std::size_t i = 0; options.closed && i < begin.size(); ++i) {

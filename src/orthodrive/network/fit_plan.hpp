@@ -1,10 +1,11 @@
 #pragma once
-// Reference lines: lines, arcs and clothoids (OpenDRIVE's spirals) that join without gap, kink or jump of curvature (G2)
-// beside a dense line of points.
+// Reference lines: lines, arcs and clothoids (OpenDRIVE's spirals) that join without gap, kink or jump of curvature
+// (G2) beside a dense line of points.
 //
 // A clothoid spline (clothoid.hpp) through the smoothed points is the start. Then joints are taken out as long as every
-// point stays within the tolerance, the pieces around being fitted anew each time, their lengths too (clothoid_chain.hpp);
-// what is straight or round within the tolerance becomes a line or an arc. The result is short, not proven shortest.
+// point stays within the tolerance, the pieces around being fitted anew each time, their lengths too
+// (clothoid_chain.hpp); what is straight or round within the tolerance becomes a line or an arc. The result is short,
+// not proven shortest.
 
 #include <span>
 #include <vector>
@@ -40,8 +41,8 @@ struct Pose {
   Vec2 p, direction;  ///< unit vector
 };
 [[nodiscard]] std::vector<roadquery::PlanElement> biarc(const Pose& from, const Pose& to);
-/// For turning roads: the one clothoid between the poses (clothoid.hpp), or their biarc where the clothoid is a detour or more
-/// than twice as sharp.
+/// For connecting roads: the one clothoid between the poses (clothoid.hpp), or their biarc where the clothoid is a
+/// detour or more than twice as sharp.
 [[nodiscard]] std::vector<roadquery::PlanElement> turn(const Pose& from, const Pose& to);
 
 /// Element lists ("plans") start at s = 0. The part from s0 to s1, again from 0.

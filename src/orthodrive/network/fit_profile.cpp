@@ -31,9 +31,10 @@ std::vector<double> slopes(const std::vector<ProfileSample>& samples, bool close
     const auto turns = static_cast<std::ptrdiff_t>(n) - 1;
     std::ptrdiff_t wrapped = i % turns;
     if (wrapped < 0) wrapped += turns;
-    ProfileSample result = samples[static_cast<std::size_t>(i >= 0 && i < static_cast<std::ptrdiff_t>(n) ? i : wrapped)];
-    if (i < 0 || i >= static_cast<std::ptrdiff_t>(n))
-      result.s += period * static_cast<double>((i - wrapped) / turns);
+    const std::ptrdiff_t turned = (i - wrapped) / turns;
+    ProfileSample result =
+        samples[static_cast<std::size_t>(i >= 0 && i < static_cast<std::ptrdiff_t>(n) ? i : wrapped)];
+    if (i < 0 || i >= static_cast<std::ptrdiff_t>(n)) result.s += period * static_cast<double>(turned);
     return result;
   };
   const auto last = static_cast<std::ptrdiff_t>(n) - 1;
@@ -123,6 +124,34 @@ std::vector<Cubic> slice_profile(std::span<const Cubic> cubics, double s0, doubl
     Cubic part = first ? moved_to(cubics[i], s0) : cubics[i];
     part.s -= s0;
     result.push_back(part);
+  }
+  return result;
+}
+
+std::vector<Cubic> simplify_profile(std::span<const Cubic> cubics, double length, double tolerance) {
+  constexpr int samples = 8;  // of each piece
+  const std::size_t n = cubics.size();
+  const auto end_of = [&](std::size_t i) { return i + 1 < n ? cubics[i + 1].s : length; };
+  // One cubic for pieces i to j, from the value and slope of the first to those of the last.
+  const auto joined = [&](std::size_t i, std::size_t j) {
+    const double end = end_of(j);
+    return hermite(cubics[i].s, end, cubics[i].a, value_at(cubics[j], end), cubics[i].b, slope_at(cubics[j], end));
+  };
+  const auto fits = [&](std::size_t i, std::size_t j) {
+    const Cubic cubic = joined(i, j);
+    for (std::size_t k = i; k <= j; ++k)
+      for (int m = 1; m <= samples; ++m) {
+        const double s = cubics[k].s + (end_of(k) - cubics[k].s) * m / samples;
+        if (std::abs(value_at(cubic, s) - value_at(cubics[k], s)) > tolerance) return false;
+      }
+    return true;
+  };
+  std::vector<Cubic> result;
+  for (std::size_t i = 0; i < n;) {
+    std::size_t last = i;
+    while (last + 1 < n && fits(i, last + 1)) ++last;
+    result.push_back(last == i ? cubics[i] : joined(i, last));
+    i = last + 1;
   }
   return result;
 }

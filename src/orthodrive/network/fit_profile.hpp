@@ -1,5 +1,6 @@
 #pragma once
-// Superelevation and widths along a road: few cubics that join with equal value and slope (C1). Heights: fit_spline.hpp.
+// Superelevation and widths along a road: few cubics that join with equal value and slope (C1). Heights:
+// fit_spline.hpp.
 
 #include <span>
 #include <vector>
@@ -33,7 +34,11 @@ struct ProfileFit {
 /// The cubic with these values and slopes at both ends.
 [[nodiscard]] roadquery::Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1);
 /// The part from s0 to s1 with s from 0.
-[[nodiscard]] std::vector<roadquery::Cubic> slice_profile(std::span<const roadquery::Cubic> cubics, double s0, double s1);
+[[nodiscard]] std::vector<roadquery::Cubic> slice_profile(std::span<const roadquery::Cubic> cubics, double s0,
+                                                          double s1);
+/// The same profile of `length` without the joints that move it by less than `tolerance`: C1 if it was.
+[[nodiscard]] std::vector<roadquery::Cubic> simplify_profile(std::span<const roadquery::Cubic> cubics, double length,
+                                                             double tolerance);
 /// The same profile of `length` seen from its other end; `sign` -1 for what changes sign then (superelevation).
 [[nodiscard]] std::vector<roadquery::Cubic> reverse_profile(std::span<const roadquery::Cubic> cubics, double length,
                                                             double sign = 1.0);

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+
+#include "orthodrive/math/cubic_spline.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -29,53 +32,11 @@ double end_slope(const std::vector<ProfileSample>& samples, bool at_back) {
   return (slope_to(near) * away(far) - slope_to(far) * away(near)) / (away(far) - away(near));
 }
 
-/// Thomas algorithm: diagonal d, off-diagonals below[i] (row i, column i - 1) and above[i] (row i, column i + 1).
-std::vector<double> solve_tridiagonal(const std::vector<double>& below, std::vector<double> d,
-                                      const std::vector<double>& above, std::vector<double> right) {
-  for (std::size_t i = 1; i < d.size(); ++i) {
-    const double m = below[i] / d[i - 1];
-    d[i] -= m * above[i - 1];
-    right[i] -= m * right[i - 1];
-  }
-  for (std::size_t i = d.size(); i-- > 0;)
-    right[i] = (right[i] - (i + 1 < d.size() ? above[i] * right[i + 1] : 0.0)) / d[i];
-  return right;
-}
-
-/// Second derivatives of the spline through the knots.
-std::vector<double> open_moments(const std::vector<ProfileSample>& knots, double slope_begin, double slope_end) {
-  const std::size_t n = knots.size();
-  std::vector<double> below(n, 0.0), d(n, 0.0), above(n, 0.0), right(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double h0 = i > 0 ? knots[i].s - knots[i - 1].s : 0.0, h1 = i + 1 < n ? knots[i + 1].s - knots[i].s : 0.0;
-    const double in = i > 0 ? (knots[i].value - knots[i - 1].value) / h0 : slope_begin;
-    const double out = i + 1 < n ? (knots[i + 1].value - knots[i].value) / h1 : slope_end;
-    below[i] = h0 / 6.0, d[i] = (h0 + h1) / 3.0, above[i] = h1 / 6.0, right[i] = out - in;
-  }
-  return solve_tridiagonal(below, std::move(d), above, std::move(right));
-}
-
-/// The same around a closed profile, whose last knot is its first: Sherman and Morrison's formula for the two corners.
-std::vector<double> closed_moments(const std::vector<ProfileSample>& knots) {
-  const std::size_t n = knots.size() - 1;
-  std::vector<double> below(n), d(n), above(n), right(n), corner(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t before = i > 0 ? i - 1 : n - 1;
-    const double h0 = knots[before + 1].s - knots[before].s, h1 = knots[i + 1].s - knots[i].s;
-    below[i] = h0 / 6.0, d[i] = (h0 + h1) / 3.0, above[i] = h1 / 6.0;
-    right[i] = (knots[i + 1].value - knots[i].value) / h1 - (knots[before + 1].value - knots[before].value) / h0;
-  }
-  const double edge = below[0], gamma = -d[0];
-  d[0] -= gamma;
-  d[n - 1] -= edge * edge / gamma;
-  corner[0] = gamma, corner[n - 1] = edge;
-  const std::vector<double> y = solve_tridiagonal(below, d, above, right),
-                            q = solve_tridiagonal(below, d, above, corner);
-  const double share = (y[0] + edge / gamma * y[n - 1]) / (1.0 + q[0] + edge / gamma * q[n - 1]);
-  std::vector<double> moments(n);
-  for (std::size_t i = 0; i < n; ++i) moments[i] = y[i] - share * q[i];
-  moments.push_back(moments.front());
-  return moments;
+CubicSpline spline_through(const std::vector<ProfileSample>& knots, bool closed, double slope_begin, double slope_end) {
+  std::vector<double> s, values;
+  for (const ProfileSample& knot : knots) s.push_back(knot.s), values.push_back(knot.value);
+  return closed ? periodic_spline(std::move(s), std::move(values))
+                : clamped_spline(std::move(s), std::move(values), slope_begin, slope_end);
 }
 
 Cubic piece(const ProfileSample& a, const ProfileSample& b, double moment_a, double moment_b) {
@@ -83,7 +44,6 @@ Cubic piece(const ProfileSample& a, const ProfileSample& b, double moment_a, dou
   return {a.s, a.value, (b.value - a.value) / h - h * (2.0 * moment_a + moment_b) / 6.0, 0.5 * moment_a,
           (moment_b - moment_a) / (6.0 * h)};
 }
-
 
 /// Evenly some 64 m apart, at least three around a closed profile, and the ones asked for.
 std::vector<std::size_t> first_knots(const std::vector<ProfileSample>& samples, bool closed,
@@ -125,7 +85,7 @@ ProfileFit fit_spline(std::span<const ProfileSample> all, const FitProfileOption
   for (bool fits = false; !fits;) {
     std::vector<ProfileSample> knots;
     for (const std::size_t i : at) knots.push_back(samples[i]);
-    const std::vector<double> moments = closed ? closed_moments(knots) : open_moments(knots, slope_begin, slope_end);
+    const std::vector<double> moments = spline_through(knots, closed, slope_begin, slope_end).second;
     fit = {};
     std::vector<std::size_t> finer{0};
     for (std::size_t k = 0; k + 1 < at.size(); ++k) {

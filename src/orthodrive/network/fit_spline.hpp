@@ -5,7 +5,7 @@
 
 namespace orthodrive::network {
 
-/// De Boor, A Practical Guide to Splines, 1978, ch. IV: knots at samples, second derivatives from a tridiagonal system;
+/// A cubic spline (math/cubic_spline.hpp) with its knots at samples;
 /// ends have the slope of the parabola through the samples there, closed profiles go on in themselves. Intervals are
 /// halved until their samples fit. The samples nearest to `exact_s` (ascending) are knots from the start, so that what
 /// meets there meets exactly. s must not decrease; samples closer than 1 cm to the one before are left out. At least

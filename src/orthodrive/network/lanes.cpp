@@ -20,13 +20,12 @@ using roadquery::RoadMark;
 constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
 constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
 constexpr double min_lane_m = 1.85, notable_widening_m = 0.3;
-constexpr int max_untagged_lanes = 4;      // a direction
+constexpr int max_untagged_lanes = 4;  // a direction
 constexpr double taper_m =
     30.0;  // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
-constexpr double taper_step_m = 3.0;       // between the ends of its cubics: they leave the smooth step by under 1 mm
+constexpr double taper_step_m = 3.0;  // between the ends of its cubics: they leave the smooth step by under 1 mm
 constexpr double sidewalk_m = 2.0, shoulder_m = 1.5, motorway_shoulder_m = 2.5;
 constexpr double centre_line_from_m = 5.5;  // narrower two-way roads have no centre line (RMS: from 5.5 m)
-
 
 /// A share of the carriageway that changes along the tapers at both ends.
 struct Share {
@@ -60,7 +59,8 @@ class Carriageway {
     if (end_reach_ > 0.0) add_breaks(length - end_reach_, length);
     std::sort(breaks_.begin(), breaks_.end());
     constexpr double same_m = 1e-3;
-    breaks_.erase(std::unique(breaks_.begin(), breaks_.end(), [](double a, double b) { return b - a < same_m; }), breaks_.end());
+    breaks_.erase(std::unique(breaks_.begin(), breaks_.end(), [](double a, double b) { return b - a < same_m; }),
+                  breaks_.end());
     breaks_.back() = length;
   }
 
@@ -90,7 +90,8 @@ class Carriageway {
 
  private:
   [[nodiscard]] const Cubic& total_at(double s) const {
-    const auto after = std::upper_bound(total_.begin() + 1, total_.end(), s, [](double v, const Cubic& c) { return v < c.s; });
+    const auto after =
+        std::upper_bound(total_.begin() + 1, total_.end(), s, [](double v, const Cubic& c) { return v < c.s; });
     return *(after - 1);
   }
 
@@ -115,7 +116,8 @@ struct Markings {
 
 Markings markings_of(const std::string& highway, const LaneLayout& layout, double width_m) {
   constexpr std::string_view fast[] = {"motorway", "motorway_link", "trunk", "trunk_link"};
-  constexpr std::string_view major[] = {"primary", "primary_link", "secondary", "secondary_link", "tertiary", "tertiary_link"};
+  constexpr std::string_view major[] = {"primary",        "primary_link", "secondary",
+                                        "secondary_link", "tertiary",     "tertiary_link"};
   Markings marks;
   const bool is_fast = is_one_of(highway, fast), is_major = is_fast || is_one_of(highway, major);
   marks.edges = is_major && width_m >= (layout.left > 0 && layout.right > 0 ? centre_line_from_m : 0.0);
@@ -168,7 +170,7 @@ unsigned turn_bits(std::string_view values) {
 
 }  // namespace
 
-LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_hand_traffic) {
+LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide driving_side) {
   const bool one_way = path.oneway == Oneway::forward;
   int forward = 1, backward = one_way ? 0 : 1;
   bool reduced = false;
@@ -177,7 +179,9 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_ha
     if (one_way) {
       forward = lanes;
     } else {
-      forward = path.lanes_forward > 0 ? path.lanes_forward : path.lanes_backward > 0 ? lanes - path.lanes_backward : (lanes + 1) / 2;
+      forward = path.lanes_forward > 0    ? path.lanes_forward
+                : path.lanes_backward > 0 ? lanes - path.lanes_backward
+                                          : (lanes + 1) / 2;
       backward = std::max(1, path.lanes_backward > 0 ? path.lanes_backward : lanes - forward);
       forward = std::max(1, forward);
     }
@@ -191,7 +195,8 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_ha
   } else {
     forward = backward = std::clamp(static_cast<int>(0.5 * median_width_m / two_way_lane_m), 1, max_untagged_lanes);
   }
-  return left_hand_traffic ? LaneLayout{forward, backward, reduced} : LaneLayout{backward, forward, reduced};
+  return driving_side == DrivingSide::left ? LaneLayout{forward, backward, reduced}
+                                           : LaneLayout{backward, forward, reduced};
 }
 
 RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
@@ -212,13 +217,33 @@ RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
   return roads;
 }
 
+void set_material(Road& road, SurfaceClass surface, Weather weather) {
+  const auto material = [weather](SurfaceClass of) {
+    const RoadMaterial m = material_of(of, weather);
+    return roadquery::LaneMaterial{0.0, of, m.friction, m.roughness_m};
+  };
+  for (roadquery::LaneSection& section : road.sections)
+    for (auto* side : {&section.left, &section.right})
+      for (Lane& lane : *side)
+        lane.materials = {material(lane.type == LaneType::sidewalk ? SurfaceClass::concrete : surface)};
+}
+
+SurfaceClass surface_of(const Road& road) {
+  for (const roadquery::LaneSection& section : road.sections)
+    for (const auto* side : {&section.right, &section.left})
+      for (const Lane& lane : *side)
+        if (lane.type == LaneType::driving && !lane.materials.empty()) return lane.materials.front().surface;
+  return SurfaceClass::asphalt;
+}
+
 LaneMatch match_lanes(int from, int to, int inner) {
   const int count = std::min(from, to);
   const int opened = to - count;
   return {{0, count}, {std::min(inner, opened), count}};
 }
 
-void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths, const LaneOptions& options) {
+void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
+               const LaneOptions& options) {
   const RoadEndLanes start = options.start.value_or(all_open(layout)), end = options.end.value_or(all_open(layout));
   const Carriageway carriageway(fit_profile(widths, {.tolerance = options.tolerance_m}).cubics, road.length,
                                 tapers(layout, options.start), tapers(layout, options.end));
@@ -227,7 +252,8 @@ void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSamp
   roadquery::LaneSection section;
   section.center.type = LaneType::none;
   section.center.marks.push_back(centre_mark(marks, layout));
-  const auto add_side = [&](std::vector<Lane>& lanes, int count, int sign, const OpenLanes& open0, const OpenLanes& open1) {
+  const auto add_side = [&](std::vector<Lane>& lanes, int count, int sign, const OpenLanes& open0,
+                            const OpenLanes& open1) {
     for (int i = 0; i < count; ++i) {
       Lane lane{.id = sign * (i + 1)};
       lane.width = carriageway.part({share_of(i, open0, total0), 1.0 / layout.total(), share_of(i, open1, total1)});
@@ -240,7 +266,8 @@ void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSamp
     const auto add = [&](LaneType type, double width_m) {
       lanes.push_back(side_lane(sign * (static_cast<int>(lanes.size()) + 1), type, width_m));
     };
-    if (has_side(options.shoulder, side)) add(LaneType::shoulder, road.highway == "motorway" ? motorway_shoulder_m : shoulder_m);
+    if (has_side(options.shoulder, side))
+      add(LaneType::shoulder, road.highway == "motorway" ? motorway_shoulder_m : shoulder_m);
     if (has_side(options.sidewalk, side)) {
       if (!lanes.empty() && lanes.back().type == LaneType::driving && !marks.edges)
         lanes.back().marks.front() = {0.0, "curb", 0.15};
@@ -258,14 +285,14 @@ void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSamp
 }
 
 std::vector<int> lanes_of_direction(const Road& road, bool forward) {
-  const bool right = forward != road.left_hand_traffic;
+  const bool right = forward != (road.driving_side == roadquery::DrivingSide::left);
   std::vector<int> ids;
   for (const Lane& lane : right ? road.sections.front().right : road.sections.front().left)
     if (lane.type == LaneType::driving) ids.push_back(lane.id);
   return ids;
 }
 
-std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, bool left_hand_traffic) {
+std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, DrivingSide driving_side) {
   const std::string& tag = forward ? path.turn_forward : path.turn_backward;
   std::vector<unsigned> lanes;
   if (tag.empty()) return lanes;
@@ -275,7 +302,8 @@ std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, bool left_h
     lanes.push_back(turn_bits(text.substr(begin, end - begin)));
     begin = end + 1;
   }
-  if (left_hand_traffic) std::reverse(lanes.begin(), lanes.end());  // from left to right is from the outside in there
+  if (driving_side == DrivingSide::left)
+    std::reverse(lanes.begin(), lanes.end());  // from left to right is from the outside in there
   return lanes;
 }
 

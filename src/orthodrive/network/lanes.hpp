@@ -7,13 +7,16 @@
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
+#include "orthodrive/model/driving_side.hpp"
+#include "orthodrive/model/road_material.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/network/fit_profile.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace orthodrive::network {
 
-/// Numbers of driving lanes, all equally wide. Forward lanes run with s: right of the centre lane in right-hand traffic.
+/// Numbers of driving lanes, all equally wide. Forward lanes run with s: right of the centre lane in right-hand
+/// traffic.
 struct LaneLayout {
   int left = 1, right = 1;
   /// More lanes were tagged than the width has room for.
@@ -21,11 +24,11 @@ struct LaneLayout {
   [[nodiscard]] int total() const { return left + right; }
 };
 
-/// By the tags lanes, lanes:forward, lanes:backward and oneway; untagged: as many lanes of a usual width as the median width
-/// has room for. An odd number of lanes gives the additional one to the forward direction; a single lane used both ways
-/// becomes two narrow ones, because OpenDRIVE gives a lane one direction. No lane is made narrower than 2.2 m for the sake
-/// of a tag.
-[[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, bool left_hand_traffic);
+/// By the tags lanes, lanes:forward, lanes:backward and oneway; untagged: as many lanes of a usual width as the median
+/// width has room for. An odd number of lanes gives the additional one to the forward direction; a single lane used
+/// both ways becomes two narrow ones, because OpenDRIVE gives a lane one direction. No lane is made narrower than 2.2 m
+/// for the sake of a tag.
+[[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide driving_side);
 
 /// Widens carriageways that are narrower than a lane of 1.85 m for each direction: a car of 1.8 m has to fit, and SUMO
 /// leaves narrower lanes out. Finding network.widened where that is by more than 0.3 m.
@@ -52,8 +55,13 @@ struct LaneOptions {
 void add_lanes(roadquery::Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
                const LaneOptions& options);
 
-/// How lanes of one direction go on into those of another road; both counted from the inside. Lanes that end or open do so
-/// outside; `inner` of them open inside (turn lanes for the side of the oncoming traffic).
+/// Gives all lanes what the road is made of; sidewalks are of slabs (concrete). One entry a lane section.
+void set_material(roadquery::Road& road, SurfaceClass surface, Weather weather);
+/// Of the innermost driving lane; asphalt for roads without a material.
+[[nodiscard]] SurfaceClass surface_of(const roadquery::Road& road);
+
+/// How lanes of one direction go on into those of another road; both counted from the inside. Lanes that end or open do
+/// so outside; `inner` of them open inside (turn lanes for the side of the oncoming traffic).
 struct LaneMatch {
   OpenLanes from, to;
 };
@@ -65,6 +73,6 @@ struct LaneMatch {
 /// What turn:lanes says about one lane: bits of TurnBit. 0: nothing ("none", "").
 enum TurnBit : unsigned { turn_left = 1, turn_through = 2, turn_right = 4, turn_merge = 8 };
 /// Of the lanes of one direction from the inside out; empty when there are no arrows.
-[[nodiscard]] std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, bool left_hand_traffic);
+[[nodiscard]] std::vector<unsigned> turn_lanes(const RoadPath& path, bool forward, DrivingSide driving_side);
 
 }  // namespace orthodrive::network

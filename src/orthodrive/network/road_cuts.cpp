@@ -12,9 +12,9 @@
 namespace orthodrive::network {
 namespace {
 
-constexpr double min_part_m = 0.5;      // shorter pieces of way are left to the road before them
-constexpr double min_split_m = 0.8;     // shorter roads are not divided
-constexpr double sample_m = 2.0;        // step of polylines: SUMO's default
+constexpr double min_part_m = 0.5;   // shorter pieces of way are left to the road before them
+constexpr double min_split_m = 0.8;  // shorter roads are not divided
+constexpr double sample_m = 2.0;     // step of polylines: SUMO's default
 // SUMO warns below 9 m; a car at walking pace turns with 5 - 6 m.
 constexpr double calm_radius_m = 14.0;
 constexpr double flat_turn_rad = std::numbers::pi / 180.0;  // less does not show
@@ -25,11 +25,9 @@ constexpr double element_reach_m = 5.0;  // so far a cut goes to lie where an el
 constexpr double step_m = 0.25;
 constexpr double min_road_m = 3.0;  // shorter ones are hardly shortened further
 constexpr double short_road_reach_m = 0.5;
-constexpr double dead_end_m = 3.0;      // a dead end may become this much shorter
+constexpr double dead_end_m = 3.0;  // a dead end may become this much shorter
 constexpr double outwards_m = 15.0, along_m = 25.0;
-constexpr double abutment_m = 1.0;      // bridges and tunnels begin where they begin
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double abutment_m = 1.0;  // bridges and tunnels begin where they begin
 
 /// How a road lies on its chain.
 struct RoadSide {
@@ -37,8 +35,8 @@ struct RoadSide {
   double offset_m = 0.0;  ///< of the inner edge of its lanes, to the left of the chain
 };
 
-/// The last three vertices of a road from s0 to s1 as a polyline that has each element's ends and a vertex every 2 m from
-/// its start, as seen from the end `at_s1` (or s0) inwards.
+/// The last three vertices of a road from s0 to s1 as a polyline that has each element's ends and a vertex every 2 m
+/// from its start, as seen from the end `at_s1` (or s0) inwards.
 std::array<Vec2, 3> end_vertices(const std::vector<roadquery::PlanElement>& plan, double s0, double s1, bool at_s1,
                                  const RoadSide& road) {
   const bool reversed = road.reversed;
@@ -51,7 +49,8 @@ std::array<Vec2, 3> end_vertices(const std::vector<roadquery::PlanElement>& plan
   };
   const double end = at_s1 ? s1 : s0, inwards = at_s1 ? -1.0 : 1.0;
   auto element = std::upper_bound(plan.begin() + 1, plan.end(), end + (at_s1 ? -1e-6 : 1e-6),
-                                  [](double s, const roadquery::PlanElement& e) { return s < e.s; }) - 1;
+                                  [](double s, const roadquery::PlanElement& e) { return s < e.s; }) -
+                 1;
   add(end);
   while (count < vertices.size()) {
     const double a = std::max(s0, element->s), b = std::min(s1, element->s + element->length);
@@ -60,7 +59,8 @@ std::array<Vec2, 3> end_vertices(const std::vector<roadquery::PlanElement>& plan
       // Counted from the element's start in the road's direction: what is left over lies at its end.
       const double rest = std::fmod(b - a, sample_m);
       const bool rest_here = at_s1 != reversed;
-      for (double d = rest_here && rest > 1e-6 ? rest : sample_m; d < b - a - 1e-6 && count < vertices.size(); d += sample_m)
+      for (double d = rest_here && rest > 1e-6 ? rest : sample_m; d < b - a - 1e-6 && count < vertices.size();
+           d += sample_m)
         add(first + inwards * d);
     }
     add(last);
@@ -73,7 +73,8 @@ std::array<Vec2, 3> end_vertices(const std::vector<roadquery::PlanElement>& plan
 }
 
 /// Radius of the turn at the end of a road that such a polyline shows.
-double end_radius_m(const std::vector<roadquery::PlanElement>& plan, double s0, double s1, bool at_s1, const RoadSide& road) {
+double end_radius_m(const std::vector<roadquery::PlanElement>& plan, double s0, double s1, bool at_s1,
+                    const RoadSide& road) {
   const auto [a, b, c] = end_vertices(plan, s0, s1, at_s1, road);
   const double turn = std::abs(std::atan2(cross(b - a, c - b), dot(b - a, c - b)));
   return turn < flat_turn_rad ? INFINITY : distance(a, b) / std::tan(0.5 * turn);
@@ -83,8 +84,13 @@ double end_radius_m(const std::vector<roadquery::PlanElement>& plan, double s0, 
 class StretchCuts {
  public:
   StretchCuts(const RoadNetwork& roads, const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch,
-              bool left_hand_traffic)
-      : left_hand_traffic_(left_hand_traffic), roads_(roads), topology_(topology), geometry_(geometry), chain_(topology.chains[at(stretch.chain)]), stretch_(stretch) {
+              DrivingSide driving_side)
+      : driving_side_(driving_side),
+        roads_(roads),
+        topology_(topology),
+        geometry_(geometry),
+        chain_(topology.chains[stretch.chain]),
+        stretch_(stretch) {
     const double begin = stretch.s0 + stretch.trim0_m, end = stretch.s1 - stretch.trim1_m;
     cuts_.push_back(begin);
     for (const double s : geometry.vertex_s)
@@ -106,29 +112,31 @@ class StretchCuts {
   }
 
   std::vector<double> settle() {
-    const bool ring = geometry_.closed && stretch_.vertex0 < 0;  // its ends stay where they meet
+    const bool ring = geometry_.closed && !stretch_.vertex0;  // its ends stay where they meet
     const std::size_t last = cuts_.size() - 1;
-    if (!ring) move(0, 0.0, stretch_.vertex0 >= 0 ? outwards_m : dead_end_m);
+    if (!ring) move(0, 0.0, stretch_.vertex0 ? outwards_m : dead_end_m);
     for (std::size_t k = 1; k < last; ++k) {
       const double reach = same_level(k) ? along_m : abutment_m;
       move(k, -reach, reach);
     }
-    if (!ring) move(last, stretch_.vertex1 >= 0 ? -outwards_m : -dead_end_m, 0.0);
+    if (!ring) move(last, stretch_.vertex1 ? -outwards_m : -dead_end_m, 0.0);
     return std::move(cuts_);
   }
 
  private:
-  [[nodiscard]] ChainPiece piece(double s0, double s1) const { return chain_.pieces[piece_at(geometry_, 0.5 * (s0 + s1))]; }
+  [[nodiscard]] DirectedPiece piece(double s0, double s1) const {
+    return chain_.pieces[piece_at(geometry_, 0.5 * (s0 + s1))];
+  }
   /// All lanes of a one-way road lie to one side of its centre lane, half the width beside the reference line.
   [[nodiscard]] RoadSide side(std::size_t road) const {
-    const ChainPiece part = piece(cuts_[road], cuts_[road + 1]);
-    const bool one_way = roads_.paths[at(topology_.pieces[at(part.piece)].path)].oneway == Oneway::forward;
-    const double left = part.reversed == left_hand_traffic_ ? 1.0 : -1.0;
+    const DirectedPiece part = piece(cuts_[road], cuts_[road + 1]);
+    const bool one_way = roads_.paths[topology_.pieces[part.piece].path].oneway == Oneway::forward;
+    const double left = part.reversed == (driving_side_ == DrivingSide::left) ? 1.0 : -1.0;
     return {part.reversed, one_way ? left * 0.5 * width_at(geometry_, 0.5 * (cuts_[road] + cuts_[road + 1])) : 0.0};
   }
   [[nodiscard]] bool same_level(std::size_t cut) const {
     const auto path = [&](std::size_t road) -> const RoadPath& {
-      return roads_.paths[at(topology_.pieces[at(piece(cuts_[road], cuts_[road + 1]).piece)].path)];
+      return roads_.paths[topology_.pieces[piece(cuts_[road], cuts_[road + 1]).piece].path];
     };
     const RoadPath &a = path(cut - 1), &b = path(cut);
     return a.bridge == b.bridge && a.tunnel == b.tunnel && a.layer == b.layer;
@@ -168,7 +176,8 @@ class StretchCuts {
       return std::max(0.5 * length, std::min(min_road_m, length - short_road_reach_m));
     };
     const double low = k > 0 ? std::max(wish + back_m, cuts_[k - 1] + kept(cuts_[k - 1])) : wish + back_m;
-    const double high = k + 1 < cuts_.size() ? std::min(wish + forth_m, cuts_[k + 1] - kept(cuts_[k + 1])) : wish + forth_m;
+    const double high =
+        k + 1 < cuts_.size() ? std::min(wish + forth_m, cuts_[k + 1] - kept(cuts_[k + 1])) : wish + forth_m;
     double best = wish;
     Calm calmest = calm_at(k, wish);
     for (double away = step_m; !calmest.enough() && away <= std::max(-back_m, forth_m) + 1e-9; away += step_m)
@@ -192,7 +201,7 @@ class StretchCuts {
     return nearest;
   }
 
-  bool left_hand_traffic_;
+  DrivingSide driving_side_;
   const RoadNetwork& roads_;
   const Topology& topology_;
   const ChainGeometry& geometry_;
@@ -204,18 +213,21 @@ class StretchCuts {
 }  // namespace
 
 std::vector<std::vector<double>> cut_roads(const RoadNetwork& roads, const Topology& topology,
-                                           const std::vector<ChainGeometry>& geometry, const JunctionPlan& junctions,
-                                           bool left_hand_traffic) {
+                                           const ChainGeometries& geometry, const JunctionPlan& junctions,
+                                           DrivingSide driving_side) {
   std::map<std::pair<int, int>, int> roads_between;  // pairs of junctions
   std::vector<std::vector<double>> result(junctions.stretches.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
     if (stretch.inside) continue;
-    StretchCuts cuts(roads, topology, geometry[at(stretch.chain)], stretch, left_hand_traffic);
-    if (stretch.vertex0 >= 0 && stretch.vertex1 >= 0) {
-      const auto ends = std::minmax(junctions.junction_of_vertex[at(stretch.vertex0)], junctions.junction_of_vertex[at(stretch.vertex1)]);
-      if (ends.first == ends.second) cuts.divide(3);
-      else if (roads_between[ends]++ > 0) cuts.divide(2);
+    StretchCuts cuts(roads, topology, geometry[stretch.chain], stretch, driving_side);
+    if (stretch.vertex0 && stretch.vertex1) {
+      const auto ends =
+          std::minmax(junctions.junction_of_vertex[stretch.vertex0], junctions.junction_of_vertex[stretch.vertex1]);
+      if (ends.first == ends.second)
+        cuts.divide(3);
+      else if (roads_between[ends]++ > 0)
+        cuts.divide(2);
     }
     result[i] = cuts.settle();
   }

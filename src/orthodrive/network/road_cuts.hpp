@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "orthodrive/model/driving_side.hpp"
 #include "orthodrive/network/chain_geometry.hpp"
 #include "orthodrive/network/stretches.hpp"
 
@@ -16,8 +17,8 @@ namespace orthodrive::network {
 /// leads back into its own junction becomes three and a second road between the same two junctions two: then no two
 /// roads join the same pair of places, as graphs of nodes and edges want it.
 [[nodiscard]] std::vector<std::vector<double>> cut_roads(const RoadNetwork& roads, const Topology& topology,
-                                                         const std::vector<ChainGeometry>& geometry,
-                                                         const JunctionPlan& junctions, bool left_hand_traffic);
+                                                         const ChainGeometries& geometry, const JunctionPlan& junctions,
+                                                         DrivingSide driving_side);
 
 /// Readers that sample elements every 2 m from their start get a short rest at the end. In a bend that looks like a
 /// corner where the road ends, and it turns round where the lanes' line lies `offset_m` beside, inside the bend.

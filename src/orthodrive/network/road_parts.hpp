@@ -14,7 +14,7 @@ namespace orthodrive::network {
 struct NetworkPlan {
   const RoadNetwork& roads;
   const Topology& topology;
-  const std::vector<ChainGeometry>& geometry;
+  const ChainGeometries& geometry;
   const JunctionPlan& junctions;
   const BuildNetworkOptions& options;
 };
@@ -23,20 +23,24 @@ struct NetworkPlan {
 struct JunctionEnd {
   int road = 0;         ///< index in RoadMap::roads
   bool at_end = false;  ///< of the road: its end (else its start) touches the junction
-  int vertex = 0;
-  int stretch = 0;
+  VertexIndex vertex;
+  std::size_t stretch = 0;
   bool at_begin = false;  ///< of the stretch: where its chain leaves the junction
-  double chain_s = 0.0;  ///< where on the stretch's chain
-  int path = 0;          ///< of the road, which runs along it
-  int through = -1;      ///< index of the end that its chain goes on to, in the same junction's list
+  double chain_s = 0.0;   ///< where on the stretch's chain
+  std::size_t path = 0;   ///< of the road, which runs along it
+  int through = -1;       ///< index of the end that its chain goes on to, in the same junction's list
 };
 
-/// Roads of all stretches, linked where they follow each other without a junction, ids from 1. Returns the ends at every
-/// junction, in the order of the stretches. Finding network.too_many_lanes: more were tagged than the width has room for.
-[[nodiscard]] std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, roadquery::RoadMap& map, Findings& findings);
+/// Roads of all stretches, linked where they follow each other without a junction, ids from 1. Returns the ends at
+/// every junction, in the order of the stretches. Finding network.too_many_lanes: more were tagged than the width has
+/// room for.
+[[nodiscard]] std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, roadquery::RoadMap& map,
+                                                              Findings& findings);
 
 /// Connecting roads and junctions. From every incoming lane group to every other road of the junction that can be
-/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out.
-void add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, roadquery::RoadMap& map);
+/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out. Returns the
+/// ids of the connecting roads that go straight on, cut from their chain, ascending.
+std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
+                               roadquery::RoadMap& map);
 
 }  // namespace orthodrive::network

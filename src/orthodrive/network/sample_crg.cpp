@@ -98,33 +98,33 @@ double fitting_chord(const Road& road, double length_m, std::size_t steps, CrgFo
   return a;
 }
 
-struct Place {
+struct LineFoot {
   double s = 0.0, left_m = 0.0;
   bool folded = false;
 };
 
 /// Foot on the reference line, from s near it.
-Place place_of(const Road& road, Vec2 xy, double s) {
-  Place place{s, 0.0, false};
+LineFoot foot_on_line(const Road& road, Vec2 xy, double s) {
+  LineFoot foot{s, 0.0, false};
   for (int i = 0; i < 10; ++i) {
-    const PlanPoint q = line_point(road, place.s);
+    const PlanPoint q = line_point(road, foot.s);
     const Vec2 d = xy - Vec2{q.x, q.y}, tangent{std::cos(q.hdg), std::sin(q.hdg)};
-    place.left_m = cross(tangent, d);
-    const bool outside = place.s < 0.0 || place.s > road.length;
-    const double stretch = outside ? 1.0 : 1.0 - q.curvature * place.left_m;
+    foot.left_m = cross(tangent, d);
+    const bool outside = foot.s < 0.0 || foot.s > road.length;
+    const double stretch = outside ? 1.0 : 1.0 - q.curvature * foot.left_m;
     if (stretch < max_fold) return {s, 0.0, true};
     const double step = dot(d, tangent) / (stretch * q.speed);
-    place.s += step;
+    foot.s += step;
     if (std::abs(step) < 1e-10) break;
   }
-  return place;
+  return foot;
 }
 
 /// Height of the surface, on by the road's gradient beyond its ends.
-double height_at(const Road& road, const Place& place, const SampleCrgOptions& options) {
-  const double s = std::clamp(place.s, 0.0, road.length);
-  const double t = roadquery::t_at(road, s, place.left_m);
-  const double z = roadquery::surface_height(road, s, t) + roadquery::gradient(road, s) * (place.s - s);
+double height_at(const Road& road, const LineFoot& foot, const SampleCrgOptions& options) {
+  const double s = std::clamp(foot.s, 0.0, road.length);
+  const double t = roadquery::t_at(road, s, foot.left_m);
+  const double z = roadquery::surface_height(road, s, t) + roadquery::gradient(road, s) * (foot.s - s);
   return options.relief_m ? z + options.relief_m(s, t) : z;
 }
 
@@ -181,10 +181,10 @@ CrgSurface sample_at_step(const Road& road, const SampleCrgOptions& options) {
     for (std::size_t j = 0; j < surface.columns(); ++j) {
       const double v = surface.v_m[j];
       if (v < right - options.v_step_m || v > left + options.v_step_m) continue;
-      const Place place = place_of(road, on_line + across * v, line.s[i]);
-      if (place.folded) continue;
+      const LineFoot foot = foot_on_line(road, on_line + across * v, line.s[i]);
+      if (foot.folded) continue;
       surface.grid_m[i * surface.columns() + j] =
-          height_at(road, place, options) - (surface.z_m[i] + surface.banking[i] * v);
+          height_at(road, foot, options) - (surface.z_m[i] + surface.banking[i] * v);
     }
   }
   return surface;
@@ -200,8 +200,8 @@ double worst_error_m(const Road& road, const CrgSurface& surface) {
       const double v = 0.5 * (surface.v_m[j] + surface.v_m[j + 1]);
       if (v < edges.right_t || v > edges.left_t) continue;
       const double z = crg_height(surface, {u, v});
-      const Place place = place_of(road, crg_xy(surface, {u, v}), u);
-      if (!std::isnan(z) && !place.folded) worst_m = std::max(worst_m, std::abs(z - height_at(road, place, {})));
+      const LineFoot foot = foot_on_line(road, crg_xy(surface, {u, v}), u);
+      if (!std::isnan(z) && !foot.folded) worst_m = std::max(worst_m, std::abs(z - height_at(road, foot, {})));
     }
   }
   return worst_m;

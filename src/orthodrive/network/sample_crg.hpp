@@ -16,8 +16,8 @@ struct SampleCrgOptions {
   CrgFormat format = CrgFormat::krbi;
   /// Height to add at (s, t) of the road, for example its measured roughness; none: the surface alone.
   std::function<double(double s, double t)> relief_m;
-  /// The step along the road is halved until the middles of the cells are this near to the surface (without relief), but
-  /// no further than a sixteenth: tight turns and short vertical curves need it. 0: the step as it is.
+  /// The step along the road is halved until the middles of the cells are this near to the surface (without relief),
+  /// but no further than a sixteenth: tight turns and short vertical curves need it. 0: the step as it is.
   double tolerance_m = 0.0;
 };
 

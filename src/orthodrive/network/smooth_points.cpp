@@ -5,37 +5,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/math/cholesky.hpp"
+
 namespace orthodrive::network {
 namespace {
 
-constexpr int band = 3;
-constexpr int passes = 8;              // of weights
-constexpr double max_weight = 1e6;     // a node held to a thousandth of its pull
-constexpr double pad_waves = 4.0;      // closed lines go on this many cutoff lengths beyond their seam
-
-/// Symmetric band matrix by rows: entry k of row i stands at column i - k.
-using Rows = std::vector<std::array<double, band + 1>>;
-
-void solve_banded(Rows a, std::vector<Vec2>& x) {
-  const std::size_t n = a.size();
-  for (std::size_t i = 0; i < n; ++i) {  // Cholesky
-    for (std::size_t k = std::min<std::size_t>(band, i); k > 0; --k) {
-      const std::size_t j = i - k;
-      double v = a[i][k];
-      for (std::size_t m = k + 1; m <= band && m <= i; ++m)
-        if (m - k <= band) v -= a[i][m] * a[j][m - k];
-      a[i][k] = v / a[j][0];
-      a[i][0] -= a[i][k] * a[i][k];
-    }
-    a[i][0] = std::sqrt(a[i][0]);
-    for (std::size_t k = 1; k <= band && k <= i; ++k) x[i] = x[i] - x[i - k] * a[i][k];
-    x[i] = x[i] * (1.0 / a[i][0]);
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t k = 1; k <= band && i + k < n; ++k) x[i] = x[i] - x[i + k] * a[i + k][k];
-    x[i] = x[i] * (1.0 / a[i][0]);
-  }
-}
+constexpr std::size_t band = 3;
+constexpr int passes = 8;           // of weights
+constexpr double max_weight = 1e6;  // a node held to a thousandth of its pull
+constexpr double pad_waves = 4.0;   // closed lines go on this many cutoff lengths beyond their seam
 
 std::vector<Vec2> smooth_open(std::span<const Vec2> points, double cutoff_m, double reach_m) {
   const std::size_t n = points.size();
@@ -43,8 +22,8 @@ std::vector<Vec2> smooth_open(std::span<const Vec2> points, double cutoff_m, dou
   for (std::size_t i = 1; i < n; ++i) s[i] = s[i - 1] + distance(points[i - 1], points[i]);
   for (std::size_t i = 0; i < n; ++i) span[i] = 0.5 * (s[std::min(i + 1, n - 1)] - s[i > 0 ? i - 1 : 0]);
   const double lambda = std::pow(cutoff_m / (2.0 * std::numbers::pi), 6);
-  Rows bend(n);
-  for (auto& row : bend) row.fill(0.0);
+  std::vector<double> bend(n * (band + 1), 0.0);
+  const SymmetricMatrix bending = SymmetricMatrix::banded(bend, band);
   for (std::size_t i = 0; i + 3 < n; ++i) {
     // Third derivative over four nodes: 6 times the divided difference.
     std::array<double, 4> c{};
@@ -55,18 +34,21 @@ std::vector<Vec2> smooth_open(std::span<const Vec2> points, double cutoff_m, dou
     }
     const double w = lambda * (s[i + 3] - s[i]) / 3.0;
     for (std::size_t k = 0; k < 4; ++k)
-      for (std::size_t m = 0; m <= k; ++m) bend[i + k][k - m] += w * c[k] * c[m];
+      for (std::size_t m = 0; m <= k; ++m) bending(i + k, i + m) += w * c[k] * c[m];
   }
-  std::vector<Vec2> q;
+  std::vector<Vec2> q(n);
+  std::vector<double> x(n), y(n);
   for (int pass = 0; pass < passes; ++pass) {
-    Rows a = bend;
-    q.assign(points.begin(), points.end());
+    std::vector<double> entries = bend;
+    const SymmetricMatrix a = SymmetricMatrix::banded(entries, band);
     for (std::size_t i = 0; i < n; ++i) {
       const double w = weight[i] * span[i];
-      a[i][0] += w;
-      q[i] = points[i] * w;
+      a(i, i) += w;
+      x[i] = points[i].x * w, y[i] = points[i].y * w;
     }
-    solve_banded(std::move(a), q);
+    if (!factorize(a)) throw Error("smoothing: nodes of a line coincide");
+    solve_factored(a, x), solve_factored(a, y);
+    for (std::size_t i = 0; i < n; ++i) q[i] = {x[i], y[i]};
     bool held = true;
     for (std::size_t i = 0; i < n; ++i) {
       const double off = distance(q[i], points[i]) / reach_m;
@@ -85,7 +67,8 @@ std::vector<Vec2> smooth_points(std::span<const Vec2> points, bool closed, doubl
   if (!closed) return smooth_open(points, cutoff_m, reach_m);
   // Round and round: what is far beyond the seam does not matter.
   std::size_t pad = 0;
-  for (double walked = 0.0; walked < pad_waves * cutoff_m && pad < n; ++pad) walked += distance(points[pad], points[(pad + 1) % n]);
+  for (double walked = 0.0; walked < pad_waves * cutoff_m && pad < n; ++pad)
+    walked += distance(points[pad], points[(pad + 1) % n]);
   std::vector<Vec2> around;
   for (std::size_t i = 0; i < n + 2 * pad; ++i) around.push_back(points[(i + n - pad) % n]);
   const std::vector<Vec2> q = smooth_open(around, cutoff_m, reach_m);

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace orthodrive::network {
 namespace {
 
-constexpr double corner_m = 2.0;       // room for the curve of the corner beyond the carriageways
-constexpr double taper_m = 10.0;       // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
-constexpr double reach_m = 40.0;       // narrow forks overlap for long: roads are cut back no further than this
+constexpr double corner_m = 2.0;  // room for the curve of the corner beyond the carriageways
+constexpr double taper_m = 10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
+constexpr double reach_m = 40.0;  // narrow forks overlap for long: roads are cut back no further than this
 constexpr double step_m = 0.5;
 constexpr double across_step_m = 1.5;  // no carriageway is narrower
 constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
@@ -18,22 +17,20 @@ constexpr double min_road_m = 1.0;     // what is left of a road between two jun
 constexpr double join_share = 0.65;    // junctions join when less than this share of the wished cuts fits between them
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-std::vector<Stretch> cut_at_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry) {
+std::vector<Stretch> cut_at_junctions(const Topology& topology, const ChainGeometries& geometry) {
   std::vector<Stretch> stretches;
-  for (std::size_t c = 0; c < topology.chains.size(); ++c) {
+  for (const ChainIndex c : topology.chains.indices()) {
     const Chain& chain = topology.chains[c];
     if (geometry[c].empty()) continue;
     const auto junction_at = [&](std::size_t k) {
-      const int vertex = k < chain.pieces.size() ? start_vertex(topology, chain.pieces[k])
-                                                 : end_vertex(topology, chain.pieces.back());
-      return topology.vertices[at(vertex)].is_junction() ? vertex : -1;
+      const VertexIndex vertex =
+          k < chain.pieces.size() ? start_vertex(topology, chain.pieces[k]) : end_vertex(topology, chain.pieces.back());
+      return topology.vertices[vertex].is_junction() ? vertex : VertexIndex{};
     };
-    Stretch open{.chain = static_cast<int>(c), .s0 = 0.0, .vertex0 = junction_at(0)};
+    Stretch open{.chain = c, .s0 = 0.0, .vertex0 = junction_at(0)};
     for (std::size_t k = 1; k <= chain.pieces.size(); ++k) {
-      const int vertex = junction_at(k);
-      if (vertex < 0 && k < chain.pieces.size()) continue;
+      const VertexIndex vertex = junction_at(k);
+      if (!vertex && k < chain.pieces.size()) continue;
       open.s1 = geometry[c].vertex_s[k], open.vertex1 = vertex;
       stretches.push_back(open);
       open.s0 = open.s1, open.vertex0 = vertex;
@@ -44,7 +41,7 @@ std::vector<Stretch> cut_at_junctions(const Topology& topology, const std::vecto
 
 bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, const Stretch& stretch) {
   const std::size_t k = piece_at(geometry, 0.5 * (stretch.s0 + stretch.s1));
-  return topology.ring_of_piece[at(topology.chains[at(stretch.chain)].pieces[k].piece)] >= 0;
+  return topology.ring_of_piece[topology.chains[stretch.chain].pieces[k].piece] >= 0;
 }
 
 /// Sampled from the junction outwards.
@@ -53,8 +50,8 @@ struct ArmLine {
   std::vector<double> half_width_m;
 };
 
-ArmLine sample_arm(const std::vector<ChainGeometry>& geometry, const Stretch& stretch, bool at_s1) {
-  const ChainGeometry& g = geometry[at(stretch.chain)];
+ArmLine sample_arm(const ChainGeometries& geometry, const Stretch& stretch, bool at_s1) {
+  const ChainGeometry& g = geometry[stretch.chain];
   ArmLine line;
   const double reach = std::min(reach_m + clear_m, stretch.s1 - stretch.s0);
   const int steps = std::max(1, static_cast<int>(reach / step_m));
@@ -108,9 +105,9 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
 
 class JunctionPlanner {
  public:
-  JunctionPlanner(const Topology& topology, const std::vector<ChainGeometry>& geometry)
+  JunctionPlanner(const Topology& topology, const ChainGeometries& geometry)
       : topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
-    std::iota(group_.begin(), group_.end(), 0);
+    for (const VertexIndex v : topology.vertices.indices()) group_[v] = v;
     plan_.stretches = cut_at_junctions(topology, geometry);
   }
 
@@ -126,24 +123,24 @@ class JunctionPlanner {
   }
 
  private:
-  int group(int vertex) {
-    while (group_[at(vertex)] != vertex) vertex = group_[at(vertex)];
+  VertexIndex group(VertexIndex vertex) {
+    while (group_[vertex] != vertex) vertex = group_[vertex];
     return vertex;
   }
 
   void cut_back() {
-    std::vector<std::vector<Arm>> arms(topology_.vertices.size());  // by the first vertex of the group
+    Table<VertexIndex, std::vector<Arm>> arms(topology_.vertices.size());  // by the first vertex of the group
     for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
       const Stretch& stretch = plan_.stretches[i];
       if (stretch.inside) continue;
-      if (stretch.vertex0 >= 0) arms[at(group(stretch.vertex0))].push_back({static_cast<int>(i), false});
-      if (stretch.vertex1 >= 0) arms[at(group(stretch.vertex1))].push_back({static_cast<int>(i), true});
+      if (stretch.vertex0) arms[group(stretch.vertex0)].push_back({i, false});
+      if (stretch.vertex1) arms[group(stretch.vertex1)].push_back({i, true});
     }
     for (const std::vector<Arm>& junction : arms) {
       std::vector<ArmLine> lines;
-      for (const Arm& arm : junction) lines.push_back(sample_arm(geometry_, plan_.stretches[at(arm.stretch)], arm.at_s1));
+      for (const Arm& arm : junction) lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1));
       for (std::size_t i = 0; i < junction.size(); ++i) {
-        Stretch& stretch = plan_.stretches[at(junction[i].stretch)];
+        Stretch& stretch = plan_.stretches[junction[i].stretch];
         (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) =
             junction.size() == 2 ? taper_m : clear_distance_m(lines, i) + corner_m;
       }
@@ -152,21 +149,22 @@ class JunctionPlanner {
 
   void join_close_junctions() {
     for (Stretch& stretch : plan_.stretches) {
-      if (stretch.vertex0 < 0 || stretch.vertex1 < 0) continue;
+      if (!stretch.vertex0 || !stretch.vertex1) continue;
       const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-      const bool ring = on_roundabout(topology_, geometry_[at(stretch.chain)], stretch);
+      const bool ring = on_roundabout(topology_, geometry_[stretch.chain], stretch);
       stretch.inside = ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished;
       if (!stretch.inside) continue;
-      const int a = group(stretch.vertex0), b = group(stretch.vertex1);
-      group_[at(std::max(a, b))] = std::min(a, b);
+      const VertexIndex a = group(stretch.vertex0), b = group(stretch.vertex1);
+      group_[std::max(a, b)] = std::min(a, b);
     }
   }
 
   /// What is left between two vertices of one junction is a road of its own only if both its cuts fit.
   void absorb_inner_roads() {
     for (Stretch& stretch : plan_.stretches) {
-      if (stretch.inside || stretch.vertex0 < 0 || stretch.vertex1 < 0 || group(stretch.vertex0) != group(stretch.vertex1)) continue;
-      if (on_roundabout(topology_, geometry_[at(stretch.chain)], stretch)) continue;
+      if (stretch.inside || !stretch.vertex0 || !stretch.vertex1 || group(stretch.vertex0) != group(stretch.vertex1))
+        continue;
+      if (on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
       stretch.inside = stretch.s1 - stretch.s0 - min_road_m < stretch.trim0_m + stretch.trim1_m;
     }
   }
@@ -182,24 +180,24 @@ class JunctionPlanner {
   }
 
   void number_junctions() {
-    plan_.junction_of_vertex.assign(topology_.vertices.size(), -1);
-    for (std::size_t v = 0; v < topology_.vertices.size(); ++v) {
+    plan_.junction_of_vertex = Table<VertexIndex, int>(topology_.vertices.size(), -1);
+    for (const VertexIndex v : topology_.vertices.indices()) {
       if (!topology_.vertices[v].is_junction()) continue;
-      const int first = group(static_cast<int>(v));
-      if (plan_.junction_of_vertex[at(first)] < 0) plan_.junction_of_vertex[at(first)] = plan_.junctions++;
-      plan_.junction_of_vertex[v] = plan_.junction_of_vertex[at(first)];
+      const VertexIndex first = group(v);
+      if (plan_.junction_of_vertex[first] < 0) plan_.junction_of_vertex[first] = plan_.junctions++;
+      plan_.junction_of_vertex[v] = plan_.junction_of_vertex[first];
     }
   }
 
   const Topology& topology_;
-  const std::vector<ChainGeometry>& geometry_;
-  std::vector<int> group_;  ///< union-find: the lowest vertex of the joined junction
+  const ChainGeometries& geometry_;
+  Table<VertexIndex, VertexIndex> group_;  ///< union-find: the lowest vertex of the joined junction
   JunctionPlan plan_;
 };
 
 }  // namespace
 
-JunctionPlan plan_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry) {
+JunctionPlan plan_junctions(const Topology& topology, const ChainGeometries& geometry) {
   return JunctionPlanner(topology, geometry).run();
 }
 

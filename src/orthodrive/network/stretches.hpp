@@ -10,28 +10,28 @@ namespace orthodrive::network {
 
 /// The part of a chain between two junctions (or ends). Closed chains: the last one may end at length_m, never beyond.
 struct Stretch {
-  int chain = 0;
+  ChainIndex chain;
   double s0 = 0.0, s1 = 0.0;
-  int vertex0 = -1, vertex1 = -1;      ///< junction at s0 and s1, -1 for none
+  VertexIndex vertex0, vertex1;         ///< junction at s0 and s1, or none
   double trim0_m = 0.0, trim1_m = 0.0;  ///< cut back there
   bool inside = false;                  ///< between two vertices of one junction: no road of its own
 };
 
 /// One end of a stretch at a junction.
 struct Arm {
-  int stretch = 0;
+  std::size_t stretch = 0;
   bool at_s1 = false;
 };
 
 struct JunctionPlan {
-  std::vector<Stretch> stretches;       ///< chain by chain, along the chain
-  std::vector<int> junction_of_vertex;  ///< -1 for vertices that are none
+  std::vector<Stretch> stretches;              ///< chain by chain, along the chain
+  Table<VertexIndex, int> junction_of_vertex;  ///< -1 for vertices that are none
   int junctions = 0;
 };
 
 /// A road ends where its whole cross section has left the carriageways of the other roads of the junction, plus 2 m for
 /// the corner. Junctions too close for that are joined into one; where the road between is long enough to stay, both
 /// cuts are shortened.
-[[nodiscard]] JunctionPlan plan_junctions(const Topology& topology, const std::vector<ChainGeometry>& geometry);
+[[nodiscard]] JunctionPlan plan_junctions(const Topology& topology, const ChainGeometries& geometry);
 
 }  // namespace orthodrive::network

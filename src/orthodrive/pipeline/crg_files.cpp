@@ -7,12 +7,13 @@
 #include <charconv>
 #include <set>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/drive/route.hpp"
 #include "orthodrive/io/opencrg_io.hpp"
 #include "orthodrive/network/sample_crg.hpp"
+#include "orthodrive/network/sample_friction.hpp"
 
 namespace orthodrive {
 namespace {
@@ -75,7 +76,7 @@ CrgFilesResult write_crg_files(RoadMap& map, const fs::path& xodr, const CrgFile
   if (chosen.empty()) return {};
   const std::vector<std::size_t> roads(chosen.begin(), chosen.end());
   const fs::path target = crg_folder(xodr);
-  AsideFile folder(target);
+  AtomicFile folder(target);
   fs::create_directories(folder.path());
   parallel_for(roads.size(), options.threads, [&](std::size_t i) {
     Road& road = map.roads[roads[i]];
@@ -88,6 +89,12 @@ CrgFilesResult write_crg_files(RoadMap& map, const fs::path& xodr, const CrgFile
     const std::string name = fmt::format("road_{}.crg", road.id);
     io::write_crg(folder.path() / name, surface, options.format);
     road.surface = {crg_reference(road, surface, target.filename().string() + "/" + name)};
+    if (!options.friction) return;
+    CrgSurface friction = sample_friction(road);
+    friction.comment = fmt::format("friction of road {} of {}, no heights", road.id, xodr.filename().string());
+    const std::string friction_name = fmt::format("road_{}_friction.crg", road.id);
+    io::write_crg(folder.path() / friction_name, friction, options.format);
+    road.surface.push_back(friction_reference(road, target.filename().string() + "/" + friction_name));
   });
   folder.commit();
   CrgFilesResult result;

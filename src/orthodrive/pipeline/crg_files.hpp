@@ -20,11 +20,13 @@ struct CrgFilesOptions {
   double u_step_m = 0.5, v_step_m = 0.1;
   /// Height to add at (s, t) of a road; none, or an empty function for a road: the surface alone.
   std::function<std::function<double(double s, double t)>(const roadquery::Road&)> relief_of;
+  /// Also road_ID_friction.crg: a grid of the road's friction, referred to with purpose "friction".
+  bool friction = false;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 struct CrgFilesResult {
-  int files = 0;
+  int files = 0;  ///< of heights
   double length_m = 0.0;
 };
 

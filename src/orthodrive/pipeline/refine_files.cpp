@@ -5,8 +5,8 @@
 
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/pipeline/toml_section.hpp"
 #include "orthodrive/refine/weight_table.hpp"
-#include "orthodrive/segment/toml_section.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
-#include "orthodrive/pipeline/road_pictures.hpp"
+#include "orthodrive/report/road_pictures.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;

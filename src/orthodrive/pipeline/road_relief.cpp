@@ -78,12 +78,12 @@ std::shared_ptr<const RoadRelief::Way> RoadRelief::way_of(const Road& road) cons
 /// Places of the road's line on the way's are looked up once, a metre apart; across both are straight.
 RoadRelief::Height RoadRelief::along(const std::shared_ptr<const Way>& way, const Road& road) {
   constexpr double step_m = 1.0;
-  struct Place {
+  struct ReliefStation {
     double s_m, t_m;
     Vec2 per_t;  ///< how s and t of the way change with t of the road
   };
   const auto count = static_cast<std::size_t>(std::max(1.0, std::ceil(road.length / step_m)));
-  std::vector<Place> places;
+  std::vector<ReliefStation> places;
   for (std::size_t i = 0; i <= count; ++i) {
     const double s = road.length * static_cast<double>(i) / static_cast<double>(count);
     const Foot foot = foot_on(way->line, way->s_m, point_at(road, s));
@@ -93,7 +93,7 @@ RoadRelief::Height RoadRelief::along(const std::shared_ptr<const Way>& way, cons
   return [way, places = std::move(places), length_m = road.length](double s, double t) {
     const double x = std::clamp(s / length_m, 0.0, 1.0) * static_cast<double>(places.size() - 1);
     const std::size_t i = std::min(static_cast<std::size_t>(x), places.size() - 2);
-    const Place &a = places[i], &b = places[i + 1];
+    const ReliefStation &a = places[i], &b = places[i + 1];
     const double u = x - static_cast<double>(i);
     const auto mix = [u](double from, double to) { return from + u * (to - from); };
     return way->field.height_m(mix(a.s_m + a.per_t.x * t, b.s_m + b.per_t.x * t),

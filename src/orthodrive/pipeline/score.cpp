@@ -4,11 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
-#include "orthodrive/pipeline/label_report.hpp"
+#include "orthodrive/pipeline/network_verdict.hpp"
 #include "orthodrive/pipeline/road_layers.hpp"
+#include "orthodrive/report/label_report.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -37,6 +39,26 @@ LabelComparisonView compare(const LabelMap& prediction, const LabelMap& truth, c
     throw InputError(merge_file.string(), error.what());
   }
 }
+
+/// Reads the photo piece by piece around what the page shows.
+std::function<std::optional<Photo>(const GridFrame&)> photo_reader(const fs::path& file, const Crs& crs) {
+  if (file.empty()) return {};
+  return [file, crs](const GridFrame& frame) -> std::optional<Photo> {
+    const Box2 box = frame.bounds();
+    const Ring corners{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}};
+    try {
+      return io::read_photo(file, {crs, {corners, {}}}, {.gsd_m = frame.gsd_m});
+    } catch (const InputError&) {
+      static_cast<void>(io::raster_info(file));  // a missing or broken file says so itself
+      return std::nullopt;
+    }
+  };
+}
+
+/// A path that does not end in .html is a folder: its labels.html.
+void write_label_page(const fs::path& page, const LabelReportView& report) {
+  write_text_file(page.extension() == ".html" ? page : page / "labels.html", label_report_html(report));
+}
 }  // namespace
 
 ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& options) {
@@ -56,14 +78,16 @@ ScoreJson score_labels(const ScoreRequest& request, const LabelScoreOptions& opt
   const LabelScores scores = evaluate_labels(view, {.confidence = confidence ? &*confidence : nullptr});
   const std::vector<PieceScores> pieces = evaluate_pieces(view, truth.pieces);
   if (!options.page.empty())
-    write_label_report(options.page, {.scored = request.scored,
-                                      .truth = request.truth,
-                                      .photo = options.photo,
-                                      .view = view,
-                                      .scores = scores,
-                                      .pieces = pieces,
-                                      .piece_map = truth.pieces,
-                                      .merge = comparison.merge});
+    write_label_page(options.page, {.scored = request.scored.filename().string(),
+                                    .truth = request.truth.filename().string(),
+                                    .photo_on = photo_reader(options.photo, view.crs()),
+                                    .photo_name = options.photo.string(),
+                                    .view = view,
+                                    .scores = scores,
+                                    .pieces = pieces,
+                                    .piece_map = truth.pieces,
+                                    .merge = comparison.merge,
+                                    .encoders = {.jpeg = io::encode_jpeg, .png = io::encode_png}});
   ScoreJson json = to_json(scores);
   if (!comparison.merge.empty()) json["merged"] = comparison.merge;
   if (!pieces.empty()) add_pieces(json, pieces);
@@ -123,10 +147,22 @@ ScoreJson score_heights(const ScoreRequest& request) {
   return to_json(evaluate_heights(roads, terrain, region));
 }
 
-ScoreJson score_network(const ScoreRequest& request) {
+ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& options) {
   if (!fs::exists(request.scored)) throw InputError(request.scored.string(), "no such file");
-  return to_json(evaluate_network(roadquery::read_opendrive(request.scored.string())));
+  const roadquery::RoadMap map = roadquery::read_opendrive(request.scored.string());
+  const bool placed = !options.findings.empty() || !options.layers.empty();
+  if (placed && map.geo_reference.empty())
+    throw InputError(request.scored.string(), "has no geoReference, so nobody knows where on Earth its places lie");
+  ScoreJson scores = to_json(evaluate_network(map));
+  const JudgeNetworkOptions judging{.threads = options.threads};
+  const NetworkVerdict verdict = judge_network(map, judging);
+  scores["verdict"] = to_json(verdict, judging.limits);
+  scores["faults"] = faults_json(verdict);
+  if (!options.findings.empty()) io::write_findings(options.findings, findings_of(verdict), {map.geo_reference});
+  if (!options.layers.empty()) write_verdict_layers(options.layers, verdict, {map.geo_reference});
+  return scores;
 }
+ScoreJson score_network(const ScoreRequest& request) { return score_network(request, {}); }
 
 ScoreJson score_site(const ScoreRequest& request) {
   if (!fs::is_directory(request.scored))

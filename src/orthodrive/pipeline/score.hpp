@@ -33,6 +33,13 @@ struct RoadScoreOptions {
 [[nodiscard]] ScoreJson score_roads(const ScoreRequest& request, const RoadScoreOptions& options);
 [[nodiscard]] ScoreJson score_roads(const ScoreRequest& request);
 [[nodiscard]] ScoreJson score_heights(const ScoreRequest& request);
+/// What else a score of a network puts out; empty paths: nothing of it.
+struct NetworkScoreOptions {
+  std::filesystem::path findings;  ///< GeoJSON points of the places that fail
+  std::filesystem::path layers;    ///< GeoPackage, a layer a kind of fault
+  int threads = 0;
+};
+[[nodiscard]] ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& options);
 [[nodiscard]] ScoreJson score_network(const ScoreRequest& request);  ///< needs no truth
 /// What of a built site the truth folder knows about: labels, roads, heights, network.
 [[nodiscard]] ScoreJson score_site(const ScoreRequest& request);

@@ -107,16 +107,11 @@ ScoreJson to_json(const RoadScores& scores) {
   ScoreJson coverage = to_json(scores.offset_sigma);  // of the offset; of the width one level deeper
   coverage["width"] = to_json(scores.width_sigma);
   const CurvatureJump& jump = scores.curvature_jump;
-  ScoreJson json = {{"surface_iou", scores.surface_iou},
-                    {"offset_m", to_json(scores.offset_m)},
-                    {"width_m", to_json(scores.width_m)},
-                    {"edge_m", to_json(scores.edge_m)},
-                    {"length_m", scores.length_m},
-                    {"truth_length_m", scores.truth_length_m},
-                    {"sigma_coverage", coverage},
-                    {"matched_share", scores.matched_share},
-                    {"samples", scores.samples},
-                    {"width_variance_m2", scores.width_variance_m2}};
+  ScoreJson json = {{"surface_iou", scores.surface_iou},  {"offset_m", to_json(scores.offset_m)},
+                    {"width_m", to_json(scores.width_m)}, {"edge_m", to_json(scores.edge_m)},
+                    {"length_m", scores.length_m},        {"truth_length_m", scores.truth_length_m},
+                    {"sigma_coverage", coverage},         {"matched_share", scores.matched_share},
+                    {"samples", scores.samples},          {"width_variance_m2", scores.width_variance_m2}};
   json["largest_curvature_jump"] = {{"per_m", jump.per_m}, {"mean_per_m", jump.mean_per_m}};
   if (!std::isnan(jump.per_m)) {
     ScoreJson& where = json["largest_curvature_jump"];
@@ -152,7 +147,7 @@ ScoreJson to_json(const HeightScores& scores) {
 
 ScoreJson to_json(const NetworkScores& scores) {
   ScoreJson crossings = ScoreJson::array(), dead_lanes = ScoreJson::array();
-  for (const LevelCrossing& c : scores.crossing_places)
+  for (const GradeSeparation& c : scores.crossing_places)
     crossings.push_back({{"clearance_m", c.clearance_m},
                          {"x", c.x},
                          {"y", c.y},

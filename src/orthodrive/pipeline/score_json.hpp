@@ -1,5 +1,5 @@
 #pragma once
-// Scores as one JSON object (docs/architecture.md lists the keys) and as a table for people.
+// Scores as one JSON object (docs/evaluate.md lists the keys) and as a table for people.
 
 #include <nlohmann/json.hpp>
 #include <string>

@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 toml::table parse(const fs::path& path) {
-  if (!fs::exists(path)) throw InputError(path.string(), "no such site file; `orthodrive synth -o DIR` makes one to start from");
+  if (!fs::exists(path))
+    throw InputError(path.string(), "no such site file; `orthodrive synth -o DIR` makes one to start from");
   try {
     return toml::parse_file(path.string());
   } catch (const toml::parse_error& error) {
@@ -51,7 +52,7 @@ void check_keys(const toml::table& table, const std::string& where) {
       {"segment", {"model", "crf"}},
       {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
-      {"network", {"crg", "opendrive"}},
+      {"network", {"crg", "opendrive", "weather"}},
       {"drive", {"route"}},
       {"attribution", {"text"}},
       {"truth", {"dir"}}};
@@ -72,7 +73,8 @@ void check_keys(const toml::table& table, const std::string& where) {
   }
 }
 
-std::string text(const toml::table& table, const fs::path& file, const char* section, const char* key, std::string fallback) {
+std::string text(const toml::table& table, const fs::path& file, const char* section, const char* key,
+                 std::string fallback) {
   const auto node = table[section][key];
   if (!node) return fallback;
   if (const auto value = node.value<std::string>()) return *value;
@@ -110,8 +112,9 @@ std::optional<std::array<double, 4>> box(const toml::table& table, const fs::pat
     if (good) result[i] = *value;
   }
   if (!good || result[0] >= result[2] || result[1] >= result[3])
-    throw OptionError(fmt::format("{}: area.{} must be four numbers: west, south, east, north with west < east and south < north",
-                                  file.string(), key));
+    throw OptionError(
+        fmt::format("{}: area.{} must be four numbers: west, south, east, north with west < east and south < north",
+                    file.string(), key));
   return result;
 }
 
@@ -119,7 +122,8 @@ SiteFrame read_frame(const toml::table& table, const fs::path& file) {
   const auto lonlat = box(table, file, "bbox_wgs84"), metric = box(table, file, "bounds");
   const std::string crs = text(table, file, "area", "crs", "auto");
   if (lonlat.has_value() == metric.has_value())
-    throw OptionError(file.string() + ": [area] needs bbox_wgs84 (degrees) or bounds (metres, with crs), and only one of them");
+    throw OptionError(file.string() +
+                      ": [area] needs bbox_wgs84 (degrees) or bounds (metres, with crs), and only one of them");
   SiteFrame frame;
   if (metric) {
     if (crs == "auto") throw OptionError(file.string() + ": area.bounds needs area.crs, for example \"EPSG:32633\"");
@@ -136,8 +140,8 @@ SiteFrame read_frame(const toml::table& table, const fs::path& file) {
   constexpr int steps = 32;  // an edge of a few km bends by millimetres between two points
   for (int c = 0; c < 4; ++c)
     for (int i = 0; i < steps; ++i)
-      frame.area.outer.push_back(
-          transform.target_from_source(corners[c] + (corners[(c + 1) % 4] - corners[c]) * (i / static_cast<double>(steps))));
+      frame.area.outer.push_back(transform.target_from_source(corners[c] + (corners[(c + 1) % 4] - corners[c]) *
+                                                                               (i / static_cast<double>(steps))));
   return frame;
 }
 
@@ -168,9 +172,11 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.crf = flag(table, path, "segment", "crf", site.crf);
   const std::string weights = text(table, path, "refine", "weights", "");
   if (!weights.empty()) site.refine_weights = located(weights);
-  const std::string side = text(table, path, "refine", "driving_side", "right");
-  if (side != "right" && side != "left") throw OptionError(path.string() + ": refine.driving_side must be right or left");
-  site.drives_left = side == "left";
+  try {
+    site.driving_side = driving_side_of(text(table, path, "refine", "driving_side", "right"));
+  } catch (const OptionError& error) {
+    throw OptionError(fmt::format("{}: refine: {}", path.string(), error.what()));
+  }
   site.dtm_sampling = text(table, path, "elevate", "sampling", site.dtm_sampling);
   if (site.dtm_sampling != "bilinear" && site.dtm_sampling != "cubic")
     throw OptionError(path.string() + ": elevate.sampling must be bilinear or cubic");
@@ -178,6 +184,11 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.opendrive = text(table, path, "network", "opendrive", site.opendrive);
   if (site.opendrive != "1.7" && site.opendrive != "1.8")
     throw OptionError(path.string() + ": network.opendrive must be \"1.7\" or \"1.8\"");
+  try {
+    site.weather = weather_of(text(table, path, "network", "weather", "dry"));
+  } catch (const OptionError& error) {
+    throw OptionError(fmt::format("{}: network: {}", path.string(), error.what()));
+  }
   site.route = text(table, path, "drive", "route", site.route);
   return site;
 }

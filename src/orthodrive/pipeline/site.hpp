@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "orthodrive/model/driving_side.hpp"
+#include "orthodrive/model/road_material.hpp"
 #include "orthodrive/model/site_frame.hpp"
 
 namespace orthodrive {
@@ -14,19 +16,20 @@ struct Site {
   SiteFrame frame;
   std::filesystem::path photo;
   std::vector<std::filesystem::path> osm;
-  std::vector<std::filesystem::path> gpx;    ///< tracks of GPS receivers; none needed
-  std::vector<std::filesystem::path> dtm;    ///< best first
+  std::vector<std::filesystem::path> gpx;         ///< tracks of GPS receivers; none needed
+  std::vector<std::filesystem::path> dtm;         ///< best first
   std::vector<std::filesystem::path> drive_logs;  ///< CSV files and comma2k19 folders; none needed
-  std::filesystem::path truth_dir;           ///< empty: none
+  std::filesystem::path truth_dir;                ///< empty: none
   std::vector<std::string> attribution;
-  std::string model = "default";             ///< name or file of the segmentation network
-  bool crf = false;                          ///< refine the labels by the model's CRF
-  std::filesystem::path refine_weights;      ///< file of `orthodrive tune`; empty: the shipped weights
-  bool drives_left = false;                  ///< in the country of the site
-  std::string dtm_sampling = "cubic";        ///< bilinear | cubic
-  std::vector<std::string> crg;              ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none
-  std::string opendrive = "1.7";             ///< version of roads.xodr: 1.7 | 1.8
-  std::string route = "auto";                ///< closed way to drive: its name, or "auto"
+  std::string model = "default";         ///< name or file of the segmentation network
+  bool crf = false;                      ///< refine the labels by the model's CRF
+  std::filesystem::path refine_weights;  ///< file of `orthodrive tune`; empty: the shipped weights
+  DrivingSide driving_side = DrivingSide::right;
+  std::string dtm_sampling = "cubic";  ///< bilinear | cubic
+  std::vector<std::string> crg;        ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none
+  std::string opendrive = "1.7";       ///< version of roads.xodr: 1.7 | 1.8
+  Weather weather = Weather::dry;      ///< of the friction that roads.xodr states
+  std::string route = "auto";          ///< closed way to drive: its name, or "auto"
 };
 
 /// Reads a site file. `overrides` are "section.key=value" texts in TOML syntax (bare words are taken as strings).

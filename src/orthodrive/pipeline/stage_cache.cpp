@@ -4,7 +4,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "orthodrive/core/aside_file.hpp"
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/core/memory.hpp"
@@ -29,14 +29,19 @@ std::string hash_path(const fs::path& path) {
 json to_json(const Findings& findings) {
   json list = json::array();
   for (const Finding& f : findings)
-    list.push_back({{"severity", static_cast<int>(f.severity)}, {"code", f.code}, {"message", f.message}, {"x", f.x_m}, {"y", f.y_m}});
+    list.push_back({{"severity", static_cast<int>(f.severity)},
+                    {"code", f.code},
+                    {"message", f.message},
+                    {"x", f.x_m},
+                    {"y", f.y_m}});
   return list;
 }
 
 Findings findings_from_json(const json& list) {
   Findings findings;
   for (const json& f : list)
-    findings.push_back({static_cast<Severity>(f.at("severity").get<int>()), f.at("code"), f.at("message"), f.at("x"), f.at("y")});
+    findings.push_back(
+        {static_cast<Severity>(f.at("severity").get<int>()), f.at("code"), f.at("message"), f.at("x"), f.at("y")});
   return findings;
 }
 }  // namespace
@@ -60,7 +65,7 @@ StageRecord StageCache::load(const std::string& stage) const {
   const json record = json::parse(in);
   return {stage,
           record.at("key"),
-          {record.at("numbers"), findings_from_json(record.at("findings"))},
+          {.numbers = record.at("numbers"), .findings = findings_from_json(record.at("findings"))},
           record.at("seconds"),
           record.at("peak_memory_bytes"),
           true};

@@ -1,30 +1,24 @@
 #pragma once
-// What a stage left behind, so that the next run can skip it: DIR/.orthodrive/<stage>.json, written after the outputs are
-// in place. A killed run leaves no record of the stage it was in, and starts there again.
+// What a stage left behind, so that the next run can skip it: DIR/.orthodrive/<stage>.json, written after the outputs
+// are in place. A killed run leaves no record of the stage it was in, and starts there again.
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "orthodrive/core/finding.hpp"
+#include "orthodrive/pipeline/stage_outcome.hpp"
 
 namespace orthodrive {
 
-struct StageOutcome {
-  nlohmann::json numbers = nlohmann::json::object();  ///< results that run.json and the report show
-  Findings findings;
-};
-
 struct StageRecord {
   std::string stage;
-  std::string key;            ///< hash of tool, options, sources and the stages before
+  std::string key;  ///< hash of tool, options, sources and the stages before
   StageOutcome outcome;
-  double seconds = 0.0;       ///< of the run that made the outputs
+  double seconds = 0.0;  ///< of the run that made the outputs
   std::uint64_t peak_memory_bytes = 0;
-  bool skipped = false;       ///< taken over from an earlier run
+  bool skipped = false;  ///< taken over from an earlier run
 };
 
 class StageCache {

@@ -10,7 +10,7 @@
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/pipeline/score_files.hpp"
-#include "orthodrive/segment/toml_section.hpp"
+#include "orthodrive/pipeline/toml_section.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -93,12 +93,12 @@ void crop(TuneSite& site) {
   std::erase_if(site.region.ignore, [&](const Polygon& polygon) { return !bounds_of(polygon.outer).overlaps(area); });
 }
 
-struct Piece {
+struct AreaPiece {
   std::string name;
   MultiPolygon area;
 };
-std::vector<Piece> read_pieces(const fs::path& path, const Crs& crs) {
-  std::vector<Piece> pieces;
+std::vector<AreaPiece> read_pieces(const fs::path& path, const Crs& crs) {
+  std::vector<AreaPiece> pieces;
   for (io::Feature& feature : io::read_features(path, crs)) {
     if (feature.polygons.empty()) continue;
     const auto name = feature.tags.find("piece");
@@ -134,9 +134,9 @@ void add_sites(TuneSites& all, const SiteEntry& entry, const fs::path& file, Mon
   };
   std::size_t asked = 1;
   if (entry.pieces) {
-    const std::vector<Piece> pieces = read_pieces(entry.region.area, frame.crs);
+    const std::vector<AreaPiece> pieces = read_pieces(entry.region.area, frame.crs);
     asked = pieces.size();
-    for (const Piece& piece : pieces) {
+    for (const AreaPiece& piece : pieces) {
       if (!lies_in(frame.area, piece.area)) continue;
       TuneSite site = whole;
       site.name += "/" + piece.name;

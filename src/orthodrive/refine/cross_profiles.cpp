@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
-namespace orthodrive {
+namespace orthodrive::refine {
 namespace {
 
 constexpr double step_over_gsd = 0.5;  // two cells a pixel
-// A road is there where a strip of this width has this share of road. Traces of road all over a row say nothing: an edge
-// would be put where trees, which hide roads, begin.
+// A road is there where a strip of this width has this share of road. Traces of road all over a row say nothing: an
+// edge would be put where trees, which hide roads, begin.
 constexpr double road_near_m = 2.0, road_near_share = 0.4;
 
 /// Bilinear between pixel centres; pixels outside the raster are 0.
@@ -27,7 +27,9 @@ Corners corners_of(const GridFrame& frame, Vec2 p) {
   for (int k = 0; k < 4; ++k) {
     const double col = left + k % 2, row = top + k / 2;
     const bool inside = col >= 0.0 && row >= 0.0 && col < frame.width && row < frame.height;
-    corners.index[k] = inside ? static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col) : 0;
+    corners.index[k] =
+        inside ? static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(col)
+               : 0;
     corners.weight[k] = inside ? weights[k] / 255.0F : 0.0F;
   }
   return corners;
@@ -59,7 +61,8 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& 
   profiles.step_m = evidence.frame.gsd_m * step_over_gsd;
   profiles.cells = 2 * static_cast<int>(std::ceil(half_m / profiles.step_m));
   profiles.half_m = 0.5 * profiles.cells * profiles.step_m;
-  const std::size_t rows = (chain.nodes.size() - 1) * rows_per_segment, cells = static_cast<std::size_t>(profiles.cells);
+  const std::size_t rows = (chain.nodes.size() - 1) * rows_per_segment,
+                    cells = static_cast<std::size_t>(profiles.cells);
   profiles.false_positive.assign(rows * cells, 0.0F);
   profiles.false_negative.assign(rows * cells, 0.0F);
   profiles.chain_evidence.assign(rows, 0.0F);
@@ -91,8 +94,9 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& 
 StripCosts::StripCosts(const CrossProfiles& profiles, double strip_m)
     : step_m_(profiles.step_m), half_m_(profiles.half_m), knots_(profiles.cells + 1) {
   const int cells = std::max(1, static_cast<int>(std::lround(strip_m / step_m_)));
-  // The reference lets errors count more with their distance from the edge. From a half at the edge to one: an edge that
-  // is off by little must still feel a force, as its least-squares form would otherwise be flat (fourth power) there.
+  // The reference lets errors count more with their distance from the edge. From a half at the edge to one: an edge
+  // that is off by little must still feel a force, as its least-squares form would otherwise be flat (fourth power)
+  // there.
   std::vector<float> weight(static_cast<std::size_t>(cells));
   for (int j = 0; j < cells; ++j) weight[j] = static_cast<float>(0.5 + 0.5 * (j + 0.5) / cells);
   const float sum = std::accumulate(weight.begin(), weight.end(), 0.0F);
@@ -124,11 +128,12 @@ StripCosts::Value StripCosts::at(Strip strip, std::size_t row, double t_m) const
   const double x = std::clamp((t_m + half_m_) / step_m_, 1.0, knots_ - 2.0 - 1e-9);
   const int i = static_cast<int>(x);
   const double u = x - i;
-  const float* const f = &fields_[static_cast<int>(strip)][row * static_cast<std::size_t>(knots_) + static_cast<std::size_t>(i)];
+  const float* const f =
+      &fields_[static_cast<int>(strip)][row * static_cast<std::size_t>(knots_) + static_cast<std::size_t>(i)];
   // Catmull-Rom: a continuous derivative, which Levenberg-Marquardt needs to converge.
   const double f0 = f[-1], f1 = f[0], f2 = f[1], f3 = f[2];
   const double c1 = 0.5 * (f2 - f0), c2 = f0 - 2.5 * f1 + 2.0 * f2 - 0.5 * f3, c3 = 0.5 * (f3 - f0) + 1.5 * (f1 - f2);
   return {f1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2.0 * c2 + u * 3.0 * c3)) / step_m_};
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

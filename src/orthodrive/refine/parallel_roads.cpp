@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
-namespace orthodrive {
+#include "orthodrive/geo/spatial_index.hpp"
+
+namespace orthodrive::refine {
 namespace {
 
 constexpr double reach_m = 25.0;            // two roads of 9 m, both 8 m off
@@ -18,38 +19,12 @@ constexpr double junction_m = 40.0;         // roads that split run into each ot
 constexpr double merge_m = 300.0;           // slip roads run beside the carriageway they join for at most so long
 constexpr double watched_gap_m = 1.0;       // edges further apart need no limit
 
-struct Segment {
-  std::uint32_t chain = 0, segment = 0;
-};
-
-/// Segments of all chains by cells of the reach.
-class SegmentGrid {
- public:
-  explicit SegmentGrid(const std::vector<RoadChain>& chains) {
-    for (std::size_t c = 0; c < chains.size(); ++c)
-      for (std::size_t i = 0; i + 1 < chains[c].nodes.size(); ++i) {
-        const Vec2 middle = 0.5 * (chains[c].nodes[i].base + chains[c].nodes[i + 1].base);
-        cells_[key(cell(middle.x), cell(middle.y))].push_back(
-            {static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
-      }
-  }
-  template <typename Visit>
-  void near(Vec2 p, const Visit& visit) const {
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) {
-        const auto it = cells_.find(key(cell(p.x) + dx, cell(p.y) + dy));
-        if (it == cells_.end()) continue;
-        for (const Segment& segment : it->second) visit(segment);
-      }
-  }
-
- private:
-  static std::int64_t cell(double x) { return static_cast<std::int64_t>(std::floor(x / (1.5 * reach_m))); }
-  static std::uint64_t key(std::int64_t x, std::int64_t y) {
-    return static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL ^ static_cast<std::uint64_t>(y);
-  }
-  std::unordered_map<std::uint64_t, std::vector<Segment>> cells_;  // looked up by key only
-};
+std::vector<Polyline> base_lines(const std::vector<RoadChain>& chains) {
+  std::vector<Polyline> lines(chains.size());
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (const ChainNode& node : chains[c].nodes) lines[c].push_back(node.base);
+  return lines;
+}
 
 /// Layer of every segment of a chain.
 std::vector<int> layers_of(const RoadChain& chain, const RoadNetwork& osm) {
@@ -76,7 +51,7 @@ bool meet_near(const Meetings& meetings, std::size_t a, double s_a_m, std::size_
 class ParallelRoads {
  public:
   ParallelRoads(const std::vector<RoadChain>& chains, const RoadNetwork& osm)
-      : chains_(chains), grid_(chains), meetings_(chains.size()) {
+      : chains_(chains), index_(base_lines(chains)), meetings_(chains.size()) {
     for (std::size_t c = 0; c < chains.size(); ++c) {
       layers_.push_back(layers_of(chains[c], osm));
       for (const ChainNode& node : chains[c].nodes)
@@ -88,26 +63,26 @@ class ParallelRoads {
   template <typename Visit>
   void beside(std::size_t c, std::size_t i, const Visit& visit) const {
     const ChainNode& node = chains_[c].nodes[i];
-    grid_.near(node.base, [&](const Segment& at) {
-      if (at.chain == c || layers_[at.chain][at.segment] != layers_[c][i]) return;
-      const ChainNode &a = chains_[at.chain].nodes[at.segment], &b = chains_[at.chain].nodes[at.segment + 1];
+    for (const auto [chain, segment] : index_.near(node.base, reach_m)) {
+      if (chain == c || layers_[chain][segment] != layers_[c][i]) continue;
+      const ChainNode &a = chains_[chain].nodes[segment], &b = chains_[chain].nodes[segment + 1];
       const Vec2 along = b.base - a.base;
       const double across = cross(along, node.normal);  // 0 where the other line runs along the normal
-      if (across == 0.0) return;
+      if (across == 0.0) continue;
       const double fraction = cross(node.base - a.base, node.normal) / across;
-      if (fraction < 0.0 || fraction >= 1.0) return;
+      if (fraction < 0.0 || fraction >= 1.0) continue;
       const double t = dot(a.base + along * fraction - node.base, node.normal);
       const double alignment = dot(normalized(a.normal + (b.normal - a.normal) * fraction), node.normal);
-      if (std::abs(t) > reach_m || std::abs(alignment) < least_alignment) return;
+      if (std::abs(t) > reach_m || std::abs(alignment) < least_alignment) continue;
       const bool overlap = std::abs(t) < 0.5 * (node.input_width_m + a.input_width_m);
-      const bool merges = meet_near(meetings_, c, node.s_m, at.chain, a.s_m, overlap ? merge_m : junction_m);
-      visit(Neighbour{i, at.chain, at.segment, fraction, t, alignment}, merges);
-    });
+      const bool merges = meet_near(meetings_, c, node.s_m, chain, a.s_m, overlap ? merge_m : junction_m);
+      visit(Neighbour{i, chain, segment, fraction, t, alignment}, merges);
+    }
   }
 
  private:
   const std::vector<RoadChain>& chains_;
-  SegmentGrid grid_;
+  SegmentIndex index_;
   std::vector<std::vector<int>> layers_;
   Meetings meetings_;
 };
@@ -215,4 +190,4 @@ std::vector<ChainCoupling::Limit> limits_of(const std::vector<Occupied>& occupie
   return limits;
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

@@ -6,10 +6,10 @@
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/fit_chain.hpp"
-#include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
+#include "orthodrive/roads/road_chains.hpp"
 
-namespace orthodrive {
+namespace orthodrive::refine {
 
 /// Another chain across from a node of a chain.
 struct Neighbour {
@@ -58,4 +58,4 @@ void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profi
 /// Borders between a chain and its neighbours, half way between their edges, where they are near.
 [[nodiscard]] std::vector<ChainCoupling::Limit> limits_of(const std::vector<Occupied>& occupied);
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

@@ -7,21 +7,23 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/model/path_crossings.hpp"
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/fit_chain.hpp"
-#include "orthodrive/refine/join_junctions.hpp"
 #include "orthodrive/refine/parallel_roads.hpp"
-#include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
 #include "orthodrive/refine/shift_field.hpp"
 #include "orthodrive/refine/trace_offsets.hpp"
 #include "orthodrive/refine/trace_paths.hpp"
+#include "orthodrive/roads/join_junctions.hpp"
+#include "orthodrive/roads/path_crossings.hpp"
+#include "orthodrive/roads/road_chains.hpp"
 
 namespace orthodrive {
 namespace {
 
-constexpr double unseen_finding_m = 20.0;  // shorter stretches without a road in the labels are not worth a finding
+using namespace refine;
+
+constexpr double unseen_finding_m = 20.0;  // shorter stretches without a road in the labels are not reported
 
 struct RefinedChain {
   ChainFit fit;
@@ -66,9 +68,8 @@ Polyline line_of(const RoadChain& chain, const ChainShape& shape) {
   return line;
 }
 
-/// All chains of a site with what the stages of the method know of them. Chains move one by one, in parallel, against
-/// what stands still around them; rounds bring them together. Profiles are made anew each time: kept, they would be
-/// most of the memory.
+/// All chains of a site and the state of the method. In each round every chain is fitted on its own, in parallel, with
+/// its neighbours held fixed. Profiles are sampled again in each round: kept, they would be most of the memory.
 class Refinement {
  public:
   /// `osm` may hold paths of traces from `first_of_traces` on.
@@ -95,9 +96,9 @@ class Refinement {
     }
   }
 
-  /// First guesses: each chain by itself finds the road it lies on, which tells the shift of the map around every
-  /// place; then each looks again near there. So what is hidden, or stands beside a better looking yard, follows the
-  /// roads around it.
+  /// First guesses. Each chain finds its road on its own; from these offsets follows the shift of the map around every
+  /// place; then each chain searches again near that shift. So hidden roads, and roads beside a yard that looks more
+  /// like a road, follow their neighbours.
   void search() {
     RefineWeights wide = options_.weights;
     wide.search_offset_m = options_.weights.map_shift_m;
@@ -106,8 +107,8 @@ class Refinement {
     search_chains(1, options_.weights);
   }
 
-  /// Fits every chain by itself, decides where roads meet by these lines, which nothing has bent yet, and fits once
-  /// more: now chains pass through their junctions and keep to their side of neighbours.
+  /// Fits every chain on its own, places the junctions by these lines, and fits again: now chains pass through their
+  /// junctions and keep to their side of neighbours.
   void fit() {
     std::vector<ChainCoupling> couplings(chains_.size());
     for (std::size_t c = 0; c < chains_.size(); ++c) {
@@ -127,12 +128,12 @@ class Refinement {
     fit_chains(3, couplings);
   }
 
-  [[nodiscard]] RefineRoadsResult result() const;
+  [[nodiscard]] RefinedRoads result() const;
 
  private:
   static constexpr double tolerated_overlap_m = 0.5;
 
-  /// Where two roads have chosen the same place, the one that has left its way for it chooses again.
+  /// Where two roads have found the same place, the road farther from its map line searches again.
   void search_chains(int phase, const RefineWeights& weights) {
     RefineRoadsOptions options = options_;
     options.weights = weights;
@@ -160,11 +161,11 @@ class Refinement {
       shapes_ = std::move(next);
     }
   }
-  /// With the widths that are known by now, and the shift of the map, which tells parallel roads apart.
+  /// With the present widths and the shift of the map, which tells parallel roads apart.
   void look_at_traces(std::size_t c, const std::vector<double>& widths_m) {
     traces_[c] = trace_offsets(chains_[c], osm_, passes_[c], widths_m, expected_[c], options_);
   }
-  /// What the map and the traces let expect, before anything is known of the map and after.
+  /// Expected offsets by the map's shift (its prior until it is known) and the traces.
   [[nodiscard]] std::vector<ExpectedOffset> expected_of_search(std::size_t c) const {
     if (traces_[c].empty() || !expected_[c].empty()) return combine(expected_[c], traces_[c]);
     return combine(std::vector<ExpectedOffset>(chains_[c].nodes.size(), {0.0, options_.weights.map_shift_m}),
@@ -195,7 +196,8 @@ class Refinement {
     std::vector<std::vector<ExpectedOffset>> expected;
     for (const RoadChain& chain : chains_) expected.emplace_back(chain.nodes.size());
     add_shift({.reach_m = 200.0, .prior_m = options_.weights.map_shift_m, .outlier_m = 2.0}, from_traces, expected);
-    add_shift({.reach_m = 120.0, .prior_m = 0.2 * options_.weights.map_shift_m, .outlier_m = 1.0}, from_traces, expected);
+    add_shift({.reach_m = 120.0, .prior_m = 0.2 * options_.weights.map_shift_m, .outlier_m = 1.0}, from_traces,
+              expected);
     return expected;
   }
   void add_shift(const ShiftFieldOptions& field, bool from_traces,
@@ -318,13 +320,15 @@ void report_self_crossings(const RoadNetwork& osm, Findings& findings) {
   for (const PathCrossing& crossing : find_crossings(osm)) {
     if (crossing.path_a != crossing.path_b || crossing.path_a == last) continue;
     last = crossing.path_a;
-    findings.push_back({Severity::warning, "refine.self_crossing",
-                        fmt::format("way {} crosses itself without a node, kept as it is; the labels do not count there", osm.paths[last].osm_id),
-                        crossing.p.x, crossing.p.y});
+    findings.push_back(
+        {Severity::warning, "refine.self_crossing",
+         fmt::format("way {} crosses itself without a node, kept as it is; the labels do not count there",
+                     osm.paths[last].osm_id),
+         crossing.p.x, crossing.p.y});
   }
 }
 
-/// Traces of another place do no harm and no good: somebody gave the wrong file.
+/// Traces of another place change nothing; they are reported because the file is probably the wrong one.
 void report_outside(const GpsTraces& traces, const RoadEvidence& evidence, Findings& findings) {
   if (traces.traces.empty()) return;
   const Box2 box = evidence.frame.bounds();
@@ -358,10 +362,10 @@ RoadPath pack_path(const RoadPath& input, const RoadChain& chain, const ChainPie
   return path;
 }
 
-RefineRoadsResult Refinement::result() const {
+RefinedRoads Refinement::result() const {
   std::vector<Polyline> lines = this->lines();
   bend_to_junctions(chains_, junctions_, lines);
-  RefineRoadsResult result{.roads = {.crs = osm_.crs, .paths = std::vector<RoadPath>(osm_.paths.size())}};
+  RefinedRoads result{.roads = {.crs = osm_.crs, .paths = std::vector<RoadPath>(osm_.paths.size())}};
   report_self_crossings(osm_, result.findings);
   for (std::size_t c = 0; c < chains_.size(); ++c) {
     const ChainFit& fit = refined_[c].fit;
@@ -386,8 +390,8 @@ RefineRoadsResult Refinement::result() const {
 
 }  // namespace
 
-RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,
-                               Monitor* monitor, const GpsTraces& traces) {
+RefinedRoads refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,
+                          Monitor* monitor, const GpsTraces& traces) {
   check(osm, evidence, options, traces);
   Findings findings;
   report_outside(traces, evidence, findings);
@@ -396,13 +400,13 @@ RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evide
   Refinement refinement(moving.empty() ? osm : with_paths, osm.paths.size(), evidence, moving, options, monitor);
   refinement.search();
   refinement.fit();
-  RefineRoadsResult result = refinement.result();
+  RefinedRoads result = refinement.result();
   result.findings.insert(result.findings.begin(), findings.begin(), findings.end());
   return result;
 }
 
-RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options,
-                               Monitor* monitor, const GpsTraces& traces) {
+RefinedRoads refine_roads(const RoadNetwork& osm, const LabelMap& labels, const RefineRoadsOptions& options,
+                          Monitor* monitor, const GpsTraces& traces) {
   return refine_roads(osm, road_evidence(labels), options, monitor, traces);
 }
 

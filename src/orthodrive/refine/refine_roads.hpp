@@ -2,19 +2,21 @@
 // Moves OSM centre lines onto the road seen in the labels and measures the carriageway width.
 //
 // After the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.3: per node
-// an offset along the normal of the path and a width; residuals r_c, r_a, r_w, r_o; Levenberg-Marquardt. What differs
-// from it and why is told in docs/roads.md.
+// an offset along the normal of the path and a width; residuals r_c, r_a, r_w, r_o; Levenberg-Marquardt. Differences
+// and their reasons: docs/refine.md. The thesis' own methods: baselines/.
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/driving_side.hpp"
 #include "orthodrive/model/gps_traces.hpp"
 #include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/refined_roads.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/model/solve_summary.hpp"
 
 namespace orthodrive {
 
-/// How much each kind of knowledge counts. What is known without evidence is told as standard deviations.
+/// Weights of the residuals (docs/refine.md); prior knowledge is given as standard deviations.
 struct RefineWeights {
   double evidence = 20.0;           ///< w_c, of the mean class cost in a strip
   double loss_scale = 1.5;          ///< of the Cauchy loss of w_c: residuals beyond are outliers
@@ -28,11 +30,9 @@ struct RefineWeights {
   double node_width_share = 0.013;  ///< sigma of a node's width around the width of its way, as a share of it
   double input_width = 0.2;         ///< factor on the sigma of the input's width (road_chains.hpp)
   double search_step = 0.2;  ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
-  double search_offset_m = 3.0;     ///< of the search: so much offset costs as much as one metre misclassified
-  double search_width_share = 0.5;  ///< of the search: so much change of the width likewise
+  double search_offset_m = 3.0;     ///< of the search: this offset costs as much as one metre misclassified
+  double search_width_share = 0.5;  ///< of the search: this change of the width costs the same
 };
-
-enum class DrivingSide { right, left };
 
 struct RefineRoadsOptions {
   double spacing_m = 2.0;         ///< paths are resampled to about this distance
@@ -47,23 +47,14 @@ struct RefineRoadsOptions {
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
-struct RefineRoadsResult {
-  /// The input's paths, resampled; p, osm_node, s_m, offset_m, width_m and the sigmas are set. After them the paths
-  /// that only GPS traces know, with negative osm_id; where they meet a way it has a node with an id.
-  RoadNetwork roads;
-  SolveSummary solve;
-  /// "refine.no_road_seen", "refine.not_converged", "refine.self_crossing", "refine.path_from_gpx", "refine.traces_outside"
-  Findings findings;
-};
-
 /// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence
 /// keep the OSM line, unless traces tell another. Time and memory are linear in the length of the roads.
-[[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
-                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
-                                             const GpsTraces& traces = {});
-/// The same with labels that are taken for sure.
-[[nodiscard]] RefineRoadsResult refine_roads(const RoadNetwork& osm, const LabelMap& labels,
-                                             const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
-                                             const GpsTraces& traces = {});
+[[nodiscard]] RefinedRoads refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
+                                        const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
+                                        const GpsTraces& traces = {});
+/// The same with labels of probability 1.
+[[nodiscard]] RefinedRoads refine_roads(const RoadNetwork& osm, const LabelMap& labels,
+                                        const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
+                                        const GpsTraces& traces = {});
 
 }  // namespace orthodrive

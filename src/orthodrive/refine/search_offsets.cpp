@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-namespace orthodrive {
+#include "orthodrive/refine/level_search.hpp"
+
+namespace orthodrive::refine {
 namespace {
 
 constexpr double offset_step_m = 0.5;
@@ -20,7 +21,7 @@ struct Levels {
   [[nodiscard]] double width_factor(int state) const { return lowest_factor + (state % width_levels) * factor_step; }
 };
 
-/// Sums over cells 0 .. k-1, so that the cost between two lateral positions is a difference.
+/// Sums over cells 0 .. k-1: the cost between two lateral positions is a difference of two sums.
 std::vector<double> running_sums(std::span<const float> costs, double step_m) {
   std::vector<double> sums(costs.size() + 1, 0.0);
   for (std::size_t k = 0; k < costs.size(); ++k) sums[k + 1] = sums[k] + costs[k] * step_m;
@@ -45,7 +46,7 @@ void add_row_cost(const CrossProfiles& profiles, std::size_t row, double input_w
   }
 }
 
-/// The levels make steps; the fit converges in half the iterations from a line without corners.
+/// Levels are steps. From a line without corners the fit converges in half the iterations.
 std::vector<double> running_mean(const std::vector<double>& values) {
   constexpr std::ptrdiff_t reach = 4;
   const std::ptrdiff_t count = std::ssize(values);
@@ -59,70 +60,53 @@ std::vector<double> running_mean(const std::vector<double>& values) {
   return means;
 }
 
-}  // namespace
-
-ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
-                          const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options) {
-  const RefineWeights& weights = options.weights;
-  const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
-                      (options.max_width_factor - options.min_width_factor) / (width_levels - 1)};
-  const std::size_t segments = chain.nodes.size() - 1;
-  const int states = levels.states();
-  std::vector<std::uint8_t> came_from(segments * static_cast<std::size_t>(states));
-  std::vector<double> total(states, 0.0), next(states), cost(states);
-  std::vector<double> width_prior(states);
-  for (int state = 0; state < states; ++state)
-    width_prior[state] = std::pow((levels.width_factor(state) - 1.0) / weights.search_width_share, 2);
-
-  for (std::size_t segment = 0; segment < segments; ++segment) {
-    // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
-    float evidence = 0.0F;
-    for (std::size_t r = 0; r < rows_per_segment; ++r)
-      evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
-    const ExpectedOffset expected_here = expected.empty() ? ExpectedOffset{} : expected[segment];
-    const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected_here.sigma_m, 2);
-    for (int state = 0; state < states; ++state)
-      cost[state] =
-          (0.02 + 0.98 * evidence) *
-          (std::pow(levels.offset_m(state) - expected_here.offset_m, 2) / offset_scale_m2 + width_prior[state]);
-    for (std::size_t r = 0; r < rows_per_segment; ++r) {
-      const std::size_t row = segment * rows_per_segment + r;
-      if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, chain.nodes[segment].input_width_m, levels, cost);
-    }
-    for (int o = 0; o < levels.offsets; ++o)
-      for (int w = 0; w < width_levels; ++w) {
-        const int state = o * width_levels + w;
-        double best = std::numeric_limits<double>::infinity();
-        std::uint8_t step = 4;  // 3 * (offset step + 1) + width step + 1
-        for (int d = -1; d <= 1; ++d)
-          for (int e = -1; e <= 1; ++e) {
-            if (o + d < 0 || o + d >= levels.offsets || w + e < 0 || w + e >= width_levels) continue;
-            const double candidate =
-                total[state + d * width_levels + e] + weights.search_step * (std::abs(d) + std::abs(e));
-            if (candidate < best) best = candidate, step = static_cast<std::uint8_t>(3 * (d + 1) + e + 1);
-          }
-        next[state] = best + cost[state];
-        came_from[segment * static_cast<std::size_t>(states) + static_cast<std::size_t>(state)] = step;
-      }
-    total.swap(next);
+/// What the levels of one segment cost: misclassified width, and the pull to the expected offset and the input's width.
+std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& profiles, std::size_t segment,
+                                  const ExpectedOffset& expected, const RefineWeights& weights, const Levels& levels) {
+  // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
+  float evidence = 0.0F;
+  for (std::size_t r = 0; r < rows_per_segment; ++r)
+    evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
+  const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected.sigma_m, 2);
+  std::vector<double> cost(static_cast<std::size_t>(levels.states()));
+  for (int state = 0; state < levels.states(); ++state) {
+    const double width_prior = std::pow((levels.width_factor(state) - 1.0) / weights.search_width_share, 2);
+    cost[state] = (0.02 + 0.98 * evidence) *
+                  (std::pow(levels.offset_m(state) - expected.offset_m, 2) / offset_scale_m2 + width_prior);
   }
-
-  std::vector<int> best(segments);
-  best.back() = static_cast<int>(std::min_element(total.begin(), total.end()) - total.begin());
-  for (std::size_t segment = segments; segment-- > 1;) {
-    const int step = came_from[segment * static_cast<std::size_t>(states) + static_cast<std::size_t>(best[segment])];
-    best[segment - 1] = best[segment] + (step / 3 - 1) * width_levels + step % 3 - 1;
+  for (std::size_t r = 0; r < rows_per_segment; ++r) {
+    const std::size_t row = segment * rows_per_segment + r;
+    if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, chain.nodes[segment].input_width_m, levels, cost);
   }
+  return cost;
+}
+
+/// A node lies between two segments: the mean of their levels.
+ChainShape shape_of(const RoadChain& chain, const std::vector<int>& states, const Levels& levels) {
   ChainShape shape;
-  for (std::size_t i = 0; i < chain.nodes.size(); ++i) {  // a node lies between two segments
-    const int before = best[i == 0 ? 0 : i - 1], after = best[std::min(i, segments - 1)];
+  for (std::size_t i = 0; i < chain.nodes.size(); ++i) {
+    const int before = states[i == 0 ? 0 : i - 1], after = states[std::min(i, states.size() - 1)];
     shape.offset_m.push_back(0.5 * (levels.offset_m(before) + levels.offset_m(after)));
     shape.width_m.push_back(0.5 * (levels.width_factor(before) + levels.width_factor(after)) *
                             chain.nodes[i].input_width_m);
   }
+  return shape;
+}
+
+}  // namespace
+
+ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
+                          const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options) {
+  const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
+                      (options.max_width_factor - options.min_width_factor) / (width_levels - 1)};
+  LevelSearch search(levels.offsets, width_levels, options.weights.search_step);
+  for (std::size_t segment = 0; segment + 1 < chain.nodes.size(); ++segment)
+    search.add_segment(segment_costs(chain, profiles, segment, expected.empty() ? ExpectedOffset{} : expected[segment],
+                                     options.weights, levels));
+  ChainShape shape = shape_of(chain, search.cheapest(), levels);
   shape.offset_m = running_mean(shape.offset_m);
   shape.width_m = running_mean(shape.width_m);
   return shape;
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <utility>
 
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
 
-namespace orthodrive {
+namespace orthodrive::refine {
 namespace {
 
 constexpr double reach_sigmas = 2.5;  // a sample further away counts for nothing
 constexpr int reweightings = 6;
-
-using Cell = std::pair<std::int64_t, std::int64_t>;
 
 /// The symmetric system of a weighted fit of a vector s to n . s = offset.
 struct Normal {
@@ -56,27 +54,29 @@ Shift fit_shift(const std::vector<Weighted>& near, const ShiftFieldOptions& opti
 
 std::vector<Shift> shift_at(const std::vector<Vec2>& places, const std::vector<ShiftSample>& samples, int threads,
                             const ShiftFieldOptions& options) {
-  const double cell_m = reach_sigmas * options.reach_m;
-  const auto cell_of = [&](Vec2 p) {
-    return Cell{static_cast<std::int64_t>(std::floor(p.x / cell_m)),
-                static_cast<std::int64_t>(std::floor(p.y / cell_m))};
+  // Sums run square by square, within a square in the order given: another order would change the last digits.
+  const double square_m = reach_sigmas * options.reach_m;
+  const auto square_of = [&](const ShiftSample* sample) {
+    return std::pair(std::floor(sample->p.y / square_m), std::floor(sample->p.x / square_m));
   };
-  std::map<Cell, std::vector<const ShiftSample*>> cells;
-  for (const ShiftSample& sample : samples) cells[cell_of(sample.p)].push_back(&sample);
+  std::vector<const ShiftSample*> sorted;
+  for (const ShiftSample& sample : samples) sorted.push_back(&sample);
+  std::ranges::stable_sort(sorted, {}, square_of);
+  std::vector<Box2> boxes;
+  for (const ShiftSample* sample : sorted) boxes.push_back({sample->p.x, sample->p.y, sample->p.x, sample->p.y});
+  const SpatialIndex index(boxes);
   std::vector<Shift> shifts(places.size());
   parallel_for(places.size(), threads, [&](std::size_t i) {
-    const auto [col, row] = cell_of(places[i]);
     std::vector<Weighted> near;
-    for (std::int64_t y = row - 1; y <= row + 1; ++y)
-      for (std::int64_t x = col - 1; x <= col + 1; ++x)
-        if (const auto found = cells.find({x, y}); found != cells.end())
-          for (const ShiftSample* sample : found->second)
-            if (const double d = distance(sample->p, places[i]) / options.reach_m; d <= reach_sigmas)
-              near.push_back({sample, sample->weight * std::exp(-0.5 * d * d) /
-                                          (options.sample_sigma_m * options.sample_sigma_m)});
+    for (const std::uint32_t k : index.near(places[i], reach_sigmas * options.reach_m)) {
+      const ShiftSample* sample = sorted[k];
+      if (const double d = distance(sample->p, places[i]) / options.reach_m; d <= reach_sigmas)
+        near.push_back(
+            {sample, sample->weight * std::exp(-0.5 * d * d) / (options.sample_sigma_m * options.sample_sigma_m)});
+    }
     shifts[i] = fit_shift(near, options);
   });
   return shifts;
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

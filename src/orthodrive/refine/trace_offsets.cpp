@@ -5,15 +5,16 @@
 #include <limits>
 
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/geo/line_grid.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
 
-namespace orthodrive {
+namespace orthodrive::refine {
 namespace {
 
 constexpr double reach_m = 12.0;           // the map is off by up to 8 m, the receiver by some metres
 constexpr double least_alignment = 0.866;  // cos 30 degrees: lines that cross are not the same road
 constexpr double standing_m = 3.0, direction_m = 10.0;
-constexpr double least_chord = 0.4;  // of the way driven: a hairpin of 4 m radius has it, a receiver that wanders has not
+constexpr double least_chord =
+    0.4;  // of the way driven: a hairpin of 4 m radius has it, a receiver that wanders has not
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Directions over +-direction_m around the middle of each segment.
@@ -47,7 +48,7 @@ std::vector<PathAt> paths_along(const RoadChain& chain) {
 }
 
 /// How far beside the middle one drives, and how sure that is. Two vehicles pass each other from about 5 m on; on
-/// one-way roads with more than a lane nobody knows which one was taken.
+/// one-way roads with more than a lane the driven one is unknown.
 struct DrivenLine {
   double side_m = 0.0, sigma_m = 0.0;
 };
@@ -99,7 +100,7 @@ std::vector<std::vector<TracePass>> find_passes(const std::vector<RoadChain>& ch
   if (traces.empty()) return passes;
   std::vector<Polyline> lines;
   for (const MovingTrace& trace : traces) lines.push_back(trace.line);
-  const LineGrid grid(lines, 2.0 * reach_m);
+  const SegmentIndex index(lines);
   std::vector<std::vector<PathAt>> paths_of;
   for (const RoadChain& chain : chains) paths_of.push_back(paths_along(chain));
   parallel_for(chains.size(), threads, [&](std::size_t c) {
@@ -120,7 +121,7 @@ std::vector<std::vector<TracePass>> find_passes(const std::vector<RoadChain>& ch
       const RoadPath& path = osm.paths[paths[i].path];
       if (path.tunnel) continue;
       const Vec2 ahead = left_normal(node.normal) * -1.0;
-      for (const auto [l, k] : grid.near(node.base, reach_m)) {
+      for (const auto [l, k] : index.near(node.base, reach_m)) {
         const MovingTrace& trace = traces[l];
         const double alignment = dot(trace.direction[k], ahead), drive = alignment > 0.0 ? 1.0 : -1.0;
         if (std::abs(alignment) < least_alignment) continue;
@@ -189,4 +190,4 @@ std::vector<ExpectedOffset> combine(const std::vector<ExpectedOffset>& map, cons
   return both;
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

@@ -7,13 +7,13 @@
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/refine/parallel_roads.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
-#include "orthodrive/refine/road_chains.hpp"
 #include "orthodrive/refine/trace_offset.hpp"
+#include "orthodrive/roads/road_chains.hpp"
 
-namespace orthodrive {
+namespace orthodrive::refine {
 
-/// Points less than 3 m apart are a standing receiver that wanders: what is left of a trace without them, and its
-/// direction at each segment, over +-10 m (0 where it turns round within that).
+/// A trace without its points less than 3 m apart (a standing receiver that wanders), and its direction at each
+/// segment, over +-10 m (0 where it turns round within that).
 struct MovingTrace {
   Polyline line;
   std::vector<Vec2> direction;
@@ -52,4 +52,4 @@ struct TracePass {
 [[nodiscard]] std::vector<ExpectedOffset> combine(const std::vector<ExpectedOffset>& map,
                                                   const std::vector<TraceOffset>& traces);
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

@@ -9,9 +9,9 @@
 #include <optional>
 #include <set>
 
-#include "orthodrive/geo/line_grid.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
 
-namespace orthodrive {
+namespace orthodrive::refine {
 namespace {
 
 constexpr double apart_m = 20.0;                               // further from every road: no road of the map
@@ -69,7 +69,7 @@ double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
 /// The roads known so far: those of the map and, one by one, the new ones.
 class KnownRoads {
  public:
-  explicit KnownRoads(const RoadNetwork& osm) : first_new_(osm.paths.size()), lines_(lines_of(osm)), grid_(lines_) {
+  explicit KnownRoads(const RoadNetwork& osm) : first_new_(osm.paths.size()), lines_(lines_of(osm)), index_(lines_) {
     for (const RoadPath& path : osm.paths) joinable_.push_back(!path.bridge && !path.tunnel);
   }
   void add(Polyline line) {
@@ -78,13 +78,15 @@ class KnownRoads {
   }
   [[nodiscard]] bool road_within(Vec2 p, double reach_m) const { return nearest(p, reach_m, false).has_value(); }
 
-  struct Place {
+  struct RoadBeside {
     std::size_t path = 0;
     double distance_m = 0.0;
     Vec2 direction;  ///< of the road
   };
-  /// Nobody turns off on a bridge or in a tunnel.
-  [[nodiscard]] std::optional<Place> joinable_within(Vec2 p, double reach_m) const { return nearest(p, reach_m, true); }
+  /// Bridges and tunnels have no exits: not among them.
+  [[nodiscard]] std::optional<RoadBeside> joinable_within(Vec2 p, double reach_m) const {
+    return nearest(p, reach_m, true);
+  }
 
  private:
   static std::vector<Polyline> lines_of(const RoadNetwork& osm) {
@@ -92,14 +94,14 @@ class KnownRoads {
     for (const RoadPath& path : osm.paths) lines.push_back(centerline(path));
     return lines;
   }
-  [[nodiscard]] std::optional<Place> nearest(Vec2 p, double reach_m, bool joinable) const {
-    std::optional<Place> best;
+  [[nodiscard]] std::optional<RoadBeside> nearest(Vec2 p, double reach_m, bool joinable) const {
+    std::optional<RoadBeside> best;
     const auto look = [&](std::size_t line, std::size_t i) {
       const Vec2 a = lines_[line][i], b = lines_[line][i + 1];
       const double d = distance_to_segment(a, b, p);
-      if (d <= reach_m && (!best || d < best->distance_m)) best = Place{line, d, normalized(b - a)};
+      if (d <= reach_m && (!best || d < best->distance_m)) best = RoadBeside{line, d, normalized(b - a)};
     };
-    for (const auto [line, i] : grid_.near(p, reach_m))
+    for (const auto [line, i] : index_.near(p, reach_m))
       if (!joinable || joinable_[line]) look(line, i);
     for (std::size_t line = first_new_; line < lines_.size(); ++line)
       for (std::size_t i = 0; i + 1 < lines_[line].size(); ++i) look(line, i);
@@ -109,10 +111,10 @@ class KnownRoads {
   std::size_t first_new_;
   std::vector<Polyline> lines_;
   std::vector<bool> joinable_;
-  LineGrid grid_;
+  SegmentIndex index_;
 };
 
-/// Ends a stretch where it comes back to itself: a driver who turns round, or drives another lap.
+/// Ends a stretch where it comes back to itself: the driver turned round, or drove another lap.
 void cut_at_return(const Walk& walk, Stretch& stretch) {
   const auto lap = static_cast<std::size_t>(lap_m / step_m);
   for (std::size_t i = stretch.first; i <= stretch.last; ++i)
@@ -148,14 +150,14 @@ std::set<std::size_t> close_along(std::vector<Walk>& walks, const Stretch& stret
   const Polyline line(taken.line.begin() + static_cast<std::ptrdiff_t>(stretch.first),
                       taken.line.begin() + static_cast<std::ptrdiff_t>(stretch.last) + 1);
   const Box2 box = bounds_of(line).grown(same_path_m);
-  const LineGrid grid({line}, 2.0 * same_path_m);
+  const SegmentIndex index(std::span(&line, 1));
   std::set<std::size_t> changed{stretch.walk};
   for (std::size_t w = 0; w < walks.size(); ++w)
     for (std::size_t i = 0; i < walks[w].line.size(); ++i) {
       Walk& walk = walks[w];
       if (!walk.open[i] || !box.contains(walk.line[i])) continue;
-      const auto near = grid.near(walk.line[i], same_path_m);
-      const bool along = std::ranges::any_of(near, [&](const LineGrid::Segment& at) {
+      const auto near = index.near(walk.line[i], same_path_m);
+      const bool along = std::ranges::any_of(near, [&](const SegmentIndex::Segment& at) {
         return distance_to_segment(line[at.index], line[at.index + 1], walk.line[i]) <= same_path_m &&
                std::abs(dot(taken.direction[stretch.first + at.index], walk.direction[i])) >= least_alignment;
       });
@@ -245,7 +247,7 @@ Polyline smoothed(const Polyline& line) {
   return result;
 }
 
-/// Lets the path end in that of its own nodes that is nearest to p: the first one closes it.
+/// Ends the path in its own node nearest to p; its first node makes it a closed path.
 void join_itself(RoadPath& path, Vec2 p, std::int64_t& next_node) {
   const double away_m = length_m(centerline(path)) - lap_m / 2.0;
   const std::vector<double> s = arc_lengths_m(centerline(path));
@@ -295,12 +297,12 @@ NewPath make_path(const Walk& walk, const Stretch& stretch, const KnownRoads& kn
 }
 
 /// Recordings that run along at least half of a stretch.
-std::size_t recordings_along(const std::vector<Walk>& walks, const LineGrid& grid, const Stretch& stretch) {
+std::size_t recordings_along(const std::vector<Walk>& walks, const SegmentIndex& index, const Stretch& stretch) {
   const Walk& taken = walks[stretch.walk];
   std::map<std::size_t, std::size_t> points;
   for (std::size_t i = stretch.first; i <= stretch.last; ++i) {
     std::set<std::size_t> here;
-    for (const auto [w, k] : grid.near(taken.line[i], same_path_m))
+    for (const auto [w, k] : index.near(taken.line[i], same_path_m + step_m))
       if (distance(walks[w].line[k], taken.line[i]) <= same_path_m + step_m &&
           std::abs(dot(walks[w].direction[k], taken.direction[i])) >= least_alignment)
         here.insert(walks[w].recording);
@@ -325,7 +327,7 @@ RoadNetwork with_paths_of_traces(const RoadNetwork& osm, const RoadEvidence& evi
   }
   std::vector<Polyline> lines;
   for (const Walk& walk : walks) lines.push_back(walk.line);
-  const LineGrid grid(lines);
+  const SegmentIndex index(lines);
   std::vector<std::optional<Stretch>> candidates;
   for (std::size_t w = 0; w < walks.size(); ++w) candidates.push_back(longest_stretch(walks, w));
   std::int64_t next_node = next_node_id(osm), next_way = -1;
@@ -343,8 +345,8 @@ RoadNetwork with_paths_of_traces(const RoadNetwork& osm, const RoadEvidence& evi
         {Severity::info, "refine.path_from_gpx",
          fmt::format("way {}: {:.0f} m of {} that OSM lacks, from GPX traces of {} recording(s); {} of its "
                      "ends meet a road",
-                     made.path.osm_id, made.path.nodes.back().s_m, new_highway, recordings_along(walks, grid, *longest),
-                     made.joined),
+                     made.path.osm_id, made.path.nodes.back().s_m, new_highway,
+                     recordings_along(walks, index, *longest), made.joined),
          middle.x, middle.y});
     known.add(line);
     roads.paths.push_back(std::move(made.path));
@@ -352,4 +354,4 @@ RoadNetwork with_paths_of_traces(const RoadNetwork& osm, const RoadEvidence& evi
   }
 }
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

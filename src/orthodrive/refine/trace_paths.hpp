@@ -1,5 +1,5 @@
 #pragma once
-// Paths that somebody has driven and the map lacks.
+// Roads that GPS traces show and the map lacks.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/refine/trace_offsets.hpp"
 
-namespace orthodrive {
+namespace orthodrive::refine {
 
 /// The roads of `osm`, and after them the stretches of traces that are at least 50 m long, further than 20 m from every
 /// road and inside the evidence, each path once: of traces within 15 m and 30 degrees of each other the longest is
@@ -18,4 +18,4 @@ namespace orthodrive {
 [[nodiscard]] RoadNetwork with_paths_of_traces(const RoadNetwork& osm, const RoadEvidence& evidence,
                                                const std::vector<MovingTrace>& traces, Findings& findings);
 
-}  // namespace orthodrive
+}  // namespace orthodrive::refine

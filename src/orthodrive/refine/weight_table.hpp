@@ -1,6 +1,6 @@
 #pragma once
-// The members of RefineWeights by their names: what searches them, prints them and reads them from a file goes by this
-// table, so that a new weight is named once.
+// The members of RefineWeights by name. Searching, printing and reading them from a file all use this table, so that a
+// new weight is named once.
 
 #include <span>
 #include <string_view>

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <unordered_map>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
 #include "orthodrive/scene/triangulate.hpp"
@@ -47,30 +47,21 @@ class TilePoints {
   std::unordered_map<std::int64_t, std::uint32_t> index_;
 };
 
-/// Keeps points apart: takes one only if none taken before is nearer than the distance.
-class Thinning {
- public:
-  explicit Thinning(double distance_m) : distance_m_(distance_m) {}
-  bool take(Vec2 p) {
-    const auto c = static_cast<std::int64_t>(std::floor(p.x / distance_m_));
-    const auto r = static_cast<std::int64_t>(std::floor(p.y / distance_m_));
-    const auto key = [](std::int64_t column, std::int64_t row) { return column * (std::int64_t{1} << 32) + row; };
-    for (std::int64_t dc = -1; dc <= 1; ++dc) {
-      for (std::int64_t dr = -1; dr <= 1; ++dr) {
-        const auto cell = taken_.find(key(c + dc, r + dr));
-        if (cell == taken_.end()) continue;
-        for (const Vec2 q : cell->second)
-          if (distance(p, q) < distance_m_) return false;
-      }
-    }
-    taken_[key(c, r)].push_back(p);
-    return true;
+/// The points without those nearer than the distance to one that is kept and comes before them.
+std::vector<Vec2> thinned(const std::vector<Vec2>& points, double distance_m) {
+  std::vector<Box2> boxes;
+  for (const Vec2 p : points) boxes.push_back({p.x, p.y, p.x, p.y});
+  const SpatialIndex index(boxes);
+  std::vector<bool> kept(points.size(), false);
+  std::vector<Vec2> result;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    kept[i] = std::ranges::none_of(index.near(points[i], distance_m), [&](std::uint32_t k) {
+      return kept[k] && distance(points[i], points[k]) < distance_m;
+    });
+    if (kept[i]) result.push_back(points[i]);
   }
-
- private:
-  double distance_m_;
-  std::unordered_map<std::int64_t, std::vector<Vec2>> taken_;
-};
+  return result;
+}
 
 /// Positions along a tile side: its ends, where lines meet it, and between them multiples of the step (0: none) that
 /// are not too close. Depends on the side only, not on the tile to the left or right of it.
@@ -118,7 +109,8 @@ Constraints add_lines(const LevelLines& lines, TileAddress address, double borde
     });
   }
   if (const auto found = lines.inside.find(address); found != lines.inside.end())
-    for (const Segment& segment : found->second) constraints.push_back({points.add(segment.a), points.add(segment.b)});
+    for (const LineSegment& segment : found->second)
+      constraints.push_back({points.add(segment.a), points.add(segment.b)});
   return constraints;
 }
 
@@ -129,21 +121,20 @@ std::span<const Vec2> in_tile(const std::map<TileAddress, std::vector<Vec2>>& po
 
 void add_axis_points(const RoadLevel& roads, const LevelLines& lines, TileAddress address, TilePoints& points) {
   const Box2 inner = tile_box(address).grown(-axis_clearance_m);
-  Thinning thinning(axis_distance_m);
+  std::vector<Vec2> inside;
   for (const Vec2 p : in_tile(lines.axis_points, address))
-    if (inner.contains(p) && roads.outline().nearest(p).distance_m > axis_clearance_m && roads.outline().contains(p) &&
-        thinning.take(p))
-      points.add(p);
+    if (inner.contains(p) && roads.outline().nearest(p).distance_m > axis_clearance_m && roads.outline().contains(p))
+      inside.push_back(p);
+  for (const Vec2 p : thinned(inside, axis_distance_m)) points.add(p);
 }
 
 void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoints& points) {
   const Box2 inner = tile_box(address).grown(-border_clearance_m);
-  Thinning thinning(point_distance_m);
+  std::vector<Vec2> inside;
   const auto add = [&](Vec2 p) {
     if (inner.contains(p) && layout.area.contains(p) && layout.area.nearest(p).distance_m > border_clearance_m &&
-        layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p) &&
-        thinning.take(p))
-      points.add(p);
+        layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p))
+      inside.push_back(p);
   };
   for (const Vec2 p : in_tile(layout.terrain_points, address)) add(p);
   const double step_m = layout.options.terrain_step_m;
@@ -154,6 +145,7 @@ void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoin
       add(snap_to_grid({(static_cast<double>(c) + 0.5 + dx) * step_m, (static_cast<double>(r) + 0.5 + dy) * step_m}));
     }
   }
+  for (const Vec2 p : thinned(inside, point_distance_m)) points.add(p);
 }
 
 struct Vertex {
@@ -164,8 +156,8 @@ struct Vertex {
 /// A mesh of a tile under construction; vertices are shared by a key of the caller's.
 class MeshBuilder {
  public:
-  MeshBuilder(std::string name, Vec2 center, double origin_z_m) : center_(center), origin_z_m_(origin_z_m) {
-    mesh.name = std::move(name);
+  MeshBuilder(MeshKind kind, Vec2 center, double origin_z_m) : center_(center), origin_z_m_(origin_z_m) {
+    mesh.kind = kind;
   }
   std::uint32_t add(Vec2 local, const Vertex& vertex) {
     const auto f = [](double v) { return static_cast<float>(v); };
@@ -331,8 +323,8 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   const Box2 box = tile_box(address);
   const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
   SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
-  MeshBuilder terrain("terrain", center, layout.origin.z), road("road", center, layout.origin.z);
-  MeshBuilder body("road_body", center, 0.0);  // takes heights that are relative already
+  MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z);
+  MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
   add_ground(layout, address, terrain, road);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) add_deck(layout, deck, address, road, body);
 
@@ -366,8 +358,8 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
         if (tile.meshes.empty()) return;
         parts[i].tiles = 1;
         for (const TriMesh& mesh : tile.meshes) {
-          if (mesh.name == "terrain") parts[i].terrain_triangles += mesh.indices.size() / 3;
-          if (mesh.name != "road") continue;
+          if (mesh.kind == MeshKind::terrain) parts[i].terrain_triangles += mesh.indices.size() / 3;
+          if (mesh.kind != MeshKind::road) continue;
           parts[i].road_triangles += mesh.indices.size() / 3;
           parts[i].road_surface_m2 += plan_area_m2(mesh);
         }

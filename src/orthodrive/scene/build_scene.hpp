@@ -56,8 +56,8 @@ class SceneLayout;
 /// Middle of the area at a height of the terrain, whole metres.
 [[nodiscard]] Vec3 scene_origin(const SceneLayout& layout);
 [[nodiscard]] const Findings& scene_findings(const SceneLayout& layout);
-/// Meshes "terrain" and "road" share the vertices where they meet; decks of bridges are in "road", their sides and
-/// undersides in "road_body". Vertices on the tile's border equal those of the neighbour bit by bit, once the origins
+/// Meshes of terrain and road share the vertices where they meet; decks of bridges are road, their sides and undersides
+/// road_body. Vertices on the tile's border equal those of the neighbour bit by bit, once the origins
 /// are added. No meshes where there is no ground. Safe from any thread.
 [[nodiscard]] SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address);
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "orthodrive/model/sample_height.hpp"
-#include "orthodrive/scene/overlay.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -53,8 +53,9 @@ double Ground::terrain_m(Vec2 p) const {
 
 double Ground::height_m(Vec2 p) const {
   const NearestBorder border = roads_->outline().nearest(p);
-  const auto road = roads_->sample(p);
-  if (road && (road->inside_m > 0.0 || border.distance_m <= on_border_m)) return road->z_m;
+  const bool on_border = border.distance_m <= on_border_m;
+  const auto road = roads_->sample(p, on_border ? RoadLevel::sample_reach_m : 0.0);
+  if (road && (road->inside_m > 0.0 || on_border)) return road->z_m;
   double z = terrain_m(p);
   if (border.distance_m < options_.verge_m)
     z = border.z_m + (z - border.z_m) * smoothstep(border.distance_m / options_.verge_m);

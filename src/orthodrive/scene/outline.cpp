@@ -6,9 +6,6 @@
 #include "orthodrive/core/parallel.hpp"
 
 namespace orthodrive::scene {
-namespace {
-constexpr double strip_m = 8.0;
-}  // namespace
 
 Outline::Outline(const MultiPolygon& polygons, double reach_m, const std::function<double(Vec2)>& height_m, int threads)
     : reach_m_(reach_m) {
@@ -28,28 +25,13 @@ Outline::Outline(const MultiPolygon& polygons, double reach_m, const std::functi
     });
   }
   std::vector<Box2> boxes;
-  double max_y = segments_[0].a.y;
-  strip_min_y_ = max_y;
-  for (const auto& [a, b, az, bz] : segments_) {
-    boxes.push_back(
-        Box2{std::min(a.x, b.x), std::min(a.y, b.y), std::max(a.x, b.x), std::max(a.y, b.y)}.grown(reach_m));
-    strip_min_y_ = std::min(strip_min_y_, a.y), max_y = std::max(max_y, a.y);
-  }
-  near_ = CellIndex(boxes, std::max(10.0, reach_m));
-  strips_.resize(static_cast<std::size_t>((max_y - strip_min_y_) / strip_m) + 1);
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
-    const auto [low, high] = std::minmax(segments_[i].a.y, segments_[i].b.y);
-    for (auto s = static_cast<std::size_t>((low - strip_min_y_) / strip_m);
-         s <= static_cast<std::size_t>((high - strip_min_y_) / strip_m); ++s)
-      strips_[s].push_back(static_cast<std::uint32_t>(i));
-  }
+  for (const auto& [a, b, az, bz] : segments_) boxes.push_back(bounds_of({a, b}));
+  index_ = SpatialIndex(boxes);
 }
 
 bool Outline::contains(Vec2 p) const {
-  const double strip = std::floor((p.y - strip_min_y_) / strip_m);
-  if (!(strip >= 0.0 && strip < static_cast<double>(strips_.size()))) return false;
   bool inside = false;
-  for (const std::uint32_t i : strips_[static_cast<std::size_t>(strip)]) {
+  for (const std::uint32_t i : index_.touching({p.x, p.y, std::numeric_limits<double>::infinity(), p.y})) {
     const Vec2 a = segments_[i].a, b = segments_[i].b;
     if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) inside = !inside;
   }
@@ -59,7 +41,7 @@ bool Outline::contains(Vec2 p) const {
 NearestBorder Outline::nearest(Vec2 p) const {
   NearestBorder best;
   double best_m2 = reach_m_ * reach_m_;
-  for (const std::uint32_t i : near_.at(p)) {
+  for (const std::uint32_t i : index_.near(p, reach_m_)) {
     const auto& [a, b, az, bz] = segments_[i];
     const Vec2 ab = b - a;
     const double u = std::clamp(dot(p - a, ab) / dot(ab, ab), 0.0, 1.0);

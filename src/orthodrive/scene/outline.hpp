@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orthodrive/geo/polygon.hpp"
-#include "orthodrive/scene/cell_index.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
 
 namespace orthodrive::scene {
 
@@ -39,9 +39,7 @@ class Outline {
  private:
   double reach_m_ = 0.0;
   std::vector<BorderSegment> segments_;
-  CellIndex near_;
-  double strip_min_y_ = 0.0;
-  std::vector<std::vector<std::uint32_t>> strips_;  // segments by horizontal strip, for rays along x
+  SpatialIndex index_;
 };
 
 }  // namespace orthodrive::scene

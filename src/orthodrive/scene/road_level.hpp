@@ -1,37 +1,45 @@
 #pragma once
 // All roads of one level (the ground, or the bridge decks of one OSM layer) as a single surface without overlaps.
 
+#include <memory>
 #include <optional>
 #include <vector>
 
-#include "orthodrive/scene/cell_index.hpp"
 #include "orthodrive/scene/outline.hpp"
 #include "orthodrive/scene/road_strip.hpp"
+#include "roadquery/road_query.hpp"
 
 namespace orthodrive::scene {
 
 struct SurfaceSample {
   double z_m = 0.0;
   Vec3 normal{0.0, 0.0, 1.0};
-  double inside_m = 0.0;  ///< distance to the border of the road that p lies deepest in; negative: outside of all
+  /// Distance to the border of the road that p lies deepest in; negative: outside of all. Between the roads of a
+  /// junction with a surface of its own: a little.
+  double inside_m = 0.0;
 };
 
 struct RoadLevelOptions {
   StripOptions strip;
   double reach_m = 5.0;  ///< of Outline::nearest
   int threads = 0;
+  /// Of the whole map, which the roads are of; null: the roads are all there is.
+  std::shared_ptr<const roadquery::RoadQuery> query;
 };
 
 class RoadLevel {
  public:
   RoadLevel() = default;
-  /// The roads must outlive the level. Roads that cross_sections() cannot draw must not be among them.
+  /// The roads must outlive the level, the area lies on the plan grid. Roads that cross_sections() cannot draw must not
+  /// be among them.
   RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& area, const RoadLevelOptions& options);
 
-  /// Where roads overlap (junctions), the mean of their surfaces weighted by the distance to each road's own border and
-  /// ends: equal to the one road's surface where there is one, and without a step where another one begins.
-  /// Nothing when p is further than `sample_reach_m` from every road.
-  [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p) const;
+  /// The highest surface of the level at p as the road query has it: where roads overlap (junctions) it is the mean of
+  /// those within 1.5 m of height, of whatever level, see roadquery/blend.hpp.
+  /// Nothing when p is further than `sample_reach_m` from every road of the level.
+  [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p) const { return sample(p, sample_reach_m); }
+  /// Nothing when p is further than reach_m (at most sample_reach_m) from every road; 0: on none.
+  [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p, double reach_m) const;
   [[nodiscard]] const std::vector<const roadquery::Road*>& roads() const { return roads_; }
   [[nodiscard]] const MultiPolygon& polygons() const { return polygons_; }  ///< union of the carriageways, in the area
   [[nodiscard]] const Outline& outline() const { return outline_; }         ///< of polygons(), heights of the surface
@@ -40,13 +48,12 @@ class RoadLevel {
   static constexpr double sample_reach_m = 1.0;
 
  private:
-  struct Piece {
-    std::uint32_t road = 0, section = 0;  ///< between sections_[road][section] and the next
-  };
+  void add_junction_areas(std::vector<Polygon>& all) const;
+
   std::vector<const roadquery::Road*> roads_;
+  std::shared_ptr<const roadquery::RoadQuery> query_;
+  std::vector<bool> is_on_level_;  // of the query's roads
   std::vector<std::vector<CrossSection>> strips_;
-  std::vector<Piece> pieces_;
-  CellIndex piece_index_;
   MultiPolygon polygons_;
   Outline outline_;
 };

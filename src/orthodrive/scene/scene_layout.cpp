@@ -15,12 +15,21 @@ namespace {
 
 constexpr double area_reach_m = 2.0;
 constexpr double verge_point_step_m = 5.0;
-constexpr double deck_gap_m = 0.3;  // between the underside of a deck and the terrain
+constexpr double deck_gap_m = 0.3;        // between the underside of a deck and the terrain
 constexpr double min_ridge_edge_m = 1.0;  // shorter edges of a crown's ridge are not worth their triangles
+
+Polygon on_grid(Polygon polygon) {
+  const auto snap = [](Ring& ring) {
+    for (Vec2& p : ring) p = snap_to_grid(p);
+  };
+  snap(polygon.outer);
+  for (Ring& hole : polygon.holes) snap(hole);
+  return polygon;
+}
 
 /// The area's rings with points at most `step_m` apart, oriented and clean.
 MultiPolygon dense_area(const Polygon& area, double step_m) {
-  MultiPolygon result = union_of(std::span(&area, 1));
+  MultiPolygon result = union_of(std::span(&area, 1), plan_grid_m);
   const auto densify = [&](Ring& ring) {
     Ring dense;
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -58,7 +67,7 @@ LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
 
   LevelLines result;
   const auto on_line = [](double v) { return std::fmod(v, scene_tile_m) == 0.0; };  // exact: both are on the plan grid
-  for (const Segment& segment : node_lines(lines)) {
+  for (const LineSegment& segment : node_lines(lines, plan_grid_m)) {
     for (const Vec2 p : {segment.a, segment.b}) {
       if (on_line(p.x)) result.on_west[static_cast<int>(p.x / scene_tile_m)].push_back(p.y);
       if (on_line(p.y)) result.on_south[static_cast<int>(p.y / scene_tile_m)].push_back(p.x);
@@ -79,7 +88,8 @@ LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
 /// From the reference line to the nearer edge.
 double free_beside_m(const CrossSection& section) {
   const Vec2 middle{section.reference.x, section.reference.y};
-  return std::min(distance(middle, {section.left.x, section.left.y}), distance(middle, {section.right.x, section.right.y}));
+  return std::min(distance(middle, {section.left.x, section.left.y}),
+                  distance(middle, {section.right.x, section.right.y}));
 }
 
 void add_axis_points(const RoadLevel& level, LevelLines& lines) {
@@ -187,17 +197,19 @@ HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findin
 
 SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
     : options(scene_options), photo(&input.photo), labels(input.labels) {
-  const MultiPolygon area_polygons = dense_area(input.area, options.terrain_step_m);
+  const Polygon site_area = on_grid(input.area);
+  const MultiPolygon area_polygons = dense_area(site_area, options.terrain_step_m);
   area = Outline(area_polygons, area_reach_m);
   const Box2 bounds = bounds_of(input.area.outer);
 
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
       .reach_m = options.verge_m + 1.0,
-      .threads = options.threads};
-  const SortedRoads sorted = sort_roads(input.roads, findings);
-  roads = RoadLevel(sorted.ground, input.area, level_options);
-  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, input.area, level_options);
+      .threads = options.threads,
+      .query = std::make_shared<const roadquery::RoadQuery>(input.roads)};
+  const SortedRoads sorted = sort_roads(level_options.query->map(), findings);
+  roads = RoadLevel(sorted.ground, site_area, level_options);
+  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, site_area, level_options);
   ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};

@@ -5,9 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 #include "orthodrive/scene/ground.hpp"
-#include "orthodrive/scene/overlay.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_level.hpp"
 
 namespace orthodrive {
@@ -20,7 +21,7 @@ namespace scene {
 struct LevelLines {
   /// Borders of the roads (on the ground also of the area), split at each other and at tile borders. Those along a tile
   /// border are left out, their ends are in on_west and on_south.
-  std::map<TileAddress, std::vector<Segment>> inside;
+  std::map<TileAddress, std::vector<LineSegment>> inside;
   /// Where lines meet a tile border: northings on the west side of a column, eastings on the south side of a row.
   std::map<int, std::vector<double>> on_west, on_south;
   std::map<TileAddress, std::vector<Vec2>> axis_points;  ///< on the reference lines of the roads

@@ -5,14 +5,13 @@
 #include <algorithm>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/segment/fcn.hpp"
-#include "orthodrive/segment/make_network.hpp"
-#include "orthodrive/segment/model_metadata.hpp"
+#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/nets/model_metadata.hpp"
 
 namespace orthodrive {
 
-SegmentModel load_model(std::string_view bytes, const std::string& source) {
-  const TensorFile file = parse_safetensors(bytes, source);
+SegmentModel load_model(const TensorFile& file, const std::string& source) {
   const ModelMetadata metadata = parse_model_metadata(file.metadata, source);
   const std::size_t classes = metadata.classes.classes.size();
   NetworkGraph graph;
@@ -33,9 +32,12 @@ SegmentModel load_model(std::string_view bytes, const std::string& source) {
             metadata.classes.name, classes, kernel->second.shape.back()));
   }
   const NetworkParams params = params_from_file(graph, file, source);
-  return {metadata.architecture, metadata.classes, metadata.gsd_m,
+  return {metadata.architecture,
+          metadata.classes,
+          metadata.gsd_m,
           metadata.finest_gsd_m > 0.0 ? std::min(metadata.finest_gsd_m, metadata.gsd_m) : metadata.gsd_m,
-          read_crf(file, static_cast<int>(classes), source), std::make_shared<InferenceNetwork>(std::move(graph), params)};
+          read_crf(file, static_cast<int>(classes), source),
+          std::make_shared<InferenceNetwork>(std::move(graph), params)};
 }
 
 }  // namespace orthodrive

@@ -12,28 +12,29 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/segment/class_probabilities.hpp"
-#include "orthodrive/segment/fcn.hpp"
+#include "orthodrive/nets/class_probabilities.hpp"
+#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/nets/reusing_allocator.hpp"
+#include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
-#include "orthodrive/segment/reusing_allocator.hpp"
-#include "orthodrive/segment/single_threaded_blas.hpp"
 
 namespace orthodrive {
 namespace {
 
 constexpr double crf_margin_widths = 3.0;
 
-/// How far around a core its probabilities are predicted so that the CRF's messages into the core are those of the whole
-/// mosaic: mean field carries them over several widths of the kernels, ever weaker. The test compares with the whole image.
+/// How far around a core its probabilities are predicted so that the CRF's messages into the core are those of the
+/// whole mosaic: mean field carries them over several widths of the kernels, ever weaker. The test compares with the
+/// whole image.
 int crf_margin_px(const std::optional<CrfModel>& crf) {
   if (!crf) return 0;
   const double reach = std::max(crf->widths.theta_alpha_px, crf->widths.theta_gamma_px);
   return std::clamp(static_cast<int>(std::ceil(crf_margin_widths * reach)), 32, 256);
 }
 
-/// A photo fine enough to tell is classified at the fine end of what the network knows, and gets labels twice as fine where
-/// they are then hardly finer than the photo.
+/// A photo fine enough to tell is classified at the fine end of what the network knows, and gets labels twice as fine
+/// where they are then hardly finer than the photo.
 bool is_fine(const GridFrame& photo, const SegmentModel& model) { return photo.gsd_m <= 0.6 * model.gsd_m; }
 double network_gsd(const GridFrame& photo, const SegmentModel& model) {
   return is_fine(photo, model) ? model.finest_gsd_m : model.gsd_m;
@@ -52,7 +53,8 @@ int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfM
   constexpr double most_bytes = 7.0e8, photo_bytes = 4.0, crf_bytes = 200.0;
   constexpr int step_px = 32, least_px = 256, most_px = 8192;
   const double score_bytes = static_cast<double>(sizeof(float)) * network.class_count();
-  const double label_bytes = factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
+  const double label_bytes =
+      factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
   const auto bytes = [&](double px) {
     const double predicted = px + 2.0 * crf_margin_px(crf), seen = predicted + 2.0 * network.margin_px();
     return seen * seen * (photo_bytes + network.peak_bytes_per_pixel()) + predicted * predicted * label_bytes;
@@ -108,7 +110,8 @@ std::vector<std::size_t> road_classes_of(const ClassTable& table) {
 
 bool shows_photo(const Raster<std::uint8_t>& valid, const PixelBox& seen, const PixelBox& core) {
   for (int row = 0; row < core.height; ++row) {
-    const std::uint8_t* line = &valid.at(static_cast<int>(core.col - seen.col), static_cast<int>(core.row - seen.row) + row);
+    const std::uint8_t* line =
+        &valid.at(static_cast<int>(core.col - seen.col), static_cast<int>(core.row - seen.row) + row);
     if (std::memchr(line, 1, static_cast<std::size_t>(core.width))) return true;
   }
   return false;
@@ -125,12 +128,14 @@ PhotoWindow part_of(const PhotoWindow& window, const PixelBox& seen, const Pixel
   return part;
 }
 
-/// Scores of a box -> marginals of the CRF, in place. `factor`: label pixels along a pixel that the CRF's widths are in.
+/// Scores of a box -> marginals of the CRF, in place. `factor`: label pixels along a pixel that the CRF's widths are
+/// in.
 void refine(const CrfModel& crf, const PhotoWindow& photo, const PixelBox& box, int factor, Raster<float>& scores) {
   CrfWidths widths = crf.widths;
   widths.theta_alpha_px *= factor;
   widths.theta_gamma_px *= factor;
-  const DenseCrf dense({box.width, box.height, box.col, box.row, photo.rgb.data.data(), photo.valid.data.data()}, widths);
+  const DenseCrf dense({box.width, box.height, box.col, box.row, photo.rgb.data.data(), photo.valid.data.data()},
+                       widths);
   std::vector<float> unary(scores.data.size());  // -log p but for a constant a pixel, which cancels
   std::transform(scores.data.begin(), scores.data.end(), unary.begin(), std::negate<>());
   thread_local CrfWorkspace workspace;

@@ -14,8 +14,9 @@
 namespace orthodrive {
 
 struct SegmentOptions {
-  int window_px = 0;  ///< edge of what is decided at once, in the network's pixels; margins come on top; 0: as suits memory
-  int threads = 0;       ///< 0 = all cores; the result does not depend on it
+  int window_px =
+      0;  ///< edge of what is decided at once, in the network's pixels; margins come on top; 0: as suits memory
+  int threads = 0;              ///< 0 = all cores; the result does not depend on it
   std::optional<CrfModel> crf;  ///< refines the probabilities before they are decided; none: the network alone
 };
 
@@ -25,8 +26,8 @@ struct LabelledPixels {
   Raster<std::uint8_t> confidence;        ///< probability of the label
   Raster<std::uint8_t> road_probability;  ///< of all classes with the role road
 };
-/// Takes one box after the other: row by row, west to east, they cover the frame once, and are handed over one at a time,
-/// from changing threads.
+/// Takes one box after the other: row by row, west to east, they cover the frame once, and are handed over one at a
+/// time, from changing threads.
 using LabelSink = std::function<void(const PixelBox& box, const LabelledPixels& pixels)>;
 
 struct SegmentSummary {

@@ -180,7 +180,8 @@ Alignment spline_through(std::vector<Vec2> points, bool closed) {
   const std::vector<double> chord_m = arc_lengths_m(points);
   Alignment alignment{.closed = closed};
   SplineCurve& curve = alignment.curve;
-  curve = {make_spline(chord_m, std::move(x), closed), make_spline(chord_m, std::move(y), closed), {0.0}};
+  const auto through = closed ? periodic_spline : natural_spline;
+  curve = {through(chord_m, std::move(x)), through(chord_m, std::move(y)), {0.0}};
   for (std::size_t i = 0; i + 1 < chord_m.size(); ++i)
     curve.s_m.push_back(curve.s_m.back() + piece_length_m(curve, chord_m[i], chord_m[i + 1]));
   alignment.length_m = curve.s_m.back();

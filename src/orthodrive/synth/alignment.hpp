@@ -6,7 +6,7 @@
 
 #include "orthodrive/geo/polyline.hpp"
 #include "orthodrive/geo/vec.hpp"
-#include "orthodrive/synth/spline.hpp"
+#include "orthodrive/math/cubic_spline.hpp"
 
 namespace orthodrive::synth {
 
@@ -21,7 +21,7 @@ struct AlignmentElement {
 
 /// Splines of both coordinates over the chord length; s of the knots along the curve itself.
 struct SplineCurve {
-  Spline x, y;
+  CubicSpline x, y;
   std::vector<double> s_m;
 };
 

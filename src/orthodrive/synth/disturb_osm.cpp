@@ -47,6 +47,7 @@ std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridg
   if (road.oneway) tags["oneway"] = "yes";
   if (bridge) tags["bridge"] = "yes", tags["layer"] = "1";
   if (road.roundabout) tags["junction"] = "roundabout";
+  if (!road.surface.empty()) tags["surface"] = road.surface;
   if (random.uniform() < lanes_tag_share || road.lanes_tagged) tags["lanes"] = fmt::format("{}", road.lanes);
   if (random.uniform() < width_tag_share)
     tags["width"] = fmt::format("{:.1f}", 0.5 * std::round(2.0 * road.width_at(0.0)));
@@ -168,7 +169,9 @@ RoadNetwork true_roads(const SitePlan& plan, const Terrain& terrain, const std::
                   .bridge = way.bridge,
                   .oneway = road.oneway ? Oneway::forward : Oneway::no,
                   .lanes = tags.contains("lanes") ? road.lanes : 0,
-                  .roundabout = road.roundabout};
+                  .roundabout = road.roundabout,
+                  .surface = road.surface,
+                  .known_surface = {surface_of_tags(road.highway, road.surface, "").surface, SurfaceSource::truth}};
     const auto put = [&](double s_way, std::int64_t osm_node) {
       const bool beyond_seam = road.alignment.closed && s_way > road.alignment.length_m;
       const double s = beyond_seam ? s_way - road.alignment.length_m : s_way;
@@ -180,7 +183,7 @@ RoadNetwork true_roads(const SitePlan& plan, const Terrain& terrain, const std::
       node.z_m = terrain.profiles[way.road].z(s);
       node.gradient = terrain.profiles[way.road].gradient(s);
       node.banking = banking_rad(road, design_curvature_1pm(road.alignment, s));
-      node.banking_source = "truth";
+      node.banking_source = BankingSource::truth;
       path.nodes.push_back(node);
     };
     for (std::size_t i = 0; i + 1 < way.stops.size(); ++i) {

@@ -5,6 +5,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/math/cholesky.hpp"
+
 namespace orthodrive::synth {
 namespace {
 constexpr double grid_m = 10.0, reach_m = 250.0;
@@ -16,24 +19,11 @@ double covariance(double square_m2, double variance) {
   return variance * std::exp(-0.5 * square_m2 / (reach_m * reach_m));
 }
 
-/// Solves the symmetric positive definite system in place (Cholesky); returns the solution.
-std::vector<double> solve(std::vector<double> a, std::vector<double> b) {
-  const std::size_t n = b.size();
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t k = 0; k < j; ++k)
-      for (std::size_t i = j; i < n; ++i) a[i * n + j] -= a[i * n + k] * a[j * n + k];
-    const double root = std::sqrt(a[j * n + j]);
-    for (std::size_t i = j; i < n; ++i) a[i * n + j] /= root;
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < i; ++k) b[i] -= a[i * n + k] * b[k];
-    b[i] /= a[i * n + i];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[k * n + i] * b[k];
-    b[i] /= a[i * n + i];
-  }
-  return b;
+std::vector<double> solve(std::vector<double> matrix, std::vector<double> right) {
+  const SymmetricMatrix a = SymmetricMatrix::dense(matrix.data(), right.size(), right.size());
+  if (!factorize(a)) throw Error("height field: the covariance is not positive definite");
+  solve_factored(a, right);
+  return right;
 }
 }  // namespace
 

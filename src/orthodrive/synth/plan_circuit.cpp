@@ -44,73 +44,159 @@ Straight start_straight(const Planner& planner, const Alignment& track) {
   const bool inward_is_left = dot(planner.place(0.5, 0.5) - first.start, left) > 0.0;  // else mirrored: clockwise
   return {first.start, along, inward_is_left ? left : left * -1.0, first.length_m};
 }
+
+/// The pit lane leaves the straight and comes back to it, with 8 m of grass and wall beside the track.
+struct PitLane {
+  std::size_t road = 0;
+  double half_m = 0.0;    ///< half its width
+  double inward_m = 0.0;  ///< of its middle from that of the track
+  double taper_m = 0.0;   ///< along the straight, until it is that far away
+};
+
+PitLane add_pit_lane(Planner& planner, const Straight& straight, double half_track_m) {
+  PitLane pit;
+  pit.half_m = planner.random_.uniform(3.6, 4.6), pit.inward_m = half_track_m + 8.0 + pit.half_m;
+  pit.taper_m = std::min(110.0, 0.24 * straight.length_m);
+  const double begin = 0.03 * straight.length_m, end = 0.97 * straight.length_m;
+  pit.road = planner.add({.highway = "raceway",
+                          .name = "Pit lane",
+                          .width_m = 2.0 * pit.half_m,
+                          .lanes = 1,
+                          .oneway = true,
+                          .alignment = round_corners({{straight.at(begin, 0.0), 0.0},
+                                                      {straight.at(begin + pit.taper_m, pit.inward_m), 180.0},
+                                                      {straight.at(end - pit.taper_m, pit.inward_m), 180.0},
+                                                      {straight.at(end, 0.0), 0.0}},
+                                                     false)});
+  return pit;
+}
+
+/// Round the circuit.
+std::size_t add_service_road(Planner& planner) {
+  const auto corner = [&](double u, double v, double r0, double r1) { return planner.corner(u, v, r0, r1); };
+  return planner.add({.highway = "service",
+                      .width_m = planner.true_width_m("service", 0, false),
+                      .alignment = round_corners(
+                          {corner(0.07, 0.085, 30, 50), corner(0.92, 0.08, 30, 50), corner(0.935, 0.40, 100, 200),
+                           corner(0.925, 0.72, 60, 120), corner(0.83, 0.935, 30, 50), corner(0.52, 0.90, 100, 200),
+                           corner(0.22, 0.915, 40, 80), corner(0.06, 0.83, 40, 80), corner(0.045, 0.45, 100, 200)},
+                          true)});
+}
+
+/// The paddock: a road behind the garages. Distances inwards from the middle of the track, along the straight.
+struct Paddock {
+  std::size_t road = 0;
+  double garages_m = 0.0, garages_depth_m = 12.0, road_m = 0.0, half_width_m = 0.0;
+  double middle_m = 0.0, half_length_m = 0.0;
+};
+
+/// With a road past the garages to the pit lane.
+Paddock add_paddock(Planner& planner, const Straight& straight, const PitLane& pit) {
+  Paddock paddock;
+  paddock.garages_m = pit.inward_m + pit.half_m + 8.0;
+  paddock.road_m = paddock.garages_m + paddock.garages_depth_m + 9.0;
+  paddock.middle_m = 0.5 * straight.length_m;
+  paddock.half_length_m = 0.5 * (straight.length_m - 2.0 * pit.taper_m) - 5.0;
+  paddock.half_width_m = 0.5 * planner.true_width_m("service", 0, false);
+  const double mid = paddock.middle_m, half = paddock.half_length_m;
+  paddock.road = planner.add(
+      {.highway = "service",
+       .name = "Paddock",
+       .width_m = 2.0 * paddock.half_width_m,
+       .alignment = round_corners(
+           {{straight.at(mid - half, paddock.road_m), 0.0}, {straight.at(mid + half, paddock.road_m), 0.0}}, false)});
+  const double gate_m = mid + 0.93 * half;
+  const Vec2 gate = straight.at(gate_m, paddock.road_m);
+  const Vec2 at_pit = planner.nearest_point(pit.road, straight.at(gate_m, pit.inward_m));
+  planner.add({.highway = "service",
+               .width_m = 2.0 * paddock.half_width_m,
+               .alignment = round_corners({{gate, 0.0}, {at_pit, 0.0}}, false)});
+  return paddock;
+}
+
+/// From outside over the circuit to the paddock.
+std::size_t add_access_road(Planner& planner, std::size_t paddock) {
+  const auto corner = [&](double u, double v, double r0, double r1) { return planner.corner(u, v, r0, r1); };
+  const Alignment& end = planner.plan_.roads[paddock].alignment;
+  return planner.add(planner.street("unclassified", "Ringstrasse",
+                                    {corner(-overhang, 0.64, 0, 1),
+                                     corner(0.03, 0.635, 60, 120),
+                                     corner(0.20, 0.62, 50, 80),
+                                     corner(0.245, 0.50, 40, 80),
+                                     corner(0.26, 0.36, 40, 80),
+                                     {evaluate(end, 0.35 * end.length_m).p, 0.0}}));
+}
+
+/// From the service road to the spectators' car park in the valley.
+std::size_t add_car_park_road(Planner& planner, std::size_t service_road) {
+  const Vec2 end = planner.place(0.425, 0.66);
+  return planner.add(
+      planner.street("service", "", {{planner.branch_point(service_road, 0.425, 0.90), 0.0}, {end, 0.0}}));
+}
+
+/// Where the pit lane lies on the straight its height is the straight's.
+void tie_pit_lane(SitePlan& plan, const PitLane& pit, std::size_t track) {
+  const double length_m = plan.roads[pit.road].alignment.length_m, on_track_m = 0.9 * pit.taper_m;
+  plan.ties = {{pit.road, track, 0.0, on_track_m, true},
+               {pit.road, track, on_track_m, length_m - on_track_m, false},
+               {pit.road, track, length_m - on_track_m, length_m, true}};
+}
+
+constexpr double lot_depth_m = 17.0;  // two rows of bays with the aisle between
+
+int rows_of_lots(double size_m) { return size_m >= 800.0 ? 2 : 1; }
+
+/// Apron before the garages, the garages, lots behind them.
+void lay_out_paddock(SitePlan& plan, const Straight& straight, const PitLane& pit, const Paddock& paddock) {
+  const double mid = paddock.middle_m, half = paddock.half_length_m;
+  const auto lot = [&](double from, double to, double near_m, double depth_m) {
+    return Polygon{{straight.at(from, near_m), straight.at(to, near_m), straight.at(to, near_m + depth_m),
+                    straight.at(from, near_m + depth_m)},
+                   {}};
+  };
+  plan.areas.push_back(
+      {lot(mid - half, mid + half, pit.inward_m, paddock.road_m + paddock.half_width_m + 1.0 - pit.inward_m),
+       Cover::paved, false});
+  plan.buildings.push_back({straight.at(mid, paddock.garages_m + 0.5 * paddock.garages_depth_m),
+                            std::atan2(straight.along.y, straight.along.x),
+                            0.8 * half,
+                            0.5 * paddock.garages_depth_m,
+                            8.0,
+                            0.0,
+                            RoofShape::flat,
+                            {0.70f, 0.70f, 0.71f}});
+  const double lots_m = paddock.road_m + paddock.half_width_m;
+  for (int i = 0; i < rows_of_lots(plan.size_m); ++i)
+    plan.parkings.push_back(lot(mid - 0.1 * half, mid + 0.9 * half, lots_m + lot_depth_m * i, lot_depth_m));
+}
+
+/// The spectators' car park: lots on both sides of its road.
+void add_car_park(SitePlan& plan, std::size_t road) {
+  const Alignment& line = plan.roads[road].alignment;
+  const AlignmentPoint begin = evaluate(line, 0.35 * line.length_m);
+  const Vec2 down{std::cos(begin.heading_rad), std::sin(begin.heading_rad)};
+  const double length_m = 0.62 * line.length_m, gap_m = 0.5 * plan.roads[road].width_m;
+  for (const double side : {1.0, -1.0})
+    for (int i = 0; i < rows_of_lots(plan.size_m); ++i) {
+      const Vec2 across = left_normal(down) * side, a = begin.p + across * (gap_m + lot_depth_m * i);
+      plan.parkings.push_back(
+          {{a, a + down * length_m, a + down * length_m + across * lot_depth_m, a + across * lot_depth_m}, {}});
+    }
+}
 }  // namespace
 
 SitePlan plan_circuit(double size_m, std::uint64_t seed) {
   if (!(size_m >= 500.0 && size_m <= 4000.0) || std::fmod(size_m, 10.0) != 0.0)
     throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 500 and 4000", size_m));
+  // Draws follow each other in this order: the seed's site would change with it.
   Planner planner(size_m, seed);
-  const auto corner = [&](double u, double v, double r0, double r1) { return planner.corner(u, v, r0, r1); };
   const std::size_t track = add_track(planner, size_m);
   const Straight straight = start_straight(planner, planner.plan_.roads[track].alignment);
-  const double half_track_m = 0.5 * planner.plan_.roads[track].width_m;
-
-  // Pit lane: leaves the straight and comes back to it, 8 m of grass and wall beside it.
-  const double pit_half_m = planner.random_.uniform(3.6, 4.6), pit_m = half_track_m + 8.0 + pit_half_m;
-  const double taper_m = std::min(110.0, 0.24 * straight.length_m), pit_begin = 0.03 * straight.length_m,
-               pit_end = 0.97 * straight.length_m;
-  planner.add({.highway = "raceway",
-               .name = "Pit lane",
-               .width_m = 2.0 * pit_half_m,
-               .lanes = 1,
-               .oneway = true,
-               .alignment = round_corners({{straight.at(pit_begin, 0.0), 0.0},
-                                           {straight.at(pit_begin + taper_m, pit_m), 180.0},
-                                           {straight.at(pit_end - taper_m, pit_m), 180.0},
-                                           {straight.at(pit_end, 0.0), 0.0}},
-                                          false)});
-  // Round the circuit.
-  const std::size_t ring =
-      planner.add({.highway = "service",
-                   .width_m = planner.true_width_m("service", 0, false),
-                   .alignment = round_corners(
-                       {corner(0.07, 0.085, 30, 50), corner(0.92, 0.08, 30, 50), corner(0.935, 0.40, 100, 200),
-                        corner(0.925, 0.72, 60, 120), corner(0.83, 0.935, 30, 50), corner(0.52, 0.90, 100, 200),
-                        corner(0.22, 0.915, 40, 80), corner(0.06, 0.83, 40, 80), corner(0.045, 0.45, 100, 200)},
-                       true)});
-  // Paddock: a road behind the pit buildings, lots on its far side.
-  const double garages_m = pit_m + pit_half_m + 8.0, garages_depth_m = 12.0,
-               paddock_road_m = garages_m + garages_depth_m + 9.0;
-  const double mid = 0.5 * straight.length_m, half_paddock = 0.5 * (straight.length_m - 2.0 * taper_m) - 5.0;
-  const double paddock_half_m = 0.5 * planner.true_width_m("service", 0, false);
-  const std::size_t paddock =
-      planner.add({.highway = "service",
-                   .name = "Paddock",
-                   .width_m = 2.0 * paddock_half_m,
-                   .alignment = round_corners({{straight.at(mid - half_paddock, paddock_road_m), 0.0},
-                                               {straight.at(mid + half_paddock, paddock_road_m), 0.0}},
-                                              false)});
-  // From the paddock past the garages to the pit lane.
-  const double gate_m = mid + 0.93 * half_paddock;
-  const Vec2 gate = straight.at(gate_m, paddock_road_m);
-  planner.add(
-      {.highway = "service",
-       .width_m = 2.0 * paddock_half_m,
-       .alignment = round_corners({{gate, 0.0}, {planner.nearest_point(1, straight.at(gate_m, pit_m)), 0.0}}, false)});
-  // From outside over the circuit to the paddock.
-  const std::size_t access = planner.add(planner.street(
-      "unclassified", "Ringstrasse",
-      {corner(-overhang, 0.64, 0, 1),
-       corner(0.03, 0.635, 60, 120),
-       corner(0.20, 0.62, 50, 80),
-       corner(0.245, 0.50, 40, 80),
-       corner(0.26, 0.36, 40, 80),
-       {evaluate(planner.plan_.roads[paddock].alignment, 0.35 * planner.plan_.roads[paddock].alignment.length_m).p,
-        0.0}}));
-  // The spectators' car park in the valley, from the service road.
-  const Vec2 park_end = planner.place(0.425, 0.66);
-  const std::size_t park =
-      planner.add(planner.street("service", "", {{planner.branch_point(ring, 0.425, 0.90), 0.0}, {park_end, 0.0}}));
+  const PitLane pit = add_pit_lane(planner, straight, 0.5 * planner.plan_.roads[track].width_m);
+  const std::size_t service_road = add_service_road(planner);
+  const Paddock paddock = add_paddock(planner, straight, pit);
+  const std::size_t access = add_access_road(planner, paddock.road);
+  const std::size_t car_park_road = add_car_park_road(planner, service_road);
 
   SitePlan plan = std::move(planner.plan_);
   plan.name = "Circuit", plan.circuit = track, plan.surroundings = Surroundings::country, plan.relief = 0.6;
@@ -119,46 +205,12 @@ SitePlan plan_circuit(double size_m, std::uint64_t seed) {
     if (a == track && b == access) return access;
     return std::nullopt;
   });
-  // Where the pit lane lies on the straight its height is the straight's.
-  const double pit_length_m = plan.roads[1].alignment.length_m, on_track_m = 0.9 * taper_m;
-  plan.ties = {{1, track, 0.0, on_track_m, true},
-               {1, track, on_track_m, pit_length_m - on_track_m, false},
-               {1, track, pit_length_m - on_track_m, pit_length_m, true}};
-
+  tie_pit_lane(plan, pit, track);
   Random random(derive_seed(seed, 21));
   add_verges(plan, track, 16.0);
   add_run_off(plan, track, random);
-  const double heading = std::atan2(straight.along.y, straight.along.x);
-  // Apron before the garages, the garages, lots behind them: strips of two rows of bays with the aisle between.
-  const auto lot = [&](double from, double to, double near_m, double depth_m) {
-    return Polygon{{straight.at(from, near_m), straight.at(to, near_m), straight.at(to, near_m + depth_m),
-                    straight.at(from, near_m + depth_m)},
-                   {}};
-  };
-  plan.areas.push_back(
-      {lot(mid - half_paddock, mid + half_paddock, pit_m, paddock_road_m + paddock_half_m + 1.0 - pit_m), Cover::paved,
-       false});
-  plan.buildings.push_back({straight.at(mid, garages_m + 0.5 * garages_depth_m),
-                            heading,
-                            0.8 * half_paddock,
-                            0.5 * garages_depth_m,
-                            8.0,
-                            0.0,
-                            RoofShape::flat,
-                            {0.70f, 0.70f, 0.71f}});
-  const double lots_m = paddock_road_m + paddock_half_m;
-  const int paddock_rows = size_m >= 800.0 ? 2 : 1;
-  for (int i = 0; i < paddock_rows; ++i)
-    plan.parkings.push_back(lot(mid - 0.1 * half_paddock, mid + 0.9 * half_paddock, lots_m + 17.0 * i, 17.0));
-  const Alignment& park_road = plan.roads[park].alignment;
-  const AlignmentPoint begin = evaluate(park_road, 0.35 * park_road.length_m);
-  const Vec2 down{std::cos(begin.heading_rad), std::sin(begin.heading_rad)};
-  const double length_m = 0.62 * park_road.length_m, gap_m = 0.5 * plan.roads[park].width_m;
-  for (const double side : {1.0, -1.0})
-    for (int i = 0; i < (size_m >= 800.0 ? 2 : 1); ++i) {
-      const Vec2 across = left_normal(down) * side, a = begin.p + across * (gap_m + 17.0 * i);
-      plan.parkings.push_back({{a, a + down * length_m, a + down * length_m + across * 17.0, a + across * 17.0}, {}});
-    }
+  lay_out_paddock(plan, straight, pit, paddock);
+  add_car_park(plan, car_park_road);
   add_stands(plan, track, 4, random);
   return plan;
 }

@@ -107,7 +107,7 @@ void lay_carriageway(const std::vector<TrackRow>& rows, Vec2 world_from_local, P
     }
   }
   width_m.push_back(width_m.front());
-  road.width_along = make_spline(road.alignment.curve.s_m, std::move(width_m), true);
+  road.width_along = periodic_spline(road.alignment.curve.s_m, std::move(width_m));
   road.width_m = road.width_along.values.front();
 }
 

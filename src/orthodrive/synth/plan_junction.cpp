@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -96,19 +97,17 @@ void add_ties(SitePlan& plan, std::size_t slip, std::size_t main, bool exit) {
   else
     plan.ties.push_back({slip, main, a.length_m - on_m, a.length_m, true});
 }
-}  // namespace
 
-SitePlan plan_junction(double size_m, std::uint64_t seed) {
-  if (!(size_m >= 500.0 && size_m <= 4000.0) || std::fmod(size_m, 10.0) != 0.0)
-    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 500 and 4000", size_m));
-  Planner planner(size_m, seed);
+/// The two carriageways, in the direction of travel, on both sides of an axis.
+struct Motorway {
+  std::vector<Corner> axis;
+  std::array<std::size_t, 2> roads{};
+  double width_m = 0.0;  ///< of a carriageway
+};
+
+Motorway add_motorway(Planner& planner, const Frame& frame, double size_m) {
   Random& random = planner.random_;
-  const Frame frame{{0.5 * size_m, 0.5 * size_m},
-                    0.5 * std::numbers::pi * static_cast<double>(random.below(4)) + random.uniform(-0.3, 0.3)};
-  const bool roundabouts = random.below(2) == 1;
   const auto wobble = [&](double share) { return random.uniform(-share, share) * size_m; };
-
-  // Motorway: two carriageways on both sides of an axis.
   const int lanes = 2 + static_cast<int>(random.below(2));
   const double shoulder_m = random.uniform(2.0, 3.4), width_m = strip_m + lanes * lane_m + shoulder_m,
                median_m = random.uniform(3.5, 6.0), apart_m = 0.5 * (median_m + width_m);
@@ -127,77 +126,115 @@ SitePlan plan_junction(double size_m, std::uint64_t seed) {
                         .alignment = round_corners(corners, false),
                         .lanes_tagged = true});
   };
-  const std::size_t main[2] = {carriageway(moved_left(axis, -apart_m)), carriageway(back)};
+  return {axis, {carriageway(moved_left(axis, -apart_m)), carriageway(back)}, width_m};
+}
 
-  // The secondary road: straight over the motorway, bends beyond the heads.
-  const double lean = random.uniform(-0.18, 0.18);
-  const auto across = [&](double y) { return frame.at(lean * y, y); };
-  const double far_bend = random.uniform(0.2, 0.3) * (random.below(2) ? 1.0 : -1.0);
-  const double bend_m = 0.31 * size_m, bend_radius_m = 0.22 * size_m;
-  const auto beyond = [&](double sign) {
+/// The line of the secondary road: straight over the motorway, bent beyond the heads.
+struct SecondaryLine {
+  Frame frame;
+  double size_m = 0.0, lean = 0.0, far_bend = 0.0, bend_m = 0.0, bend_radius_m = 0.0;
+  [[nodiscard]] Vec2 across(double y) const { return frame.at(lean * y, y); }
+  [[nodiscard]] Vec2 beyond(double sign) const {
     return frame.at(sign * (lean * bend_m + far_bend * 0.5 * size_m), sign * 0.85 * size_m);
-  };
-  const Sizes sizes{std::min(420.0, 0.38 * size_m), std::min(140.0, 0.15 * size_m),
-                    std::max(66.0, std::min(100.0, 0.09 * size_m))};
-  const Alignment straight = round_corners({{across(-bend_m), 0.0}, {across(bend_m), 0.0}}, false);
-  double s_bridge[2], head_s[2];
-  Head heads[2];
-  for (int i = 0; i < 2; ++i) {
-    const AlignmentCrossing c = crossings(planner.plan_.roads[main[i]].alignment, straight).front();
-    s_bridge[i] = c.s_a_m;
-    head_s[i] = c.s_b_m + (i == 0 ? -1.0 : 1.0) * (sizes.head_m + 0.5 * width_m);
-    heads[i] = {evaluate(straight, head_s[i]).p, roundabouts ? ring_radius_m : 0.0};
   }
-  const double secondary_m = planner.true_width_m("secondary", 0, false);
-  const auto secondary = [&](const std::vector<Corner>& corners) {
+  [[nodiscard]] Alignment straight() const {
+    return round_corners({{across(-bend_m), 0.0}, {across(bend_m), 0.0}}, false);
+  }
+};
+
+SecondaryLine draw_secondary_line(const Frame& frame, double size_m, Random& random) {
+  SecondaryLine line{frame, size_m};
+  line.lean = random.uniform(-0.18, 0.18);
+  line.far_bend = random.uniform(0.2, 0.3) * (random.below(2) ? 1.0 : -1.0);
+  line.bend_m = 0.31 * size_m, line.bend_radius_m = 0.22 * size_m;
+  return line;
+}
+
+/// Where the secondary road crosses each carriageway, and the heads beside it.
+struct Crossings {
+  std::array<double, 2> s_bridge{};
+  std::array<Head, 2> heads;
+};
+
+Crossings place_heads(const SitePlan& plan, const Motorway& motorway, const SecondaryLine& line, const Sizes& sizes,
+                      bool roundabouts) {
+  const Alignment straight = line.straight();
+  Crossings result;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const AlignmentCrossing c = crossings(plan.roads[motorway.roads[i]].alignment, straight).front();
+    result.s_bridge[i] = c.s_a_m;
+    const double head_s = c.s_b_m + (i == 0 ? -1.0 : 1.0) * (sizes.head_m + 0.5 * motorway.width_m);
+    result.heads[i] = {evaluate(straight, head_s).p, roundabouts ? ring_radius_m : 0.0};
+  }
+  return result;
+}
+
+/// The secondary road, in one piece or in three with the rings between. Returns the piece with the bridge.
+std::size_t add_secondary_road(Planner& planner, const SecondaryLine& line, const std::array<Head, 2>& heads,
+                               bool roundabouts) {
+  const double width_m = planner.true_width_m("secondary", 0, false);
+  const auto piece = [&](const std::vector<Corner>& corners) {
     return planner.add({.highway = "secondary",
                         .name = "Landesstrasse",
-                        .width_m = secondary_m,
+                        .width_m = width_m,
                         .alignment = round_corners(corners, false)});
   };
-  std::size_t over = 0;  // the piece with the bridge
-  if (roundabouts) {
-    over = secondary({{heads[0].end_from(heads[1].p), 0.0}, {heads[1].end_from(heads[0].p), 0.0}});
-    for (int i = 0; i < 2; ++i) {
-      const double sign = i == 0 ? -1.0 : 1.0;
-      secondary({{heads[i].end_from(across(sign * bend_m)), 0.0},
-                 {across(sign * bend_m), bend_radius_m},
-                 {beyond(sign), 0.0}});
-      planner.add({.highway = "secondary",
-                   .name = i == 0 ? "Kreisel Sued" : "Kreisel Nord",
-                   .width_m = random.uniform(6.6, 7.6),
-                   .lanes = 1,
-                   .oneway = true,
-                   .alignment = circle(heads[i].p, ring_radius_m),
-                   .roundabout = true});
-    }
-  } else {
-    over = secondary(
-        {{beyond(-1.0), 0.0}, {across(-bend_m), bend_radius_m}, {across(bend_m), bend_radius_m}, {beyond(1.0), 0.0}});
+  if (!roundabouts)
+    return piece({{line.beyond(-1.0), 0.0},
+                  {line.across(-line.bend_m), line.bend_radius_m},
+                  {line.across(line.bend_m), line.bend_radius_m},
+                  {line.beyond(1.0), 0.0}});
+  const std::size_t over = piece({{heads[0].end_from(heads[1].p), 0.0}, {heads[1].end_from(heads[0].p), 0.0}});
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sign = i == 0 ? -1.0 : 1.0;
+    const Vec2 bend = line.across(sign * line.bend_m);
+    piece({{heads[i].end_from(bend), 0.0}, {bend, line.bend_radius_m}, {line.beyond(sign), 0.0}});
+    planner.add({.highway = "secondary",
+                 .name = i == 0 ? "Kreisel Sued" : "Kreisel Nord",
+                 .width_m = planner.random_.uniform(6.6, 7.6),
+                 .lanes = 1,
+                 .oneway = true,
+                 .alignment = circle(heads[i].p, ring_radius_m),
+                 .roundabout = true});
   }
-  const double slip_m = random.uniform(5.8, 7.0);
-  struct Slip {
-    std::size_t road, main;
-    bool exit;
-  };
+  return over;
+}
+
+struct Slip {
+  std::size_t road = 0, main = 0;
+  bool exit = false;
+};
+
+/// An exit and an entry at each carriageway.
+std::vector<Slip> add_slip_roads(Planner& planner, const Motorway& motorway, const Crossings& at, const Sizes& sizes) {
+  const double width_m = planner.random_.uniform(5.8, 7.0);
   std::vector<Slip> slips;
-  for (int i = 0; i < 2; ++i)
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::size_t main = motorway.roads[i];
     for (const bool exit : {true, false})
       slips.push_back({planner.add({.highway = "motorway_link",
-                                    .width_m = slip_m,
+                                    .width_m = width_m,
                                     .lanes = 1,
                                     .oneway = true,
-                                    .alignment = slip_road(planner.plan_.roads[main[i]].alignment, s_bridge[i],
-                                                           heads[i], sizes, exit),
+                                    .alignment = slip_road(planner.plan_.roads[main].alignment, at.s_bridge[i],
+                                                           at.heads[i], sizes, exit),
                                     .lanes_tagged = true}),
-                       main[i], exit});
-  // A lane to a farm on each side, from the secondary road beyond the heads, and a commuters' car park on one.
-  const double lane_side = random.below(2) ? 1.0 : -1.0;
+                       main, exit});
+  }
+  return slips;
+}
+
+/// A lane to a farm on each side, from the secondary road beyond the heads. Returns the last one.
+std::size_t add_farm_lanes(Planner& planner, const SecondaryLine& line, std::size_t over, bool roundabouts,
+                           double lane_side) {
+  Random& random = planner.random_;
+  const Frame& frame = line.frame;
+  const double size_m = line.size_m, bend_m = line.bend_m;
   std::size_t farm_lane = 0;
   for (const double sign : {-1.0, 1.0}) {
     const std::size_t from = roundabouts ? over + (sign < 0.0 ? 1 : 3) : over;
     const Alignment& a = planner.plan_.roads[from].alignment;
-    const Vec2 begin = evaluate(a, nearest_s(a, across(sign * (bend_m + 0.03 * size_m)))).p;
+    const Vec2 begin = evaluate(a, nearest_s(a, line.across(sign * (bend_m + 0.03 * size_m)))).p;
     const double side = sign * lane_side;
     farm_lane = planner.add(
         planner.street("unclassified", sign < 0.0 ? "Hofweg" : "Waldweg",
@@ -206,6 +243,50 @@ SitePlan plan_junction(double size_m, std::uint64_t seed) {
                         {frame.at(side * 0.30 * size_m, sign * (bend_m + 0.02 * size_m)), random.uniform(60.0, 120.0)},
                         {frame.at(side * 0.80 * size_m, sign * (bend_m + 0.10 * size_m)), 0.0}}));
   }
+  return farm_lane;
+}
+
+/// Verges, grass in the rings, a wall in the median.
+void lay_out_ground(SitePlan& plan, const Motorway& motorway, const std::vector<Slip>& slips,
+                    const std::array<Head, 2>& heads, bool roundabouts) {
+  for (const Slip& slip : slips) add_verges(plan, slip.road, 10.0);
+  for (const std::size_t road : motorway.roads) add_verges(plan, road, 18.0);
+  if (roundabouts)
+    for (const Head& head : heads)
+      plan.areas.push_back({{sample(circle(head.p, ring_radius_m), 2.0), {}}, Cover::meadow, false});
+  const Alignment axis = round_corners(motorway.axis, false);
+  plan.areas.push_back({{strip_along(axis, 0.0, axis.length_m, -0.3, 0.3), {}}, Cover::paved, false});
+}
+
+/// A commuters' car park beside a lane.
+void add_car_park(SitePlan& plan, std::size_t road, double lane_side) {
+  const PlannedRoad& lane = plan.roads[road];
+  const AlignmentPoint q = evaluate(lane.alignment, 0.07 * plan.size_m);
+  const Vec2 along{std::cos(q.heading_rad), std::sin(q.heading_rad)}, outward = left_normal(along) * (-lane_side);
+  const Vec2 corner = q.p + outward * (0.5 * lane.width_m);
+  plan.parkings.push_back(
+      {{corner, corner + along * 40.0, corner + along * 40.0 + outward * 17.0, corner + outward * 17.0}, {}});
+}
+}  // namespace
+
+SitePlan plan_junction(double size_m, std::uint64_t seed) {
+  if (!(size_m >= 500.0 && size_m <= 4000.0) || std::fmod(size_m, 10.0) != 0.0)
+    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between 500 and 4000", size_m));
+  // Draws follow each other in this order: the seed's site would change with it.
+  Planner planner(size_m, seed);
+  Random& random = planner.random_;
+  const Frame frame{{0.5 * size_m, 0.5 * size_m},
+                    0.5 * std::numbers::pi * static_cast<double>(random.below(4)) + random.uniform(-0.3, 0.3)};
+  const bool roundabouts = random.below(2) == 1;
+  const Motorway motorway = add_motorway(planner, frame, size_m);
+  const SecondaryLine line = draw_secondary_line(frame, size_m, random);
+  const Sizes sizes{std::min(420.0, 0.38 * size_m), std::min(140.0, 0.15 * size_m),
+                    std::max(66.0, std::min(100.0, 0.09 * size_m))};
+  const Crossings at = place_heads(planner.plan_, motorway, line, sizes, roundabouts);
+  const std::size_t over = add_secondary_road(planner, line, at.heads, roundabouts);
+  const std::vector<Slip> slips = add_slip_roads(planner, motorway, at, sizes);
+  const double lane_side = random.below(2) ? 1.0 : -1.0;
+  const std::size_t farm_lane = add_farm_lanes(planner, line, over, roundabouts, lane_side);
 
   SitePlan plan = std::move(planner.plan_);
   plan.name = "Junction", plan.surroundings = Surroundings::country, plan.relief = 0.35;
@@ -214,23 +295,11 @@ SitePlan plan_junction(double size_m, std::uint64_t seed) {
     if (b == over && plan.roads[a].highway == "motorway") return over;
     return std::nullopt;
   });
-  plan.ties.push_back({main[1], main[0], 0.0, plan.roads[main[1]].alignment.length_m, false});
+  const auto [main, opposite] = motorway.roads;
+  plan.ties.push_back({opposite, main, 0.0, plan.roads[opposite].alignment.length_m, false});
   for (const Slip& slip : slips) add_ties(plan, slip.road, slip.main, slip.exit);
-
-  for (const Slip& slip : slips) add_verges(plan, slip.road, 10.0);
-  for (const std::size_t m : main) add_verges(plan, m, 18.0);
-  if (roundabouts)  // grass in the middle
-    for (const Head& head : heads)
-      plan.areas.push_back({{sample(circle(head.p, ring_radius_m), 2.0), {}}, Cover::meadow, false});
-  const Alignment axis_line = round_corners(axis, false);
-  plan.areas.push_back(
-      {{strip_along(axis_line, 0.0, axis_line.length_m, -0.3, 0.3), {}}, Cover::paved, false});  // wall
-  const PlannedRoad& lane = plan.roads[farm_lane];
-  const AlignmentPoint q = evaluate(lane.alignment, 0.07 * size_m);
-  const Vec2 along{std::cos(q.heading_rad), std::sin(q.heading_rad)}, outward = left_normal(along) * (-lane_side);
-  const Vec2 corner = q.p + outward * (0.5 * lane.width_m);
-  plan.parkings.push_back(
-      {{corner, corner + along * 40.0, corner + along * 40.0 + outward * 17.0, corner + outward * 17.0}, {}});
+  lay_out_ground(plan, motorway, slips, at.heads, roundabouts);
+  add_car_park(plan, farm_lane, lane_side);
   return plan;
 }
 

@@ -97,87 +97,98 @@ double edge_distance(const RoadSample& a, const RoadSample& b, bool first, bool 
   return std::hypot(across, overshoot) - half_m;
 }
 
-void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene) {
-  const auto& samples = source.road_samples;
-  const GridFrame& frame = scene.frame;
-  for (int row = band.first; row < band.first + band.rows; ++row)
-    for (int col = 0; col < frame.width; ++col) {
-      scene.road_segment.at(col, row) = -1;
-      scene.road_edge_m.at(col, row) = far_from_roads_m;
-      scene.road_count.at(col, row) = 0;
-    }
-  // Roads from the least important up, then the decks of bridges, which lie over everything.
-  struct Layer {
-    std::uint16_t road;
-    bool bridge;
-    int priority;
-  };
-  std::vector<Layer> layers;
-  for (std::size_t r = 0; r < source.plan.roads.size(); ++r)
-    layers.push_back({static_cast<std::uint16_t>(r), false, surface_priority(source.plan, r)});
-  for (const PlannedBridge& b : source.plan.bridges) layers.push_back({static_cast<std::uint16_t>(b.over), true, 1000});
-  std::stable_sort(layers.begin(), layers.end(),
-                   [](const Layer& a, const Layer& b) { return a.priority < b.priority; });
+/// What is painted in one go: a road at grade, or a deck.
+struct RoadLayer {
+  std::uint16_t road = 0;
+  bool bridge = false;
+  int priority = 0;
+};
 
-  struct Near {
-    float edge_m;
-    std::int32_t segment;
-  };
-  std::vector<Near> near(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(band.rows));
-  for (const Layer& layer : layers) {
-    bool touched = false;
-    for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-      const RoadSample &a = samples[i], &b = samples[i + 1];
-      if (a.road != layer.road || a.last || (a.bridge || b.bridge) != layer.bridge) continue;
-      const double reach = a.half_width_m + road_reach_m;
-      const Box2 box{std::min(a.p.x, b.p.x) - reach, std::min(a.p.y, b.p.y) - reach, std::max(a.p.x, b.p.x) + reach,
-                     std::max(a.p.y, b.p.y) + reach};
-      if (!box.overlaps(band.box)) continue;
-      if (!touched) std::fill(near.begin(), near.end(), Near{far_from_roads_m, -1}), touched = true;
-      const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}),
-                 high = frame.pixel_from_world({box.max_x, box.min_y});
-      const int row0 = std::max(band.first, static_cast<int>(low.y)),
-                row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
-      const int col0 = std::max(0, static_cast<int>(low.x)), col1 = std::min(frame.width, static_cast<int>(high.x) + 1);
-      const bool closed = source.plan.roads[a.road].alignment.closed;
-      const bool first = a.s_m == 0.0f ? !closed : (samples[i - 1].bridge || a.bridge) != layer.bridge;
-      const bool last = b.last ? !closed : (b.bridge || samples[i + 2].bridge) != layer.bridge;
-      for (int row = row0; row < row1; ++row)
-        for (int col = col0; col < col1; ++col) {
-          const auto edge = static_cast<float>(edge_distance(a, b, first, last, frame.center_of(col, row)));
-          Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) +
-                         static_cast<std::size_t>(col)];
-          if (edge < n.edge_m) n = {edge, static_cast<std::int32_t>(i)};
-        }
-    }
-    if (!touched) continue;
-    for (int row = band.first; row < band.first + band.rows; ++row)
-      for (int col = 0; col < frame.width; ++col) {
-        const Near& n = near[static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) +
-                             static_cast<std::size_t>(col)];
-        if (n.segment < 0) continue;
-        float& edge = scene.road_edge_m.at(col, row);
-        std::int32_t& segment = scene.road_segment.at(col, row);
-        if (layer.bridge) {
-          if (n.edge_m > deck_edge_m) continue;
-          edge = n.edge_m, segment = n.segment, scene.road_count.at(col, row) = 1;
-          continue;
-        }
-        const std::int32_t under = segment;
-        if (n.edge_m < 0.0f || n.edge_m < edge) segment = n.segment;
-        const float rounding =
-            source.plan.round_corners_by_angle && under >= 0 ? rounding_m(source, under, n.segment) : corner_rounding_m;
-        edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, rounding);
-        if (n.edge_m < 0.3f) ++scene.road_count.at(col, row);
+/// Roads from the least important up, then the decks of bridges, which lie over everything.
+std::vector<RoadLayer> layers_of(const SitePlan& plan) {
+  std::vector<RoadLayer> layers;
+  for (std::size_t r = 0; r < plan.roads.size(); ++r)
+    layers.push_back({static_cast<std::uint16_t>(r), false, surface_priority(plan, r)});
+  for (const PlannedBridge& b : plan.bridges) layers.push_back({static_cast<std::uint16_t>(b.over), true, 1000});
+  std::stable_sort(layers.begin(), layers.end(),
+                   [](const RoadLayer& a, const RoadLayer& b) { return a.priority < b.priority; });
+  return layers;
+}
+
+/// The nearest segment of a layer's road and the distance to its edge.
+struct NearSegment {
+  float edge_m = far_from_roads_m;
+  std::int32_t segment = -1;
+};
+
+std::size_t cell_of(const Band& band, const GridFrame& frame, int col, int row) {
+  return static_cast<std::size_t>(row - band.first) * static_cast<std::size_t>(frame.width) +
+         static_cast<std::size_t>(col);
+}
+
+/// False where the layer does not touch the band; `near` is then as it was.
+bool find_nearest(const SceneSource& source, const RoadLayer& layer, const Band& band, const GridFrame& frame,
+                  std::vector<NearSegment>& near) {
+  const auto& samples = source.road_samples;
+  bool touched = false;
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const RoadSample &a = samples[i], &b = samples[i + 1];
+    if (a.road != layer.road || a.last || (a.bridge || b.bridge) != layer.bridge) continue;
+    const double reach = a.half_width_m + road_reach_m;
+    const Box2 box{std::min(a.p.x, b.p.x) - reach, std::min(a.p.y, b.p.y) - reach, std::max(a.p.x, b.p.x) + reach,
+                   std::max(a.p.y, b.p.y) + reach};
+    if (!box.overlaps(band.box)) continue;
+    if (!touched) std::fill(near.begin(), near.end(), NearSegment{}), touched = true;
+    const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}),
+               high = frame.pixel_from_world({box.max_x, box.min_y});
+    const int row0 = std::max(band.first, static_cast<int>(low.y)),
+              row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
+    const int col0 = std::max(0, static_cast<int>(low.x)), col1 = std::min(frame.width, static_cast<int>(high.x) + 1);
+    const bool closed = source.plan.roads[a.road].alignment.closed;
+    const bool first = a.s_m == 0.0f ? !closed : (samples[i - 1].bridge || a.bridge) != layer.bridge;
+    const bool last = b.last ? !closed : (b.bridge || samples[i + 2].bridge) != layer.bridge;
+    for (int row = row0; row < row1; ++row)
+      for (int col = col0; col < col1; ++col) {
+        const auto edge = static_cast<float>(edge_distance(a, b, first, last, frame.center_of(col, row)));
+        NearSegment& n = near[cell_of(band, frame, col, row)];
+        if (edge < n.edge_m) n = {edge, static_cast<std::int32_t>(i)};
       }
   }
+  return touched;
+}
+
+/// Lays a layer on those before it: carriageways that meet at grade become one with rounded corners, decks cover.
+void merge_layer(const SceneSource& source, const RoadLayer& layer, const Band& band,
+                 const std::vector<NearSegment>& near, SceneRaster& scene) {
   for (int row = band.first; row < band.first + band.rows; ++row)
-    for (int col = 0; col < frame.width; ++col) {
+    for (int col = 0; col < scene.frame.width; ++col) {
+      const NearSegment& n = near[cell_of(band, scene.frame, col, row)];
+      if (n.segment < 0) continue;
+      float& edge = scene.road_edge_m.at(col, row);
+      std::int32_t& segment = scene.road_segment.at(col, row);
+      if (layer.bridge) {
+        if (n.edge_m > deck_edge_m) continue;
+        edge = n.edge_m, segment = n.segment, scene.road_count.at(col, row) = 1;
+        continue;
+      }
+      const std::int32_t under = segment;
+      if (n.edge_m < 0.0f || n.edge_m < edge) segment = n.segment;
+      const float rounding =
+          source.plan.round_corners_by_angle && under >= 0 ? rounding_m(source, under, n.segment) : corner_rounding_m;
+      edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, rounding);
+      if (n.edge_m < 0.3f) ++scene.road_count.at(col, row);
+    }
+}
+
+/// Carriageways, and what lies along their edges: kerbs, pavements, shoulders, verges.
+void cover_roads(const SceneSource& source, const Band& band, SceneRaster& scene) {
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < scene.frame.width; ++col) {
       const std::int32_t segment = scene.road_segment.at(col, row);
       if (segment < 0) continue;
       const float edge = scene.road_edge_m.at(col, row);
       Cover& cover = scene.cover.at(col, row);
-      const RoadSample& place = samples[static_cast<std::size_t>(segment)];
+      const RoadSample& place = source.road_samples[static_cast<std::size_t>(segment)];
       const std::string& highway = source.plan.roads[place.road].highway;
       if (edge <= 0.0f)
         cover = Cover::road;
@@ -198,7 +209,20 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
     }
 }
 
-/// Calls visit(col, row, p, u, v) for the pixels of the band in a turned rectangle; u along, v across.
+void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene) {
+  for (int row = band.first; row < band.first + band.rows; ++row)
+    for (int col = 0; col < scene.frame.width; ++col) {
+      scene.road_segment.at(col, row) = -1;
+      scene.road_edge_m.at(col, row) = far_from_roads_m;
+      scene.road_count.at(col, row) = 0;
+    }
+  std::vector<NearSegment> near(static_cast<std::size_t>(scene.frame.width) * static_cast<std::size_t>(band.rows));
+  for (const RoadLayer& layer : layers_of(source.plan))
+    if (find_nearest(source, layer, band, scene.frame, near)) merge_layer(source, layer, band, near, scene);
+  cover_roads(source, band, scene);
+}
+
+/// Calls visit(col, row, u, v) for the pixels of the band in a turned rectangle; u along, v across.
 template <typename Visit>
 void for_rectangle(const Band& band, const GridFrame& frame, Vec2 center, double heading, double half_u, double half_v,
                    const Visit& visit) {

@@ -266,18 +266,50 @@ class Placer {
       }
   }
 
+  /// A building lot beside a road. Distances are from the road's centre line.
+  struct Lot {
+    AlignmentPoint q;  ///< of the road, in the middle of the lot
+    Vec2 along, outward;
+    double length_m = 0.0, half_road_m = 0.0;
+    double walk_m = 0.0;  ///< to the outer edge of the pavement
+    double setback_m = 0.0, depth_m = 0.0;
+    double half_front = 0.0, half_deep = 0.0;  ///< of the house
+    double turn = 0.0;                         ///< heading of house, beds and terrace: not quite the road's
+    [[nodiscard]] Vec2 center() const { return q.p + outward * (walk_m + 0.5 * depth_m); }
+  };
+  struct Drive {
+    double side = 1.0, at_m = 0.0;  ///< along the road
+    double end_m = 0.0;
+  };
+
   void place_lot(const AlignmentPoint& q, double side, double lot_m, double half_road_m) {
-    const Vec2 along = unit(q.heading_rad), outward = left_normal(along) * side;
-    const double walk_m = half_road_m + 1.8, setback_m = random_.uniform(5.0, 10.0),
-                 depth_m = random_.uniform(24.0, 38.0);
-    const double half_front = random_.uniform(4.5, std::min(8.0, 0.5 * lot_m - 3.5)),
-                 half_deep = random_.uniform(3.8, 5.5);
-    const Vec2 house_center = q.p + outward * (walk_m + setback_m + half_deep) + along * random_.uniform(-1.5, 1.5);
-    const double turn = q.heading_rad + random_.normal() * 0.03;
-    House house{house_center,
-                turn,
-                half_front,
-                half_deep,
+    Lot lot{q, unit(q.heading_rad)};
+    lot.outward = left_normal(lot.along) * side;
+    lot.length_m = lot_m, lot.half_road_m = half_road_m;
+    const House house = draw_house(lot);
+    if (!fits(house)) return;
+    lay_garden(lot);
+    const Drive drive = lay_drive(lot);
+    objects_.houses.push_back(house);
+    lay_paths(lot);
+    plant_front_hedge(lot, drive);
+    end_drive(lot, drive);
+    plant_garden(lot, drive);
+  }
+
+  /// The house of a lot, whose own measures are drawn on the way.
+  House draw_house(Lot& lot) {
+    lot.walk_m = lot.half_road_m + 1.8, lot.setback_m = random_.uniform(5.0, 10.0);
+    lot.depth_m = random_.uniform(24.0, 38.0);
+    lot.half_front = random_.uniform(4.5, std::min(8.0, 0.5 * lot.length_m - 3.5));
+    lot.half_deep = random_.uniform(3.8, 5.5);
+    const Vec2 center =
+        lot.q.p + lot.outward * (lot.walk_m + lot.setback_m + lot.half_deep) + lot.along * random_.uniform(-1.5, 1.5);
+    lot.turn = lot.q.heading_rad + random_.normal() * 0.03;
+    House house{center,
+                lot.turn,
+                lot.half_front,
+                lot.half_deep,
                 random_.uniform(3.5, 6.5),
                 std::tan(random_.uniform(28.0, 46.0) * pi / 180.0),
                 RoofShape::gable,
@@ -286,49 +318,74 @@ class Placer {
       std::swap(house.half_length_m, house.half_width_m);
       house.heading_rad += 0.5 * pi;
     }
-    const Ring ring = outline(house);
-    const bool fits = in_site(house_center, 12.0) &&
-                      std::all_of(ring.begin(), ring.end(),
-                                  [&](Vec2 p) {
-                                    return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p) &&
-                                           !in_verge_of_fast_road(p, 12.0) && !on_paved_or_gravel(p);
-                                  }) &&
-                      clearance(house_center) > 6.0 && !near_house(house_center, 6.0);
-    if (!fits) return;
+    return house;
+  }
 
-    const Vec2 lot_center = q.p + outward * (walk_m + 0.5 * depth_m);
+  [[nodiscard]] bool fits(const House& house) const {
+    const Ring ring = outline(house);
+    return in_site(house.center, 12.0) &&
+           std::all_of(ring.begin(), ring.end(),
+                       [&](Vec2 p) {
+                         return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p) &&
+                                !in_verge_of_fast_road(p, 12.0) && !on_paved_or_gravel(p);
+                       }) &&
+           clearance(house.center) > 6.0 && !near_house(house.center, 6.0);
+  }
+
+  /// Lawn, and now and then vegetable beds at the back.
+  void lay_garden(const Lot& lot) {
     objects_.areas.push_back(
-        {{rectangle(lot_center, q.heading_rad, 0.5 * lot_m - 0.3, 0.5 * depth_m), {}}, Cover::lawn, false});
-    if (random_.uniform() < 0.45) {  // vegetable beds at the back
-      const Vec2 bed = lot_center + outward * (0.32 * depth_m) + along * random_.uniform(-4.0, 4.0);
-      objects_.areas.push_back(
-          {{rectangle(bed, turn, random_.uniform(2.0, 4.0), random_.uniform(1.5, 3.0)), {}}, Cover::garden_bed, false});
+        {{rectangle(lot.center(), lot.q.heading_rad, 0.5 * lot.length_m - 0.3, 0.5 * lot.depth_m), {}},
+         Cover::lawn,
+         false});
+    if (random_.uniform() < 0.45) {
+      const Vec2 bed = lot.center() + lot.outward * (0.32 * lot.depth_m) + lot.along * random_.uniform(-4.0, 4.0);
+      objects_.areas.push_back({{rectangle(bed, lot.turn, random_.uniform(2.0, 4.0), random_.uniform(1.5, 3.0)), {}},
+                                Cover::garden_bed,
+                                false});
     }
-    const double drive_side = random_.below(2) ? 1.0 : -1.0,
-                 drive_at = drive_side * (0.5 * lot_m - random_.uniform(2.2, 3.2));
-    const double drive_end = walk_m + setback_m + random_.uniform(0.0, 8.0);
-    const Vec2 drive = q.p + along * drive_at + outward * (0.5 * (half_road_m + drive_end));
-    objects_.areas.push_back({{rectangle(drive, q.heading_rad, 1.6, 0.5 * (drive_end - half_road_m)), {}},
+  }
+
+  Drive lay_drive(const Lot& lot) {
+    Drive drive{random_.below(2) ? 1.0 : -1.0};
+    drive.at_m = drive.side * (0.5 * lot.length_m - random_.uniform(2.2, 3.2));
+    drive.end_m = lot.walk_m + lot.setback_m + random_.uniform(0.0, 8.0);
+    const Vec2 middle = lot.q.p + lot.along * drive.at_m + lot.outward * (0.5 * (lot.half_road_m + drive.end_m));
+    objects_.areas.push_back({{rectangle(middle, lot.q.heading_rad, 1.6, 0.5 * (drive.end_m - lot.half_road_m)), {}},
                               random_.uniform() < 0.7 ? Cover::paved : Cover::gravel,
                               false});
-    objects_.houses.push_back(house);
-    // Path to the door, terrace behind the house, now and then a pool.
-    const Vec2 door = q.p + outward * (0.5 * (half_road_m + walk_m + setback_m));
+    return drive;
+  }
+
+  /// Path to the door, terrace behind the house, now and then a pool.
+  void lay_paths(const Lot& lot) {
+    const Vec2 door = lot.q.p + lot.outward * (0.5 * (lot.half_road_m + lot.walk_m + lot.setback_m));
     objects_.areas.push_back(
-        {{rectangle(door, q.heading_rad, 0.6, 0.5 * (walk_m + setback_m - half_road_m)), {}}, Cover::paved, false});
-    const double back_m = walk_m + setback_m + 2.0 * half_deep;
-    const Vec2 terrace = q.p + outward * (back_m + 1.5) + along * random_.uniform(-2.0, 2.0);
+        {{rectangle(door, lot.q.heading_rad, 0.6, 0.5 * (lot.walk_m + lot.setback_m - lot.half_road_m)), {}},
+         Cover::paved,
+         false});
+    const double back_m = lot.walk_m + lot.setback_m + 2.0 * lot.half_deep;
+    const Vec2 terrace = lot.q.p + lot.outward * (back_m + 1.5) + lot.along * random_.uniform(-2.0, 2.0);
     if (random_.uniform() < 0.7)
-      objects_.areas.push_back({{rectangle(terrace, turn, random_.uniform(2.0, 4.5), 2.0), {}}, Cover::paved, false});
+      objects_.areas.push_back(
+          {{rectangle(terrace, lot.turn, random_.uniform(2.0, 4.5), 2.0), {}}, Cover::paved, false});
     if (random_.uniform() < 0.1)
-      objects_.areas.push_back({{rectangle(terrace + outward * 6.5, turn, 3.2, 1.6), {}}, Cover::pool, false});
-    if (random_.uniform() < 0.6)  // hedge along the street, with a gap for the drive
-      for (double a = -0.5 * lot_m + 0.5; a < 0.5 * lot_m; a += 1.0)
-        if (std::abs(a - drive_at) > 2.4 && std::abs(a) > 1.2)
-          add_tree(q.p + outward * (walk_m + 0.6) + along * a, 0.65, 1.2, 1.3);
-    if (random_.uniform() < 0.5) {  // garage or shed at the end of the drive
-      const House shed{q.p + along * drive_at + outward * (drive_end + 3.2),
-                       turn,
+      objects_.areas.push_back({{rectangle(terrace + lot.outward * 6.5, lot.turn, 3.2, 1.6), {}}, Cover::pool, false});
+  }
+
+  /// Along the street, with gaps for the drive and the path.
+  void plant_front_hedge(const Lot& lot, const Drive& drive) {
+    if (random_.uniform() < 0.6)
+      for (double a = -0.5 * lot.length_m + 0.5; a < 0.5 * lot.length_m; a += 1.0)
+        if (std::abs(a - drive.at_m) > 2.4 && std::abs(a) > 1.2)
+          add_tree(lot.q.p + lot.outward * (lot.walk_m + 0.6) + lot.along * a, 0.65, 1.2, 1.3);
+  }
+
+  /// A garage or shed at the end of the drive, or a car on it.
+  void end_drive(const Lot& lot, const Drive& drive) {
+    if (random_.uniform() < 0.5) {
+      const House shed{lot.q.p + lot.along * drive.at_m + lot.outward * (drive.end_m + 3.2),
+                       lot.turn,
                        1.9,
                        3.1,
                        2.6,
@@ -340,16 +397,21 @@ class Placer {
                        [&](Vec2 p) { return clearance(p) < 3.0 || near_house(p, 0.3); }))
         objects_.houses.push_back(shed);
     } else if (random_.uniform() < 0.6) {
-      add_car(q.p + along * drive_at + outward * (0.6 * drive_end + 0.4 * half_road_m),
-              std::atan2(outward.y, outward.x));
+      add_car(lot.q.p + lot.along * drive.at_m + lot.outward * (0.6 * drive.end_m + 0.4 * lot.half_road_m),
+              std::atan2(lot.outward.y, lot.outward.x));
     }
-    if (random_.uniform() < 0.6)  // hedge along one side of the lot
-      for (double d = walk_m + 1.0; d < walk_m + depth_m; d += 1.1)
-        add_tree(q.p + outward * d - along * (drive_side * (0.5 * lot_m - 0.4)), random_.uniform(0.6, 0.95), 0.8, 1.5);
+  }
+
+  /// A hedge along one side of the lot, and trees.
+  void plant_garden(const Lot& lot, const Drive& drive) {
+    if (random_.uniform() < 0.6)
+      for (double d = lot.walk_m + 1.0; d < lot.walk_m + lot.depth_m; d += 1.1)
+        add_tree(lot.q.p + lot.outward * d - lot.along * (drive.side * (0.5 * lot.length_m - 0.4)),
+                 random_.uniform(0.6, 0.95), 0.8, 1.5);
     const int trees = static_cast<int>(random_.below(6));
     for (int i = 0; i < trees; ++i)
-      add_tree(lot_center + outward * (depth_m * random_.uniform(-0.45, 0.5)) +
-                   along * (lot_m * random_.uniform(-0.45, 0.45)),
+      add_tree(lot.center() + lot.outward * (lot.depth_m * random_.uniform(-0.45, 0.5)) +
+                   lot.along * (lot.length_m * random_.uniform(-0.45, 0.45)),
                random_.uniform(1.0, 3.4), 0.8, 0.0);
   }
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/math/cubic_spline.hpp"
 #include "orthodrive/model/osm_data.hpp"
 #include "orthodrive/synth/alignment.hpp"
-#include "orthodrive/synth/spline.hpp"
 
 namespace orthodrive::synth {
 
@@ -62,7 +62,8 @@ struct PlannedRoad {
   Alignment alignment;
   bool roundabout = false;
   bool lanes_tagged = false;  ///< always, not only by chance
-  Spline width_along;         ///< of the carriageway, over s
+  CubicSpline width_along;    ///< of the carriageway, over s
+  std::string surface;        ///< as OSM would have it; empty: asphalt that nobody tagged
   [[nodiscard]] double width_at(double s_m) const { return width_along.knots.empty() ? width_m : width_along.at(s_m); }
 };
 

@@ -126,21 +126,23 @@ KnotSystem make_knots(const SitePlan& plan) {
   return knots;
 }
 
-/// Smoothing spline through the terrain: sum ds (z - g)^2 + l^4 sum ds z''^2, junctions shared, bridges lifted.
-std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
-  const KnotSystem knots = make_knots(plan);
-  std::vector<Row> rows;
-  std::vector<double> start(knots.unknowns, 0.0);
+/// How far a road irons out the terrain: a wavelength of 2 pi times this is halved.
+double stiffness_m(const SitePlan& plan, std::size_t road) {
+  const bool smooth = surface_priority(plan, road) >= 10 || plan.roads[road].highway == "raceway";
+  return (plan.roads[road].highway == "motorway" ? 80.0
+          : smooth                               ? 50.0
+                                                 : 32.0) *
+         std::clamp(plan.size_m / 600.0, 0.8, 1.0);
+}
+
+/// A smoothing spline through the terrain: sum ds (z - g)^2 + l^4 sum ds z''^2. Sets the unknowns to the ground.
+void add_terrain_rows(const SitePlan& plan, const Hills& hills, const KnotSystem& knots, std::vector<Row>& rows,
+                      std::vector<double>& start) {
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     const auto& s = knots.s_m[r];
     const auto& u = knots.unknown[r];
     const Alignment& alignment = plan.roads[r].alignment;
-    // How far the road irons out the terrain: a wavelength of 2 pi l is halved.
-    const bool smooth = surface_priority(plan, r) >= 10 || plan.roads[r].highway == "raceway";
-    const double stiffness_m = (plan.roads[r].highway == "motorway" ? 80.0
-                                : smooth                            ? 50.0
-                                                                    : 32.0) *
-                               std::clamp(plan.size_m / 600.0, 0.8, 1.0);
+    const double l = stiffness_m(plan, r);
     const std::size_t n = s.size();
     for (std::size_t i = 0; i + (alignment.closed ? 1 : 0) < n; ++i) {
       const double h0 = i > 0 ? s[i] - s[i - 1] : s[n - 1] - s[n - 2], h1 = i + 1 < n ? s[i + 1] - s[i] : 0.0;
@@ -151,22 +153,29 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
       rows.push_back({{u[i], u[i], u[i]}, {weight, 0.0, 0.0}, weight * ground});
       if (!inner && !alignment.closed) continue;
       const std::size_t before = i > 0 ? u[i - 1] : u[n - 2];
-      const double bend = weight * stiffness_m * stiffness_m * 2.0 / (h0 + h1);
+      const double bend = weight * l * l * 2.0 / (h0 + h1);
       rows.push_back({{before, u[i], u[i + 1]}, {bend / h0, -bend * (1.0 / h0 + 1.0 / h1), bend / h1}, 0.0});
     }
   }
-  for (const PlannedBridge& bridge : plan.bridges) {
-    const auto unknown_at = [&](std::size_t road, double s) {
-      const auto& all = knots.s_m[road];
-      return knots
-          .unknown[road][static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s - 1e-6) - all.begin())];
-    };
-    constexpr double stiff = 300.0;  // against weights near 2 of the terrain: holds the rise to millimetres
+}
+
+/// Bridges are lifted over what is below them.
+void add_bridge_rows(const SitePlan& plan, const KnotSystem& knots, std::vector<Row>& rows) {
+  const auto unknown_at = [&](std::size_t road, double s) {
+    const auto& all = knots.s_m[road];
+    return knots
+        .unknown[road][static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), s - 1e-6) - all.begin())];
+  };
+  constexpr double stiff = 300.0;  // against weights near 2 of the terrain: holds the rise to millimetres
+  for (const PlannedBridge& bridge : plan.bridges)
     for (const PlannedBridge::Below& below : bridge.under) {
       const std::size_t over = unknown_at(bridge.over, below.s_over_m), under = unknown_at(below.road, below.s_m);
       rows.push_back({{over, under, under}, {stiff, -stiff, 0.0}, stiff * bridge_rise_m});
     }
-  }
+}
+
+/// Tied stretches take their height from the road beside them.
+void add_tie_rows(const SitePlan& plan, const KnotSystem& knots, std::vector<Row>& rows) {
   for (const PlannedTie& tie : plan.ties) {
     const PlannedRoad &road = plan.roads[tie.road], &main = plan.roads[tie.main];
     const double weight = tie.on_surface ? 100.0 : 5.0;
@@ -189,12 +198,23 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
                       weight * rise_m});
     }
   }
+}
+
+/// The heights of all roads at once: they share those of their junctions.
+std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
+  const KnotSystem knots = make_knots(plan);
+  std::vector<Row> rows;
+  std::vector<double> start(knots.unknowns, 0.0);
+  add_terrain_rows(plan, hills, knots, rows, start);
+  add_bridge_rows(plan, knots, rows);
+  add_tie_rows(plan, knots, rows);
   const std::vector<double> z = solve_least_squares(rows, std::move(start));
   std::vector<Profile> profiles;
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
     std::vector<double> heights;
     for (const std::size_t u : knots.unknown[r]) heights.push_back(z[u]);
-    profiles.push_back(Profile{make_spline(knots.s_m[r], std::move(heights), plan.roads[r].alignment.closed)});
+    const auto through = plan.roads[r].alignment.closed ? periodic_spline : natural_spline;
+    profiles.push_back(Profile{through(knots.s_m[r], std::move(heights))});
   }
   return profiles;
 }
@@ -256,74 +276,96 @@ std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrai
   return samples;
 }
 
+namespace {
+/// A range of rows; bands are made independently of each other.
+struct Band {
+  int first = 0, end = 0;
+  [[nodiscard]] std::size_t cell(const GridFrame& frame, int col, int row) const {
+    return static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) +
+           static_cast<std::size_t>(col);
+  }
+};
+
+/// The nearest place of one road's reference line, as seen from a pixel.
+struct Near {
+  double distance_m = max_clearance_m, offset_m = 0.0, z_m = 0.0, banking = 0.0, half_width_m = 0.0;
+};
+
+/// Bridges do not count: they leave the ground as it is.
+void find_nearest(const std::vector<RoadSample>& samples, std::size_t road, const GridFrame& frame, const Band& band,
+                  std::vector<Near>& near) {
+  std::fill(near.begin(), near.end(), Near{});
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const RoadSample &a = samples[i], &b = samples[i + 1];
+    if (a.road != road || a.last || a.bridge || b.bridge) continue;
+    const Vec2 pa = frame.pixel_from_world(a.p), pb = frame.pixel_from_world(b.p);
+    const double reach = max_clearance_m / frame.gsd_m;
+    const int row0 = std::max(band.first, static_cast<int>(std::min(pa.y, pb.y) - reach));
+    const int row1 = std::min(band.end, static_cast<int>(std::max(pa.y, pb.y) + reach) + 1);
+    const int col0 = std::max(0, static_cast<int>(std::min(pa.x, pb.x) - reach));
+    const int col1 = std::min(frame.width, static_cast<int>(std::max(pa.x, pb.x) + reach) + 1);
+    const Vec2 d = b.p - a.p;
+    const double n2 = dot(d, d), n = std::sqrt(n2);
+    for (int row = row0; row < row1; ++row)
+      for (int col = col0; col < col1; ++col) {
+        const Vec2 p = frame.center_of(col, row);
+        const double t = std::clamp(dot(p - a.p, d) / n2, 0.0, 1.0);
+        const double distance_m = distance(p, a.p + d * t);
+        Near& best = near[band.cell(frame, col, row)];
+        if (distance_m < best.distance_m)
+          best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m),
+                  a.banking + t * (b.banking - a.banking), a.half_width_m + t * (b.half_width_m - a.half_width_m)};
+      }
+  }
+}
+
+/// Cuts and fills the bed of one road into the ground: a metre of shoulder, then an embankment of about 1 in 2.5.
+/// `bed_of_others`: 1 on the bed of a road made before, 0 from 3 m beside it.
+void lay_bed(const std::vector<Near>& near, const Band& band, std::vector<float>& bed_of_others, BareEarth& earth) {
+  std::size_t cell = 0;
+  for (int row = band.first; row < band.end; ++row)
+    for (int col = 0; col < earth.height_m.width; ++col, ++cell) {
+      const Near& q = near[cell];
+      if (q.distance_m >= max_clearance_m) continue;
+      float& z = earth.height_m.at(col, row);
+      float& clearance = earth.clearance_m.at(col, row);
+      clearance = std::min(clearance, static_cast<float>(q.distance_m - q.half_width_m));
+      const double shoulder_m = q.half_width_m + 1.0, slope_m = 3.0 + 2.5 * std::abs(q.z_m - z);
+      const double lateral = std::clamp(q.offset_m, -shoulder_m, shoulder_m);
+      const double bed = q.z_m + std::tan(q.banking) * lateral;
+      float weight = 1.0f - smoothstep(0.0f, 1.0f, static_cast<float>((q.distance_m - shoulder_m) / slope_m));
+      // An embankment does not run across the bed of a road far above or below: that is where abutments stand.
+      if (q.distance_m > shoulder_m)
+        weight *= 1.0f - bed_of_others[cell] * smoothstep(0.5f, 2.0f, static_cast<float>(std::abs(q.z_m - z)));
+      z += weight * static_cast<float>(bed - z);
+      bed_of_others[cell] =
+          std::max(bed_of_others[cell], 1.0f - smoothstep(0.0f, 3.0f, static_cast<float>(q.distance_m - shoulder_m)));
+    }
+}
+}  // namespace
+
 BareEarth make_bare_earth(const SitePlan& plan, const Terrain& terrain, const GridFrame& frame, int threads) {
   BareEarth earth{Raster<float>(frame.width, frame.height),
                   Raster<float>(frame.width, frame.height, 1, static_cast<float>(max_clearance_m))};
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 2.0);
-  std::vector<std::size_t> order(plan.roads.size());
+  std::vector<std::size_t> order(plan.roads.size());  // the most important road last: its bed is exact
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return surface_priority(plan, a) < surface_priority(plan, b); });
 
   constexpr int band_rows = 32;
   const auto bands = static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows);
-  parallel_for(bands, threads, [&](std::size_t band) {
-    const int first = static_cast<int>(band) * band_rows, end = std::min(frame.height, first + band_rows);
-    for (int row = first; row < end; ++row)
+  parallel_for(bands, threads, [&](std::size_t number) {
+    const int first = static_cast<int>(number) * band_rows;
+    const Band band{first, std::min(frame.height, first + band_rows)};
+    for (int row = band.first; row < band.end; ++row)
       for (int col = 0; col < frame.width; ++col)
         earth.height_m.at(col, row) = static_cast<float>(terrain.hills.height_m(frame.center_of(col, row)));
-    struct Near {
-      double distance_m, offset_m, z_m, banking, half_width_m;
-    };
-    const Near none{max_clearance_m, 0.0, 0.0, 0.0, 0.0};
-    std::vector<Near> near(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(end - first));
-    std::vector<float> bed_of_others(near.size(), 0.0f);  // 1 on the bed of a road painted before, 0 from 3 m beside it
-    for (const std::size_t road : order) {                // the most important road last: its bed is exact
-      std::fill(near.begin(), near.end(), none);
-      for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-        const RoadSample &a = samples[i], &b = samples[i + 1];
-        if (a.road != road || a.last || a.bridge || b.bridge) continue;
-        const Vec2 pa = frame.pixel_from_world(a.p), pb = frame.pixel_from_world(b.p);
-        const double reach = max_clearance_m / frame.gsd_m;
-        const int row0 = std::max(first, static_cast<int>(std::min(pa.y, pb.y) - reach));
-        const int row1 = std::min(end, static_cast<int>(std::max(pa.y, pb.y) + reach) + 1);
-        const int col0 = std::max(0, static_cast<int>(std::min(pa.x, pb.x) - reach));
-        const int col1 = std::min(frame.width, static_cast<int>(std::max(pa.x, pb.x) + reach) + 1);
-        const Vec2 d = b.p - a.p;
-        const double n2 = dot(d, d), n = std::sqrt(n2);
-        for (int row = row0; row < row1; ++row)
-          for (int col = col0; col < col1; ++col) {
-            const Vec2 p = frame.center_of(col, row);
-            const double t = std::clamp(dot(p - a.p, d) / n2, 0.0, 1.0);
-            const double distance_m = distance(p, a.p + d * t);
-            Near& best = near[static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) +
-                              static_cast<std::size_t>(col)];
-            if (distance_m < best.distance_m)
-              best = {distance_m, cross(d, p - a.p) / n, a.z_m + t * (b.z_m - a.z_m),
-                      a.banking + t * (b.banking - a.banking), a.half_width_m + t * (b.half_width_m - a.half_width_m)};
-          }
-      }
-      for (int row = first; row < end; ++row)
-        for (int col = 0; col < frame.width; ++col) {
-          const std::size_t cell = static_cast<std::size_t>(row - first) * static_cast<std::size_t>(frame.width) +
-                                   static_cast<std::size_t>(col);
-          const Near& q = near[cell];
-          if (q.distance_m >= max_clearance_m) continue;
-          float& z = earth.height_m.at(col, row);
-          float& clearance = earth.clearance_m.at(col, row);
-          clearance = std::min(clearance, static_cast<float>(q.distance_m - q.half_width_m));
-          // Bed with a metre of shoulder, then an embankment that falls about 1 in 2.5.
-          const double shoulder_m = q.half_width_m + 1.0, slope_m = 3.0 + 2.5 * std::abs(q.z_m - z);
-          const double lateral = std::clamp(q.offset_m, -shoulder_m, shoulder_m);
-          const double bed = q.z_m + std::tan(q.banking) * lateral;
-          float weight = 1.0f - smoothstep(0.0f, 1.0f, static_cast<float>((q.distance_m - shoulder_m) / slope_m));
-          // An embankment does not run across the bed of a road far above or below: that is where abutments stand.
-          if (q.distance_m > shoulder_m)
-            weight *= 1.0f - bed_of_others[cell] * smoothstep(0.5f, 2.0f, static_cast<float>(std::abs(q.z_m - z)));
-          z += weight * static_cast<float>(bed - z);
-          bed_of_others[cell] = std::max(bed_of_others[cell],
-                                         1.0f - smoothstep(0.0f, 3.0f, static_cast<float>(q.distance_m - shoulder_m)));
-        }
+    std::vector<Near> near(band.cell(frame, 0, band.end));
+    std::vector<float> bed_of_others(near.size(), 0.0f);
+    for (const std::size_t road : order) {
+      find_nearest(samples, road, frame, band, near);
+      lay_bed(near, band, bed_of_others, earth);
     }
   });
   return earth;

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "orthodrive/geo/raster.hpp"
+#include "orthodrive/math/cubic_spline.hpp"
 #include "orthodrive/synth/height_field.hpp"
 #include "orthodrive/synth/site_plan.hpp"
-#include "orthodrive/synth/spline.hpp"
 
 namespace orthodrive::synth {
 
@@ -25,7 +25,7 @@ struct Hills {
 
 /// Height along a road: a natural (closed roads: periodic) cubic spline, so C2.
 struct Profile {
-  Spline spline;
+  CubicSpline spline;
   [[nodiscard]] double z(double s) const { return spline.at(s); }
   [[nodiscard]] double gradient(double s) const { return spline.slope(s); }
 };

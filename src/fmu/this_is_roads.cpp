@@ -1,0 +1,3 @@
+#include "fmu/instance.hpp"
+
+const fmu::ModelKind& fmu::this_model() { return road_model(); }

@@ -1,0 +1,29 @@
+#pragma once
+// The reference's methods for the heights of roads, one OSM way at a time: moving averages of the terrain (table 3.6)
+// and the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.4.2.
+
+#include <vector>
+
+#include "orthodrive/math/robust_fit.hpp"
+#include "orthodrive/model/road_network.hpp"
+
+namespace orthodrive {
+
+/// [path][node], m
+using NodeHeights = std::vector<std::vector<double>>;
+
+/// Moving average of sec. 3.4.3: the mean over `window` (odd) samples around each node. Near the ends of a way the
+/// window shrinks symmetrically, so that an end keeps its height; around a closed way it wraps. The thesis does not
+/// state what happens at ends.
+[[nodiscard]] NodeHeights moving_average(const RoadNetwork& roads, const NodeHeights& terrain_m, int window);
+
+/// Residuals of eq. 3.15 to 3.17 with the weights of table 3.5, a Cauchy loss of 0.5 on the last, the terrain as
+/// initial condition. Ways share nothing, bridges are like any other road.
+struct ReferenceHeights {
+  NodeHeights z_m;
+  RobustFit::Summary solve;
+};
+[[nodiscard]] ReferenceHeights reference_heights(const RoadNetwork& roads, const NodeHeights& terrain_m,
+                                                 int max_iterations);
+
+}  // namespace orthodrive

@@ -1,0 +1,2 @@
+#define ORTHODRIVE_CRF_KERNELS plain_crf_kernels
+#include "orthodrive/crf/crf_kernels.inl"

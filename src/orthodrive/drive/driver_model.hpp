@@ -1,0 +1,76 @@
+#pragma once
+// Follows a line at a planned speed with steering wheel and pedals.
+
+#include <array>
+#include <vector>
+
+#include "orthodrive/drive/driver.hpp"
+#include "orthodrive/drive/driving_line.hpp"
+#include "orthodrive/drive/speed_profile.hpp"
+#include "vehicle/car.hpp"
+
+namespace orthodrive {
+
+/// Slip angle of the front tyres for a side force, both as shares: force over load and friction. From the Magic Formula
+/// at the static load.
+class FrontSlip {
+ public:
+  explicit FrontSlip(const vehicle::CarParameters& car);
+  [[nodiscard]] double angle_rad(double force_share) const;  ///< both with the same sign; beyond the peak: its angle
+  [[nodiscard]] double peak_rad() const { return peak_rad_; }
+
+ private:
+  static constexpr std::size_t entries = 65;
+  std::array<double, entries> angle_rad_{};  ///< at even shares from 0 to the peak
+  double peak_share_ = 1.0, peak_rad_ = 0.0;
+};
+
+/// Where a place of the car is along its line; moves on from call to call.
+struct Progress {
+  double s_m = 0.0, error_m = 0.0;  ///< error: positive = left of the line
+  void update(const DrivingLine& line, Vec2 place);
+};
+
+/// Steering: the front wheels point along the line a short time ahead, plus the slip angle that the bend needs, minus a
+/// correction of the front axle's distance from where it should be (Stanley: Hoffmann, Tomlin, Montemerlo, Thrun,
+/// Autonomous automobile trajectory tracking for off-road driving, 2007). Because the wheels are held in the direction
+/// of the line and not of the car, a car that slides is caught without a further rule. The middle of the wheelbase
+/// follows the line: in tight bends the front axle runs 3/8 wheelbase^2 curvature without.
+///
+/// Pedals: the planned acceleration with what slows the car down made up for, and a proportional-integral controller of
+/// the speed.
+class DriverModel {
+ public:
+  DriverModel(const vehicle::CarParameters& car, const EnvelopeTable& envelope, const Driver& driver,
+              const DrivingLine& line, const SpeedPlan& plan, std::vector<double> stops_m);
+
+  /// The car has been put on the line with the middle of its wheelbase at s_m.
+  void begin(double s_m);
+  /// What to do for the next dt_s.
+  [[nodiscard]] vehicle::Controls drive(const vehicle::State& state, double dt_s);
+
+  [[nodiscard]] double s_m() const { return middle_.s_m; }  ///< of the middle of the wheelbase; goes on lap by lap
+  [[nodiscard]] double error_m() const { return middle_.error_m; }  ///< of the same from the line
+  [[nodiscard]] int stops_made() const { return static_cast<int>(next_stop_); }
+
+ private:
+  [[nodiscard]] double steering_rad(const vehicle::State& state) const;
+  /// Largest acceleration that grip and engine leave in the bend; less for who runs wide.
+  [[nodiscard]] double most_drive_mps2(const LinePoint& p, double speed_mps) const;
+  [[nodiscard]] double wanted_force_n(const vehicle::State& state, double dt_s);
+  /// Stands or waits at the next stop: true as long as the brake is to be held.
+  [[nodiscard]] bool holds(const vehicle::State& state, double dt_s);
+
+  const vehicle::CarParameters& car_;
+  const EnvelopeTable& envelope_;
+  const Driver& driver_;
+  const DrivingLine& line_;
+  const SpeedPlan& plan_;
+  std::vector<double> stops_m_;
+  FrontSlip slip_;
+  Progress front_, middle_;
+  std::size_t next_stop_ = 0;
+  double waited_s_ = 0.0, integral_mps2_ = 0.0;
+};
+
+}  // namespace orthodrive

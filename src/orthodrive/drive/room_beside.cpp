@@ -1,0 +1,57 @@
+#include "orthodrive/drive/room_beside.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace orthodrive {
+namespace {
+
+constexpr double reach_m = 4.0, step_m = 0.25, tolerance_m = 0.01;
+
+/// Distance to the edge in one direction from a point that is on the road.
+double room(const roadquery::RoadQuery& query, const LinePoint& from, Vec2 direction) {
+  roadquery::Cursor cursor;
+  double z = from.z_m;
+  const auto on_road = [&](double at_m) {
+    const auto hit = query.find(from.x_m + at_m * direction.x, from.y_m + at_m * direction.y, z, cursor);
+    if (!hit || !is_for_driving(query.map(), *hit)) return false;
+    z = hit->z;
+    return true;
+  };
+  double inside = 0.0;
+  while (inside + step_m <= reach_m && on_road(inside + step_m)) inside += step_m;
+  if (inside + step_m > reach_m) return reach_m;
+  double outside = inside + step_m;
+  while (outside - inside > tolerance_m) {
+    const double middle = 0.5 * (inside + outside);
+    (on_road(middle) ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+}  // namespace
+
+bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit) {
+  if (hit.in_junction) return true;
+  const auto& section = roadquery::section_at(map.roads[static_cast<std::size_t>(hit.road)], hit.s);
+  const auto& lanes = hit.lane_id < 0 ? section.right : section.left;
+  const auto index = static_cast<std::size_t>(std::abs(hit.lane_id));
+  // On the centre line or exactly on an edge no lane is named.
+  return index == 0 || index > lanes.size() || lanes[index - 1].type == roadquery::LaneType::driving;
+}
+
+std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line) {
+  const std::size_t count = line.points.size() - (line.closed ? 1 : 0);
+  std::vector<Room> rooms(count);
+  roadquery::Cursor cursor;
+  for (std::size_t i = 0; i < count; ++i) {
+    const LinePoint& p = line.points[i];
+    const auto hit = query.find(p.x_m, p.y_m, p.z_m, cursor);
+    if (!hit || !is_for_driving(query.map(), *hit)) continue;
+    const Vec2 left = {-std::sin(p.heading_rad), std::cos(p.heading_rad)};
+    rooms[i] = {room(query, p, -1.0 * left), room(query, p, left)};
+  }
+  return rooms;
+}
+
+}  // namespace orthodrive

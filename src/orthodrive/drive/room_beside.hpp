@@ -1,0 +1,24 @@
+#pragma once
+// How much road there is to both sides of a line.
+
+#include <vector>
+
+#include "orthodrive/drive/driving_line.hpp"
+
+namespace orthodrive {
+
+/// Distance from a point of the line to where no driving lane is any more, at most 4 m; 0 where the point itself is off
+/// the road.
+struct Room {
+  double right_m = 0.0, left_m = 0.0;
+};
+
+/// One a point of the line (without the repeated last one of a closed line). Every road counts that a wheel would stand
+/// on there: other lanes, and in junctions what connecting roads cover together. Within 1 cm where a gap is wider than
+/// 0.25 m.
+[[nodiscard]] std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line);
+
+/// Whether a car may stand there: a driving lane, or the paved area of a junction.
+[[nodiscard]] bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit);
+
+}  // namespace orthodrive

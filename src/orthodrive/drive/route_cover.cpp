@@ -1,0 +1,145 @@
+#include "orthodrive/drive/route_cover.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "orthodrive/drive/road_graph.hpp"
+
+namespace orthodrive {
+namespace {
+
+using Nodes = std::vector<int>;
+
+constexpr double route_m = 3000.0;  // a route ends with the road that makes it longer
+constexpr double most_detour_m = 1500.0;
+
+/// Which part of the graph every node belongs to, as the lowest node of that part (union-find).
+Nodes parts_of(const RoadGraph& graph) {
+  Nodes root(static_cast<std::size_t>(graph.node_count()));
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int n) {
+    while (root[static_cast<std::size_t>(n)] != n) {
+      int& up = root[static_cast<std::size_t>(n)];
+      up = root[static_cast<std::size_t>(up)];
+      n = up;
+    }
+    return n;
+  };
+  const auto join = [&](int a, int b) {
+    a = find(a), b = find(b);
+    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  };
+  for (int n = 0; n < graph.node_count(); ++n) {
+    if (!graph.is_open(n)) continue;
+    if (graph.is_open(n ^ 1)) join(n, n ^ 1);
+    for (const int next : graph.next(n)) join(n, next);
+  }
+  for (int n = 0; n < graph.node_count(); ++n) root[static_cast<std::size_t>(n)] = find(n);
+  return root;
+}
+
+/// Nodes of the part with the most metres of lane.
+std::vector<bool> largest_part(const RoadGraph& graph) {
+  const Nodes part = parts_of(graph);
+  std::vector<double> length_m(part.size(), 0.0);
+  for (int n = 0; n < graph.node_count(); ++n)
+    if (graph.is_open(n)) length_m[static_cast<std::size_t>(part[static_cast<std::size_t>(n)])] += graph.road(n).length;
+  const auto largest = std::max_element(length_m.begin(), length_m.end()) - length_m.begin();
+  std::vector<bool> inside(part.size());
+  for (int n = 0; n < graph.node_count(); ++n)
+    inside[static_cast<std::size_t>(n)] = graph.is_open(n) && part[static_cast<std::size_t>(n)] == largest;
+  return inside;
+}
+
+class Cover {
+ public:
+  explicit Cover(const RoadGraph& graph) : graph_(graph), to_drive_(largest_part(graph)) {
+    costs_.resize(to_drive_.size());
+    for (int n = 0; n < graph.node_count(); ++n) costs_[static_cast<std::size_t>(n)] = graph.road(n).length;
+    entries_.assign(to_drive_.size(), 0);
+    for (int n = 0; n < graph.node_count(); ++n)
+      for (const int next : graph.next(n)) ++entries_[static_cast<std::size_t>(next)];
+  }
+
+  /// The nodes of the next route; empty when every road has been driven.
+  Nodes next_route() {
+    const int start = choose_start();
+    if (start < 0) return {};
+    Nodes route;
+    double length_m = 0.0;
+    const auto take = [&](int node) {
+      route.push_back(node);
+      to_drive_[static_cast<std::size_t>(node)] = false;
+      length_m += graph_.road(node).length;
+    };
+    take(start);
+    while (length_m < route_m) {
+      const Nodes more = way_to_nearest(route.back());
+      if (more.empty()) break;
+      for (const int node : more) take(node);
+    }
+    return route;
+  }
+
+ private:
+  /// First roads that nothing leads to, because no other route comes by them; turning roads last: a route that begins
+  /// in a junction has no run-up.
+  [[nodiscard]] int choose_start() const {
+    int best = -1;
+    const auto rank = [&](int n) {
+      return (graph_.road(n).junction >= 0 ? 2 : 0) + (entries_[static_cast<std::size_t>(n)] > 0 ? 1 : 0);
+    };
+    for (int n = 0; n < graph_.node_count(); ++n)
+      if (to_drive_[static_cast<std::size_t>(n)] && (best < 0 || rank(n) < rank(best))) best = n;
+    if (best < 0 || graph_.road(best).junction < 0) return best;
+    // A turning road is left over: begin on a road that leads into it.
+    for (int n = 0; n < graph_.node_count(); ++n) {
+      const auto& next = graph_.next(n);
+      if (graph_.is_open(n) && std::find(next.begin(), next.end(), best) != next.end()) return n;
+    }
+    return best;
+  }
+
+  /// Nodes after `from` to the nearest one that is to be driven, which is the last of them. Empty: there is none.
+  [[nodiscard]] Nodes way_to_nearest(int from) const {
+    for (const int next : graph_.next(from))
+      if (to_drive_[static_cast<std::size_t>(next)]) return {next};
+    const PathTree tree = shortest_paths(graph_, from, costs_, most_detour_m);
+    int nearest = -1;
+    for (int n = 0; n < graph_.node_count(); ++n) {
+      const auto i = static_cast<std::size_t>(n);
+      if (to_drive_[i] && tree.before[i] >= 0 &&
+          (nearest < 0 || tree.cost[i] < tree.cost[static_cast<std::size_t>(nearest)]))
+        nearest = n;
+    }
+    return nearest < 0 ? Nodes{} : *tree.path_to(nearest);
+  }
+
+  const RoadGraph& graph_;
+  std::vector<bool> to_drive_;
+  NodeCosts costs_;
+  std::vector<int> entries_;
+};
+
+}  // namespace
+
+std::vector<Route> routes_over_all_roads(const roadquery::RoadMap& map) {
+  const RoadGraph graph(map);
+  if (graph.node_count() == 0) return {};
+  Cover cover(graph);
+  std::vector<Route> routes;
+  for (Nodes nodes = cover.next_route(); !nodes.empty(); nodes = cover.next_route()) {
+    Route route;
+    for (const int n : nodes) {
+      route.steps.push_back(RoadGraph::step_of(n));
+      route.length_m += graph.road(n).length;
+    }
+    route.name = fmt::format("part {}", routes.size() + 1);
+    routes.push_back(std::move(route));
+  }
+  return routes;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,12 @@
+#pragma once
+// Where roads cross on different levels, for evaluate_network.
+
+#include "orthodrive/evaluate/evaluate_network.hpp"
+#include "orthodrive/evaluate/road_ends.hpp"
+
+namespace orthodrive::evaluate {
+
+/// Sets the crossings and min_clearance_m.
+void measure_clearance(const roadquery::RoadMap& map, const RoadsById& by_id, NetworkScores& scores);
+
+}  // namespace orthodrive::evaluate

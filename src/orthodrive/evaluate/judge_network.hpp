@@ -1,0 +1,80 @@
+#pragma once
+// Can every road of a network be driven? Both wheel tracks of every driving lane are followed through every link, and
+// what a tyre feels there is held against limits.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "orthodrive/core/monitor.hpp"
+#include "roadquery/road_map.hpp"
+
+namespace orthodrive {
+
+/// What can be wrong with a road for a car that drives on it.
+enum class FaultKind : std::uint8_t {
+  hole,                   ///< no road under a tyre, m of the track
+  step,                   ///< of the surface within 0.1 m, m
+  vertical_acceleration,  ///< by gradient kinks and short vertical curves at the legal speed, m/s2
+  twist,                  ///< change of the slope across within a wheelbase, rad
+  gap,                    ///< between the ends of linked lanes, m
+  heading_jump,           ///< of the lane's middle, rad
+  curvature_jump,  ///< outside junctions, as a jump of the lateral acceleration at the speed that the bend allows, m/s2
+  width_jump,      ///< between linked lanes, m
+  grip_jump        ///< larger over smaller friction, from place to place and between left and right
+};
+constexpr std::size_t fault_kinds = 9;
+[[nodiscard]] const char* to_string(FaultKind kind);
+
+/// Largest values that pass. docs/evaluate.md has the reasons.
+struct DrivingLimits {
+  double hole_m = 0.0;
+  double step_m = 0.010;
+  double vertical_acceleration_mps2 = 5.0;
+  double twist_rad = 0.05;
+  double gap_m = 0.05;
+  double heading_jump_rad = 0.02;
+  double curvature_jump_mps2 = 1.0;
+  double width_jump_m = 0.12;
+  double grip_ratio = 2.0;
+  [[nodiscard]] double of(FaultKind kind) const;
+};
+
+struct JudgeNetworkOptions {
+  DrivingLimits limits;
+  double step_m = 0.1;                ///< between the samples along a track
+  double track_m = 1.5;               ///< between the wheels of an axle; narrower lanes: their width less 0.4 m
+  double wheelbase_m = 2.7;           ///< also the shortest arm over which vertical curvature is taken
+  double unlimited_speed_mps = 50.0;  ///< where there is no speed limit (raceways)
+  double lateral_mps2 = 4.0;          ///< bends are driven so fast that this is reached, at most
+  double least_lane_m = 1.8;          ///< narrower places of a lane (tapers) are not driven
+  int threads = 0;                    ///< 0 = all cores; the result does not depend on it
+};
+
+/// A place that fails; of all samples within 5 m the worst.
+struct Fault {
+  FaultKind kind = FaultKind::hole;
+  double value = 0.0;  ///< in the unit of the kind
+  double limit = 0.0;
+  double x = 0.0, y = 0.0;  ///< CRS of the map
+  int road = 0, lane = 0;   ///< ids; at a link those of the lane that is left
+  double s = 0.0;           ///< of that road
+};
+
+struct NetworkVerdict {
+  std::array<double, fault_kinds> worst{};        ///< largest value of each kind, by FaultKind
+  std::array<std::size_t, fault_kinds> places{};  ///< that fail
+  std::vector<Fault> faults;                      ///< by kind, worst first
+  double track_length_m = 0.0;                    ///< of all wheel tracks followed
+  std::size_t lanes = 0, links = 0;
+  [[nodiscard]] bool pass() const { return faults.empty(); }
+};
+
+/// Links to roads or lanes that are not there count nothing here (evaluate_network has them). An empty map passes.
+/// Linear in the length of the lanes. Throws what RoadQuery throws.
+[[nodiscard]] NetworkVerdict judge_network(const roadquery::RoadMap& map, const JudgeNetworkOptions& options = {},
+                                           Monitor* monitor = nullptr);
+
+}  // namespace orthodrive

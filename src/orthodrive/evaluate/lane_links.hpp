@@ -1,0 +1,12 @@
+#pragma once
+// Where lanes lead, for evaluate_network.
+
+#include "orthodrive/evaluate/evaluate_network.hpp"
+#include "orthodrive/evaluate/road_ends.hpp"
+
+namespace orthodrive::evaluate {
+
+/// Sets lane_link_errors, dead lanes and min_lane_width_m; adds to broken_links.
+void check_lanes(const roadquery::RoadMap& map, const RoadsById& by_id, NetworkScores& scores);
+
+}  // namespace orthodrive::evaluate

@@ -1,0 +1,170 @@
+#include "orthodrive/geo/overlay.hpp"
+
+#include <fmt/format.h>
+#include <geos_c.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive {
+namespace {
+
+/// GEOS keeps its state in a context handle; each call here has its own, so that threads do not meet.
+class Geos {
+ public:
+  Geos() : handle_(GEOS_init_r()) {
+    GEOSContext_setErrorMessageHandler_r(
+        handle_, [](const char* message, void* self) { static_cast<Geos*>(self)->error_ = message; }, this);
+  }
+  ~Geos() { GEOS_finish_r(handle_); }
+  Geos(const Geos&) = delete;
+  Geos& operator=(const Geos&) = delete;
+
+  struct Deleter {
+    GEOSContextHandle_t handle;
+    void operator()(GEOSGeometry* g) const { GEOSGeom_destroy_r(handle, g); }
+  };
+  using Geometry = std::unique_ptr<GEOSGeometry, Deleter>;
+
+  [[nodiscard]] GEOSContextHandle_t handle() const { return handle_; }
+  [[nodiscard]] Geometry own(GEOSGeometry* g) const {
+    if (g == nullptr) throw Error(fmt::format("polygon overlay failed in GEOS: {}", error_));
+    return {g, Deleter{handle_}};
+  }
+
+  [[nodiscard]] GEOSCoordSequence* coordinates(std::span<const Vec2> points, bool close) const {
+    const std::size_t n = points.size() + (close ? 1 : 0);
+    GEOSCoordSequence* sequence = GEOSCoordSeq_create_r(handle_, static_cast<unsigned>(n), 2);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec2 p = points[i % points.size()];
+      GEOSCoordSeq_setXY_r(handle_, sequence, static_cast<unsigned>(i), p.x, p.y);
+    }
+    return sequence;
+  }
+  [[nodiscard]] GEOSGeometry* ring(const Ring& r) const {
+    return GEOSGeom_createLinearRing_r(handle_, coordinates(r, true));
+  }
+  [[nodiscard]] Geometry polygon(const Polygon& p) const {
+    std::vector<GEOSGeometry*> holes;
+    for (const Ring& hole : p.holes)
+      if (hole.size() >= 3) holes.push_back(ring(hole));
+    return own(GEOSGeom_createPolygon_r(handle_, ring(p.outer), holes.data(), static_cast<unsigned>(holes.size())));
+  }
+  [[nodiscard]] bool is_valid(const Geometry& g) const { return GEOSisValid_r(handle_, g.get()) == 1; }
+  /// Of polygons alone: beside them, an overlay refuses the lines and points that make-valid may leave.
+  [[nodiscard]] Geometry collect(std::span<const Polygon> polygons) const {
+    std::vector<GEOSGeometry*> parts;
+    for (const Polygon& p : polygons) {
+      if (p.outer.size() < 3) continue;
+      Geometry made = polygon(p);
+      if (is_valid(made)) {
+        parts.push_back(made.release());
+        continue;
+      }
+      made = own(GEOSMakeValid_r(handle_, made.get()));
+      for_each_part(made.get(), GEOS_POLYGON,
+                    [&](const GEOSGeometry* part) { parts.push_back(own(GEOSGeom_clone_r(handle_, part)).release()); });
+    }
+    return own(
+        GEOSGeom_createCollection_r(handle_, GEOS_MULTIPOLYGON, parts.data(), static_cast<unsigned>(parts.size())));
+  }
+
+  template <typename Visit>
+  void for_each_part(const GEOSGeometry* g, int type, const Visit& visit) const {
+    if (GEOSGeomTypeId_r(handle_, g) == type) {
+      if (GEOSisEmpty_r(handle_, g) == 0) visit(g);
+      return;
+    }
+    if (GEOSGeomTypeId_r(handle_, g) < GEOS_MULTIPOINT) return;  // a leftover of lower dimension
+    for (int i = 0; i < GEOSGetNumGeometries_r(handle_, g); ++i)
+      for_each_part(GEOSGetGeometryN_r(handle_, g, i), type, visit);
+  }
+  [[nodiscard]] Polyline points(const GEOSGeometry* line) const {
+    const GEOSCoordSequence* sequence = GEOSGeom_getCoordSeq_r(handle_, line);
+    unsigned n = 0;
+    GEOSCoordSeq_getSize_r(handle_, sequence, &n);
+    Polyline result(n);
+    for (unsigned i = 0; i < n; ++i) GEOSCoordSeq_getXY_r(handle_, sequence, i, &result[i].x, &result[i].y);
+    return result;
+  }
+  [[nodiscard]] MultiPolygon polygons(const GEOSGeometry* g) const {
+    const auto oriented = [&](const GEOSGeometry* line, bool counter_clockwise) {
+      Ring r = points(line);
+      r.pop_back();
+      if ((signed_area_m2(r) > 0.0) != counter_clockwise) std::reverse(r.begin(), r.end());
+      return r;
+    };
+    MultiPolygon result;
+    for_each_part(g, GEOS_POLYGON, [&](const GEOSGeometry* part) {
+      Polygon& polygon = result.emplace_back();
+      polygon.outer = oriented(GEOSGetExteriorRing_r(handle_, part), true);
+      for (int h = 0; h < GEOSGetNumInteriorRings_r(handle_, part); ++h)
+        polygon.holes.push_back(oriented(GEOSGetInteriorRingN_r(handle_, part, h), false));
+    });
+    return result;
+  }
+
+ private:
+  GEOSContextHandle_t handle_;
+  std::string error_ = "no reason given";
+};
+
+}  // namespace
+
+MultiPolygon union_of(std::span<const Polygon> polygons, double grid_m) {
+  const Geos geos;
+  const auto all = geos.collect(polygons);
+  return geos.polygons(geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m)).get());
+}
+
+MultiPolygon intersection_of(const MultiPolygon& a, const MultiPolygon& b, double grid_m) {
+  const Geos geos;
+  const auto ga = geos.collect(a), gb = geos.collect(b);
+  return geos.polygons(geos.own(GEOSIntersectionPrec_r(geos.handle(), ga.get(), gb.get(), grid_m)).get());
+}
+
+MultiPolygon difference_of(const MultiPolygon& a, const MultiPolygon& b, double grid_m) {
+  const Geos geos;
+  const auto ga = geos.collect(a), gb = geos.collect(b);
+  return geos.polygons(geos.own(GEOSDifferencePrec_r(geos.handle(), ga.get(), gb.get(), grid_m)).get());
+}
+
+MultiPolygon buffer_of(const MultiPolygon& polygons, double distance_m, int arc_steps) {
+  const Geos geos;
+  const auto all = geos.collect(polygons);
+  const auto joined = geos.own(GEOSUnaryUnion_r(geos.handle(), all.get()));
+  return geos.polygons(geos.own(GEOSBuffer_r(geos.handle(), joined.get(), distance_m, arc_steps)).get());
+}
+
+MultiPolygon simplified(const MultiPolygon& polygons, double tolerance_m) {
+  const Geos geos;
+  const auto all = geos.collect(polygons);
+  return geos.polygons(geos.own(GEOSTopologyPreserveSimplify_r(geos.handle(), all.get(), tolerance_m)).get());
+}
+
+std::vector<LineSegment> node_lines(std::span<const Polyline> lines, double grid_m) {
+  const Geos geos;
+  std::vector<GEOSGeometry*> parts;
+  for (const Polyline& line : lines)
+    parts.push_back(GEOSGeom_createLineString_r(geos.handle(), geos.coordinates(line, false)));
+  const auto all = geos.own(GEOSGeom_createCollection_r(geos.handle(), GEOS_MULTILINESTRING, parts.data(),
+                                                        static_cast<unsigned>(parts.size())));
+  const auto noded = geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m));
+  std::vector<LineSegment> segments;
+  geos.for_each_part(noded.get(), GEOS_LINESTRING, [&](const GEOSGeometry* part) {
+    const Polyline line = geos.points(part);
+    for (std::size_t i = 1; i < line.size(); ++i) segments.push_back({line[i - 1], line[i]});
+  });
+  return segments;
+}
+
+bool is_simple(const Ring& ring) {
+  if (ring.size() < 3) return false;
+  const Geos geos;
+  return geos.is_valid(geos.polygon({ring, {}}));
+}
+
+}  // namespace orthodrive

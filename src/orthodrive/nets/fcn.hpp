@@ -1,0 +1,97 @@
+#pragma once
+// Runs a NetworkGraph with libtorch. Includes ATen: for the .cpp files of this folder only.
+
+#include <ATen/ATen.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "orthodrive/geo/pixel_box.hpp"
+#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/nets/network_graph.hpp"
+
+namespace orthodrive {
+
+/// Weights of one layer. Kernels O x I x H x W in channels-last (deconvolutions I x O x H x W); then either a batch
+/// norm or a bias.
+struct LayerParams {
+  at::Tensor kernel, gamma, beta, mean, variance, bias;
+};
+using NetworkParams =
+    std::vector<LayerParams>;  ///< one a layer of the graph, undefined tensors where it has no weights
+
+struct TrainingMode {
+  bool update_batch_statistics = false;  ///< batch norm uses and updates the batch's statistics
+  bool dropout = false;                  ///< from torch's default generator
+};
+
+/// Class scores for the pixels of a window's inner part.
+struct Scores {
+  at::Tensor values;         ///< N x C x rows x cols
+  CellRange row_px, col_px;  ///< the pixels of the image they belong to
+};
+/// Pads as the layers say, at the borders of the image given (N x 3 x H x W): what the reference trains with. Scores
+/// for as many pixels as come out of the layers.
+[[nodiscard]] Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                                    TrainingMode mode);
+
+/// Pads nothing: every layer computes exactly the cells that the wanted output depends on, so the scores are the same
+/// wherever a window begins and ends. `image`: 1 x 3 x H x W, its first pixel at absolute (row_px.first, col_px.first);
+/// it must contain needed_ranges(). With `last_layer` false the layer before the last is returned, on the cells that
+/// the last needs.
+struct ExactWindow {
+  CellRange image_rows, image_cols;    ///< absolute pixels of the image given
+  CellRange output_rows, output_cols;  ///< absolute pixels wanted
+  bool last_layer = true;
+};
+/// With a `plan` for these parameters (fused_layers.hpp) some layers run together.
+struct FusionPlan;
+[[nodiscard]] at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                                       const ExactWindow& window, const FusionPlan* plan = nullptr);
+
+/// Batch norm folded into kernel and bias: the same scores with fewer passes over memory.
+[[nodiscard]] NetworkParams fold_batch_norm(const NetworkGraph& graph, const NetworkParams& params);
+
+/// Tensors of a model file <-> parameters. Names are those of the layers, kernels H x W x I x O (depthwise H x W x C x
+/// 1). `source` names the file in messages. Throws InputError for missing tensors and wrong shapes.
+[[nodiscard]] NetworkParams params_from_file(const NetworkGraph& graph, const TensorFile& file,
+                                             const std::string& source);
+/// `kernels_as`: batch norm vectors and biases stay F32, they are few.
+[[nodiscard]] TensorFile file_from_params(const NetworkGraph& graph, const NetworkParams& params,
+                                          TensorType kernels_as);
+
+/// Helpers for whoever fills parameters: shape and memory order of a layer's kernel.
+[[nodiscard]] std::vector<std::int64_t> kernel_file_shape(const Layer& layer);
+[[nodiscard]] at::Tensor kernel_from_file_order(const Layer& layer, const at::Tensor& hwio);
+[[nodiscard]] at::Tensor tensor_from(const NamedTensor& named);
+[[nodiscard]] std::string bias_tensor(const Layer& layer);
+
+/// RGB bytes, N x H x W x 3 -> the network's input N x 3 x H x W, channels-last.
+[[nodiscard]] at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb, int count, int width,
+                                      int height);
+
+/// The folded network for prediction. Safe from several threads.
+class InferenceNetwork {
+ public:
+  InferenceNetwork(NetworkGraph graph, const NetworkParams& params);
+  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes). Writes the class scores of the core,
+  /// (factor height) x (factor width) x C: at `factor` times the resolution, bilinear. They do not depend on how a
+  /// mosaic is cut into cores, but for the order of summation.
+  void predict(const std::uint8_t* rgb, const PixelBox& core, int factor, float* scores) const;
+  [[nodiscard]] int class_count() const { return graph_.class_count; }
+  [[nodiscard]] int margin_px() const { return margin_px_; }
+  /// The most that is held at once while it predicts, in bytes per pixel of the image.
+  [[nodiscard]] double peak_bytes_per_pixel() const { return peak_bytes_per_pixel_; }
+  [[nodiscard]] const NetworkGraph& graph() const { return graph_; }
+
+ private:
+  NetworkGraph graph_;
+  NetworkParams folded_;
+  std::shared_ptr<const FusionPlan> plan_;
+  int margin_px_ = 0;
+  double peak_bytes_per_pixel_ = 0.0;
+};
+
+}  // namespace orthodrive

@@ -1,0 +1,293 @@
+#include "orthodrive/nets/fused_layers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+namespace orthodrive {
+namespace {
+
+constexpr int strip_cells = 128;  // so many cells of a row at once: three expanded rows fit into the cache
+constexpr int depthwise_kernel = 3;
+
+ValueRange range_of(Activation activation) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  switch (activation) {
+    case Activation::relu:
+      return {0.0F, infinity};
+    case Activation::relu6:
+      return {0.0F, 6.0F};
+    case Activation::none:
+      break;
+  }
+  return {-infinity, infinity};
+}
+
+bool whole_vectors(int channels) { return channels % 8 == 0; }
+
+std::vector<float> dense(const at::Tensor& tensor) {
+  const at::Tensor values = tensor.contiguous();
+  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
+}
+
+PackedConvolution pack(const Layer& layer, const LayerParams& params) {
+  constexpr int panel = 16;
+  PackedConvolution packed{layer.in,      layer.out, layer.kernel,       layer.stride,
+                           layer.padding, {},        dense(params.bias), range_of(layer.activation)};
+  const int rows = layer.kernel * layer.kernel * layer.in;
+  const std::vector<float> matrix = dense(params.kernel.permute({2, 3, 1, 0}));
+  packed.weights.reserve(matrix.size());
+  for (int out = 0; out < layer.out; out += panel)
+    for (int row = 0; row < rows; ++row)
+      for (int k = out; k < std::min(out + panel, layer.out); ++k)
+        packed.weights.push_back(
+            matrix[static_cast<std::size_t>(row) * static_cast<std::size_t>(layer.out) + static_cast<std::size_t>(k)]);
+  return packed;
+}
+
+/// Finds what can be fused around a depthwise convolution.
+class Fusion {
+ public:
+  Fusion(const NetworkGraph& graph, const NetworkParams& folded) : graph_(graph), folded_(folded) {
+    uses_.resize(graph.layers.size(), 0);
+    user_.resize(graph.layers.size(), 0);
+    for (std::size_t i = 0; i < graph.layers.size(); ++i)
+      for (const int input : graph.layers[i].inputs)
+        if (input != image_input) ++uses_[index(input)], user_[index(input)] = i;
+    plan_.step.assign(graph.layers.size(), FusionPlan::plain);
+  }
+
+  FusionPlan run() {
+    for (std::size_t i = 0; i < graph_.layers.size(); ++i) try_around(i);
+    return std::move(plan_);
+  }
+
+ private:
+  static std::size_t index(int layer) { return static_cast<std::size_t>(layer); }
+  const Layer& layer(std::size_t i) const { return graph_.layers[i]; }
+  bool used_once(std::size_t i) const { return uses_[i] == 1; }
+
+  static bool is_convolution(const Layer& l) {
+    return l.kind == LayerKind::convolution && !l.depthwise && whole_vectors(l.out);
+  }
+  bool is_pointwise(const Layer& l) const {
+    return is_convolution(l) && l.kernel == 1 && l.stride == 1 && l.padding == 0 && whole_vectors(l.in);
+  }
+  static bool adds_in_place(const Layer& l) {
+    return l.kind == LayerKind::add && l.shifts.size() == 2 && l.shifts[0] == 0 && l.shifts[1] == 0;
+  }
+
+  void try_around(std::size_t i) {
+    const Layer& d = layer(i);
+    if (d.kind != LayerKind::convolution || !d.depthwise || d.kernel != depthwise_kernel || d.padding != 1 ||
+        d.stride > 2 || !whole_vectors(d.out) || d.inputs[0] == image_input || !used_once(i) ||
+        !is_pointwise(layer(user_[i]))) {
+      return;
+    }
+    FusedLayers f;
+    f.last = user_[i];
+    f.projection = pack(layer(f.last), folded_[f.last]);
+    f.channels = d.out;
+    f.stride = d.stride;
+    f.depthwise_weights = dense(folded_[i].kernel.permute({2, 3, 1, 0}));
+    f.depthwise_bias = dense(folded_[i].bias);
+    f.depthwise_range = range_of(d.activation);
+    std::vector<std::size_t> inside{i};
+    find_source(index(d.inputs[0]), f, inside);
+    find_residual(f, inside);
+    for (const std::size_t k : inside) plan_.step[k] = FusionPlan::inside;
+    plan_.step[f.last] = static_cast<int>(plan_.fused.size());
+    plan_.fused.push_back(std::move(f));
+  }
+
+  void find_source(std::size_t before, FusedLayers& f, std::vector<std::size_t>& inside) const {
+    const Layer& b = layer(before);
+    f.source = static_cast<int>(before);
+    if (!used_once(before)) return;
+    if (is_convolution(b) && (is_pointwise(b) || b.inputs[0] == image_input)) {
+      f.source = b.inputs[0];
+      f.expansion = pack(b, folded_[before]);
+      f.expands = true;
+      inside.push_back(before);
+    } else if (adds_in_place(b) && b.inputs[0] != image_input && b.inputs[1] != image_input) {
+      const std::size_t up = index(b.inputs[0]), lateral = index(b.inputs[1]);
+      if (layer(up).kind != LayerKind::upsample_2x || !used_once(up) || !used_once(lateral) ||
+          !is_pointwise(layer(lateral)) || layer(lateral).activation != Activation::none ||
+          layer(up).inputs[0] == image_input) {
+        return;
+      }
+      f.source = layer(lateral).inputs[0];
+      f.upsampled = layer(up).inputs[0];
+      f.expansion = pack(layer(lateral), folded_[lateral]);
+      f.expands = true;
+      inside.insert(inside.end(), {before, up, lateral});
+    }
+  }
+
+  void find_residual(FusedLayers& f, std::vector<std::size_t>& inside) const {
+    if (!used_once(f.last) || f.stride != 1 || f.upsampled != FusedLayers::none ||
+        f.projection.range.low > std::numeric_limits<float>::lowest()) {
+      return;
+    }
+    const Layer& a = layer(user_[f.last]);
+    if (!adds_in_place(a) || a.inputs[0] != f.source || a.inputs[1] != static_cast<int>(f.last) ||
+        f.source == image_input)
+      return;
+    inside.push_back(f.last);
+    f.last = user_[f.last];
+    f.residual = true;
+  }
+
+  const NetworkGraph& graph_;
+  const NetworkParams& folded_;
+  FusionPlan plan_;
+  std::vector<int> uses_;
+  std::vector<std::size_t> user_;
+};
+
+int floor_half(int a) { return a >= 0 ? a / 2 : -((1 - a) / 2); }
+
+/// out = a + share * (b - a), value by value.
+void mix(const float* a, const float* b, float share, std::size_t count, float* out) {
+  for (std::size_t i = 0; i < count; ++i) out[i] = a[i] + share * (b[i] - a[i]);
+}
+
+/// A strip of fused layers, from its top row downwards.
+class Strip {
+ public:
+  Strip(const FusedLayers& layers, const CellView& source, const CellView& upsampled, CellRange cols)
+      : f_(layers),
+        source_(source),
+        upsampled_(upsampled),
+        cols_(cols),
+        inner_{cols.first * layers.stride - 1, cols.last * layers.stride + 1} {
+    const auto cells = static_cast<std::size_t>(inner_.size()), channels = static_cast<std::size_t>(f_.channels);
+    if (f_.expands)
+      for (std::vector<float>& row : ring_) row.resize(cells * channels);
+    if (f_.upsampled != FusedLayers::none) {
+      added_.resize(cells * channels);
+      coarse_.resize((cells / 2 + 2) * channels);
+    }
+    if (f_.expansion.kernel > 1) patches_.resize(cells * patch_size());
+    filtered_.resize(static_cast<std::size_t>(cols.size()) * channels);
+  }
+
+  void compute(int row, float* result) {
+    DepthwiseRow d;
+    for (int k = 0; k < depthwise_kernel; ++k) d.rows[k] = inner_row(row * f_.stride - 1 + k);
+    d.cells = static_cast<std::size_t>(cols_.size());
+    d.channels = f_.channels;
+    d.stride = f_.stride;
+    d.weights = f_.depthwise_weights.data();
+    d.bias = f_.depthwise_bias.data();
+    d.range = f_.depthwise_range;
+    d.result = filtered_.data();
+    kernels_.depthwise(d);
+    RowProduct p = product_of(f_.projection, d.cells, filtered_.data(), static_cast<std::size_t>(f_.channels), result);
+    if (f_.residual) {
+      p.add = source_.at(row, cols_.first);
+      p.add_stride = source_.channels;
+    }
+    kernels_.product(p);
+  }
+
+ private:
+  std::size_t patch_size() const {
+    return static_cast<std::size_t>(f_.expansion.kernel * f_.expansion.kernel * f_.expansion.in);
+  }
+
+  static RowProduct product_of(const PackedConvolution& c, std::size_t rows, const float* values, std::size_t stride,
+                               float* result) {
+    RowProduct p;
+    p.rows = rows;
+    p.in = c.kernel * c.kernel * c.in;
+    p.out = c.out;
+    p.values = values;
+    p.value_stride = stride;
+    p.weights = c.weights.data();
+    p.bias = c.bias.data();
+    p.range = c.range;
+    p.result = result;
+    p.result_stride = static_cast<std::size_t>(c.out);
+    return p;
+  }
+
+  /// A row that the depthwise convolution reads; the last three are kept.
+  const float* inner_row(int row) {
+    if (!f_.expands) return source_.at(row, inner_.first);
+    const auto slot = static_cast<std::size_t>(((row % depthwise_kernel) + depthwise_kernel) % depthwise_kernel);
+    float* values = ring_[slot].data();
+    if (row > newest_) {
+      expand(row, values);
+      newest_ = row;
+    }
+    return values;
+  }
+
+  void expand(int row, float* result) {
+    const auto cells = static_cast<std::size_t>(inner_.size());
+    if (f_.expansion.kernel > 1) {
+      gather_patches(row);
+      return kernels_.product(product_of(f_.expansion, cells, patches_.data(), patch_size(), result));
+    }
+    RowProduct p = product_of(f_.expansion, cells, source_.at(row, inner_.first), source_.channels, result);
+    if (f_.upsampled != FusedLayers::none) {
+      upsample(row);
+      p.add = added_.data();
+      p.add_stride = static_cast<std::size_t>(f_.channels);
+    }
+    kernels_.product(p);
+  }
+
+  void gather_patches(int row) {
+    const PackedConvolution& c = f_.expansion;
+    const std::size_t line = static_cast<std::size_t>(c.kernel * c.in);
+    float* patch = patches_.data();
+    for (int col = inner_.first; col <= inner_.last; ++col)
+      for (int k = 0; k < c.kernel; ++k, patch += line)
+        std::memcpy(patch, source_.at(row * c.stride - c.padding + k, col * c.stride - c.padding),
+                    line * sizeof(float));
+  }
+
+  /// Cell o of twice the resolution lies at (2 o - 1) / 4, between two cells.
+  void upsample(int row) {
+    const std::size_t channels = upsampled_.channels;
+    const auto share = [](int o) { return o % 2 == 0 ? 0.75F : 0.25F; };
+    const CellRange cells{floor_half(inner_.first - 1), floor_half(inner_.last - 1) + 1};
+    const int upper = floor_half(row - 1);
+    mix(upsampled_.at(upper, cells.first), upsampled_.at(upper + 1, cells.first), share(row),
+        static_cast<std::size_t>(cells.size()) * channels, coarse_.data());
+    float* out = added_.data();
+    for (int col = inner_.first; col <= inner_.last; ++col, out += channels) {
+      const float* left = coarse_.data() + static_cast<std::size_t>(floor_half(col - 1) - cells.first) * channels;
+      mix(left, left + channels, share(col), channels, out);
+    }
+  }
+
+  const FusedLayers& f_;
+  const CellView& source_;
+  const CellView& upsampled_;
+  const LayerKernels& kernels_ = layer_kernels();
+  CellRange cols_, inner_;
+  std::array<std::vector<float>, depthwise_kernel> ring_;
+  std::vector<float> added_, coarse_, patches_, filtered_;
+  int newest_ = std::numeric_limits<int>::min();
+};
+
+}  // namespace
+
+FusionPlan fuse_layers(const NetworkGraph& graph, const NetworkParams& folded) { return Fusion(graph, folded).run(); }
+
+void run_fused(const FusedLayers& layers, const CellView& source, const CellView& upsampled, CellRange rows,
+               CellRange cols, float* result) {
+  const auto channels = static_cast<std::size_t>(layers.projection.out);
+  const std::size_t row_stride = static_cast<std::size_t>(cols.size()) * channels;
+  for (int first = cols.first; first <= cols.last; first += strip_cells) {
+    Strip strip(layers, source, upsampled, {first, std::min(first + strip_cells - 1, cols.last)});
+    float* out = result + static_cast<std::size_t>(first - cols.first) * channels;
+    for (int row = rows.first; row <= rows.last; ++row, out += row_stride) strip.compute(row, out);
+  }
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,29 @@
+#include "orthodrive/nets/single_threaded_blas.hpp"
+
+#include <dlfcn.h>
+
+namespace orthodrive {
+namespace {
+
+// Looked up when the program runs: libtorch may be built with any BLAS.
+int threads_of_openblas() {
+  auto* get = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  return get ? get() : 0;
+}
+
+void set_threads_of_openblas(int count) {
+  auto* set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  if (set) set(count);
+}
+
+}  // namespace
+
+SingleThreadedBlas::SingleThreadedBlas() : before_(threads_of_openblas()) {
+  if (before_ > 1) set_threads_of_openblas(1);
+}
+
+SingleThreadedBlas::~SingleThreadedBlas() {
+  if (before_ > 1) set_threads_of_openblas(before_);
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,169 @@
+#include "orthodrive/network/junction_area.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/model/road_network.hpp"
+
+namespace orthodrive::network {
+namespace {
+
+constexpr double grid_m = 1e-3;
+constexpr double arm_reach_m = 25.0;  // of the arms beside which a kerb begins: more than the largest radius
+constexpr double overlap_m = 0.015, simplify_m = 0.005;  // the first holds the second and the millimetres of files
+constexpr double sliver_m = 0.05;                        // tips of corners narrower than twice this are left out
+constexpr double other_width_m = 15.0;                   // half the width of other roads, at most
+constexpr double side_by_side_m = 15.0, side_by_side_cos = 0.77;  // arms so near to each other, 40 degrees apart
+constexpr double largest_gap_m2 = 30.0;  // larger holes are islands, unless the closing filled them
+
+const Box2 everywhere{-INFINITY, -INFINITY, INFINITY, INFINITY};
+
+std::vector<Polygon> pieces_of(const std::vector<const roadquery::Road*>& roads, Vec2 origin, bool with_sidewalks,
+                               const Box2& box = everywhere) {
+  std::vector<Polygon> all;
+  for (const roadquery::Road* road : roads)
+    for (Polygon& piece : RoadCover(*road, origin, 0.0, road->length).pieces(with_sidewalks, box))
+      all.push_back(std::move(piece));
+  return all;
+}
+
+/// The carriageways (or whole widths) of the arms within reach.
+std::vector<Polygon> arm_pieces(const JunctionRoads& roads, Vec2 origin, bool with_sidewalks) {
+  std::vector<Polygon> all;
+  for (std::size_t i = 0; i < roads.arms.size(); ++i) {
+    const roadquery::Road& road = *roads.arms[i];
+    const double reach = std::min(arm_reach_m, road.length);
+    const double s0 = roads.at_end[i] ? road.length - reach : 0.0;
+    for (Polygon& piece : RoadCover(road, origin, s0, s0 + reach).pieces(with_sidewalks, everywhere))
+      all.push_back(std::move(piece));
+  }
+  return all;
+}
+
+bool touches(const Polygon& part, const MultiPolygon& other) {
+  return std::any_of(part.outer.begin(), part.outer.end(), [&](Vec2 p) { return contains(other, p); });
+}
+
+/// The verge or island between two arms that leave side by side: a kerb goes round its end, and does not fill it.
+std::vector<Polygon> between_arms(const JunctionRoads& roads, Vec2 origin) {
+  struct Arm {
+    Vec2 end, outwards;
+    std::vector<Vec2> corners;
+  };
+  std::vector<Arm> arms;
+  for (std::size_t i = 0; i < roads.arms.size(); ++i) {
+    const roadquery::Road& road = *roads.arms[i];
+    const double s = roads.at_end[i] ? road.length : 0.0, sign = roads.at_end[i] ? -1.0 : 1.0;
+    const double reach = std::min(side_by_side_m, road.length);
+    const roadquery::PlanPoint p = roadquery::reference_point(road, s);
+    Arm arm{Vec2{p.x, p.y} - origin, Vec2{std::cos(p.hdg), std::sin(p.hdg)} * sign, {}};
+    const double s0 = roads.at_end[i] ? road.length - reach : 0.0;
+    for (const Polygon& piece : RoadCover(road, origin, s0, s0 + reach).pieces(true, everywhere))
+      arm.corners.insert(arm.corners.end(), piece.outer.begin(), piece.outer.end());
+    arms.push_back(std::move(arm));
+  }
+  std::vector<Polygon> between;
+  for (std::size_t i = 0; i < arms.size(); ++i)
+    for (std::size_t k = i + 1; k < arms.size(); ++k) {
+      if (dot(arms[i].outwards, arms[k].outwards) < side_by_side_cos) continue;
+      if (distance(arms[i].end, arms[k].end) > side_by_side_m) continue;
+      std::vector<Vec2> corners = arms[i].corners;
+      corners.insert(corners.end(), arms[k].corners.begin(), arms[k].corners.end());
+      Ring hull = convex_hull(std::move(corners));
+      if (hull.size() >= 3) between.push_back({std::move(hull), {}});
+    }
+  return between;
+}
+
+/// The corners and gaps that closing adds to the connecting roads, without what belongs to other roads and without
+/// pieces that lie apart from the connecting roads.
+MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& connecting, double radius_m, Vec2 origin) {
+  std::vector<Polygon> open = arm_pieces(roads, origin, false);
+  open.insert(open.end(), connecting.begin(), connecting.end());
+  const MultiPolygon closed = buffer_of(buffer_of(open, radius_m), -radius_m);
+  // No corner is further from the connecting roads than its own radius.
+  const MultiPolygon near = intersection_of(closed, buffer_of(connecting, radius_m), grid_m);
+  Box2 box = bounds_of(connecting.front().outer);
+  for (const Polygon& part : connecting) {
+    const Box2 b = bounds_of(part.outer);
+    box = {std::min(box.min_x, b.min_x), std::min(box.min_y, b.min_y), std::max(box.max_x, b.max_x),
+           std::max(box.max_y, b.max_y)};
+  }
+  std::vector<Polygon> taken = pieces_of(roads.others, origin, true, box.grown(radius_m + other_width_m));
+  for (Polygon& piece : arm_pieces(roads, origin, true)) taken.push_back(std::move(piece));
+  for (Polygon& gap : between_arms(roads, origin)) taken.push_back(std::move(gap));
+  MultiPolygon corners = near;
+  if (!taken.empty()) corners = difference_of(near, buffer_of(taken, 0.0), grid_m);
+  corners = buffer_of(buffer_of(corners, -sliver_m), sliver_m);
+  const MultiPolygon reach = buffer_of(connecting, 2.0 * overlap_m);
+  std::erase_if(corners, [&](const Polygon& part) { return !touches(part, reach); });
+  return corners;
+}
+
+struct Bridge {
+  std::size_t from = 0, to = 0;
+  double length_m = INFINITY;
+};
+
+Bridge shortest_bridge(const Ring& a, const Ring& b) {
+  Bridge best;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t k = 0; k < b.size(); ++k)
+      if (const double d = distance(a[i], b[k]); d < best.length_m) best = {i, k, d};
+  return best;
+}
+
+}  // namespace
+
+double kerb_radius_m(std::vector<std::string> highways) {
+  constexpr double main_m = 12.0, collector_m = 8.0, residential_m = 5.0, access_m = 3.0;
+  int rank = 0;
+  if (!highways.empty()) {
+    std::sort(highways.begin(), highways.end(),
+              [](const std::string& a, const std::string& b) { return road_rank(a) > road_rank(b); });
+    rank = road_rank(highways[std::min<std::size_t>(2, highways.size() - 1)]);
+  }
+  if (rank >= road_rank("primary")) return main_m;
+  if (rank >= road_rank("tertiary_link")) return collector_m;
+  return rank >= road_rank("living_street") ? residential_m : access_m;
+}
+
+MultiPolygon junction_area(const JunctionRoads& roads, double kerb_radius_m, Vec2 origin) {
+  const std::vector<Polygon> pieces = pieces_of(roads.connecting, origin, false);
+  const MultiPolygon connecting = pieces.empty() ? MultiPolygon{} : buffer_of(pieces, 0.0);
+  if (connecting.empty()) return {};
+  MultiPolygon area = filled_corners(roads, connecting, kerb_radius_m, origin);
+  area.insert(area.end(), connecting.begin(), connecting.end());
+  area = buffer_of(area, overlap_m, 2);
+  for (Polygon& part : area)
+    std::erase_if(part.holes, [](const Ring& hole) { return std::abs(signed_area_m2(hole)) < largest_gap_m2; });
+  return simplified(area, simplify_m);
+}
+
+Ring woven_ring(const MultiPolygon& polygons) {
+  std::vector<Ring> rings;
+  for (const Polygon& polygon : polygons) {
+    rings.push_back(polygon.outer);
+    rings.insert(rings.end(), polygon.holes.begin(), polygon.holes.end());
+  }
+  if (rings.empty()) return {};
+  Ring ring = rings.front();
+  rings.erase(rings.begin());
+  while (!rings.empty()) {
+    std::size_t next = 0;
+    Bridge best;
+    for (std::size_t i = 0; i < rings.size(); ++i)
+      if (const Bridge bridge = shortest_bridge(ring, rings[i]); bridge.length_m < best.length_m)
+        best = bridge, next = i;
+    Ring& other = rings[next];
+    std::rotate(other.begin(), other.begin() + static_cast<std::ptrdiff_t>(best.to), other.end());
+    other.push_back(other.front());
+    other.push_back(ring[best.from]);
+    ring.insert(ring.begin() + static_cast<std::ptrdiff_t>(best.from) + 1, other.begin(), other.end());
+    rings.erase(rings.begin() + static_cast<std::ptrdiff_t>(next));
+  }
+  return ring;
+}
+
+}  // namespace orthodrive::network

@@ -1,0 +1,126 @@
+#include "orthodrive/network/road_cover.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace orthodrive::network {
+namespace {
+
+constexpr double step_m = 1.0;
+constexpr double off_line_m = 1e-6;  // further from the foot of the perpendicular than this is beyond an end
+constexpr double min_piece_area_m2 = 1e-6, right_angle_rad = 0.5 * std::numbers::pi;
+
+bool is_carriageway(const roadquery::Lane& lane) {
+  return lane.type != roadquery::LaneType::sidewalk && lane.type != roadquery::LaneType::none;
+}
+
+}  // namespace
+
+roadquery::Edges carriageway_edges(const roadquery::Road& road, double s) {
+  s = std::clamp(s, 0.0, road.length);
+  const double offset = roadquery::evaluate(road.lane_offset, s);
+  const roadquery::LaneSection& section = roadquery::section_at(road, s);
+  roadquery::Edges edges{offset, offset};
+  const auto add = [&](const std::vector<roadquery::Lane>& lanes, double sign, double& t) {
+    for (const roadquery::Lane& lane : lanes) {
+      if (!is_carriageway(lane)) break;
+      t += sign * roadquery::lane_width(lane, s - section.s);
+    }
+  };
+  add(section.left, 1.0, edges.left_t);
+  add(section.right, -1.0, edges.right_t);
+  return edges;
+}
+
+RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double s1) : road_(&road), origin_(origin) {
+  const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) / step_m)));
+  std::vector<Vec2> corners;
+  for (int i = 0; i <= steps; ++i) {
+    const double s = s0 + (s1 - s0) * i / steps;
+    const roadquery::PlanPoint p = roadquery::reference_point(road, s);
+    s_.push_back(s);
+    line_.push_back(Vec2{p.x, p.y} - origin);
+    const roadquery::Edges all = edges(s, true);
+    const Vec2 left{-std::sin(p.hdg), std::cos(p.hdg)};
+    corners.push_back(line_.back() + left * all.left_t);
+    corners.push_back(line_.back() + left * all.right_t);
+  }
+  bounds_ = bounds_of(corners);
+}
+
+roadquery::Edges RoadCover::edges(double s, bool with_sidewalks) const {
+  return with_sidewalks ? roadquery::road_edges(*road_, s) : carriageway_edges(*road_, s);
+}
+
+std::optional<RoadCover::Place> RoadCover::find(Vec2 p, bool with_sidewalks) const {
+  constexpr double chord_m = 1.0;  // of the bounds' corners from the edges between them
+  if (!bounds_.grown(chord_m).contains(p)) return std::nullopt;
+  std::size_t nearest = 0;
+  double least = INFINITY;
+  for (std::size_t i = 0; i < line_.size(); ++i) {
+    const Vec2 d = p - line_[i];
+    if (dot(d, d) < least) least = dot(d, d), nearest = i;
+  }
+  double s = s_[nearest], along = 0.0, across = 0.0;
+  for (int iteration = 0; iteration < 12; ++iteration) {  // Newton on (p - r(s)) . r'(s) = 0
+    const roadquery::PlanPoint r = roadquery::reference_point(*road_, s);
+    const Vec2 tangent{std::cos(r.hdg), std::sin(r.hdg)}, d = p - (Vec2{r.x, r.y} - origin_);
+    along = dot(d, tangent), across = cross(tangent, d);
+    const double next =
+        std::clamp(s + along / (r.speed * std::max(1.0 - r.curvature * across, 0.1)), s_.front(), s_.back());
+    if (std::abs(next - s) < 1e-9) break;
+    s = next;
+  }
+  if (std::abs(along) > off_line_m) return std::nullopt;
+  const Place place{s, roadquery::t_at(*road_, s, across)};
+  const roadquery::Edges all = edges(s, with_sidewalks);
+  if (place.t > all.left_t || place.t < all.right_t) return std::nullopt;
+  return place;
+}
+
+double RoadCover::height(const Place& place) const { return roadquery::surface_height(*road_, place.s, place.t); }
+
+std::vector<Polygon> RoadCover::pieces(bool with_sidewalks, const Box2& box) const {
+  std::vector<Polygon> result;
+  std::vector<Vec2> left, right;  // of the sections of the open ring
+  double heading = 0.0;
+  const auto close = [&] {
+    Ring ring = right;
+    ring.insert(ring.end(), left.rbegin(), left.rend());
+    if (ring.size() >= 4 && signed_area_m2(ring) > min_piece_area_m2) result.push_back({std::move(ring), {}});
+    left.clear(), right.clear();
+  };
+  for (std::size_t i = 0; i < s_.size(); ++i) {
+    const roadquery::Edges all = edges(s_[i], with_sidewalks);
+    const roadquery::SurfacePoint l = roadquery::surface_point(*road_, s_[i], all.left_t),
+                                  r = roadquery::surface_point(*road_, s_[i], all.right_t);
+    const Vec2 at_left = Vec2{l.x, l.y} - origin_, at_right = Vec2{r.x, r.y} - origin_;
+    const double h = roadquery::reference_point(*road_, s_[i]).hdg;
+    if (!left.empty()) {
+      const Vec2 forward{std::cos(h), std::sin(h)}, before_left = left.back(), before_right = right.back();
+      const bool folds = dot(at_left - before_left, forward) < 0.0 || dot(at_right - before_right, forward) < 0.0;
+      const bool turned = std::abs(h - heading) > right_angle_rad;
+      if (folds) {
+        close();
+        Ring hull = convex_hull({before_left, before_right, at_right, at_left});
+        if (hull.size() >= 3 && signed_area_m2(hull) > min_piece_area_m2) result.push_back({std::move(hull), {}});
+      } else if (turned) {
+        left.push_back(at_left), right.push_back(at_right);
+        close();
+      }
+    }
+    if (!box.contains(line_[i])) {
+      if (!left.empty()) left.push_back(at_left), right.push_back(at_right), close();
+      continue;
+    }
+    if (left.empty()) {
+      heading = h;
+    }
+    left.push_back(at_left), right.push_back(at_right);
+  }
+  close();
+  return result;
+}
+
+}  // namespace orthodrive::network

@@ -1,0 +1,224 @@
+#include "orthodrive/pipeline/experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/pipeline/toml_section.hpp"
+
+namespace orthodrive {
+namespace {
+
+void read_use(TomlSection& section, SceneUse& use) {
+  section.read("weight", use.weight);
+  section.read("min_zoom", use.min_zoom);
+  section.read("max_zoom", use.max_zoom);
+  section.read("from_step", use.from_step);
+}
+
+PaintRule read_rule(TomlSection& section) {
+  PaintRule rule;
+  section.require("file");
+  section.read("file", rule.file);
+  if (const toml::table* where = section.find_table("where")) {
+    for (const auto& [key, node] : *where) {
+      auto& values = rule.where[std::string(key.str())];
+      if (!node.is_array()) section.fail(node, fmt::format("'{}' must be a list of values", key.str()));
+      for (const toml::node& entry : *node.as_array()) values.push_back(entry.value_or<std::string>(""));
+    }
+  }
+  section.read("highways", rule.highways);
+  section.read("classes", rule.classes);
+  section.read("merge_over", rule.merge_over);
+  section.read("line_width_m", rule.line_width_m);
+  section.read("unknown_inside_m", rule.unknown_inside_m);
+  section.read("unknown_outside_m", rule.unknown_outside_m);
+  return rule;
+}
+
+MapData read_map(TomlSection& section) {
+  MapData map;
+  for (const char* key : {"name", "photo", "bbox_wgs84", "background"}) section.require(key);
+  section.read("name", map.name);
+  section.read("photo", map.photo);
+  section.read_box("bbox_wgs84", [&](const Box2& box) { map.area_lonlat = box; });
+  section.read_box("held_out_bbox_wgs84", [&](const Box2& box) { map.held_out_lonlat = box; });
+  section.read("background", map.background);
+  read_use(section, map.use);
+  section.for_each_table("paint", [&](TomlSection& rule) { map.rules.push_back(read_rule(rule)); });
+  return map;
+}
+
+ImageData read_images(TomlSection& section) {
+  ImageData data;
+  for (const char* key : {"name", "images", "labels", "palette"}) section.require(key);
+  section.read("name", data.name);
+  section.read("images", data.images);
+  section.read("labels", data.labels);
+  section.read("gsd_m", data.gsd_m);
+  section.read("held_out", data.held_out);
+  section.for_each_table("palette", [&](TomlSection& entry) {
+    std::vector<std::int64_t> color;
+    std::vector<std::string> classes;
+    entry.read("color", color);
+    entry.read("classes", classes);
+    if (color.size() != 3 || std::ranges::any_of(color, [](std::int64_t v) { return v < 0 || v > 255; }))
+      entry.fail_here("'color' must be [r, g, b], each 0 to 255");
+    data.palette[{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                  static_cast<std::uint8_t>(color[2])}] = classes;
+  });
+  section.read("crf_only", data.crf_only);
+  read_use(section, data.use);
+  return data;
+}
+
+RasterData read_raster(TomlSection& section) {
+  RasterData data;
+  section.require("name");
+  section.read("name", data.name);
+  std::filesystem::path folder;
+  section.read("folder", folder);
+  if (!folder.empty()) data.photo = folder / "ortho.tif", data.labels = folder / "truth" / "labels.tif";
+  section.read("photo", data.photo);
+  section.read("labels", data.labels);
+  if (data.photo.empty() || data.labels.empty())
+    section.fail_here("needs 'folder' (written by orthodrive synth), or 'photo' and 'labels'");
+  if (const toml::table* mapping = section.find_table("mapping")) {
+    for (const auto& [key, node] : *mapping) {
+      auto& classes = data.mapping[std::string(key.str())];
+      if (!node.is_array())
+        section.fail(node, fmt::format("'{}' must be a list of classes, [] to ignore it", key.str()));
+      for (const toml::node& entry : *node.as_array()) classes.push_back(entry.value_or<std::string>(""));
+    }
+  }
+  section.read("held_out", data.held_out);
+  section.read("crf_only", data.use.crf_only);
+  read_use(section, data.use);
+  return data;
+}
+
+PolygonData read_polygons(TomlSection& section) {
+  PolygonData data;
+  for (const char* key : {"name", "photo", "polygons"}) section.require(key);
+  section.read("name", data.name);
+  section.read("photo", data.photo);
+  section.read("polygons", data.polygons);
+  section.read("pieces", data.pieces);
+  section.read("held_out", data.held_out);
+  section.read("crf_only", data.use.crf_only);
+  read_use(section, data.use);
+  return data;
+}
+
+StageOptions read_stage(TomlSection& section) {
+  StageOptions stage;
+  for (const char* key : {"stride", "steps"}) section.require(key);
+  section.read("stride", stage.stride);
+  section.read("steps", stage.steps);
+  return stage;
+}
+
+void read_train(TomlSection& section, TrainOptions& train) {
+  std::string preset, solver, turn;
+  section.read("preset", preset);
+  if (preset == "reference") train = reference_train_options();
+  if (!preset.empty() && preset != "reference") section.fail_here("'preset' must be \"reference\"");
+  section.read("solver", solver);
+  if (!solver.empty() && solver != "adamw" && solver != "sgd")
+    section.fail_here("'solver' must be \"adamw\" or \"sgd\"");
+  if (!solver.empty()) train.solver = solver == "sgd" ? Solver::sgd : Solver::adamw;
+  section.read("steps", train.steps);
+  section.read("warmup_steps", train.warmup_steps);
+  section.read("decay_from_step", train.decay_from_step);
+  section.read("learning_rate", train.learning_rate);
+  section.read("momentum", train.momentum);
+  section.read("trunk_rate_factor", train.trunk_rate_factor);
+  section.read("weight_decay", train.weight_decay);
+  section.read("sum_loss", train.sum_loss);
+  section.read("freeze_norm_from_step", train.freeze_norm_from_step);
+  section.read("batch", train.batch);
+  section.read("crop_px", train.crop_px);
+  section.read("label_px", train.label_px);
+  section.read("turn", turn);
+  if (turn == "any") train.augmentation.turn = Augmentation::Turn::any;
+  if (turn == "quarters") train.augmentation.turn = Augmentation::Turn::quarters;
+  if (turn == "none") train.augmentation.turn = Augmentation::Turn::none;
+  if (!turn.empty() && turn != "any" && turn != "quarters" && turn != "none")
+    section.fail_here("'turn' must be \"any\", \"quarters\" or \"none\"");
+  section.read("mirror", train.augmentation.mirror);
+  section.read("zoom", train.augmentation.zoom);
+  section.read("colors", train.augmentation.colors);
+  section.read("blur", train.augmentation.blur);
+  section.read("noise", train.augmentation.noise);
+  section.read("class_weights", train.class_weights);
+  section.read("balance_classes", train.balance_classes);
+  section.read("set_weight", train.set_weight);
+  section.read("jaccard_weight", train.jaccard_weight);
+  section.read("seed", train.seed);
+  section.read("validate_every", train.validate_every);
+  section.read("early_stop_after", train.early_stop_after);
+  if (train.steps < 1 || train.batch < 1 || train.crop_px < 1)
+    section.fail_here("'steps', 'batch' and 'crop_px' must be above 0");
+}
+
+void read_crf_options(TomlSection& section, CrfExperiment& crf) {
+  section.read("steps", crf.steps);
+  section.read("network_learning_rate", crf.network_learning_rate);
+  section.read("learning_rate", crf.learning_rate);
+  section.read("shrinkage", crf.shrinkage);
+  section.read("batch", crf.batch);
+  section.read("label_px", crf.label_px);
+  section.read("search_crops", crf.search_crops);
+  section.read("iterations", crf.iterations);
+  section.read("validate_every", crf.validate_every);
+}
+
+}  // namespace
+
+Experiment parse_experiment(std::string_view text, const std::filesystem::path& file) {
+  const toml::table table = parse_toml(text, file);
+  Experiment experiment;
+  TomlSection root(table, file);
+  for (const char* key : {"network", "train"}) root.require(key);
+  root.read("network", experiment.network);
+  root.read("data_from", experiment.data_from);
+  std::vector<std::string> weights;
+  root.read("weights", weights);
+  for (const std::string& path : weights) experiment.weights.push_back(file.parent_path() / path);
+  if (const toml::table* train = root.find_table("train")) {
+    TomlSection section(*train, file);
+    read_train(section, experiment.train);
+    section.finish();
+  }
+  if (const toml::table* crf = root.find_table("crf")) {
+    TomlSection section(*crf, file);
+    read_crf_options(section, experiment.crf);
+    section.finish();
+  }
+  root.for_each_table("stage", [&](TomlSection& section) { experiment.stages.push_back(read_stage(section)); });
+  root.for_each_table("map", [&](TomlSection& section) { experiment.maps.push_back(read_map(section)); });
+  root.for_each_table("images", [&](TomlSection& section) { experiment.images.push_back(read_images(section)); });
+  root.for_each_table("raster", [&](TomlSection& section) { experiment.rasters.push_back(read_raster(section)); });
+  root.for_each_table("polygons", [&](TomlSection& section) { experiment.polygons.push_back(read_polygons(section)); });
+  root.finish();
+  return experiment;
+}
+
+ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table, const std::string& source) {
+  ClassSet set = unknown_class;
+  for (const std::string& name : names) {
+    std::size_t label = 0;
+    while (label < table.classes.size() && table.classes[label].name != name) ++label;
+    if (label == table.classes.size()) {
+      std::vector<std::string> known;
+      for (const ClassInfo& c : table.classes) known.push_back(c.name);
+      throw InputError(source, fmt::format("class '{}' is not in the table '{}', which has {}", name, table.name,
+                                           fmt::join(known, ", ")));
+    }
+    set = static_cast<ClassSet>(set | only(static_cast<int>(label)));
+  }
+  return set;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,72 @@
+#include "orthodrive/pipeline/run_fmu.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/find_resource.hpp"
+#include "orthodrive/io/fmu_io.hpp"
+#include "roadquery/ground_query.hpp"
+#include "vehicle/read_car.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Beside the program as it is built, or in the installed tree.
+fs::path shared_library(const std::string& identifier) {
+  std::vector<fs::path> folders = resource_folders("fmu", "build/release/fmu");
+  std::error_code unknown;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+  if (!unknown) folders.insert(folders.begin(), program.parent_path() / "fmu");
+  return find_resource(folders, identifier + ".so", "the FMU's shared library",
+                       "build the target fmu_roads or fmu_car");
+}
+
+void add_network(const FmuFiles& files, std::vector<io::FmuResource>& resources) {
+  roadquery::GroundStage stage{};
+  const roadquery::GroundQuery ground =
+      roadquery::read_ground({.network = files.network.string(), .terrain = files.terrain.string()}, stage);
+  resources.push_back({"roads.xodr", files.network});
+  if (!files.terrain.empty()) resources.push_back({"terrain.asc", files.terrain});
+  std::set<std::string> surfaces;
+  for (const roadquery::Road& road : ground.roads().map().roads)
+    for (const roadquery::SurfaceCrg& crg : road.surface) surfaces.insert(crg.file);
+  for (const std::string& name : surfaces) {
+    const fs::path relative = fs::path(name).lexically_normal();
+    if (relative.is_absolute() || relative.begin()->string() == "..")
+      throw InputError(
+          files.network.string(),
+          fmt::format("names the OpenCRG file {}, which does not lie beside or below it: it cannot be packed", name));
+    resources.push_back({relative.generic_string(), files.network.parent_path() / relative});
+  }
+}
+
+fs::path car_file(const std::string& car) {
+  if (fs::path(car).extension() == ".toml" || fs::exists(car)) return car;
+  return find_resource(resource_folders("models/vehicles", "models/vehicles"), car + ".toml", "no such car",
+                       "give the name of a preset, or a file");
+}
+
+}  // namespace
+
+StageOutcome run_fmu(const FmuFiles& files, const FmuOptions& options, StageContext&) {
+  if (!files.terrain.empty() && files.network.empty()) throw OptionError("a terrain needs a network that it surrounds");
+  std::vector<io::FmuResource> resources;
+  if (!files.network.empty()) add_network(files, resources);
+  const fmu::ModelKind& kind = files.car.empty() ? fmu::road_model() : fmu::car_model();
+  if (!files.car.empty()) {
+    const fs::path file = car_file(files.car);
+    (void)vehicle::read_car(file);
+    resources.push_back({"car.toml", file});
+  }
+  io::write_fmu(files.fmu, kind, options.fmi_version, shared_library(kind.identifier), resources);
+  return {.numbers = {{"variables", kind.variables.size()}},
+          .findings = {},
+          .summary = {fmt::format("{}: {} (FMI {}.0), {} variables, {} files packed", files.fmu.string(),
+                                  kind.identifier, options.fmi_version, kind.variables.size(), resources.size())}};
+}
+
+}  // namespace orthodrive

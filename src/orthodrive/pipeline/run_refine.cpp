@@ -1,0 +1,132 @@
+#include "orthodrive/pipeline/run_refine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/pipeline/refine_files.hpp"
+#include "orthodrive/refine/photo_surface.hpp"
+#include "orthodrive/roads/dense_nodes.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr double node_distance_m = 2.0;  // of unrefined roads, as the default method's
+
+void check_files(const RefineFiles& files, RefineMethod method) {
+  if (method != RefineMethod::standard && !files.weights.empty())
+    throw OptionError("--weights-file holds weights of the default method; leave out --method");
+  if (method != RefineMethod::standard && !files.gpx.empty())
+    throw OptionError("--gpx is for the default method, which alone knows GPS traces; leave out --method");
+  if (method == RefineMethod::mrf) {
+    if (files.photo.empty() || files.forests.empty() || !files.labels.empty() || !files.road_probability.empty())
+      throw OptionError(
+          "refine: --method mrf reads --photo and --forests (`orthodrive forests` makes them) and no labels");
+  } else if (files.labels.empty() || !files.photo.empty() || !files.forests.empty()) {
+    throw OptionError("refine: needs --labels; --photo and --forests are for --method mrf");
+  }
+}
+
+RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  const RoadForests forests = load_road_forests(io::read_file(files.forests), files.forests.string());
+  const SiteFrame site = options.site ? *options.site : site_of_photo(files.photo);
+  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
+  const OsmRoads& osm = context.sources.osm(files.osm, site);
+  MrfRoadsResult result =
+      refine_roads_mrf(osm.roads, mrf_photo_evidence(photo, forests),
+                       {.polygons = options.mrf_polygons, .threads = context.threads}, context.monitor);
+  Findings findings = osm.findings;
+  append(findings, result.findings);
+  return {std::move(result.roads), {result.converged, result.sweeps}, std::move(findings)};
+}
+
+RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  RefineRoadsOptions standard = options.standard;
+  standard.threads = context.threads;
+  if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
+  const LabelMap labels = io::read_labels(files.labels);
+  const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
+  const OsmRoads& osm = context.sources.osm(files.osm, site);
+  const io::GpxTraces& gpx = context.sources.gpx(files.gpx, site);
+  RefinedRoads result =
+      options.method == RefineMethod::none ? RefinedRoads{.roads = with_nodes_every(osm.roads, node_distance_m)}
+      : options.method == RefineMethod::nlo
+          ? refine_roads_nlo(osm.roads, labels, {.passes = options.nlo_passes, .threads = context.threads},
+                             context.monitor)
+          : refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor,
+                         gpx.traces);
+  classify_by_photo(result.roads, labels);
+  Findings findings = osm.findings;
+  append(findings, gpx.findings);
+  append(findings, result.findings);
+  result.findings = std::move(findings);
+  return result;
+}
+
+/// Mean over all nodes; they lie about 2 m apart everywhere.
+template <typename Value>
+double mean_over_nodes(const RoadNetwork& roads, const Value& value) {
+  double sum = 0.0, count = 0.0;
+  for (const RoadPath& path : roads.paths)
+    for (const RoadNode& node : path.nodes) sum += value(node), count += 1.0;
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+StageOutcome outcome_of(const RefinedRoads& refined, const RefineFiles& files) {
+  const RoadNetwork& roads = refined.roads;
+  std::size_t nodes = 0;
+  for (const RoadPath& path : roads.paths) nodes += path.nodes.size();
+  const double offset_m = mean_over_nodes(roads, [](const RoadNode& n) { return std::abs(n.offset_m); });
+  return {
+      .numbers = {{"ways", roads.paths.size()},
+                  {"mean_abs_offset_m", offset_m},
+                  {"mean_sigma_offset_m", mean_over_nodes(roads, [](const RoadNode& n) { return n.sigma_offset_m; })},
+                  {"mean_sigma_width_m", mean_over_nodes(roads, [](const RoadNode& n) { return n.sigma_width_m; })},
+                  {"converged", refined.solve.converged},
+                  {"iterations", refined.solve.iterations}},
+      .findings = refined.findings,
+      .summary = {fmt::format("{}: {} ways, {} nodes, moved by {:.2f} m on average", files.roads.string(),
+                              roads.paths.size(), nodes, offset_m)}};
+}
+}  // namespace
+
+StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  check_files(files, options.method);
+  const RefinedRoads refined = options.method == RefineMethod::mrf ? refine_in_photo(files, options, context)
+                                                                   : refine_in_labels(files, options, context);
+  io::write_roads(files.roads, refined.roads);
+  return outcome_of(refined, files);
+}
+
+BuildStage refine_stage(SiteBuild& build) {
+  const Site& site = build.site;
+  const Sources::Files weights = site.refine_weights.empty() ? Sources::Files{} : Sources::Files{site.refine_weights};
+  return {.name = "refine",
+          .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
+          .options = {to_string(site.driving_side)},
+          .outputs = {".orthodrive/refined.gpkg"},
+          .check =
+              [&build, &site] {
+                (void)build.context.sources.osm(site.osm, site.frame);
+                (void)build.context.sources.gpx(site.gpx, site.frame);
+                if (!site.refine_weights.empty()) (void)read_refine_weights(site.refine_weights);
+              },
+          .run =
+              [&build, &site] {
+                return run_refine({.osm = site.osm,
+                                   .labels = build.out_dir / "labels.tif",
+                                   .road_probability = build.out_dir / "road_probability.tif",
+                                   .weights = site.refine_weights,
+                                   .gpx = site.gpx,
+                                   .roads = build.out_dir / ".orthodrive/refined.gpkg"},
+                                  {.site = site.frame, .standard = {.driving_side = site.driving_side}}, build.context);
+              }};
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,36 @@
+#pragma once
+// Stage "refine": OSM roads and labels -> roads moved onto the road that is seen, by the default method or a baseline.
+
+#include "orthodrive/baselines/mrf_roads.hpp"
+#include "orthodrive/baselines/nlo_roads.hpp"
+#include "orthodrive/pipeline/build_stage.hpp"
+#include "orthodrive/refine/refine_roads.hpp"
+
+namespace orthodrive {
+
+struct RefineFiles {
+  std::vector<std::filesystem::path> osm;
+  std::filesystem::path labels;            ///< not of mrf
+  std::filesystem::path road_probability;  ///< of the default method; may be empty
+  std::filesystem::path weights;           ///< likewise: file of `orthodrive tune`
+  std::vector<std::filesystem::path> gpx;  ///< likewise
+  std::filesystem::path photo, forests;    ///< of mrf
+  std::filesystem::path roads;             ///< written
+};
+
+enum class RefineMethod { standard, nlo, mrf, none };
+
+struct RunRefineOptions {
+  std::optional<SiteFrame> site;  ///< none: where the labels are (mrf: the photo)
+  RefineMethod method = RefineMethod::standard;
+  RefineRoadsOptions standard;  ///< its weights count where files.weights is empty
+  std::vector<NloPass> nlo_passes{nlo_set_1, nlo_set_2};
+  RoadPolygons mrf_polygons = RoadPolygons::smooth;
+};
+
+/// Throws OptionError when files are named that the method does not read, or one that it needs is not.
+StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
+
+[[nodiscard]] BuildStage refine_stage(SiteBuild& build);
+
+}  // namespace orthodrive

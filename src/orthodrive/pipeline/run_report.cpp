@@ -1,0 +1,57 @@
+#include "orthodrive/pipeline/run_report.hpp"
+
+#include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/report/site_report.hpp"
+
+namespace orthodrive {
+namespace {
+namespace fs = std::filesystem;
+
+std::string read_if_there(const fs::path& file) { return fs::exists(file) ? io::read_file(file) : std::string(); }
+
+std::vector<ReportStage> report_stages(const std::vector<StageRecord>& records) {
+  std::vector<ReportStage> stages;
+  for (const StageRecord& record : records)
+    stages.push_back({.name = record.stage,
+                      .numbers = record.outcome.numbers,
+                      .findings = record.outcome.findings,
+                      .seconds = record.seconds,
+                      .peak_memory_bytes = record.peak_memory_bytes,
+                      .taken_over = record.skipped});
+  return stages;
+}
+}  // namespace
+
+StageOutcome run_report(SiteBuild& build, const std::vector<StageRecord>& records, const nlohmann::json& scores) {
+  const Site& site = build.site;
+  Sources& sources = build.context.sources;
+  const fs::path& out_dir = build.out_dir;
+  const fs::path tile_file = out_dir / ".orthodrive" / "scene_tile.png";
+  const LabelMap labels = io::read_labels(out_dir / "labels.tif");
+  const RoadNetwork roads = io::read_roads(out_dir / "roads.gpkg");
+  const roadquery::RoadMap map = roadquery::read_opendrive((out_dir / "roads.xodr").string());
+  const std::vector<ReportStage> stages = report_stages(records);
+  const SiteReportView view{
+      .name = site.name,
+      .area = site.frame.area,
+      .attribution = site.attribution,
+      .photo = sources.photo(site.photo, site.frame, build.context.threads),
+      .osm = sources.osm(site.osm, site.frame).roads,
+      .dtms = sources.terrain(site.dtm, site.frame).dtms,
+      .labels = labels,
+      .roads = roads,
+      .map = map,
+      .scene_tile = fs::exists(tile_file) ? std::optional(io::read_image(tile_file)) : std::nullopt,
+      .lap_csv = read_if_there(out_dir / "drive" / "lap.csv"),
+      .lap_plots = read_if_there(out_dir / ".orthodrive" / "lap_plots.html"),
+      .stages = stages,
+      .scores = scores,
+      .encoders = {.jpeg = io::encode_jpeg, .png = io::encode_png}};
+  write_text_file(out_dir / "report.html", site_report_html(view));
+  return {};
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,176 @@
+#include "orthodrive/pipeline/run_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <mutex>
+
+#include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/scene_io.hpp"
+#include "orthodrive/io/terrain_grid_io.hpp"
+#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/report/site_pictures.hpp"
+#include "orthodrive/scene/ground.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+/// The roads' CRS; by the photo's name for it when both are the same.
+Crs site_crs(const std::string& network_file, const roadquery::RoadMap& roads, const Crs& photo_crs) {
+  if (roads.geo_reference.empty())
+    throw InputError(network_file, "has no geoReference, so its place is unknown; write it with `orthodrive network`");
+  const Crs crs{roads.geo_reference};
+  return proj_string(photo_crs) == proj_string(crs) ? photo_crs : crs;
+}
+
+/// The photo with the site that it is of. Borrowed where the sources keep it.
+struct PlacedPhoto {
+  SiteFrame site;
+  std::optional<Photo> own;
+  const Photo* kept = nullptr;
+  [[nodiscard]] const Photo& photo() const { return kept ? *kept : *own; }
+};
+
+/// With a site on its grid. Without one the area is what the photo shows: on the photo's own grid where it lies in the
+/// CRS of the roads, warped otherwise.
+PlacedPhoto read_placed_photo(const SceneFiles& files, const roadquery::RoadMap& roads, const RunSceneOptions& options,
+                              StageContext& context) {
+  if (options.site)
+    return {.site = *options.site, .kept = &context.sources.photo(files.photo, *options.site, context.threads)};
+  const io::RasterInfo info = io::raster_info(files.photo);
+  PlacedPhoto placed{.site = {site_crs(files.network.string(), roads, info.crs), {}}};
+  if (placed.site.crs == info.crs) {
+    placed.own = io::read_photo_native(files.photo);
+    placed.site.area = photo_outline(*placed.own);
+    if (placed.site.area.outer.empty())
+      throw InputError(files.photo.string(), "has no valid pixel, give a photo that shows the roads");
+    return placed;
+  }
+  const CoordinateTransform to_geographic(placed.site.crs, Crs{"EPSG:4326"});
+  for (const Vec2 p : info.outline_lonlat.outer) placed.site.area.outer.push_back(to_geographic.source_from_target(p));
+  placed.own = io::read_photo(files.photo, placed.site, {.threads = context.threads});
+  return placed;
+}
+
+/// The single models are kept for other stages only where a site is built.
+HeightGrid read_merged_terrain(const SceneFiles& files, const SiteFrame& site, const RunSceneOptions& options,
+                               StageContext& context) {
+  const Box2 box = bounds_of(site.area.outer).grown(50.0);
+  return options.site ? merge_heights(context.sources.terrain(files.dtm, site).dtms, box)
+                      : merge_heights(read_terrain(files.dtm, site).dtms, box);
+}
+
+std::optional<LabelMap> read_tile_labels(const fs::path& file, const Crs& crs) {
+  if (file.empty()) return std::nullopt;
+  std::optional<LabelMap> labels = io::read_labels(file);
+  if (proj_string(labels->crs) != proj_string(crs))
+    throw InputError(file.string(),
+                     "is not in the CRS of the roads; write it with `orthodrive segment` from the same photo");
+  return labels;
+}
+
+/// The tile with most road triangles is the one to show.
+class TilePicture {
+ public:
+  void offer(const SceneTile& tile) {
+    std::size_t triangles = 0;
+    for (const TriMesh& mesh : tile.meshes)
+      if (mesh.kind == MeshKind::road) triangles += mesh.indices.size() / 3;
+    const bool earlier = std::pair(tile.column, tile.row) < std::pair(best_.column, best_.row);
+    if (triangles > most_ ||
+        (triangles == most_ && most_ > 0 && earlier)) {  // ties by address: any thread order, one picture
+      best_ = tile;
+      best_.texture_rgb = {};
+      most_ = triangles;
+    }
+  }
+  [[nodiscard]] const SceneTile& best() const { return best_; }
+
+ private:
+  SceneTile best_;
+  std::size_t most_ = 0;
+};
+
+/// Takes tiles from any thread.
+class TileFolder {
+ public:
+  explicit TileFolder(const SceneFiles& files)
+      // A trailing slash would leave the folder without a name.
+      : folder_(files.folder.has_filename() ? files.folder : files.folder.parent_path()), picture_file_(files.picture) {
+    fs::create_directories(folder_.path());
+  }
+  void write(const SceneTile& tile, Vec3 site_origin) {
+    io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, site_origin);
+    const std::lock_guard lock(mutex_);
+    entries_.push_back(std::move(entry));
+    origin_ = site_origin;
+    if (!picture_file_.empty()) picture_.offer(tile);
+  }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+  void finish(const Crs& crs) {
+    io::write_tileset(folder_.path(), entries_, crs, origin_);
+    folder_.commit();
+    if (!picture_file_.empty()) io::write_png(picture_file_, picture_of_tile(picture_.best(), scene_tile_m, 900).rgb);
+  }
+
+ private:
+  AtomicFile folder_;
+  fs::path picture_file_;
+  std::mutex mutex_;
+  std::vector<io::TileEntry> entries_;
+  Vec3 origin_;
+  TilePicture picture_;
+};
+}  // namespace
+
+StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
+  const roadquery::RoadMap roads = roadquery::read_opendrive(files.network.string());
+  const PlacedPhoto placed = read_placed_photo(files, roads, options, context);
+  const SiteFrame& site = placed.site;
+  const HeightGrid terrain = read_merged_terrain(files, site, options, context);
+  const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
+  TileFolder folder(files);
+  SceneOptions scene_options = options.scene;
+  scene_options.threads = context.threads;
+  const SceneResult scene = build_scene(
+      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr},
+      [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); }, scene_options,
+      context.monitor);
+  if (folder.empty())
+    throw InputError(files.photo.string(),
+                     "shows no ground that a tile could be made of; check the area and the terrain model");
+  folder.finish(site.crs);
+  if (!files.terrain_grid.empty()) {
+    HeightGrid filled = terrain;
+    scene::fill_holes(filled.height_m);
+    io::write_terrain_grid(files.terrain_grid, filled);
+  }
+  return {.numbers = {{"tiles", scene.tiles},
+                      {"terrain_triangles", scene.terrain_triangles},
+                      {"road_triangles", scene.road_triangles},
+                      {"road_surface_m2", scene.road_surface_m2}},
+          .findings = scene.findings,
+          .summary = {fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road",
+                                  files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
+                                  scene.road_surface_m2)}};
+}
+
+BuildStage scene_stage(SiteBuild& build) {
+  const Site& site = build.site;
+  return {.name = "scene",
+          .options = {site.attribution},
+          .outputs = {"scene", ".orthodrive/scene_tile.png"},
+          .run = [&build, &site] {
+            return run_scene({.network = build.out_dir / "roads.xodr",
+                              .photo = site.photo,
+                              .labels = build.out_dir / "labels.tif",
+                              .dtm = site.dtm,
+                              .folder = build.out_dir / "scene",
+                              .picture = build.out_dir / ".orthodrive/scene_tile.png"},
+                             {.site = site.frame}, build.context);
+          }};
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,28 @@
+#pragma once
+// Stage "scene": roads, photo, labels and terrain -> textured 3D Tiles.
+
+#include "orthodrive/pipeline/build_stage.hpp"
+#include "orthodrive/scene/build_scene.hpp"
+
+namespace orthodrive {
+
+struct SceneFiles {
+  std::filesystem::path network, photo;
+  std::filesystem::path labels;            ///< may be empty: tiles then carry no classes
+  std::vector<std::filesystem::path> dtm;  ///< best first
+  std::filesystem::path folder;            ///< written: tileset.json and *.glb; replaced when all is done
+  std::filesystem::path terrain_grid;      ///< written unless empty: the terrain for simulators, holes filled
+  std::filesystem::path picture;           ///< written unless empty: PNG of the tile with most road triangles
+};
+
+struct RunSceneOptions {
+  /// None: what the photo shows, in the CRS of the roads.
+  std::optional<SiteFrame> site;
+  SceneOptions scene;
+};
+
+StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);
+
+[[nodiscard]] BuildStage scene_stage(SiteBuild& build);
+
+}  // namespace orthodrive

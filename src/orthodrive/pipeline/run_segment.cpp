@@ -1,0 +1,97 @@
+#include "orthodrive/pipeline/run_segment.hpp"
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/weights_io.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+std::optional<CrfModel> choose_crf(const SegmentModel& model, const fs::path& model_file,
+                                   const RunSegmentOptions& options, const StageContext& context) {
+  if (options.crf == CrfUse::none) return std::nullopt;
+  std::optional<CrfModel> crf = model.crf;
+  if (!crf && options.crf == CrfUse::trained)
+    throw InputError(model_file.string(),
+                     "has no CRF: train one with orthodrive train --crf, or leave 'crf' of [segment] false");
+  if (!crf) {
+    context.info("the model has no trained CRF: using the widths and weights of the reference's grid search");
+    crf = reference_crf(static_cast<int>(model.classes.classes.size()));
+  }
+  if (options.crf_iterations > 0) crf->parameters.iterations = options.crf_iterations;
+  return crf;
+}
+
+/// The rasters to write; those without a name are left out.
+struct LabelStreams {
+  io::RasterStream labels;
+  std::optional<io::RasterStream> confidence, road_probability;
+
+  LabelStreams(const SegmentFiles& files, const Crs& crs, const GridFrame& frame, const ClassTable& classes)
+      : labels(io::stream_labels(files.labels, crs, frame, classes)) {
+    if (!files.confidence.empty()) confidence.emplace(io::stream_confidence(files.confidence, crs, frame));
+    if (!files.road_probability.empty())
+      road_probability.emplace(io::stream_confidence(files.road_probability, crs, frame));
+  }
+  void write(const PixelBox& box, const LabelledPixels& pixels) {
+    labels.write(box, pixels.labels);
+    if (confidence) confidence->write(box, pixels.confidence);
+    if (road_probability) road_probability->write(box, pixels.road_probability);
+  }
+  void finish() {
+    labels.finish();
+    if (confidence) confidence->finish();
+    if (road_probability) road_probability->finish();
+  }
+};
+}  // namespace
+
+StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
+  const fs::path model_file = io::find_model(files.model);
+  const SegmentModel& model = context.sources.model(model_file);
+  const SegmentOptions segment{.window_px = options.window_px,
+                               .threads = context.threads,
+                               .crf = choose_crf(model, model_file, options, context)};
+  const PhotoSource photo = io::open_photo(files.photo, options.site ? *options.site : site_of_photo(files.photo),
+                                           {.threads = context.threads});
+  const GridFrame frame = label_frame(photo.frame, model);
+  LabelStreams streams(files, photo.crs, frame, model.classes);
+  SegmentSummary segmented = segment_mosaic(
+      photo, model, [&](const PixelBox& box, const LabelledPixels& pixels) { streams.write(box, pixels); }, segment,
+      context.monitor);
+  if (options.site && segmented.labelled_pixels == 0)
+    throw InputError(files.photo.string(),
+                     "has no data in the area (nodata, alpha or mask); take another photo or area");
+  streams.finish();
+  return {.numbers = {{"photo_gsd_m", photo.frame.gsd_m},
+                      {"gsd_m", frame.gsd_m},
+                      {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
+          .findings = std::move(segmented.findings)};
+}
+
+BuildStage segment_stage(SiteBuild& build) {
+  const Site& site = build.site;
+  const fs::path model_file = io::find_model(site.model);
+  const RunSegmentOptions options{.site = site.frame, .crf = site.crf ? CrfUse::trained : CrfUse::none};
+  return {.name = "segment",
+          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster}, {"model", {model_file}}},
+          .options = {site.crf},
+          .outputs = {"labels.tif", "confidence.tif", "road_probability.tif"},
+          .check =
+              [=, &build, &site] {
+                (void)io::raster_info(site.photo);
+                (void)choose_crf(build.context.sources.model(model_file), model_file, options, build.context);
+              },
+          .run =
+              [=, &build, &site] {
+                return run_segment({.photo = site.photo,
+                                    .model = site.model,
+                                    .labels = build.out_dir / "labels.tif",
+                                    .confidence = build.out_dir / "confidence.tif",
+                                    .road_probability = build.out_dir / "road_probability.tif"},
+                                   options, build.context);
+              }};
+}
+
+}  // namespace orthodrive

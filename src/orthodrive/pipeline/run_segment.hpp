@@ -1,0 +1,35 @@
+#pragma once
+// Stage "segment": photo and model -> labels, confidence, probability of road. Photo and rasters stream.
+
+#include "orthodrive/pipeline/build_stage.hpp"
+#include "orthodrive/segment/segment_mosaic.hpp"
+
+namespace orthodrive {
+
+struct SegmentFiles {
+  std::filesystem::path photo;
+  std::string model = "default";                       ///< name in a models folder, or a file
+  std::filesystem::path labels;                        ///< written
+  std::filesystem::path confidence, road_probability;  ///< written unless empty
+};
+
+enum class CrfUse {
+  none,
+  trained,              ///< the model's; InputError when it has none
+  trained_or_reference  ///< with that of the reference's grid search for models that have none
+};
+
+struct RunSegmentOptions {
+  /// Without an area: all that the photo shows, in its UTM zone. With one: InputError where the photo has no data in
+  /// it.
+  std::optional<SiteFrame> site;
+  CrfUse crf = CrfUse::none;
+  int crf_iterations = 0;  ///< 0: as trained
+  int window_px = 0;       ///< as SegmentOptions
+};
+
+StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context);
+
+[[nodiscard]] BuildStage segment_stage(SiteBuild& build);
+
+}  // namespace orthodrive

@@ -1,0 +1,113 @@
+#include "orthodrive/pipeline/run_synth.hpp"
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+#include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/osm_reader.hpp"
+#include "orthodrive/io/osm_writer.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/synth/plan_from_track.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+constexpr int jpeg_quality = 85;  // visible artefacts, as in photos from map services
+
+std::string toml_text(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) >= 0x20) result += c;
+  }
+  return result + '"';
+}
+
+std::string site_toml(const SynthSite& site) {
+  std::string attribution;
+  for (const std::string& text : site.attribution) attribution += (attribution.empty() ? "" : ", ") + toml_text(text);
+  const Box2& b = site.bounds;
+  return fmt::format(
+      "# A synthetic site with exact truth, made by `orthodrive synth`.\n"
+      "name = {}\n\n"
+      "[area]\ncrs = \"{}\"\nbounds = [{:.1f}, {:.1f}, {:.1f}, {:.1f}]  # min_x, min_y, max_x, max_y in metres\n\n"
+      "[sources]\nphoto = \"ortho.tif\"\nosm = \"roads.osm\"\ndtm = [\"dtm_1m.tif\", \"dtm_10m.tif\"]  # best first\n\n"
+      "{}"
+      "[attribution]\ntext = [{}]\n\n"
+      "[truth]\ndir = \"truth\"\n",
+      toml_text(site.name), site.crs.definition, b.min_x, b.min_y, b.max_x, b.max_y,
+      site.circuit_name.empty()
+          ? std::string()
+          : fmt::format("[drive]\nroute = {}  # name of a closed way\n\n", toml_text(site.circuit_name)),
+      attribution);
+}
+
+void write_site(const fs::path& folder, const SynthSite& site) {
+  const fs::path truth = folder / "truth";
+  fs::create_directories(truth);
+  io::write_photo(folder / "ortho.tif", site.photo, {.jpeg_quality = jpeg_quality});
+  io::write_dtm(folder / "dtm_1m.tif", site.dtm_1m);
+  io::write_dtm(folder / "dtm_10m.tif", site.dtm_10m);
+  io::write_osm(folder / "roads.osm", site.osm);
+
+  io::write_labels(truth / "labels.tif", site.labels);
+  io::write_dtm(truth / "dtm_1m.tif", site.true_dtm);
+  io::write_roads(truth / "roads.gpkg", site.roads);
+  std::vector<io::Feature> surfaces, lines;
+  for (std::size_t i = 0; i < site.roads.paths.size(); ++i) {
+    const RoadPath& path = site.roads.paths[i];
+    const SynthSurface& surface = site.surfaces[i];
+    const std::string id = fmt::format("{}", path.osm_id);
+    surfaces.push_back(
+        {.polygons = {surface.polygon},
+         .tags = {{"id", id}, {"kind", surface.highway}, {"visibility", fmt::format("{:.3f}", surface.visibility)}}});
+    lines.push_back({.lines = {centerline(path)}, .tags = {{"of", id}, {"osm_id", id}, {"highway", path.highway}}});
+  }
+  io::write_geojson(truth / "surface.geojson", surfaces, site.crs);
+  io::write_geojson(truth / "centrelines.geojson", lines, site.crs);
+  write_text_file(folder / "site.toml", site_toml(site));  // last: a folder with a site file is complete
+}
+
+SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, StageContext& context) {
+  synth::TrackSources sources{
+      .file = files.track.string(), .osm_file = files.track_osm.string(), .heights_file = files.track_heights.string()};
+  sources.rows = synth::parse_track(io::read_file(files.track), sources.file);
+  if (!sources.osm_file.empty()) {
+    sources.osm = io::read_osm(files.track_osm, {"EPSG:32633"});
+    if (sources.osm.ways.empty()) throw InputError(sources.osm_file, "has no ways");
+  }
+  if (!sources.heights_file.empty())
+    sources.heights = synth::parse_heights(io::read_file(files.track_heights), sources.heights_file);
+  SynthSite site = make_site(synth::plan_from_track(sources, options.seed), options, context.monitor);
+  site.attribution = {fmt::format("Road edges: {}, see its licence", files.track.filename().string())};
+  if (!sources.osm_file.empty()) site.attribution.push_back("Roads: OpenStreetMap contributors, ODbL");
+  if (!sources.heights_file.empty())
+    site.attribution.push_back(fmt::format("Heights: {}, see its licence", files.track_heights.filename().string()));
+  site.attribution.push_back("All else made up by orthodrive synth");
+  const synth::TrackErrors errors = synth::measure_track(sources.rows, site.roads);
+  context.info(
+      fmt::format("lap {:.2f} m; given edges lie {:.3f} m (mean), {:.3f} m (p95), {:.3f} m (most) from the true "
+                  "carriageway's",
+                  errors.lap_m, errors.edge_mean_m, errors.edge_p95_m, errors.edge_most_m));
+  return site;
+}
+}  // namespace
+
+StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
+  SynthOptions synth = options;
+  synth.threads = context.threads;
+  const SynthSite site =
+      files.track.empty() ? make_preset(preset, synth, context.monitor) : make_track_site(files, synth, context);
+  write_site(files.folder, site);
+  double road_m = 0.0;
+  for (const RoadPath& path : site.roads.paths) road_m += path.nodes.back().s_m;
+  return {.summary = {fmt::format("{}: {} ways, {:.1f} km of road, written to {}", site.name, site.roads.paths.size(),
+                                  road_m / 1000.0, files.folder.string())}};
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,205 @@
+#include "orthodrive/pipeline/run_train.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/caffe_model.hpp"
+#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/safetensors_stream.hpp"
+#include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/pipeline/packed_scenes.hpp"
+#include "orthodrive/pipeline/training_data.hpp"
+#include "orthodrive/pipeline/training_run.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+
+namespace {
+/// What an experiment trains: its network with its class table.
+struct Network {
+  NetworkSpec spec;
+  ClassTable classes;
+};
+
+Network read_network(const fs::path& file) {
+  Network network{parse_network_spec(io::read_file(file), file), default_class_table()};
+  const fs::path& table = network.spec.class_table_file;
+  if (!table.empty()) network.classes = parse_class_table(io::read_file(table), table);
+  return network;
+}
+
+void add_data(Experiment& experiment, const Experiment& other) {
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(experiment.maps, other.maps);
+  append(experiment.images, other.images);
+  append(experiment.rasters, other.rasters);
+  append(experiment.polygons, other.polygons);
+}
+
+/// An experiment with the network that it trains.
+struct OpenExperiment {
+  std::string text;
+  Experiment experiment;
+  Network network;
+};
+
+OpenExperiment open_experiment(const fs::path& file, const StageContext& context) {
+  OpenExperiment open{.text = io::read_file(file)};
+  open.experiment = parse_experiment(open.text, file);
+  const fs::path& more = open.experiment.data_from;
+  if (!more.empty()) add_data(open.experiment, parse_experiment(io::read_file(more), more));
+  open.network = read_network(open.experiment.network);
+  open.experiment.train.threads = context.threads;
+  return open;
+}
+
+TrainingData read_data(const OpenExperiment& open, const fs::path& file, const StageContext& context) {
+  TrainingData data = read_training_data(open.experiment, open.network.spec.gsd_m, open.network.classes,
+                                         context.threads, context.monitor);
+  if (std::ranges::none_of(data.scenes,
+                           [](const TrainingScene& s) { return s.weight > 0.0 && s.from_step <= 0 && !s.crf_only; })) {
+    throw InputError(file.string(),
+                     "has nothing to train on at step 0: add [[map]], [[images]], [[raster]] or [[polygons]] that is "
+                     "not held out, with a weight above 0 and from_step 0");
+  }
+  return data;
+}
+
+bool is_caffe_model(const fs::path& file) { return file.extension() == ".caffemodel"; }
+
+WeightsSource read_weights(const fs::path& file) {
+  if (!is_caffe_model(file)) return {file.filename().string(), read_safetensors(file)};
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string(), "cannot be opened: does it exist?");
+  return {file.filename().string(), read_caffe_model(stream, file.string())};
+}
+
+/// For a machine without protobuf.
+fs::path write_portable_weights(const fs::path& file, const fs::path& pack) {
+  if (!is_caffe_model(file)) return file;
+  fs::path portable = pack;
+  portable.replace_filename(fmt::format("{}_{}.safetensors", pack.stem().string(), file.stem().string()));
+  write_text_file(portable, format_safetensors(read_weights(file).file));
+  return portable;
+}
+}  // namespace
+
+void run_train(const TrainFiles& files, const RunTrainOptions& options, StageContext& context) {
+  OpenExperiment open = open_experiment(files.experiment, context);
+  open.experiment.train.cuda = options.cuda;
+  prepare_training_folder(files.folder, options.resume, options.crf);
+  TrainingData data = read_data(open, files.experiment, context);
+  const auto read_all_weights = [&open] {
+    std::vector<WeightsSource> sources;
+    for (const fs::path& file : open.experiment.weights) sources.push_back(read_weights(file));
+    return sources;
+  };
+  run_training({.out = files.folder,
+                .experiment_text = open.text,
+                .experiment = open.experiment,
+                .network = open.network.spec,
+                .classes = open.network.classes,
+                .scenes = std::move(data.scenes),
+                .validation = std::move(data.validation),
+                .read_weights = read_all_weights,
+                .resume = options.resume,
+                .crf = options.crf},
+               context.monitor);
+}
+
+void preview_training(const TrainFiles& files, StageContext& context) {
+  const OpenExperiment open = open_experiment(files.experiment, context);
+  fs::create_directories(files.folder);
+  const TrainingData data = read_data(open, files.experiment, context);
+  const ClassTable& classes = open.network.classes;
+  for (const TrainingScene& scene : data.scenes)
+    io::write_png(files.folder / (scene.name + ".png"), label_preview(scene.rgb, scene.allowed, classes));
+  for (const ValidationScene& scene : data.validation)
+    io::write_png(files.folder / (scene.name + "_held_out.png"),
+                  label_preview(scene.photo.rgb, scene.allowed, classes));
+}
+
+void pack_training(const TrainFiles& files, const fs::path& pack, const RunTrainOptions& options,
+                   StageContext& context) {
+  const OpenExperiment open = open_experiment(files.experiment, context);
+  if (!files.folder.empty()) prepare_training_folder(files.folder, options.resume, options.crf);
+  TrainingData data = read_data(open, files.experiment, context);
+  const NetworkSpec& spec = open.network.spec;
+  PackedScenes packed{
+      std::move(data.scenes), std::move(data.validation),
+      format_model_metadata({spec.architecture(), open.network.classes, spec.gsd_m, spec.finest_gsd_m})};
+  packed.metadata["experiment"] = open.text;
+  packed.metadata["network"] = io::read_file(open.experiment.network);
+  AtomicFile aside(pack);
+  std::ofstream stream(aside.path(), std::ios::binary);
+  write_packed_scenes(stream, packed);
+  stream.close();
+  if (!stream) throw Error(fmt::format("{}: cannot be written, is the disk full?", pack.string()));
+  aside.commit();
+  for (const fs::path& file : open.experiment.weights)
+    context.info(fmt::format("carry along: {}  (--weights)", write_portable_weights(file, pack).string()));
+}
+
+namespace {
+SegmentModel read_measured_model(const MeasureOptions& options, const ClassTable& classes) {
+  const fs::path file = io::find_model(options.model);
+  SegmentModel model = load_model(io::read_weights(file), file.string());
+  if (model.classes.classes.size() != classes.classes.size())
+    throw InputError(file.string(),
+                     fmt::format("has the class table '{}', the experiment '{}'", model.classes.name, classes.name));
+  if (!options.crf) model.crf.reset();
+  if (options.crf && !model.crf) model.crf = reference_crf(static_cast<int>(classes.classes.size()));
+  return model;
+}
+
+using ValidationSets = std::map<std::string, std::vector<ValidationScene>>;
+
+ValidationSets choose_sets(std::vector<ValidationScene> scenes, const std::vector<std::string>& wanted) {
+  ValidationSets sets;
+  for (ValidationScene& scene : scenes)
+    if (wanted.empty() || std::ranges::find(wanted, scene.name) != wanted.end())
+      sets[scene.name].push_back(std::move(scene));
+  for (const std::string& name : wanted)
+    if (!sets.contains(name)) throw OptionError(fmt::format("--set {}: the experiment holds out no such data", name));
+  return sets;
+}
+
+nlohmann::ordered_json measure_set(const SegmentModel& model, const std::vector<ValidationScene>& set, int threads) {
+  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
+  double megapixels = 0.0;
+  for (const ValidationScene& scene : set) megapixels += 1e-6 * static_cast<double>(scene.allowed.data.size());
+  const auto start = std::chrono::steady_clock::now();
+  const LabelScore score = measure_model(model, set, threads).begin()->second;
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  nlohmann::ordered_json entry{{"road_iou", rounded(score.iou(road_label(model.classes)))},
+                               {"mean_iou", rounded(score.mean_iou())},
+                               {"pixel_accuracy", rounded(score.pixel_accuracy())},
+                               {"megapixels", rounded(megapixels)},
+                               {"seconds", rounded(seconds)}};
+  for (std::size_t c = 0; c < model.classes.classes.size(); ++c)
+    entry["iou"][model.classes.classes[c].name] = rounded(score.iou(static_cast<int>(c)));
+  return entry;
+}
+}  // namespace
+
+nlohmann::ordered_json measure_on_held_out_data(const fs::path& experiment, const MeasureOptions& options,
+                                                StageContext& context) {
+  const OpenExperiment open = open_experiment(experiment, context);
+  std::vector<ValidationScene> scenes = read_held_out_data(open.experiment, open.network.spec.gsd_m,
+                                                           open.network.classes, context.threads, context.monitor);
+  const SegmentModel model = read_measured_model(options, open.network.classes);
+  nlohmann::ordered_json json;
+  for (const auto& [name, set] : choose_sets(std::move(scenes), options.sets))
+    json[name] = measure_set(model, set, context.threads);
+  return json;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,54 @@
+#pragma once
+// The sources of a run, each read once and kept for the stages that follow.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orthodrive/core/monitor.hpp"
+#include "orthodrive/io/drive_log_io.hpp"
+#include "orthodrive/io/gpx_reader.hpp"
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/model/site_frame.hpp"
+#include "orthodrive/segment/segment_model.hpp"
+
+namespace orthodrive {
+
+struct OsmRoads {
+  RoadNetwork roads;  ///< of all files, by osm_id, then part
+  Findings findings;
+};
+struct Terrain {
+  std::vector<HeightGrid> dtms;  ///< best first
+  Findings findings;
+};
+
+/// A run has one site and one of each source: what was read first is what every later call gets, whatever it asks for.
+class Sources {
+ public:
+  using Files = std::vector<std::filesystem::path>;
+  const Photo& photo(const std::filesystem::path& file, const SiteFrame& site, int threads);
+  /// Throws OptionError for a way that is in two of the files.
+  const OsmRoads& osm(const Files& files, const SiteFrame& site);
+  const io::GpxTraces& gpx(const Files& files, const SiteFrame& site);
+  const io::DriveLogs& drive_logs(const Files& files, const SiteFrame& site);
+  const Terrain& terrain(const Files& dtm, const SiteFrame& site);
+  const SegmentModel& model(const std::filesystem::path& file);
+
+ private:
+  std::optional<Photo> photo_;
+  std::optional<OsmRoads> osm_;
+  std::optional<io::GpxTraces> gpx_;
+  std::optional<io::DriveLogs> drive_logs_;
+  std::optional<Terrain> terrain_;
+  std::optional<SegmentModel> model_;
+};
+
+[[nodiscard]] Terrain read_terrain(const Sources::Files& dtm, const SiteFrame& site);
+
+/// All that the photo shows, in the UTM zone of its centre: the site of a photo that no site file describes.
+[[nodiscard]] SiteFrame site_of_photo(const std::filesystem::path& photo);
+
+}  // namespace orthodrive

@@ -1,0 +1,50 @@
+#pragma once
+// report.html of a built site: one page a person wants to look at, with pictures, plots and numbers of every stage.
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orthodrive/core/finding.hpp"
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/road_network.hpp"
+#include "orthodrive/report/html.hpp"
+#include "roadquery/road_map.hpp"
+
+namespace orthodrive {
+
+/// A stage as the page shows it.
+struct ReportStage {
+  std::string name;
+  nlohmann::json numbers;
+  Findings findings;
+  double seconds = 0.0;
+  std::uint64_t peak_memory_bytes = 0;
+  bool taken_over = false;  ///< from an earlier run
+};
+
+/// What the page shows. Borrowed, in the site CRS.
+struct SiteReportView {
+  const std::string& name;
+  const Polygon& area;
+  const std::vector<std::string>& attribution;
+  const Photo& photo;
+  const RoadNetwork& osm;
+  const std::vector<HeightGrid>& dtms;
+  const LabelMap& labels;
+  const RoadNetwork& roads;  ///< refined, with heights
+  const roadquery::RoadMap& map;
+  std::optional<Raster<std::uint8_t>> scene_tile;  ///< picture of one tile
+  std::string lap_csv;                             ///< as lap_report.hpp makes it; empty: not driven
+  std::string lap_plots;                           ///< likewise
+  const std::vector<ReportStage>& stages;
+  const nlohmann::json& scores;  ///< of the result and of the input against the site's truth; null without truth
+  PictureEncoders encoders;
+};
+
+/// Self-contained; pictures are inline JPEGs.
+[[nodiscard]] std::string site_report_html(const SiteReportView& view);
+
+}  // namespace orthodrive

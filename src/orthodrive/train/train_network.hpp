@@ -1,0 +1,141 @@
+#pragma once
+// Training: AdamW on random crops with weak labels.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orthodrive/core/monitor.hpp"
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/tensor_file.hpp"
+#include "orthodrive/nets/model_metadata.hpp"
+#include "orthodrive/segment/segment_model.hpp"
+#include "orthodrive/train/search_crf.hpp"
+#include "orthodrive/train/training_scene.hpp"
+
+namespace orthodrive {
+
+enum class Solver {
+  adamw,  ///< Loshchilov and Hutter, 2019, on the weighted mean of the loss
+  sgd     ///< with momentum, Caffe's update rule
+};
+
+/// Learning the CRF's weights together with the network's. Weights are learned as logarithms of their ratio to the
+/// start and the compatibility as difference to it, so that one rate fits values of any size; both are drawn back to
+/// the start.
+struct CrfTraining {
+  CrfModel start;
+  double learning_rate = 0.02;  ///< relative change a step, at the peak of the schedule
+  double shrinkage = 0.05;      ///< decoupled decay towards the start
+};
+
+/// The learning rate rises linearly over `warmup_steps`, stays, and falls as a half cosine to 0 from `decay_from_step`
+/// to `steps`. So a run can be prolonged before its decay begins without changing what it has done so far.
+struct TrainOptions {
+  std::int64_t steps = 2000, warmup_steps = 100, decay_from_step = 1500;
+  Solver solver = Solver::adamw;
+  double learning_rate = 1e-3;
+  double momentum = 0.9;                      ///< sgd only
+  double trunk_rate_factor = 0.5;             ///< layers that ImageNet weights exist for move slower
+  double weight_decay = 1e-4;                 ///< decoupled from the rate's adaption in adamw; kernels only
+  bool sum_loss = false;                      ///< the reference's unnormalised loss, summed over pixels
+  std::int64_t freeze_norm_from_step = 1500;  ///< from here batch norm uses its running statistics, as prediction does
+  int batch = 4;
+  int crop_px = 384;  ///< edge of what the network sees
+  int label_px = 0;   ///< edge of the centre that is learned from; 0: all of the crop that gets scores
+  Augmentation augmentation;
+  std::vector<float> class_weights;  ///< empty: all 1
+  bool balance_classes = false;      ///< class_weights by median frequency instead (Eigen and Fergus, 2015)
+  float set_weight = 1.0F;           ///< of pixels with several allowed classes
+  double jaccard_weight = 0.0;       ///< of jaccard_loss beside allowed_class_loss; network only
+  std::uint64_t seed = 1;
+  std::int64_t validate_every = 200;  ///< steps; 0 = only at the end, -1 = never
+  int early_stop_after = 0;           ///< validations without a better mean IoU; 0 = never
+  int threads = 0;                    ///< results repeat for the same number only: sums run in parallel
+  std::optional<CrfTraining> crf;     ///< learn a CRF on top, end to end
+  bool cuda = false;                  ///< train on the GPU; throws OptionError where libtorch has none
+};
+/// Solver and learning rates of the reference: SGD, batch 1, rate 1e-10 on a summed loss, momentum 0.99, weight decay
+/// 5e-4, tiles of 256 px within 450 px, mirrored and turned by quarters.
+[[nodiscard]] TrainOptions reference_train_options();
+
+struct ValidationScene {
+  std::string name;
+  Photo photo;
+  Raster<ClassSet> allowed;  ///< on the photo's grid, which has the model's scale
+};
+
+/// One row of the log.
+struct TrainReport {
+  std::int64_t step = 0;
+  double learning_rate = 0.0, loss = 0.0;
+  double seconds = 0.0;                                      ///< since this process began training
+  std::optional<double> road_iou, mean_iou, pixel_accuracy;  ///< where validated
+  std::string validation;                                    ///< name of the validation set, or "mean" of all
+  std::string stage;                                         ///< architecture in training
+};
+
+/// The best validation so far.
+struct BestScore {
+  std::int64_t step = -1;
+  double mean_iou = -1.0;  ///< mean over the validation sets
+  int validations_since = 0;
+};
+
+/// The network in training and the optimizer's state.
+class Trainer {
+ public:
+  /// `start`: weights of all layers (net_surgery.hpp); `source` names them in messages. metadata.architecture names the
+  /// network. Throws OptionError for options that do not fit it.
+  Trainer(const TensorFile& start, const std::string& source, const ModelMetadata& metadata, TrainOptions options);
+  ~Trainer();
+  Trainer(Trainer&&) noexcept;
+  Trainer& operator=(Trainer&&) noexcept;
+
+  [[nodiscard]] std::int64_t step() const;
+  /// One step; returns its loss. Throws Error when the loss is no number; the weights are then as before the step.
+  double advance(const std::vector<TrainingScene>& scenes);
+  /// Everything needed to go on, F32. Throws Error when a weight is no number or beyond half precision.
+  [[nodiscard]] TensorFile checkpoint() const;
+  /// Throws InputError when it is of another network or incomplete; nothing has changed then.
+  void restore(const TensorFile& checkpoint, const std::string& source);
+  /// The model file: kernels F16, with metadata. Throws as checkpoint().
+  [[nodiscard]] TensorFile model_file() const;
+  [[nodiscard]] TensorFile weights() const;    ///< F32, to start another network from
+  [[nodiscard]] double learning_rate() const;  ///< at the present step
+  [[nodiscard]] const ModelMetadata& metadata() const;
+  [[nodiscard]] std::optional<CrfModel> crf() const;  ///< as learned so far
+  /// Crops as training draws them, with -log p of the network as it predicts.
+  [[nodiscard]] std::vector<CrfSample> crf_samples(const std::vector<TrainingScene>& scenes, int count) const;
+  BestScore best;  ///< kept in checkpoints
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Median frequency balancing over pixels with one known class, between 1/8 and 8; scenes count by their weight.
+[[nodiscard]] std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes);
+
+/// Scores by name; scenes of one name count together. The scenes must have the model's scale.
+[[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model,
+                                                              const std::vector<ValidationScene>& scenes,
+                                                              int threads = 0);
+/// Label of the class with role road. Throws OptionError when there is none.
+[[nodiscard]] int road_label(const ClassTable& classes);
+
+struct TrainHooks {
+  std::function<void(const TrainReport&)> report;  ///< every 10 steps and after each validation
+  std::function<void(const Trainer&)> checkpoint;  ///< after each validation round and at the end
+  std::function<void(const Trainer&)> best;        ///< after a validation with the best mean IoU so far
+};
+
+/// Trains until options.steps or the early stop, validating on the way.
+void train_network(Trainer& trainer, const TrainOptions& options, const std::vector<TrainingScene>& scenes,
+                   const std::vector<ValidationScene>& validation, const TrainHooks& hooks, Monitor* monitor = nullptr);
+
+}  // namespace orthodrive

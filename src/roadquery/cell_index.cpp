@@ -1,0 +1,205 @@
+#include "roadquery/cell_index.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "roadquery/baked_surface.hpp"
+#include "roadquery/overlaps.hpp"
+
+namespace roadquery {
+namespace {
+
+constexpr std::size_t most_entries = 60'000'000;  // 480 MB
+constexpr double most_turn_rad = 1.2;             // of the line within one entry
+
+struct CellStation {
+  std::int32_t column = 0, row = 0;
+  std::uint32_t station = 0;
+};
+
+/// Whether the rectangle, grown by the margin, touches the cell: separating axes of both.
+bool touches(const Station& q, const StationBox& box, double column, double row, double margin_m) {
+  const double half = 0.5 * cell_m;
+  const FramePoint middle = in_frame(q, (column + 0.5) * cell_m, (row + 0.5) * cell_m);
+  const double spread = half * (std::abs(q.cos_hdg) + std::abs(q.sin_hdg)) + margin_m;
+  return middle.along >= box.along_min - spread && middle.along <= box.along_max + spread &&
+         middle.left >= box.left_min - spread && middle.left <= box.left_max + spread;
+}
+
+std::int32_t cell_of(double v) { return static_cast<std::int32_t>(std::floor(v / cell_m)); }
+
+/// Calls visit(column, row) for the cells that the station's box, grown by the margin, touches.
+template <typename Visit>
+void for_cells(const Station& q, const StationBox& box, double margin_m, const Visit& visit) {
+  double west = q.x, east = q.x, south = q.y, north = q.y;
+  for (const double a : {box.along_min, box.along_max}) {
+    for (const double l : {box.left_min, box.left_max}) {
+      const double x = q.x + a * q.cos_hdg - l * q.sin_hdg, y = q.y + a * q.sin_hdg + l * q.cos_hdg;
+      west = std::min(west, x), east = std::max(east, x), south = std::min(south, y), north = std::max(north, y);
+    }
+  }
+  for (std::int32_t row = cell_of(south - margin_m); row <= cell_of(north + margin_m); ++row)
+    for (std::int32_t column = cell_of(west - margin_m); column <= cell_of(east + margin_m); ++column)
+      if (touches(q, box, column, row, margin_m)) visit(column, row);
+}
+
+double turn_of(const Station& q) { return 4.0 * std::abs(static_cast<double>(q.bend[0][1])) * q.half_m; }
+
+struct CellRange {
+  std::int32_t column = 0, row = 0;
+  StationRange range;
+};
+
+/// The cells of a road's stations, as ranges of successive stations that turn little.
+void append_ranges(const BakedRoads& roads, std::vector<CellStation>& cells, std::vector<CellRange>& ranges) {
+  constexpr std::uint32_t most_in_entry = 60'000;
+  std::sort(cells.begin(), cells.end(), [](const CellStation& a, const CellStation& b) {
+    if (a.row != b.row) return a.row < b.row;
+    return a.column != b.column ? a.column < b.column : a.station < b.station;
+  });
+  double turn = 0.0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const CellStation& c = cells[i];
+    turn += turn_of(roads.stations[c.station]);
+    const bool goes_on = i > 0 && cells[i - 1].column == c.column && cells[i - 1].row == c.row &&
+                         cells[i - 1].station + 1 == c.station && turn <= most_turn_rad &&
+                         c.station - ranges.back().range.first < most_in_entry;
+    if (goes_on) {
+      ranges.back().range.last = c.station;
+    } else {
+      ranges.push_back({c.column, c.row, {c.station, c.station}});
+      turn = turn_of(roads.stations[c.station]);
+    }
+  }
+  if (ranges.size() > most_entries) throw std::runtime_error("the roads cover too large an area");
+}
+
+std::int16_t to_cm(double m, bool up) {
+  const double cm = up ? std::ceil(100.0 * m) : std::floor(100.0 * m);
+  return static_cast<std::int16_t>(std::clamp(cm, -32767.0, 32767.0));
+}
+
+CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
+  CellEntry entry;
+  entry.first = r.range.first;
+  entry.count = static_cast<std::uint16_t>(r.range.last - r.range.first + 1);
+  entry.middle = entry.count / 2;
+  const Station& middle = roads.stations[entry.first + entry.middle];
+  entry.x = static_cast<float>(middle.x - r.column * cell_m), entry.y = static_cast<float>(middle.y - r.row * cell_m);
+  entry.curvature = 2.0F * middle.bend[0][1] / (middle.speed * middle.speed);
+  entry.cos_hdg = static_cast<std::int16_t>(std::lround(32767.0 * middle.cos_hdg));
+  entry.sin_hdg = static_cast<std::int16_t>(std::lround(32767.0 * middle.sin_hdg));
+  double along_min = 1e30, along_max = -1e30, left_min = 1e30, left_max = -1e30;
+  const double c = entry.cos_hdg / 32767.0, n = entry.sin_hdg / 32767.0;
+  for (std::uint32_t i = r.range.first; i <= r.range.last; ++i) {
+    const Station& q = roads.stations[i];
+    const LaneStretch& lanes = roads.stretches[q.lanes];
+    for (const double part : {-1.0, 0.0, 1.0}) {
+      const double u = part * q.half_m;
+      const LinePolynomial line = line_at(q, u);
+      const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
+      const double edges[2] = {cubic_at(lanes.right_edge, q.s + u - lanes.s),
+                               cubic_at(lanes.left_edge, q.s + u - lanes.s)};
+      for (const double t : {edges[0], 0.5 * (edges[0] + edges[1]), edges[1]}) {
+        const double a = line.position[0] - t * line.tangent[1] / speed,
+                     l = line.position[1] + t * line.tangent[0] / speed;
+        const double dx = q.x - middle.x + a * q.cos_hdg - l * q.sin_hdg,
+                     dy = q.y - middle.y + a * q.sin_hdg + l * q.cos_hdg;
+        const double along = dx * c + dy * n, left = dy * c - dx * n - 0.5 * entry.curvature * along * along;
+        along_min = std::min(along_min, along), along_max = std::max(along_max, along);
+        left_min = std::min(left_min, left), left_max = std::max(left_max, left);
+      }
+    }
+  }
+  entry.along_min = to_cm(along_min - outline_margin_m, false),
+  entry.along_max = to_cm(along_max + outline_margin_m, true);
+  entry.left_min = to_cm(left_min - outline_margin_m, false), entry.left_max = to_cm(left_max + outline_margin_m, true);
+  return entry;
+}
+
+}  // namespace
+
+CellIndex::CellIndex(const BakedRoads& roads) {
+  std::vector<CellRange> ranges;
+  std::vector<CellStation> cells;
+  for (std::size_t road = 0; road + 1 < roads.first_station.size(); ++road) {
+    cells.clear();
+    for (std::uint32_t i = roads.first_station[road]; i < roads.first_station[road + 1]; ++i) {
+      const Station& q = roads.stations[i];
+      if (q.shape_count == unusable_station) continue;
+      for_cells(q, station_box(roads, q), cell_margin_m, [&](std::int32_t column, std::int32_t row) {
+        cells.push_back({column, row, i});
+      });
+      if (cells.size() > most_entries) throw std::runtime_error("the roads cover too large an area");
+    }
+    append_ranges(roads, cells, ranges);
+  }
+  if (ranges.empty()) return;
+  std::size_t capacity = 2;
+  while (capacity < 2 * ranges.size()) capacity *= 2;
+  slots_.resize(capacity);
+  for (const CellRange& r : ranges) {
+    Slot& slot = slots_[slot_of(r.column, r.row)];
+    slot.column = r.column, slot.row = r.row, ++slot.count;
+  }
+  std::size_t used = 0;
+  for (const Slot& slot : slots_) used += slot.count > 0 ? 1 : 0;
+  std::vector<Slot> all;
+  all.swap(slots_);
+  for (capacity = 2; capacity < 2 * used;) capacity *= 2;
+  slots_.resize(capacity);
+  std::uint32_t begin = 0;
+  for (const Slot& slot : all) {
+    if (slot.count == 0) continue;
+    slots_[slot_of(slot.column, slot.row)] = {slot.column, slot.row, begin, slot.count};
+    begin += slot.count;
+  }
+  entries_.resize(ranges.size());
+  std::vector<std::uint32_t> filled(slots_.size(), 0);
+  for (const CellRange& r : ranges) {
+    const std::size_t slot = slot_of(r.column, r.row);
+    entries_[slots_[slot].begin + filled[slot]++] = outline_of(roads, r);
+  }
+}
+
+/// The slot of a cell, or the empty one where it would be.
+std::size_t CellIndex::slot_of(std::int32_t column, std::int32_t row) const {
+  const std::size_t mask = slots_.size() - 1;
+  const std::uint64_t key = (std::uint64_t{static_cast<std::uint32_t>(row)} << 32) | static_cast<std::uint32_t>(column);
+  std::uint64_t mixed = key * 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing (Knuth, vol. 3, 6.4)
+  mixed ^= mixed >> 32;
+  std::size_t slot = static_cast<std::size_t>(mixed) & mask;
+  while (slots_[slot].count != 0 && (slots_[slot].column != column || slots_[slot].row != row))
+    slot = (slot + 1) & mask;
+  return slot;
+}
+
+Cell CellIndex::at(double x, double y) const {
+  constexpr double farthest_m = 4e9;  // more than any road has, less than an index holds
+  if (slots_.empty() || !(std::abs(x) < farthest_m && std::abs(y) < farthest_m)) return {};
+  const double column = std::floor(x * (1.0 / cell_m)), row = std::floor(y * (1.0 / cell_m));
+  const Slot& slot = slots_[slot_of(static_cast<std::int32_t>(column), static_cast<std::int32_t>(row))];
+  return {{entries_.data() + slot.begin, slot.count},
+          static_cast<float>(x - column * cell_m),
+          static_cast<float>(y - row * cell_m)};
+}
+
+void CellIndex::append_near(const Station& q, const StationBox& box, std::uint32_t index,
+                            std::vector<std::uint32_t>& seen_by, std::vector<std::uint32_t>& stations) const {
+  for_cells(q, box, 0.0, [&](std::int32_t column, std::int32_t row) {
+    const Slot& slot = slots_[slot_of(column, row)];
+    for (std::uint32_t e = slot.begin; e < slot.begin + slot.count; ++e) {
+      const CellEntry& entry = entries_[e];
+      if (index - entry.first < entry.count) continue;  // its own part of its own road
+      for (std::uint32_t k = entry.first; k < entry.first + entry.count; ++k) {
+        if (seen_by[k] == index) continue;
+        seen_by[k] = index;
+        stations.push_back(k);
+      }
+    }
+  });
+}
+
+}  // namespace roadquery

@@ -1,0 +1,106 @@
+#include "roadquery/ground_query.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace roadquery {
+namespace {
+
+constexpr double same_level_m = 1.5;  // as for the query
+
+Hit terrain_hit(const TerrainPoint& ground) {
+  Hit hit;
+  const double norm = std::sqrt(1.0 + ground.dz_dx * ground.dz_dx + ground.dz_dy * ground.dz_dy);
+  hit.z = ground.z;
+  hit.normal = {-ground.dz_dx / norm, -ground.dz_dy / norm, 1.0 / norm};
+  hit.surface = SurfaceClass::ground;
+  return hit;
+}
+
+/// Terrain lies in the CRS of the geoReference; the roads lie where the header's offset has been added to, or not.
+void move_to_roads(TerrainGrid& terrain, const RoadMap& map, HeaderOffset offset) {
+  const double times = offset == HeaderOffset::add ? 0.0 : offset == HeaderOffset::ignore ? 1.0 : 2.0;
+  terrain.west -= times * map.header_offset_m[0];
+  terrain.south -= times * map.header_offset_m[1];
+  for (float& z : terrain.z) z -= static_cast<float>(times * map.header_offset_m[2]);
+}
+
+}  // namespace
+
+GroundQuery::GroundQuery(RoadMap map, std::optional<TerrainGrid> terrain, double verge_m)
+    : roads_(std::move(map)), terrain_(std::move(terrain)), verge_m_(verge_m) {
+  for (const Road& road : roads_.map().roads) ids_.push_back({road.id, road.junction});
+  if (terrain_ && verge_m_ > 0.0) borders_.emplace(roads_, verge_m_);
+}
+
+GroundHit GroundQuery::find(double x, double y, double z_guess, Cursor& cursor) const {
+  const auto hit = roads_.find(x, y, z_guess, cursor);
+  if (!terrain_) return hit ? GroundHit{place_of(*hit), *hit} : GroundHit{};
+  // On a road, near it: the terrain is not asked.
+  if (hit && !(std::abs(hit->z - z_guess) > same_level_m)) return {place_of(*hit), *hit};
+  const auto ground = ground_beside_roads(x, y);
+  if (!ground) return hit ? GroundHit{place_of(*hit), *hit} : GroundHit{};
+  const bool other_level = hit && std::abs(ground->z - hit->z) > same_level_m;
+  if (hit && !(other_level && std::abs(ground->z - z_guess) < std::abs(hit->z - z_guess)))
+    return {place_of(*hit), *hit};
+  return {Place::terrain, terrain_hit(*ground)};
+}
+
+GroundHeight GroundQuery::find_height(double x, double y, double z_guess, Cursor& cursor) const {
+  if (terrain_) {
+    const GroundHit found = find(x, y, z_guess, cursor);
+    return {found.place, found.hit.z};
+  }
+  const auto z = roads_.find_height(x, y, z_guess, cursor);
+  if (!z) return {};
+  return {ids(cursor.road).junction >= 0 ? Place::junction : Place::road, *z};
+}
+
+std::optional<TerrainPoint> GroundQuery::ground_beside_roads(double x, double y) const {
+  const auto terrain = evaluate(*terrain_, x, y);
+  if (!terrain || !borders_) return terrain;
+  const auto border = borders_->nearest(x, y);
+  if (!border) return terrain;
+  // z = e + w (g - e), w = u^2 (3 - 2 u), u = distance / verge; its gradient by the product rule.
+  const double u = border->distance_m / verge_m_, w = u * u * (3.0 - 2.0 * u);
+  const double dw_dd = 6.0 * u * (1.0 - u) / verge_m_, rise = terrain->z - border->z;
+  const double away = border->distance_m > 0.0 ? 1.0 / border->distance_m : 0.0;
+  return TerrainPoint{border->z + w * rise,
+                      border->dz_dx + w * (terrain->dz_dx - border->dz_dx) + rise * dw_dd * (x - border->x) * away,
+                      border->dz_dy + w * (terrain->dz_dy - border->dz_dy) + rise * dw_dd * (y - border->y) * away};
+}
+
+SurfacePoint GroundQuery::point(int road, double s, double t) const {
+  SurfacePoint point = surface_point(roads_.map().roads[static_cast<std::size_t>(road)], s, t);
+  Cursor cursor{road, s};
+  const auto hit = roads_.find(point.x, point.y, point.z, cursor);
+  if (!hit || std::abs(hit->z - point.z) > same_level_m) return point;
+  point.z = hit->z;
+  for (std::size_t k = 0; k < 3; ++k) point.normal[k] = hit->normal[k];
+  return point;
+}
+
+GroundQuery read_ground(const GroundFiles& files, GroundStage& stage) {
+  stage = GroundStage::network;
+  RoadMap map = read_opendrive(files.network, files.offset);
+  std::optional<TerrainGrid> terrain;
+  if (!files.terrain.empty()) {
+    stage = GroundStage::terrain;
+    terrain = read_terrain_grid(files.terrain);
+    if (map.header_offset_hdg != 0.0)
+      throw std::runtime_error(files.terrain + ": cannot be laid under roads whose <offset> has a heading");
+    move_to_roads(*terrain, map, files.offset);
+  }
+  if (!files.ignore_crg) {
+    stage = GroundStage::crg;
+    const std::string beside = std::filesystem::path(files.network).parent_path().string();
+    map.crgs = std::make_shared<const RoadCrgs>(map, files.crg_folder.value_or(beside.empty() ? "." : beside));
+  }
+  stage = GroundStage::network;
+  return GroundQuery(std::move(map), std::move(terrain), files.verge_m);
+}
+
+}  // namespace roadquery

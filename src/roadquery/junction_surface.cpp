@@ -1,0 +1,215 @@
+#include "roadquery/junction_surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "roadquery/road_surface.hpp"
+
+namespace roadquery {
+namespace {
+
+/// Weights of four neighbouring nodes and their derivatives, u in [0, 1] between the second and the third.
+struct Weights {
+  std::array<double, 4> value{}, slope{};
+};
+
+Weights catmull_rom(double u) {
+  const double u2 = u * u, u3 = u2 * u;
+  return {{-0.5 * u + u2 - 0.5 * u3, 1.0 - 2.5 * u2 + 1.5 * u3, 0.5 * u + 2.0 * u2 - 1.5 * u3, 0.5 * (u3 - u2)},
+          {-0.5 + 2.0 * u - 1.5 * u2, -5.0 * u + 4.5 * u2, 0.5 + 4.0 * u - 4.5 * u2, 1.5 * u2 - u}};
+}
+
+/// Where a coordinate lies among `count` nodes: the node before it and the way on, both within the nodes.
+struct Cell {
+  int node = 0;
+  double u = 0.0;
+};
+
+Cell cell_at(double offset_m, double spacing_m, int count) {
+  // Comparisons that are false for NaN end at the first node.
+  const double at = offset_m / spacing_m, last = static_cast<double>(std::max(count - 1, 0));
+  const double inside = at > 0.0 ? std::min(at, last) : 0.0;
+  const int node = std::min(static_cast<int>(inside), std::max(count - 2, 0));
+  return {node, inside - node};
+}
+
+JunctionHeight field_at(const JunctionSurface& surface, double x, double y) {
+  if (surface.columns < 1 || surface.rows < 1) return {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
+  const Cell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
+  const Cell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
+  const Weights wx = catmull_rom(column.u), wy = catmull_rom(row.u);
+  JunctionHeight sum;
+  for (int j = 0; j < 4; ++j) {
+    const int r = std::clamp(row.node - 1 + j, 0, surface.rows - 1);
+    const double* line = surface.z.data() + static_cast<std::ptrdiff_t>(r) * surface.columns;
+    double value = 0.0, slope = 0.0;
+    for (int i = 0; i < 4; ++i) {
+      const double z = line[std::clamp(column.node - 1 + i, 0, surface.columns - 1)];
+      value += wx.value[static_cast<std::size_t>(i)] * z;
+      slope += wx.slope[static_cast<std::size_t>(i)] * z;
+    }
+    const auto k = static_cast<std::size_t>(j);
+    sum.z += wy.value[k] * value;
+    sum.dz_dx += wy.value[k] * slope;
+    sum.dz_dy += wy.slope[k] * value;
+  }
+  sum.dz_dx /= surface.spacing_m;
+  sum.dz_dy /= surface.spacing_m;
+  return sum;
+}
+
+/// 1 - S(distance / transition) and its derivative by the distance.
+struct Falloff {
+  double value = 0.0, slope = 0.0;
+};
+
+Falloff falloff(double distance_m, double reach_m) {
+  const double u = distance_m / reach_m;
+  if (u <= 0.0) return {1.0, 0.0};
+  if (!(u < 1.0)) return {0.0, 0.0};
+  return {1.0 - u * u * u * (10.0 + u * (6.0 * u - 15.0)), -30.0 * u * u * (1.0 - u) * (1.0 - u) / reach_m};
+}
+
+/// Height of the strip `in_m` into the junction, `left_m` beside its line, and the slopes along these axes.
+JunctionHeight strip_at(const JunctionArm& arm, double in_m, double left_m) {
+  std::size_t k = 1;
+  while (k + 1 < arm.places.size() && arm.places[k].left_m < left_m) ++k;
+  const JunctionArm::Place &a = arm.places[k - 1], &b = arm.places[k];
+  const double width = b.left_m - a.left_m, dz = (b.z - a.z) / width, dg = (b.dz_dinwards - a.dz_dinwards) / width;
+  const double from = left_m - a.left_m, gradient = a.dz_dinwards + dg * from;
+  return {a.z + dz * from + gradient * in_m, gradient, dz + dg * in_m};
+}
+
+JunctionHeight in_plan(const JunctionHeight& local, const JunctionArm& arm) {
+  return {local.z, arm.in_x * local.dz_dx - arm.in_y * local.dz_dy, arm.in_y * local.dz_dx + arm.in_x * local.dz_dy};
+}
+
+/// Share of an arm in proportion to the field's (l_i) and its surface, with their slopes in x and y.
+struct ArmAt {
+  JunctionHeight share, height;
+};
+
+bool arm_at(const JunctionArm& arm, double x, double y, ArmAt& at) {
+  if (arm.places.size() < 2) return false;
+  const double dx = x - arm.x, dy = y - arm.y;
+  const double in_m = arm.in_x * dx + arm.in_y * dy;
+  if (!(std::abs(in_m) < junction_transition_m)) return false;
+  const double left_m = arm.in_x * dy - arm.in_y * dx;
+  const double right_edge_m = arm.places.front().left_m, left_edge_m = arm.places.back().left_m;
+  const double beside_m = std::max({right_edge_m - left_m, left_m - left_edge_m, 0.0});
+  const Falloff along = falloff(std::abs(in_m), junction_transition_m), across = falloff(beside_m, beside_arm_m);
+  const double weight = along.value * across.value;
+  if (weight <= 0.0) return false;
+  constexpr double least = 1e-9;  // keeps the share finite on the end line
+  const double rest = 1.0 - weight + least, slope = (1.0 + least) / (rest * rest);
+  const double along_slope = in_m < 0.0 ? -along.slope : along.slope;
+  const double across_slope = left_m < right_edge_m ? -across.slope : across.slope;
+  at.share = in_plan({weight / rest, slope * along_slope * across.value, slope * along.value * across_slope}, arm);
+  at.height = in_plan(strip_at(arm, in_m, left_m), arm);
+  return true;
+}
+
+/// Where the cross section of a road may bend: its edges, the reference line and the starts of the lateral shapes.
+std::vector<double> bends_across(const Road& road, double s, double curvature) {
+  constexpr double between_m = 2.0;
+  const Edges edges = road_edges(road, s);
+  std::vector<double> ts = {edges.right_t, edges.left_t};
+  const auto add = [&](double t) {
+    if (t > edges.right_t && t < edges.left_t) ts.push_back(t);
+  };
+  add(0.0);
+  const auto after =
+      std::upper_bound(road.shape.begin(), road.shape.end(), s, [](double v, const ShapeCubic& q) { return v < q.s; });
+  const double from = after == road.shape.begin() ? s : (after - 1)->s;
+  const double to = after == road.shape.end() ? s : after->s;
+  for (const ShapeCubic& q : road.shape)
+    if (q.s == from || q.s == to) add(q.t);
+  std::sort(ts.begin(), ts.end());
+  // Where the end lies in a bend the slope changes with t a little less than linearly.
+  const std::vector<double> bends = ts;
+  for (std::size_t i = 1; i < bends.size(); ++i) {
+    const double width = bends[i] - bends[i - 1];
+    const int parts = curvature == 0.0 ? 1 : static_cast<int>(std::ceil(width / between_m));
+    for (int k = 1; k < parts; ++k) ts.push_back(bends[i - 1] + width * k / parts);
+  }
+  std::sort(ts.begin(), ts.end());
+  return ts;
+}
+
+}  // namespace
+
+bool contains(const JunctionSurface& surface, double x, double y) {
+  bool inside = false;
+  const auto& ring = surface.boundary;
+  for (std::size_t i = 0, before = ring.size() - 1; i < ring.size(); before = i++) {
+    const auto &a = ring[before], &b = ring[i];
+    if ((a[1] > y) == (b[1] > y)) continue;
+    if (x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) inside = !inside;
+  }
+  return inside;
+}
+
+JunctionHeight evaluate(const JunctionSurface& surface, double x, double y) {
+  const JunctionHeight field = field_at(surface, x, y);
+  // Sums of shares and of shares times heights over the field: of differences, for the sake of rounding.
+  double shares = 1.0, dshares_dx = 0.0, dshares_dy = 0.0;
+  JunctionHeight sum;
+  ArmAt at;
+  for (const JunctionArm& arm : surface.arms) {
+    if (!arm_at(arm, x, y, at)) continue;
+    const double over = at.height.z - field.z;
+    shares += at.share.z, dshares_dx += at.share.dz_dx, dshares_dy += at.share.dz_dy;
+    sum.z += at.share.z * over;
+    sum.dz_dx += at.share.dz_dx * over + at.share.z * (at.height.dz_dx - field.dz_dx);
+    sum.dz_dy += at.share.dz_dy * over + at.share.z * (at.height.dz_dy - field.dz_dy);
+  }
+  const double over = sum.z / shares;
+  return {field.z + over, field.dz_dx + (sum.dz_dx - over * dshares_dx) / shares,
+          field.dz_dy + (sum.dz_dy - over * dshares_dy) / shares};
+}
+
+double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }
+
+JunctionArm junction_arm(const Road& road, ContactPoint end) {
+  const bool at_end = end == ContactPoint::end;
+  const double s = at_end ? road.length : 0.0, sign = at_end ? 1.0 : -1.0;
+  const PlanPoint reference = reference_point(road, s);
+  JunctionArm arm{reference.x, reference.y, sign * std::cos(reference.hdg), sign * std::sin(reference.hdg), {}};
+  for (const double t : bends_across(road, s, reference.curvature)) {
+    const SurfacePoint point = surface_point(road, s, t, reference);
+    const double left =
+        std::cos(reference.hdg) * (point.y - reference.y) - std::sin(reference.hdg) * (point.x - reference.x);
+    // The normal holds both slopes; the one along the road is what is left of it in the direction of the heading.
+    const double along = -(std::cos(reference.hdg) * point.normal[0] + std::sin(reference.hdg) * point.normal[1]);
+    arm.places.push_back({sign * left, point.z, sign * along / point.normal[2]});
+  }
+  if (!at_end) std::reverse(arm.places.begin(), arm.places.end());
+  const auto same = [](const auto& p, const auto& q) { return q.left_m - p.left_m < 1e-6; };
+  arm.places.erase(std::unique(arm.places.begin(), arm.places.end(), same), arm.places.end());
+  if (arm.places.size() < 2) arm.places.clear();
+  return arm;
+}
+
+void join_arms(RoadMap& map) {
+  std::unordered_map<int, JunctionSurface*> surfaces;
+  for (Junction& junction : map.junctions) {
+    if (!junction.surface) continue;
+    junction.surface->arms.clear();
+    surfaces.emplace(junction.id, &*junction.surface);
+  }
+  const auto join = [&](const Road& road, const RoadLink& link, ContactPoint end) {
+    if (link.kind != LinkKind::junction) return;
+    const auto found = surfaces.find(link.id);
+    if (found != surfaces.end()) found->second->arms.push_back(junction_arm(road, end));
+  };
+  for (const Road& road : map.roads) {
+    if (road.junction >= 0 || road.sections.empty()) continue;
+    join(road, road.predecessor, ContactPoint::start);
+    join(road, road.successor, ContactPoint::end);
+  }
+}
+
+}  // namespace roadquery

@@ -1,0 +1,165 @@
+#include "roadquery/overlaps.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "roadquery/baked_surface.hpp"
+
+namespace roadquery {
+namespace {
+
+constexpr double box_rounding_m = 0.02;  // more than an edge bends between two corners of a box
+
+/// The part of b's box that lies beside a's station: its left_min and left_max in a's frame; empty (min > max) when
+/// there is none. Sutherland and Hodgman's clipping (1974) of a rectangle by the two ends of the other.
+std::array<double, 2> beside(const Station& a, const StationBox& box_a, const Station& b, const StationBox& box_b) {
+  std::array<FramePoint, 4> corners;
+  std::size_t count = 0;
+  for (const auto& [along, left] :
+       {std::pair{box_b.along_min, box_b.left_min}, std::pair{box_b.along_max, box_b.left_min},
+        std::pair{box_b.along_max, box_b.left_max}, std::pair{box_b.along_min, box_b.left_max}})
+    corners[count++] =
+        in_frame(a, b.x + along * b.cos_hdg - left * b.sin_hdg, b.y + along * b.sin_hdg + left * b.cos_hdg);
+  std::array<double, 2> range = {1e30, -1e30};
+  const auto take = [&](double left) { range = {std::min(range[0], left), std::max(range[1], left)}; };
+  for (std::size_t i = 0; i < count; ++i) {
+    const FramePoint &p = corners[i], &next = corners[(i + 1) % count];
+    if (p.along >= box_a.along_min && p.along <= box_a.along_max) take(p.left);
+    for (const double end : {box_a.along_min, box_a.along_max})
+      if ((p.along < end) != (next.along < end))
+        take(p.left + (end - p.along) / (next.along - p.along) * (next.left - p.left));
+  }
+  return range;
+}
+
+/// Largest part of the width of a station that no other surface is known to touch.
+struct FreeWidth {
+  double right = 0.0, left = 0.0;
+  void take_away(const std::array<double, 2>& taken) {
+    if (taken[0] > taken[1] || taken[1] < right || taken[0] > left) return;
+    if (taken[0] - right > left - taken[1])
+      left = taken[0];
+    else
+      right = taken[1];
+  }
+};
+
+/// Lowest and highest point of a station's surface, roughly.
+std::array<double, 2> heights(const BakedRoads& roads, const Station& q, const StationBox& box) {
+  double low = q.z, high = q.z;
+  for (const double u : {-static_cast<double>(q.half_m), 0.0, static_cast<double>(q.half_m)}) {
+    for (const double t : {box.left_min, box.left_max}) {
+      SurfacePlace place;
+      surface_at_t(roads, q, u, t, place);
+      const double z = place.z;
+      low = std::min(low, z), high = std::max(high, z);
+    }
+  }
+  return {low, high};
+}
+
+struct Extent {
+  StationBox box;
+  std::array<double, 2> z = {1e30, -1e30};  // an unusable station touches none
+};
+
+std::vector<Extent> extents_of(const BakedRoads& roads) {
+  std::vector<Extent> extents;
+  extents.reserve(roads.stations.size());
+  for (const Station& q : roads.stations) {
+    extents.emplace_back();
+    if (q.shape_count == unusable_station) continue;
+    extents.back().box = station_box(roads, q);
+    extents.back().z = heights(roads, q, extents.back().box);
+  }
+  return extents;
+}
+
+/// Whether station k lies over station i, and then how much of the width it takes.
+bool overlap(const BakedRoads& roads, const std::vector<Extent>& extents, std::uint32_t i, std::uint32_t k,
+             double level_m, FreeWidth& free) {
+  const Station &a = roads.stations[i], &b = roads.stations[k];
+  const Extent &one = extents[i], &other = extents[k];
+  if (one.z[0] > other.z[1] + level_m || other.z[0] > one.z[1] + level_m) return false;
+  const LaneStretch &lanes_a = roads.stretches[a.lanes], &lanes_b = roads.stretches[b.lanes];
+  const double reach = static_cast<double>(lanes_a.reach_m) + lanes_b.reach_m + 2.0 * box_rounding_m;
+  if (lanes_a.road == lanes_b.road && std::abs(a.s - b.s) < reach) return false;  // neighbours, and folds of a bend
+  const double far = 1.5 * (reach + a.half_m + b.half_m);
+  if (std::abs(a.x - b.x) > far || std::abs(a.y - b.y) > far) return false;
+  const auto taken = beside(a, one.box, b, other.box);
+  if (taken[0] > taken[1] || taken[1] < one.box.left_min || taken[0] > one.box.left_max) return false;
+  const auto other_way = beside(b, other.box, a, one.box);
+  if (other_way[0] > other_way[1]) return false;
+  free.take_away(taken);
+  return true;
+}
+
+/// Largest distance between the line and the tangent of its middle, and of the surface that tilts with it.
+double bend_of(const BakedRoads& roads, const Station& q) {
+  double bend_m = 0.0;
+  for (const double u : {-static_cast<double>(q.half_m), static_cast<double>(q.half_m)}) {
+    const LinePolynomial line = line_at(q, u);
+    const double speed2 = line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1];
+    const double tilt = 1.0 - std::abs(line.tangent[0]) / std::sqrt(speed2);
+    bend_m = std::max(bend_m, std::abs(line.position[1]) + tilt * roads.stretches[q.lanes].reach_m);
+  }
+  return bend_m;
+}
+
+void keep_free_width(const BakedRoads& roads, const FreeWidth& free, Station& q) {
+  const auto steps = [](double t) { return static_cast<std::int8_t>(std::clamp(t, -127.0, 127.0)); };
+  const double bend_m = bend_of(roads, q);
+  q.free_right = steps(std::ceil((free.right + bend_m) / free_step_m));
+  q.free_left = steps(std::floor((free.left - bend_m) / free_step_m));
+}
+
+}  // namespace
+
+StationBox station_box(const BakedRoads& roads, const Station& q) {
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  StationBox box{1e30, -1e30, 1e30, -1e30};
+  for (const double part : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+    const double u = part * q.half_m, ds = q.s + u - lanes.s;
+    const LinePolynomial line = line_at(q, u);
+    const double x = line.position[0], y = line.position[1], dx = line.tangent[0], dy = line.tangent[1];
+    const double speed = std::sqrt(dx * dx + dy * dy);
+    for (const double t : {0.0, cubic_at(lanes.left_edge, ds), cubic_at(lanes.right_edge, ds)}) {
+      const double along = x - t * dy / speed, left = y + t * dx / speed;
+      box.along_min = std::min(box.along_min, along), box.along_max = std::max(box.along_max, along);
+      box.left_min = std::min(box.left_min, left), box.left_max = std::max(box.left_max, left);
+    }
+  }
+  box.along_min -= box_rounding_m, box.left_min -= box_rounding_m;
+  box.along_max += box_rounding_m, box.left_max += box_rounding_m;
+  return box;
+}
+
+void find_overlaps(BakedRoads& roads, const CellIndex& cells, double level_m) {
+  const std::vector<Extent> extents = extents_of(roads);
+  std::vector<std::uint32_t> near, seen_by(roads.stations.size(), no_index);
+  roads.companion_begin.assign(1, 0);
+  for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
+    Station& q = roads.stations[i];
+    near.clear();
+    if (q.shape_count != unusable_station) cells.append_near(q, extents[i].box, i, seen_by, near);
+    std::sort(near.begin(), near.end());
+    FreeWidth free{extents[i].box.left_min, extents[i].box.left_max};
+    for (const std::uint32_t k : near) {
+      if (!overlap(roads, extents, i, k, level_m, free)) continue;
+      const bool goes_on = roads.companions.size() > roads.companion_begin.back() &&
+                           roads.companions.back().last + 1 == k &&
+                           roads.stretches[roads.stations[k].lanes].first_station != k;
+      if (goes_on)
+        roads.companions.back().last = k;
+      else
+        roads.companions.push_back({k, k});
+    }
+    keep_free_width(roads, free, q);
+    roads.companion_begin.push_back(static_cast<std::uint32_t>(roads.companions.size()));
+  }
+  roads.companions.shrink_to_fit();
+}
+
+}  // namespace roadquery

@@ -1,0 +1,18 @@
+#pragma once
+// Which surfaces of baked roads lie one over or beside the other.
+
+#include "roadquery/cell_index.hpp"
+
+namespace roadquery {
+
+/// The rectangle in a station's frame that holds its surface.
+struct StationBox {
+  double along_min = 0.0, along_max = 0.0, left_min = 0.0, left_max = 0.0;
+};
+[[nodiscard]] StationBox station_box(const BakedRoads& roads, const Station& station);
+
+/// Fills in the companions of all stations, and the part of each one's width that has none. Surfaces further apart than
+/// `level_m` in height are none of each other's business.
+void find_overlaps(BakedRoads& roads, const CellIndex& cells, double level_m);
+
+}  // namespace roadquery

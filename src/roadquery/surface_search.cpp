@@ -1,0 +1,162 @@
+#include "roadquery/surface_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "roadquery/road_crgs.hpp"
+
+namespace roadquery {
+namespace {
+
+/// Beyond which end of the range a point lies.
+enum class Beyond : std::uint8_t { none, kink, first, last };
+
+/// The place of (x, y) on the station that holds its foot, from one in the range on; clamped to the station's end where
+/// the foot lies between two stations (a kink) or beyond the range. False when most_steps were not enough.
+bool find_station(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps, Found& found,
+                  Beyond& beyond) {
+  std::uint32_t low = range.first, high = range.last;  // the foot is on these, as far as is known
+  std::uint32_t& station = found.station;
+  for (int i = 0; i < most_steps; ++i) {
+    const Station& q = roads.stations[station];
+    if (q.shape_count == unusable_station) return false;
+    const double half = q.half_m;
+    const FramePoint p = in_frame(q, x, y);
+    double u = guess_u(q, p);
+    if (std::isnan(u)) return false;  // of a place that is none, or a line that overflows
+    if (std::abs(u) <= 1.25 * half + 0.5) {
+      found.line = foot_on(q, p, u);
+      u = found.line.u;
+      beyond = Beyond::none;
+      if (holds(q, u) || (std::abs(u) <= half && u > 0.0 && station == range.last)) return true;
+    }
+    const bool ahead = u > 0.0;
+    if (ahead ? station >= high : station <= low) {
+      found.line = place_at(q, ahead ? half : -half, p);
+      const bool is_end = ahead ? station == range.last : station == range.first;
+      beyond = !is_end ? Beyond::kink : ahead ? Beyond::last : Beyond::first;
+      return true;
+    }
+    const auto jump = static_cast<std::uint32_t>(std::min((std::abs(u) - half) / (2.0 * half), 1e6)) + 1;
+    if (ahead) {
+      low = station + 1;
+      station = high - station > jump ? station + jump : high;
+    } else {
+      high = station - 1;
+      station = station - low > jump ? station - jump : low;
+    }
+  }
+  return false;
+}
+
+/// Whether the place lies so near to the centre of curvature, or beyond it, that Newton's method may find no foot.
+bool is_folded(const Station& q, const LinePlace& place) {
+  const LinePolynomial line = line_at(q, place.u);
+  const double square = line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1];
+  const double turn = line.tangent[0] * line.bend[1] - line.tangent[1] * line.bend[0];
+  return place.left_m * turn > 0.9 * square * std::sqrt(square);
+}
+
+}  // namespace
+
+void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found) {
+  const LinePlace& line = found.line;
+  const Bearing bearing = bearing_at(q, line, found.on);
+  const double inverse_speed = inverse_root(line.dx_du * line.dx_du + line.dy_du * line.dy_du);
+  RoadPlace place{q.s + line.u, found.on.t, x, y};
+  place.cos_hdg = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
+  place.sin_hdg = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
+  // Of the line of constant t, k / (1 - k left): so 1 / (1 - k left) = 1 + left times that.
+  const double left = found.on.t * found.on.cos_bank - found.on.h * found.on.sin_bank;
+  place.s_per_along = (1.0 + bearing.curvature * left) * inverse_speed;
+  place.t_per_left = 1.0 / found.on.cos_bank;
+  const double(&n)[3] = bearing.normal;
+  LaidSurface laid{found.on.z, -(n[0] * place.cos_hdg + n[1] * place.sin_hdg) / n[2],
+                   -(n[1] * place.cos_hdg - n[0] * place.sin_hdg) / n[2]};
+  laid.friction = std::nan("");
+  roads.crgs->lay(static_cast<int>(roads.road_of(q)), place, laid);
+  found.on.z = laid.z, found.rise_along = laid.rise_along, found.rise_left = laid.rise_left;
+  found.friction = laid.friction;
+}
+
+bool find_on(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps, double outside_m,
+             Found& found) {
+  Beyond beyond = Beyond::none;
+  if (!find_station(roads, range, x, y, most_steps, found, beyond)) return false;
+  const Station& q = roads.stations[found.station];
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  found.along_rest_m = 0.0;
+  if (beyond != Beyond::none) {
+    const double rest = std::abs(found.line.ahead_m);
+    if (rest > std::max(outside_m, seam_m)) return false;
+    if (beyond != Beyond::kink) {
+      const bool is_road_end = found.station == (beyond == Beyond::last ? lanes.last_station : lanes.first_station);
+      if (!is_road_end && rest > edge_rounding_m) return false;
+      found.along_rest_m = rest;
+    }
+  }
+  return complete(roads, q, lanes, x, y, outside_m, found);
+}
+
+void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, FoundList& list) {
+  constexpr int most_steps = 24;
+  const auto reach_m = static_cast<float>(std::max(outside_m, seam_m));
+  struct Start {
+    StationRange range;
+    std::uint32_t station;
+  };
+  std::array<Start, FoundList::most> starts;
+  std::size_t count = 0;
+  for (const CellEntry& entry : cell.entries) {
+    if (count == starts.size()) break;
+    Start& start = starts[count];
+    if (!may_touch(entry, cell.x, cell.y, reach_m, start.range, start.station)) continue;
+    const char* line = reinterpret_cast<const char*>(&roads.stations[start.station]);  // NOLINT: to prefetch it
+    __builtin_prefetch(line), __builtin_prefetch(line + 64);
+    ++count;
+  }
+  for (std::size_t i = 0; i < count && list.count < FoundList::most; ++i) {
+    Found& found = list.items[list.count];
+    found.station = starts[i].station;
+    if (find_on(roads, starts[i].range, x, y, most_steps, outside_m, found)) ++list.count;
+  }
+}
+
+void search_stations(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, bool only_folded,
+                     FoundList& list) {
+  const double reach_m = only_folded ? std::max(outside_m, seam_m) : outside_m;
+  StationRange range;
+  std::uint32_t start = 0;
+  for (const CellEntry& entry : cell.entries) {
+    if (!may_touch(entry, cell.x, cell.y, static_cast<float>(reach_m), range, start)) continue;
+    for (std::uint32_t i = range.first; i <= range.last && list.count < FoundList::most; ++i) {
+      const Station& q = roads.stations[i];
+      const double half = q.half_m;
+      const FramePoint p = in_frame(q, x, y);
+      // Of 1 at the line and 0 at the centre of curvature. What is clearly not asked for is passed over.
+      const double share = 1.0 - 2.0 * static_cast<double>(q.bend[0][1]) * p.left;
+      if (only_folded ? share > 0.6 : (std::abs(guess_u(q, p)) - half) * std::max(share, 0.2) > 1.5 * reach_m) continue;
+      Found& found = list.items[list.count];
+      found.station = i;
+      found.line = foot_on(q, p, std::clamp(guess_u(q, p), -half, half));
+      found.line = place_at(q, std::clamp(found.line.u, -half, half), p);
+      found.along_rest_m = std::abs(found.line.ahead_m);
+      if (only_folded && !is_folded(q, found.line)) continue;
+      if (found.along_rest_m <= reach_m && complete(roads, q, roads.stretches[q.lanes], x, y, outside_m, found))
+        ++list.count;
+    }
+  }
+}
+
+void search_companions(const BakedRoads& roads, std::uint32_t station, double x, double y, FoundList& list) {
+  constexpr int most_steps = 24;
+  for (std::uint32_t i = roads.companion_begin[station]; i < roads.companion_begin[station + 1]; ++i) {
+    if (list.count == FoundList::most) return;
+    const StationRange& range = roads.companions[i];
+    Found& found = list.items[list.count];
+    found.station = range.first + (range.last - range.first) / 2;
+    if (find_on(roads, range, x, y, most_steps, edge_rounding_m, found)) ++list.count;
+  }
+}
+
+}  // namespace roadquery

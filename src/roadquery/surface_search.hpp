@@ -1,0 +1,103 @@
+#pragma once
+// The steps of a road query: which surfaces lie over a point, and which of them are its level.
+
+#include <array>
+#include <span>
+
+#include "roadquery/baked_surface.hpp"
+#include "roadquery/blend.hpp"
+#include "roadquery/cell_index.hpp"
+
+namespace roadquery {
+
+inline constexpr double seam_m = 0.25;  ///< how far a surface goes on beyond the end of its road
+inline constexpr double edge_rounding_m = 1e-6;
+
+/// A surface under a point.
+struct Found {
+  std::uint32_t station;
+  LinePlace line;
+  SurfacePlace on;
+  double inside_m;      ///< distance to the nearest of the road's edges and ends; negative: outside
+  double along_rest_m;  ///< the point lies this far beyond the end of the road
+  /// Where OpenCRG files are laid on the road (has_crg): on.z has them, and these are the slopes and the friction.
+  bool has_crg;
+  double rise_along, rise_left, friction;
+};
+
+/// Lays the road's OpenCRG files over the surface that `found` has of it, at (x, y).
+void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found);
+
+/// Whether a foot at u is the station's own: at the end it is the next one's, so that a point between two has one
+/// answer wherever it came from.
+inline bool holds(const Station& q, double u) {
+  constexpr double tie_m = 1e-9;
+  return u >= -q.half_m - tie_m && u < q.half_m - tie_m;
+}
+
+/// Fills in the rest of what `found` has of its station and line. False when the point lies more than outside_m beside
+/// the surface; less than that the surface goes on level.
+inline bool complete(const BakedRoads& roads, const Station& q, const LaneStretch& lanes, double x, double y,
+                     double outside_m, Found& found) {
+  constexpr double sideways_m = 0.25;  // the shape of a banked road moves points sideways by less
+  if (std::abs(found.line.left_m) > lanes.reach_m + outside_m + sideways_m) return false;
+  const double u = found.line.u, s = q.s + u, ds = s - lanes.s;
+  surface_at_left(roads, q, u, found.line.left_m, found.on);
+  const double left_edge = cubic_at(lanes.left_edge, ds), right_edge = cubic_at(lanes.right_edge, ds);
+  const double beside_m = std::min(left_edge - found.on.t, found.on.t - right_edge);
+  if (beside_m < -outside_m) return false;
+  found.inside_m = std::min(beside_m, std::min(s, lanes.length_m - s));
+  if (found.along_rest_m > edge_rounding_m) found.inside_m = std::min(found.inside_m, -found.along_rest_m);
+  if (beside_m < -edge_rounding_m)
+    surface_at_t(roads, q, u, std::clamp(found.on.t, std::min(right_edge, left_edge), left_edge), found.on);
+  found.has_crg = lanes.has_crg;
+  if (lanes.has_crg) lay_crgs(roads, q, x, y, found);
+  return true;
+}
+
+/// The surfaces under one point; what comes after so many is not looked at.
+struct FoundList {
+  static constexpr std::size_t most = 64;
+  FoundList() {}  // NOLINT: the items are written before they are read; to clear 64 of them takes longer than a query
+  union {
+    std::array<Found, most> items;
+  };
+  std::size_t count = 0;
+
+  [[nodiscard]] std::span<Found> all() { return {items.data(), count}; }
+};
+
+/// The foot of (x, y) among successive stations of a road, from found.station on. False where the foot lies beyond
+/// their ends, but for the ends of the road itself, where along_rest_m says how far (at most the greater of seam_m and
+/// outside_m), or where the point lies further than outside_m beside the surface.
+[[nodiscard]] bool find_on(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps,
+                           double outside_m, Found& found);
+
+/// The surfaces of a cell that (x, y) lies on, and those it lies beside or beyond as far as find_on allows.
+void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, FoundList& list);
+/// The same of each station by itself, the ends of which count as ends of a road: for points that have no foot, or that
+/// lie where the road's width jumps. `only_folded`: only surfaces that have the point beyond their centre of curvature.
+void search_stations(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, bool only_folded,
+                     FoundList& list);
+/// The companions of a station that (x, y), a point of the station's own surface, lies on.
+void search_companions(const BakedRoads& roads, std::uint32_t station, double x, double y, FoundList& list);
+
+/// Of the surfaces in the list those that make up the level nearest to z_hint (NaN: the highest one); empty when there
+/// is none. The level goes by one of the roads that is_anchor names.
+template <typename IsAnchor>
+[[nodiscard]] std::span<Found> level_of(FoundList& list, double z_hint, const IsAnchor& is_anchor) {
+  const std::span<Found> all = list.all();
+  const auto distance = [&](const Found& f) { return std::isnan(z_hint) ? -f.on.z : std::abs(f.on.z - z_hint); };
+  const Found* nearest = nullptr;
+  for (const Found& f : all)
+    if (is_anchor(f) && (nearest == nullptr || distance(f) < distance(*nearest))) nearest = &f;
+  if (nearest == nullptr) return {};
+  const double level_z = nearest->on.z;
+  auto end = std::remove_if(all.begin(), all.end(), [&](const Found& f) { return !is_same_level(f.on.z, level_z); });
+  // What goes on beyond the end of its road gives way to any road.
+  const auto is_on_seam = [](const Found& f) { return f.along_rest_m > edge_rounding_m; };
+  if (!std::all_of(all.begin(), end, is_on_seam)) end = std::remove_if(all.begin(), end, is_on_seam);
+  return {all.begin(), end};
+}
+
+}  // namespace roadquery

@@ -1,0 +1,57 @@
+#include "orthodrive/crf/crf_model.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST(CrfModel, comes_back_from_a_model_file) {
+  CrfModel crf = reference_crf(3);
+  crf.widths.theta_beta = 7.25;
+  crf.parameters.iterations = 4;
+  crf.parameters.appearance_weight[1] = 0.5F;
+  crf.parameters.compatibility[2] = 1.5F;
+  TensorFile file;
+  add_crf(file, crf);
+  const auto read = read_crf(file, 3, "m");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->widths.theta_alpha_px, crf.widths.theta_alpha_px);
+  EXPECT_EQ(read->widths.theta_beta, 7.25);
+  EXPECT_EQ(read->widths.theta_gamma_px, crf.widths.theta_gamma_px);
+  EXPECT_EQ(read->parameters.iterations, 4);
+  EXPECT_EQ(read->parameters.classes, 3);
+  EXPECT_EQ(read->parameters.appearance_weight, crf.parameters.appearance_weight);
+  EXPECT_EQ(read->parameters.smoothness_weight, crf.parameters.smoothness_weight);
+  EXPECT_EQ(read->parameters.compatibility, crf.parameters.compatibility);
+}
+
+TEST(CrfModel, the_references_values) {
+  const CrfModel crf = reference_crf(2);
+  EXPECT_EQ(crf.widths.theta_alpha_px, 13.5);
+  EXPECT_EQ(crf.widths.theta_beta, 11.0);
+  EXPECT_EQ(crf.widths.theta_gamma_px, 1.75);
+  EXPECT_EQ(crf.parameters.appearance_weight, (std::vector<float>{5.2F, 5.2F}));
+  EXPECT_EQ(crf.parameters.smoothness_weight, (std::vector<float>{1.5F, 1.5F}));
+  EXPECT_EQ(crf.parameters.compatibility, (std::vector<float>{0.0F, 1.0F, 1.0F, 0.0F}));
+}
+
+TEST(CrfModel, none_and_damaged_ones) {
+  EXPECT_FALSE(read_crf({}, 3, "m"));
+  TensorFile file;
+  add_crf(file, reference_crf(3));
+  EXPECT_THAT([&] { (void)read_crf(file, 4, "m"); }, ThrowsMessage<InputError>(HasSubstr("not of 4 values")));
+  TensorFile no_number = file;
+  no_number.metadata["crf"] = R"({"theta_alpha_px": "wide"})";
+  EXPECT_THAT([&] { (void)read_crf(no_number, 3, "m"); }, ThrowsMessage<InputError>(HasSubstr("'crf' is damaged")));
+  file.tensors.erase("crf/compatibility");
+  EXPECT_THAT([&] { (void)read_crf(file, 3, "m"); }, ThrowsMessage<InputError>(HasSubstr("crf/compatibility")));
+}
+
+}  // namespace
+}  // namespace orthodrive

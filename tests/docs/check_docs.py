@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""Checks the pages: docs/**/*.md and README.md.
+
+- Every path in back quotes exists: `tests/roads`, `src/roadquery`, and with the name of a room `refine/fit_chain` (the
+  extension may be left out). Pages that are named in code exist.
+- Links between pages, and to pictures and headings, resolve.
+- The reference's sentences are found by one search.
+- Every term of the glossary has a file that exists; no term stands twice.
+- Names that the glossary retires are on no other page.
+- Names in the tables of options are in the code, and numbers beside them are its defaults.
+- Method pages are short, and measured pages name the command that makes them.
+
+Usage: check_docs.py ROOT. Prints one line a fault; exit code 1 if there is any.
+"""
+import re
+import sys
+from pathlib import Path
+
+METHOD_LINES = 120  # two screens beyond formulas: lines of indented blocks do not count
+LINE_WIDTH = 160  # of prose, so that a page is not made short by long lines
+FREE = {"architecture.md", "glossary.md", "reference.md"}  # lists, not methods
+SENTENCES = ["dense CRF", "angle variation", "moving average", "alpha blending", "normals at tile borders"]
+TOP = {"app", "bench", "cmake", "docs", "examples", "models", "sites", "src", "tests", "tools", "viewer"}
+SUFFIXES = ["", ".hpp", ".cpp", ".h", ".inl", ".toml", ".md", ".py", ".mjs"]
+# What a build or a synthetic site leaves behind; some folders have the names of rooms.
+OUTPUTS = {"scene/tileset.json", "scene/*.glb", "drive/lap.csv", "drive/report.html", "crf/..."}
+
+
+def rooms(root):
+    """Folders whose names begin a path in the pages: refine -> src/orthodrive/refine."""
+    found = {p.name: p for p in (root / "src/orthodrive").iterdir() if p.is_dir()}
+    found["roadquery"] = root / "src/roadquery"
+    found["vehicle"] = root / "src/vehicle"
+    found["fmu"] = root / "src/fmu"
+    return found
+
+
+def exists(path):
+    return any(path.with_name(path.name + suffix).exists() for suffix in SUFFIXES)
+
+
+def path_exists(root, room_of, text):
+    """None: does not look like a file of the repository."""
+    first = text.split("/")[0]
+    if text in OUTPUTS or "/" not in text or text.endswith("/") or "<" in text or "*" in text:
+        return None
+    if first in TOP:
+        return exists(root / text)
+    if first in room_of:
+        return exists(room_of[first] / text.split("/", 1)[1])
+    return None
+
+
+def code_spans(page):
+    """Back-quoted texts, with their lines; indented blocks are commands and formulas."""
+    for number, line in enumerate(page.split("\n"), 1):
+        if not line.startswith("    "):
+            for span in re.findall(r"`([^`]+)`", line):
+                yield number, span
+
+
+def check_paths(root, pages, faults):
+    room_of = rooms(root)
+    for page in pages:
+        for number, span in code_spans(page.read_text()):
+            word = span.split()[0] if span.split() else ""
+            if re.fullmatch(r"[A-Za-z0-9_.+*<>/-]+", word) and path_exists(root, room_of, word) is False:
+                faults.append(f"{page.relative_to(root)}:{number}: {word} does not exist")
+
+
+def check_pages_named_in_code(root, faults):
+    code = ["src", "app", "tests", "tools", "bench", "examples", "cmake"]
+    for file in [p for top in code for p in (root / top).rglob("*")]:
+        if not file.is_file() or file.suffix in {".md", ".png", ".csv"} or file.parent == root / "tests/docs":
+            continue
+        try:
+            text = file.read_text()
+        except UnicodeDecodeError:
+            continue
+        for name in set(re.findall(r"docs/[A-Za-z0-9_/]+\.md", text)):
+            if not (root / name).exists():
+                faults.append(f"{file.relative_to(root)}: names {name}, which does not exist")
+
+
+def anchor(heading):
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "").strip().lower()
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+def check_links(root, pages, faults):
+    for page in pages:
+        for number, line in enumerate(page.read_text().split("\n"), 1):
+            for target in re.findall(r"\]\(([^)\s]+)\)", line) if not line.startswith("    ") else []:
+                if re.match(r"[a-z]+:", target):
+                    continue
+                name, _, part = target.partition("#")
+                file = (page.parent / name).resolve() if name else page
+                if not file.exists():
+                    faults.append(f"{page.relative_to(root)}:{number}: link to {target} leads nowhere")
+                elif part and part not in {anchor(h) for h in re.findall(r"^#+ (.*)$", file.read_text(), re.M)}:
+                    faults.append(f"{page.relative_to(root)}:{number}: no heading {target}")
+
+
+def check_sentences(root, faults):
+    """Found in src or docs beside the page that lists them, so that a search leads to the place."""
+    files = [p for p in (root / "src").rglob("*") if p.suffix in {".hpp", ".cpp", ".inl"}]
+    files += [p for p in (root / "docs").glob("*.md") if p.name != "reference.md"]
+    texts = [re.sub(r"[\s*/]+", " ", p.read_text()).lower() for p in files]
+    listed = (root / "docs/reference.md").read_text().lower()
+    for sentence in SENTENCES:
+        if not any(sentence.lower() in text for text in texts):
+            faults.append(f"'{sentence}' is in no file of src and on no page of docs")
+        if sentence.lower() not in listed:
+            faults.append(f"docs/reference.md does not say where '{sentence}' is")
+
+
+def check_glossary(root, faults):
+    terms = set()
+    for line in (root / "docs/glossary.md").read_text().split("\n"):
+        if not line.startswith("| **"):
+            continue
+        cells = [c.strip() for c in line.strip("|").split("|")]
+        for term in re.findall(r"\*\*([^*]+)\*\*", cells[0]):
+            if term in terms:
+                faults.append(f"docs/glossary.md: {term} stands twice")
+            terms.add(term)
+        if len(cells) != 3 or not re.search(r"`[^`]+/[^`]+`|\]\(", cells[-1]):
+            faults.append(f"docs/glossary.md: {cells[0]} has no file where it is computed")
+    if len(terms) < 30:
+        faults.append(f"docs/glossary.md: only {len(terms)} terms")
+
+
+def check_retired_names(root, pages, faults):
+    """The left column of "Retired names" in the glossary is on no other page."""
+    section = (root / "docs/glossary.md").read_text().partition("## Retired names")[2]
+    cells = [row.strip("|").split("|")[0] for row in section.split("\n") if row.startswith("| ")][1:]
+    retired = [re.sub(r"\(.*?\)", "", name).strip() for cell in cells for name in cell.split(",")]
+    for page in pages:
+        if page != root / "docs/glossary.md":
+            text = re.sub(r"\s+", " ", page.read_text()).lower()
+            faults += [f"{page.relative_to(root)}: '{n}' is retired (docs/glossary.md)" for n in retired if n in text]
+
+
+def number_of(text):
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def check_options(root, faults):
+    """Tables under "## Options" whose header begins with "name": the names are members of structs. Where a row has as
+    many defaults as names, numbers are compared; other texts are not."""
+    text = "\n".join(p.read_text() for p in (root / "src").rglob("*.hpp"))
+    members = set(re.findall(r"\w+", text))
+    defaults = {}
+    for name, value in re.findall(r"\b(\w+) = ([-+0-9.e]+)[,;]", text):
+        defaults.setdefault(name, set()).add(number_of(value))
+    for page in sorted((root / "docs").glob("*.md")):
+        section = re.search(r"^## Options\n(.*?)(?=^## |\Z)", page.read_text(), re.M | re.S)
+        rows = [line for line in (section[1] if section else "").split("\n") if line.startswith("|")]
+        if not rows or not rows[0].startswith("| name"):
+            continue
+        for row in rows[2:]:
+            cells = [c.strip() for c in row.strip("|").split("|")]
+            names = [n.split("::")[-1] for n in re.findall(r"`([\w:]+)`", cells[0])]
+            faults += [f"docs/{page.name}: option {n} is not in the code" for n in names if n not in members]
+            values = [re.sub(r"\(.*?\)|\+-.*", "", v).strip() for v in cells[2].split(",")]
+            if len(values) == len(names):
+                for name, value in zip(names, map(number_of, values)):
+                    if value is not None and name in defaults and value not in defaults[name]:
+                        known = ", ".join(str(d) for d in sorted(d for d in defaults[name] if d is not None))
+                        faults.append(f"docs/{page.name}: {name} is {value:g} there and {known} in the code")
+
+
+def check_lengths(root, faults):
+    for page in sorted((root / "docs").glob("*.md")):
+        lines = [l for l in page.read_text().splitlines() if not l.startswith("    ")]
+        if page.name not in FREE and len(lines) > METHOD_LINES:
+            faults.append(f"docs/{page.name}: {len(lines)} lines beyond formulas, at most {METHOD_LINES}")
+        for number, line in enumerate(page.read_text().split("\n"), 1):
+            if page.name not in FREE and len(line) > LINE_WIDTH and not line.startswith(("|", "    ", "![")):
+                faults.append(f"docs/{page.name}:{number}: {len(line)} characters, at most {LINE_WIDTH}")
+        if "**missed**" in page.read_text():
+            faults.append(f"docs/{page.name}: a missed number belongs to docs/measured")
+    for page in sorted((root / "docs/decisions").glob("*.md")):
+        if len(page.read_text().split()) > 350:
+            faults.append(f"docs/decisions/{page.name}: more than half a page")
+    for page in sorted((root / "docs/measured").glob("*.md")):
+        if not re.search(r"tools/|bench/|tests/|bench_|synth", page.read_text()):
+            faults.append(f"docs/measured/{page.name}: does not say what makes it")
+
+
+def check(root):
+    faults = []
+    pages = sorted((root / "docs").rglob("*.md")) + [root / "README.md"]
+    check_paths(root, pages, faults)
+    check_pages_named_in_code(root, faults)
+    check_links(root, pages, faults)
+    check_sentences(root, faults)
+    check_glossary(root, faults)
+    check_retired_names(root, pages, faults)
+    check_options(root, faults)
+    check_lengths(root, faults)
+    return faults
+
+
+if __name__ == "__main__":
+    found = check(Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve())
+    print("\n".join(found))
+    sys.exit(1 if found else 0)

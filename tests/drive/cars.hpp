@@ -1,0 +1,30 @@
+#pragma once
+// The shipped cars, with a driver each.
+
+#include "orthodrive/drive/simulate_lap.hpp"
+#include "paths.hpp"
+#include "vehicle/read_car.hpp"
+
+namespace orthodrive::test {
+
+inline vehicle::CarParameters car_of(const char* file) {
+  return vehicle::read_car(paths::in_source("models/vehicles") / file);
+}
+
+/// On public roads.
+inline DriveOptions family() {
+  DriveOptions options;
+  options.car = car_of("family_car.toml");
+  return options;
+}
+
+/// At the limit.
+inline DriveOptions racing(const char* file) {
+  DriveOptions options;
+  options.car = car_of(file);
+  options.driver = racing_driver();
+  options.racing = true;
+  return options;
+}
+
+}  // namespace orthodrive::test

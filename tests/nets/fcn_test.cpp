@@ -1,0 +1,146 @@
+#include "orthodrive/nets/fcn.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "nets/shipped_model.hpp"
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/nets/net_surgery.hpp"
+
+namespace orthodrive {
+namespace {
+
+std::vector<std::uint8_t> random_image(int width, int height, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<std::uint8_t> rgb(static_cast<std::size_t>(3 * width * height));
+  for (std::uint8_t& v : rgb) v = static_cast<std::uint8_t>(255.0 * random.uniform());
+  return rgb;
+}
+
+NetworkParams random_params(const NetworkGraph& graph) {
+  TensorFile file = start_weights(graph, {}, 3).file;
+  Random random(4);
+  for (auto& [name, tensor] : file.tensors)  // scores start at zero: give them something to say
+    if (name.starts_with("score") || name.starts_with("head"))
+      for (float& v : tensor.values) v = static_cast<float>(0.05 * random.normal());
+  return params_from_file(graph, file, "random");
+}
+
+/// Padded at a border far away, a window without any padding sees the same: GoogLeNet has every kind of layer.
+TEST(Forward, without_padding_equals_the_inside_of_a_padded_image) {
+  for (const char* name : {"googlenet-8s", "mobilenetv2-s16-fpn2", "mobilenetv2-s32-fpn2"}) {
+    const NetworkGraph graph = make_network(name, 4);
+    NetworkParams params = random_params(graph);
+    const int margin = receptive_field(graph).margin_px(),
+              size = 32 * ((2 * margin + 64) / 32 + 1) + graph.size_remainder;
+    const std::vector<std::uint8_t> rgb = random_image(size, size, 1);
+    const at::Tensor image = image_tensor(graph.input, rgb.data(), 1, size, size);
+    const at::NoGradGuard no_grad;
+    const Scores padded = forward_padded(graph, params, image, {});
+    const CellRange rows{margin + 3, margin + 40}, cols{margin + 8, margin + 21};
+    const at::Tensor exact = forward_exact(graph, params, image, {{0, size - 1}, {0, size - 1}, rows, cols});
+    const at::Tensor expected = padded.values.narrow(2, rows.first - padded.row_px.first, rows.size())
+                                    .narrow(3, cols.first - padded.col_px.first, cols.size());
+    EXPECT_LT((exact - expected).abs().max().item<double>(), 1e-4 * expected.abs().max().item<double>()) << name;
+    EXPECT_GT(expected.std().item<double>(), 0.0) << name;
+  }
+}
+
+TEST(InferenceNetwork, a_core_is_the_same_wherever_it_is_cut_from) {
+  const NetworkGraph graph = make_network("googlenet-8s", 4);
+  const InferenceNetwork network(graph, random_params(graph));
+  const int margin = network.margin_px();
+  const auto part = [&](std::int64_t col, std::int64_t row, int width, int height) {
+    std::vector<std::uint8_t> rgb;  // a mosaic without end: every pixel from its own seed
+    for (std::int64_t y = row - margin; y < row + height + margin; ++y)
+      for (std::int64_t x = col - margin; x < col + width + margin; ++x)
+        for (int c = 0; c < 3; ++c)
+          rgb.push_back(static_cast<std::uint8_t>(
+              derive_seed(derive_seed(static_cast<std::uint64_t>(y + 10000), static_cast<std::uint64_t>(x + 10000)),
+                          static_cast<std::uint64_t>(c)) >>
+              56));
+    std::vector<float> scores(static_cast<std::size_t>(width * height * 4));
+    network.predict(rgb.data(), {col, row, width, height}, 1, scores.data());
+    return scores;
+  };
+  const std::vector<float> whole = part(-5, 100001, 40, 30), inner = part(12, 100010, 9, 7);
+  double largest = 0.0;
+  for (int y = 0; y < 7; ++y)
+    for (int x = 0; x < 9; ++x)
+      for (int c = 0; c < 4; ++c)
+        largest = std::max(
+            largest, std::abs(static_cast<double>(whole[static_cast<std::size_t>(((y + 9) * 40 + x + 17) * 4 + c)]) -
+                              inner[static_cast<std::size_t>((y * 9 + x) * 4 + c)]));
+  EXPECT_LT(largest, 1e-4);
+}
+
+/// Pixels beyond the margin change nothing, those within it do.
+TEST(InferenceNetwork, shipped_model_sees_as_far_as_its_margin) {
+  const TensorFile file = shipped_tensors();
+  const NetworkGraph graph = make_network("mobilenetv2-s32-fpn2", 8);
+  const InferenceNetwork network(graph, params_from_file(graph, file, "default"));
+  const int margin = network.margin_px(), size = 16 + 2 * margin;
+  const PixelBox core{1600, 3200, 16, 16};
+  std::vector<std::uint8_t> rgb = random_image(size, size, 2);
+  const auto predict = [&] {
+    std::vector<float> p(16 * 16 * 8);
+    network.predict(rgb.data(), core, 1, p.data());
+    return p;
+  };
+  const std::vector<float> before = predict();
+  const auto disturb = [&](int ring) {  // the square ring that far outside the core
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        const int outside = std::max({margin - x, margin - y, x - margin - 15, y - margin - 15});
+        if (outside == ring)
+          for (int c = 0; c < 3; ++c) rgb[static_cast<std::size_t>(3 * (y * size + x) + c)] ^= 0xFF;
+      }
+  };
+  for (int ring = 40; ring <= 60; ++ring) disturb(ring);
+  EXPECT_NE(predict(), before);
+}
+
+/// At twice the resolution a network of either kind gives its scores in between.
+TEST(InferenceNetwork, finer_scores_are_interpolated) {
+  for (const char* name : {"googlenet-8s", "mobilenetv2-s16-fpn2", "mobilenetv2-s32-fpn2"}) {
+    const NetworkGraph graph = make_network(name, 4);
+    const InferenceNetwork network(graph, random_params(graph));
+    const int margin = network.margin_px(), rows = 7, cols = 12;
+    const PixelBox core{33, 18, cols, rows}, around = core.grown(1);
+    const int width = cols + 2 + 2 * margin, height = rows + 2 + 2 * margin;
+    const std::vector<std::uint8_t> rgb = random_image(width, height, 5);
+    std::vector<std::uint8_t> inner;
+    for (int y = 1; y < height - 1; ++y)
+      inner.insert(inner.end(), rgb.begin() + 3 * (y * width + 1), rgb.begin() + 3 * ((y + 1) * width - 1));
+    std::vector<float> coarse(static_cast<std::size_t>(around.width * around.height * 4)),
+        fine(static_cast<std::size_t>(4 * rows * cols * 4));
+    network.predict(rgb.data(), around, 1, coarse.data());
+    network.predict(inner.data(), core, 2, fine.data());
+    double mean = 0.0;  // four fine pixels around a coarse one average to nearly it, whatever is interpolated
+    for (int y = 0; y < 2 * rows; ++y)
+      for (int x = 0; x < 2 * cols; ++x)
+        for (int c = 0; c < 4; ++c) {
+          const auto at = [&](int row, int col) {
+            return coarse[static_cast<std::size_t>((row * around.width + col) * 4 + c)];
+          };
+          const int row = (y + 1) / 2, col = (x + 1) / 2;  // the coarse pixel before, with the ring
+          const float vertical = y % 2 == 0 ? 0.75F : 0.25F, horizontal = x % 2 == 0 ? 0.75F : 0.25F;
+          const float upper = at(row, col) + horizontal * (at(row, col + 1) - at(row, col)),
+                      lower = at(row + 1, col) + horizontal * (at(row + 1, col + 1) - at(row + 1, col));
+          const float difference =
+              fine[static_cast<std::size_t>((y * 2 * cols + x) * 4 + c)] - (upper + vertical * (lower - upper));
+          if (std::string(name) == "googlenet-8s") {
+            EXPECT_NEAR(difference, 0.0, 1e-4);
+          }
+          mean += std::abs(difference);
+        }
+    float largest = 0.0F;
+    for (const float v : coarse) largest = std::max(largest, std::abs(v));
+    EXPECT_LT(mean / static_cast<double>(fine.size()), 0.05 * largest) << name;
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive

@@ -1,0 +1,287 @@
+// The surface of junctions from exact truth: planes, slopes, crowns, arms that disagree, and what must hold for all.
+
+#include "orthodrive/network/junction_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "io/scratch.hpp"
+#include "network_support.hpp"
+#include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/io/opendrive_io.hpp"
+#include "orthodrive/network/junction_area.hpp"
+#include "orthodrive/network/junction_field.hpp"
+#include "roadquery/junction_surface.hpp"
+#include "roadquery/make_road.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace orthodrive::testing;
+using roadquery::JunctionHeight;
+using roadquery::JunctionSurface;
+using roadquery::RoadMap;
+
+const JunctionSurface& only_surface(const RoadMap& map) {
+  EXPECT_EQ(map.junctions.size(), 1u);
+  EXPECT_TRUE(map.junctions.at(0).surface.has_value());
+  return *map.junctions.at(0).surface;
+}
+
+JunctionHeight at(const JunctionSurface& surface, Vec2 p) {
+  return roadquery::evaluate(surface, p.x + site_origin.x, p.y + site_origin.y);
+}
+
+/// Calls visit(x, y) for places of the area, 0.25 m apart.
+template <typename Visit>
+void inside(const JunctionSurface& surface, const Visit& visit) {
+  Ring ring;
+  for (const auto& [x, y] : surface.boundary) ring.push_back({x, y});
+  const Box2 box = bounds_of(ring);
+  for (double x = box.min_x; x < box.max_x; x += 0.25)
+    for (double y = box.min_y; y < box.max_y; y += 0.25)
+      if (roadquery::contains(surface, x, y)) visit(x, y);
+}
+
+/// What must hold for the surfaces of every map.
+void expect_sound_surfaces(const RoadMap& map, double off_m) {
+  for (const roadquery::Junction& junction : map.junctions) {
+    ASSERT_TRUE(junction.surface) << junction.id;
+    const JunctionSurface& surface = *junction.surface;
+    Ring ring;
+    for (const auto& [x, y] : surface.boundary) ring.push_back({x - site_origin.x, y - site_origin.y});
+    EXPECT_GT(signed_area_m2(ring), 0.0);
+    EXPECT_TRUE(is_simple(ring)) << junction.id;
+    for (const roadquery::Road& road : map.roads) {
+      const bool begins = road.predecessor.kind == roadquery::LinkKind::junction && road.predecessor.id == junction.id;
+      const bool ends = road.successor.kind == roadquery::LinkKind::junction && road.successor.id == junction.id;
+      for (const double s : {0.0, road.length}) {
+        if (s == 0.0 ? !begins : !ends) continue;
+        const roadquery::Edges edges = roadquery::road_edges(road, s);
+        for (int i = 0; i <= 20; ++i) {
+          const double t = edges.right_t + (edges.left_t - edges.right_t) * i / 20.0;
+          const roadquery::SurfacePoint p = roadquery::surface_point(road, s, t);
+          const JunctionHeight h = roadquery::evaluate(surface, p.x, p.y);
+          EXPECT_NEAR(h.z, p.z, 1e-3) << "road " << road.id << " at t " << t;
+          if (!road.shape.empty() && std::abs(t) < 1e-9) continue;  // the ridge of a crown has two slopes
+          EXPECT_NEAR(h.dz_dx, -p.normal[0] / p.normal[2], 1e-3) << "road " << road.id << " at t " << t;
+          EXPECT_NEAR(h.dz_dy, -p.normal[1] / p.normal[2], 1e-3) << "road " << road.id << " at t " << t;
+        }
+      }
+      if (road.junction != junction.id) continue;
+      for (double s = 0.05; s < road.length; s += 0.5)
+        for (const double share : {0.01, 0.5, 0.99}) {
+          const roadquery::Edges edges = roadquery::road_edges(road, s);
+          const roadquery::SurfacePoint p =
+              roadquery::surface_point(road, s, edges.right_t + share * (edges.left_t - edges.right_t));
+          EXPECT_TRUE(roadquery::contains(surface, p.x, p.y)) << "road " << road.id << " at " << s << ", " << share;
+          EXPECT_NEAR(roadquery::evaluate(surface, p.x, p.y).z, p.z, off_m) << "road " << road.id << " at " << s;
+        }
+    }
+  }
+}
+
+/// Four arms of 60 m, the second way banked as given.
+RoadNetwork crossing(const std::function<double(Vec2)>& height, double banking = 0.0, double width_m = 7.0) {
+  return network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
+                               {.osm_id = 1, .highway = "secondary", .width_m = width_m, .height = height}),
+                     make_path({{0, -60}, {0, 0}, {0, 60}}, {4, 2, 5},
+                               {.osm_id = 2, .width_m = width_m, .height = height, .banking = [banking](double) {
+                                  return banking;
+                                }})});
+}
+
+TEST(JunctionSurfaces, PlanarArmsGiveThePlane) {
+  const RoadMap map = build_network(crossing([](Vec2 p) { return 50.0 + 0.03 * p.x; }, -std::atan(0.03))).map;
+  const JunctionSurface& surface = only_surface(map);
+  expect_sound_surfaces(map, 5.5e-3);  // profiles are fitted to the surface within 5 mm
+  int places = 0;
+  inside(surface, [&](double x, double y) {
+    const JunctionHeight h = roadquery::evaluate(surface, x, y);
+    EXPECT_NEAR(h.z, 50.0 + 0.03 * (x - site_origin.x), 1.5e-4);  // heights are multiples of 0.1 mm
+    EXPECT_NEAR(h.dz_dx, 0.03, 1e-3);
+    EXPECT_NEAR(h.dz_dy, 0.0, 1e-3);
+    ++places;
+  });
+  EXPECT_GT(places, 1000);
+}
+
+TEST(JunctionSurfaces, CornersHaveTheKerbRadiusOfTheSideRoad) {
+  const RoadMap map = build_network(crossing([](Vec2) { return 0.0; })).map;
+  const JunctionSurface& surface = only_surface(map);
+  // Edges 3.5 m off the lines: the arc's centre lies at (8.5, 8.5), its nearest point to the corner 5 (sqrt 2 - 1) off.
+  const double corner = 3.5 + 5.0 * (1.0 - std::sqrt(0.5));
+  for (const Vec2 sign : {Vec2{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+    const auto paved = [&](double d) {
+      return roadquery::contains(surface, site_origin.x + sign.x * d, site_origin.y + sign.y * d);
+    };
+    EXPECT_TRUE(paved(corner - 0.03));
+    EXPECT_FALSE(paved(corner + 0.05));
+  }
+}
+
+TEST(JunctionSurfaces, CrownOfTheMainRoadStaysWhereASideRoadMeetsIt) {
+  RoadNetwork roads = network_of(
+      {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
+                 {.osm_id = 1, .highway = "primary", .width_m = 7.0, .height = [](Vec2) { return 10.0; }}),
+       make_path({{0, 0}, {0, -60}}, {2, 4}, {.osm_id = 2, .height = [](Vec2 p) { return 10.0 - 0.04 * p.y; }})});
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes) node.crown = std::atan(0.025);
+  const RoadMap map = build_network(roads).map;
+  const JunctionSurface& surface = only_surface(map);
+  expect_sound_surfaces(map, 0.08);  // a road that turns across the ridge and the foot of the side road is no plane
+  for (double x = -6.0; x <= 6.0; x += 0.37)
+    for (const double y : {-2.6, -1.3, 1.3, 2.6})
+      EXPECT_NEAR(at(surface, {x, y}).z, 10.0 - 0.025 * std::abs(y), 0.008) << x << " " << y;
+  EXPECT_NEAR(at(surface, {0.0, 0.0}).z, 10.0, 0.015) << "the ridge is rounded";
+}
+
+/// Largest change of slope over a step of 1 cm, as a curvature in 1/m.
+double largest_curvature(const JunctionSurface& surface) {
+  constexpr double step_m = 0.01;
+  double largest = 0.0;
+  inside(surface, [&](double x, double y) {
+    const JunctionHeight h = roadquery::evaluate(surface, x, y), e = roadquery::evaluate(surface, x + step_m, y),
+                         n = roadquery::evaluate(surface, x, y + step_m);
+    largest =
+        std::max({largest, std::abs(e.dz_dx - h.dz_dx), std::abs(n.dz_dy - h.dz_dy), std::abs(e.dz_dy - h.dz_dy)});
+  });
+  return largest / step_m;
+}
+
+TEST(JunctionSurfaces, ArmsOfDifferentGradientMeetWithoutAKink) {
+  // 6 % down to the junction and level behind it, on both ways.
+  const RoadMap map = build_network(crossing([](Vec2 p) { return 5.0 + 0.06 * std::max({-p.x, -p.y, 0.0}); })).map;
+  expect_sound_surfaces(map, 0.12);  // turns lie on a slope of 15 % that twists over half their width
+  // A kink of 6 % would show as 0.06 over 1 cm: 6 1/m.
+  EXPECT_LT(largest_curvature(only_surface(map)), 2.0);
+}
+
+TEST(JunctionSurfaces, TurningRoadsThatDisagreeGetOneSurface) {
+  // A saddle: arms rise along x and fall along y by 2 to 4 %, without banking, so that every turn has a height of its
+  // own.
+  BuildNetworkOptions without;
+  without.junction_surfaces = false;
+  const auto saddle = [](Vec2 p) { return 20.0 + 0.0015 * (p.x * p.x - p.y * p.y); };
+  const RoadNetwork roads = crossing(saddle, 0.0, 14.0);
+  RoadMap map = build_network(roads, without).map;
+  EXPECT_FALSE(map.junctions.front().surface);
+  const network::JunctionSurfaceSummary summary = network::add_junction_surfaces(map, {});
+  EXPECT_EQ(summary.junctions, 1);
+  EXPECT_GT(summary.max_disagreement_m, 0.05);
+  EXPECT_LE(summary.max_road_off_after_m, summary.max_road_off_before_m);
+  const JunctionSurface& surface = only_surface(map);
+  expect_sound(map);
+  expect_sound_surfaces(map, summary.max_road_off_after_m + 1e-3);
+  double steepest = 0.0;
+  inside(surface, [&](double x, double y) {
+    const JunctionHeight h = roadquery::evaluate(surface, x, y);
+    steepest = std::max(steepest, std::hypot(h.dz_dx, h.dz_dy));
+  });
+  // Beside a corner the arms are 0.3 m apart in height and 5 m in plan, level across at both.
+  EXPECT_LT(steepest, 0.3);
+}
+
+TEST(JunctionSurfaces, DoNotDependOnPlaceOrOrder) {
+  const auto height = [](Vec2 p) { return 30.0 + 0.02 * p.x - 0.03 * p.y + 0.001 * p.x * p.y; };
+  RoadNetwork roads = crossing(height);
+  const JunctionSurface first = only_surface(build_network(roads).map);
+  std::swap(roads.paths[0], roads.paths[1]);
+  const JunctionSurface turned = only_surface(build_network(roads).map);
+  const Vec2 shift{1234.25, -777.75};
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes) node.p = node.p + shift;
+  const JunctionSurface moved = only_surface(build_network(roads).map);
+  inside(first, [&](double x, double y) {
+    const double z = roadquery::evaluate(first, x, y).z;
+    EXPECT_NEAR(roadquery::evaluate(turned, x, y).z, z, 1e-3);
+    EXPECT_NEAR(roadquery::evaluate(moved, x + shift.x, y + shift.y).z, z, 1e-3);
+  });
+}
+
+TEST(JunctionSurfaces, OddJunctionsSurvive) {
+  using roadquery::test::make_road;
+  // One arm, and a connecting road of no length beside one that turns.
+  RoadMap map;
+  map.roads = {make_road(1, {.x = -20.0, .length = 20.0}, 3.0), make_road(2, {.length = 0.0}, 3.0),
+               make_road(3, {.length = 6.0, .shape = roadquery::Arc{0.2}}, 3.0)};
+  map.roads[0].successor = {roadquery::LinkKind::junction, 1};
+  map.roads[1].junction = map.roads[2].junction = 1;
+  map.junctions = {{.id = 1}, {.id = 2, .name = "nothing in it"}};
+  const network::JunctionSurfaceSummary summary = network::add_junction_surfaces(map, {});
+  EXPECT_EQ(summary.junctions, 1);
+  ASSERT_TRUE(map.junctions[0].surface);
+  EXPECT_FALSE(map.junctions[1].surface);
+  EXPECT_NEAR(roadquery::evaluate(*map.junctions[0].surface, 2.0, 0.0).z, 3.0, 1e-4);
+}
+
+TEST(JunctionSurfaces, IslandOfARingStaysOutside) {
+  const Ring outer = circle_points({0, 0}, 20.0, 0.0, 2.0 * M_PI), inner = circle_points({0, 0}, 9.0, 0.0, -2.0 * M_PI);
+  const Ring ring = network::woven_ring({{outer, {inner}}, {{{30, 0}, {40, 0}, {40, 5}, {30, 5}}, {}}});
+  JunctionSurface surface;
+  for (const Vec2 p : ring) surface.boundary.push_back({p.x, p.y});
+  for (double angle = 0.05; angle < 6.28; angle += 0.1) {
+    EXPECT_FALSE(roadquery::contains(surface, 8.0 * std::cos(angle), 8.0 * std::sin(angle)));
+    EXPECT_TRUE(roadquery::contains(surface, 14.0 * std::cos(angle), 14.0 * std::sin(angle)));
+    EXPECT_FALSE(roadquery::contains(surface, 22.0 * std::cos(angle), 22.0 * std::sin(angle)));
+  }
+  EXPECT_TRUE(roadquery::contains(surface, 35.0, 2.0));
+  EXPECT_NEAR(signed_area_m2(ring), signed_area_m2(outer) + signed_area_m2(inner) + 50.0, 1e-6);
+}
+
+TEST(JunctionSurfaces, AreInTheFileAndComeBack) {
+  const Scratch scratch;
+  const RoadMap map = build_network(crossing([](Vec2 p) { return 40.0 + 0.001 * p.x * p.y; })).map;
+  io::write_opendrive(scratch / "a.xodr", map);
+  const RoadMap read = roadquery::read_opendrive((scratch / "a.xodr").string());
+  const JunctionSurface &a = only_surface(map), &b = only_surface(read);
+  EXPECT_EQ(a.boundary.size(), b.boundary.size());
+  EXPECT_EQ(a.arms.size(), b.arms.size());
+  inside(a, [&](double x, double y) {
+    EXPECT_NEAR(roadquery::evaluate(a, x, y).z, roadquery::evaluate(b, x, y).z, 1e-6);
+    EXPECT_TRUE(roadquery::contains(b, x, y));
+  });
+  io::write_opendrive(scratch / "b.xodr", read);
+  EXPECT_EQ(bytes_of(scratch / "a.xodr"), bytes_of(scratch / "b.xodr"));
+}
+
+// ---- the field alone
+
+TEST(JunctionField, IsExactForPlanesAndKeepsFixedNodes) {
+  network::FieldGrid grid{{3.0, -2.0}, 0.5, 13, 9};
+  std::vector<network::NodeTarget> targets(grid.size());
+  const auto plane = [](Vec2 p) { return 100.0 + 0.1 * p.x - 0.07 * p.y; };
+  for (const std::size_t i : {0u, 12u, 40u, 100u}) targets[i] = {plane(grid.node(i)), 0.0};
+  targets[60] = {plane(grid.node(60)), 2.0};
+  const std::vector<double> z = network::bend_least(grid, targets);
+  for (std::size_t i = 0; i < z.size(); ++i) EXPECT_NEAR(z[i], plane(grid.node(i)), 1e-9);
+  targets[60] = {plane(grid.node(60)) + 0.3, 0.0};
+  EXPECT_NEAR(network::bend_least(grid, targets)[60], plane(grid.node(60)) + 0.3, 1e-12);
+}
+
+TEST(JunctionField, WithoutEnoughTargetsIsAPlane) {
+  const network::FieldGrid grid{{0.0, 0.0}, 1.0, 5, 5};
+  std::vector<network::NodeTarget> targets(grid.size());
+  for (const double z : network::bend_least(grid, targets)) EXPECT_EQ(z, 0.0);
+  targets[7] = {4.0, 1.0};
+  for (const double z : network::bend_least(grid, targets)) EXPECT_NEAR(z, 4.0, 1e-6);
+}
+
+TEST(JunctionField, BendsAsAPlateDoes) {
+  // A strip held at both ends with slopes of 0 and a step of 1 m between: the beam's cubic z = 3 u^2 - 2 u^3.
+  const int columns = 41, rows = 3;
+  const network::FieldGrid grid{{0.0, 0.0}, 0.25, columns, rows};
+  std::vector<network::NodeTarget> targets(grid.size());
+  for (int r = 0; r < rows; ++r)
+    for (const int c : {0, 1, columns - 2, columns - 1})
+      targets[static_cast<std::size_t>(r * columns + c)] = {c > 1 ? 1.0 : 0.0, 0.0};
+  const std::vector<double> z = network::bend_least(grid, targets);
+  for (int c = 0; c < columns; ++c) {
+    const double u = std::clamp((c - 0.5) / (columns - 2.0), 0.0, 1.0);
+    EXPECT_NEAR(z[static_cast<std::size_t>(columns + c)], u * u * (3.0 - 2.0 * u), 0.005) << c;
+  }
+}
+
+}  // namespace
+}  // namespace orthodrive

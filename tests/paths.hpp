@@ -1,0 +1,19 @@
+#pragma once
+// Where the sources and the programs under test are. Set in paths.cpp alone, so that no other object file depends on
+// the folder of the checkout and the compiler cache serves every clone.
+
+#include <filesystem>
+
+namespace orthodrive::paths {
+
+extern const char* const source_dir;  ///< root of the checkout
+extern const char* const tool;        ///< the program `orthodrive`
+extern const char* const trainer;     ///< the program `orthodrive-train`
+extern const char* const test_sites;  ///< the sites that tests/pipeline builds
+
+/// A file of the checkout, by its path from the root; "../shared/data/..." for what lies beside it.
+[[nodiscard]] inline std::filesystem::path in_source(const char* relative) {
+  return std::filesystem::path(source_dir) / relative;
+}
+
+}  // namespace orthodrive::paths

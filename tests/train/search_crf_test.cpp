@@ -1,0 +1,71 @@
+#include "orthodrive/train/search_crf.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/model/allowed_classes.hpp"
+
+namespace orthodrive {
+namespace {
+
+constexpr int size = 48, classes = 3;
+
+/// Three bands of clear colours; the network is right in `sure` of its pixels.
+CrfSample bands(double sure, std::uint64_t seed) {
+  CrfSample sample{Raster<std::uint8_t>(size, size, 3), Raster<ClassSet>(size, size), {}};
+  Random random(seed);
+  for (int row = 0; row < size; ++row)
+    for (int col = 0; col < size; ++col) {
+      const int truth = col / 16;
+      for (int c = 0; c < 3; ++c)
+        sample.rgb.at(col, row, c) = static_cast<std::uint8_t>((c == truth ? 190 : 60) + 10.0 * random.uniform());
+      sample.allowed.at(col, row) = only(truth);
+      const int said = random.uniform() < sure ? truth : (truth + 1) % classes;
+      for (int c = 0; c < classes; ++c) sample.unary.push_back(c == said ? 0.4F : 1.8F);
+    }
+  return sample;
+}
+
+double merit(const CrfTrial& t) { return 0.5 * (t.pixel_accuracy + t.mean_iou); }
+
+TEST(SearchCrf, takes_the_cheapest_that_keeps_most_of_the_gain) {
+  const std::vector<CrfSample> samples{bands(0.75, 1), bands(0.75, 2)};
+  const CrfSearchOptions options;
+  const CrfSearch search = search_crf(samples, classes, options);
+  const CrfTrial none = search.trials.front();
+  EXPECT_EQ(none.appearance_weight, 0.0F);
+  double best = 0.0, best_appearance = 0.0;
+  for (const CrfTrial& t : search.trials) {
+    best = std::max(best, merit(t));
+    if (t.smoothness_weight == 0.0F && t.iterations == options.iterations)
+      best_appearance = std::max(best_appearance, merit(t));
+  }
+  EXPECT_GT(best, merit(none) + 0.1) << "a CRF mends three quarters of right pixels";
+  const auto chosen = std::ranges::find_if(search.trials, [&](const CrfTrial& t) {
+    return t.widths.theta_alpha_px == search.best.widths.theta_alpha_px &&
+           t.widths.theta_beta == search.best.widths.theta_beta && t.smoothness_weight == 0.0F &&
+           t.appearance_weight == search.best.parameters.appearance_weight.front();
+  });
+  ASSERT_NE(chosen, search.trials.end());
+  const double enough = best_appearance - options.tolerated_loss * (best_appearance - merit(none));
+  EXPECT_GE(merit(*chosen), enough);
+  for (const CrfTrial& t : search.trials)
+    if (t.appearance_weight > 0.0F && t.smoothness_weight == 0.0F && merit(t) >= enough &&
+        t.iterations == options.iterations) {
+      EXPECT_GE(t.vertices_per_pixel, chosen->vertices_per_pixel);
+    }
+  EXPECT_LE(search.best.parameters.iterations, options.iterations);
+  EXPECT_GE(search.best.parameters.iterations, 3);
+}
+
+TEST(SearchCrf, leaves_a_perfect_network_alone) {
+  const CrfSearch search = search_crf(std::vector{bands(1.1, 1)}, classes, {});
+  EXPECT_EQ(search.trials.front().mean_iou, 1.0);
+  EXPECT_EQ(search.best.parameters.appearance_weight.front(), 0.0F);
+}
+
+}  // namespace
+}  // namespace orthodrive

@@ -1,0 +1,120 @@
+#include "orthodrive/train/train_network.hpp"
+
+#include <gtest/gtest.h>
+
+#include "nets/shipped_model.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/nets/net_surgery.hpp"
+#include "orthodrive/segment/resample_photo.hpp"
+#include "train/toy_scene.hpp"
+
+namespace orthodrive {
+namespace {
+
+ModelMetadata default_metadata() { return {"mobilenetv2-s16-fpn2", default_class_table(), 0.5}; }
+
+/// The shipped trunk with a decoder that knows nothing yet.
+TensorFile fresh_weights() {
+  TensorFile trunk = shipped_tensors();
+  std::erase_if(trunk.tensors, [](const auto& t) {
+    return t.first.starts_with("context") || t.first.starts_with("merge") || t.first.starts_with("head");
+  });
+  const std::vector<WeightsSource> sources{{"default", trunk}};
+  return start_weights(make_network("mobilenetv2-s16-fpn2", 8), sources, 1).file;
+}
+
+TrainOptions toy_options() {
+  return {.steps = 8,
+          .warmup_steps = 2,
+          .decay_from_step = 6,
+          .learning_rate = 3e-3,
+          .freeze_norm_from_step = 6,
+          .batch = 2,
+          .crop_px = 64,
+          .threads = 1};
+}
+
+Trainer toy_trainer() { return {fresh_weights(), "default", default_metadata(), toy_options()}; }
+
+TEST(Trainer, a_few_steps_lower_the_loss) {
+  TrainOptions options = toy_options();
+  options.steps = 20, options.decay_from_step = 20;
+  options.freeze_norm_from_step = 100;  // the running statistics of a new decoder need longer than this
+  Trainer trainer(fresh_weights(), "default", default_metadata(), options);
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  const double first = trainer.advance(scenes);
+  double last = 0.0;
+  while (trainer.step() < 20) last = trainer.advance(scenes);
+  EXPECT_GT(first, 1.5) << "eight classes, untrained decoder";
+  EXPECT_LT(last, 0.7 * first);
+}
+
+TEST(Trainer, jaccard_weight_adds_to_the_loss_and_changes_the_step) {
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  const auto run = [&](double weight) {
+    TrainOptions options = toy_options();
+    options.jaccard_weight = weight;
+    Trainer trainer(fresh_weights(), "default", default_metadata(), options);
+    const double loss = trainer.advance(scenes);
+    static_cast<void>(trainer.advance(scenes));
+    return std::pair(loss, trainer.model_file().tensors.at("head/kernel").values);
+  };
+  const auto [without, weights_without] = run(0.0);
+  const auto [half, weights_half] = run(0.5);
+  const auto [full, weights_full] = run(1.0);
+  // Eight classes of equal probability, two of them in the scene: an IoU of an eighth and less.
+  EXPECT_GT(full - without, 0.7);
+  EXPECT_LT(full - without, 1.0);
+  EXPECT_NEAR(half - without, 0.5 * (full - without), 1e-6);
+  EXPECT_NE(weights_full, weights_without);
+}
+
+TEST(Trainer, resumed_run_gives_the_same_weights) {
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  Trainer straight = toy_trainer();
+  for (int i = 0; i < 6; ++i) static_cast<void>(straight.advance(scenes));
+  Trainer killed = toy_trainer();
+  for (int i = 0; i < 3; ++i) static_cast<void>(killed.advance(scenes));
+  const std::string saved = format_safetensors(killed.checkpoint());
+  Trainer resumed = toy_trainer();
+  resumed.restore(parse_safetensors(saved, "checkpoint"), "checkpoint");
+  EXPECT_EQ(resumed.step(), 3);
+  for (int i = 0; i < 3; ++i) static_cast<void>(resumed.advance(scenes));
+  EXPECT_EQ(format_safetensors(resumed.checkpoint()), format_safetensors(straight.checkpoint()));
+}
+
+TEST(Trainer, its_model_file_loads_and_a_model_is_no_checkpoint) {
+  Trainer trainer = toy_trainer();
+  const std::string bytes = format_safetensors(trainer.model_file());
+  EXPECT_LT(bytes.size(), 4u << 20);
+  EXPECT_EQ(load_model(parse_safetensors(bytes, "m"), "m").classes.name, "orthodrive-8");
+  EXPECT_THROW(trainer.restore(parse_safetensors(bytes, "m"), "m"), InputError);
+}
+
+TEST(Trainer, learning_rate_rises_stays_and_falls) {
+  Trainer trainer = toy_trainer();
+  EXPECT_NEAR(trainer.learning_rate(), 1.5e-3, 1e-12);
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  std::vector<double> rates;
+  while (trainer.step() < 8) {
+    rates.push_back(trainer.learning_rate());
+    static_cast<void>(trainer.advance(scenes));
+  }
+  EXPECT_NEAR(rates[1], 3e-3, 1e-12);
+  EXPECT_NEAR(rates[5], 3e-3, 1e-12);
+  EXPECT_NEAR(rates[7], 1.5e-3, 1e-12);
+  EXPECT_NEAR(trainer.learning_rate(), 0.0, 1e-12);
+}
+
+TEST(Trainer, refuses_impossible_options) {
+  TrainOptions odd = toy_options();
+  odd.crop_px = 100;
+  EXPECT_THROW(Trainer(fresh_weights(), "default", default_metadata(), odd), OptionError);
+  TrainOptions weights = toy_options();
+  weights.class_weights = {1.0F, 1.0F};
+  EXPECT_THROW(Trainer(fresh_weights(), "default", default_metadata(), weights), OptionError);
+}
+
+}  // namespace
+}  // namespace orthodrive

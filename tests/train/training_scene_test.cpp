@@ -1,0 +1,45 @@
+#include "orthodrive/train/training_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include "orthodrive/core/error.hpp"
+#include "train/toy_scene.hpp"
+
+namespace orthodrive {
+namespace {
+
+TEST(DrawCrop, repeats_for_a_seed_and_keeps_labels_with_their_pixels) {
+  TrainingScene scene = toy_scene();
+  const Crop a = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 7),
+             b = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 7);
+  EXPECT_EQ(a.rgb.data, b.rgb.data);
+  EXPECT_EQ(a.allowed.data, b.allowed.data);
+  EXPECT_NE(a.rgb.data, draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, 8).rgb.data);
+  // Wherever the crop was taken, bright pixels are the square: compare in the middle of the two colours.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Crop crop = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, seed);
+    double bright = 0.0, dark = 0.0, bright_count = 0.0, dark_count = 0.0;
+    for (std::size_t i = 0; i < crop.allowed.data.size(); ++i) {
+      if (crop.allowed.data[i] == only(1)) bright += crop.rgb.data[3 * i], bright_count += 1.0;
+      if (crop.allowed.data[i] == only(0)) dark += crop.rgb.data[3 * i], dark_count += 1.0;
+    }
+    if (bright_count < 50.0 || dark_count < 50.0) continue;
+    EXPECT_GT(bright / bright_count, dark / dark_count + 60.0) << seed;
+  }
+}
+
+TEST(DrawScene, follows_weights_and_first_steps) {
+  std::vector<TrainingScene> scenes(3, TrainingScene{});
+  scenes[0].weight = 3.0, scenes[1].weight = 1.0, scenes[2].weight = 100.0, scenes[2].from_step = 50;
+  int counts[3] = {0, 0, 0};
+  for (std::uint64_t seed = 0; seed < 4000; ++seed) ++counts[draw_scene(scenes, 49, seed)];
+  EXPECT_EQ(counts[2], 0);
+  EXPECT_NEAR(counts[0], 3000, 120);
+  int late = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) late += draw_scene(scenes, 50, seed) == 2 ? 1 : 0;
+  EXPECT_GT(late, 85);
+  EXPECT_THROW(static_cast<void>(draw_scene({}, 0, 1)), OptionError);
+}
+
+}  // namespace
+}  // namespace orthodrive

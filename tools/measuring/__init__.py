@@ -1,0 +1,1 @@
+"""The sub-commands of tools/measure: a module each with add_arguments() and run(); what they share is in common.py."""
