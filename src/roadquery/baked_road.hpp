@@ -86,6 +86,9 @@ struct BakedRoads {
   // companion_begin[i + 1]) are the stations of other roads, or of the same one far along it, that touch it.
   std::vector<std::uint32_t> companion_begin;
   std::vector<StationRange> companions;
+  // Of each station 1 where its surface, its companions' and those of the junctions over it are one level whichever
+  // counts, and no companion is of its own road: a junction's surface under a point there is the answer.
+  std::vector<std::uint8_t> junction_decides;
 
   [[nodiscard]] std::uint32_t road_of(const Station& station) const { return stretches[station.lanes].road; }
 

@@ -12,8 +12,22 @@ namespace {
 
 constexpr double box_rounding_m = 0.02;  // more than an edge bends between two corners of a box
 
-/// The part of b's box that lies beside a's station: its left_min and left_max in a's frame; empty (min > max) when
-/// there is none. Sutherland and Hodgman's clipping (1974) of a rectangle by the two ends of the other.
+/// The part of a ring that lies beside a station: its least and greatest left_m; empty (min > max) when there is none.
+/// Sutherland and Hodgman's clipping (1974) by the two ends of the station.
+std::array<double, 2> beside(const StationBox& box_a, std::span<const FramePoint> ring) {
+  std::array<double, 2> range = {1e30, -1e30};
+  const auto take = [&](double left) { range = {std::min(range[0], left), std::max(range[1], left)}; };
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const FramePoint &p = ring[i], &next = ring[i + 1 < ring.size() ? i + 1 : 0];
+    if (p.along >= box_a.along_min && p.along <= box_a.along_max) take(p.left);
+    for (const double end : {box_a.along_min, box_a.along_max})
+      if ((p.along < end) != (next.along < end))
+        take(p.left + (end - p.along) / (next.along - p.along) * (next.left - p.left));
+  }
+  return range;
+}
+
+/// Of the box of b beside a.
 std::array<double, 2> beside(const Station& a, const StationBox& box_a, const Station& b, const StationBox& box_b) {
   std::array<FramePoint, 4> corners;
   std::size_t count = 0;
@@ -22,16 +36,7 @@ std::array<double, 2> beside(const Station& a, const StationBox& box_a, const St
         std::pair{box_b.along_max, box_b.left_max}, std::pair{box_b.along_min, box_b.left_max}})
     corners[count++] =
         in_frame(a, b.x + along * b.cos_hdg - left * b.sin_hdg, b.y + along * b.sin_hdg + left * b.cos_hdg);
-  std::array<double, 2> range = {1e30, -1e30};
-  const auto take = [&](double left) { range = {std::min(range[0], left), std::max(range[1], left)}; };
-  for (std::size_t i = 0; i < count; ++i) {
-    const FramePoint &p = corners[i], &next = corners[(i + 1) % count];
-    if (p.along >= box_a.along_min && p.along <= box_a.along_max) take(p.left);
-    for (const double end : {box_a.along_min, box_a.along_max})
-      if ((p.along < end) != (next.along < end))
-        take(p.left + (end - p.along) / (next.along - p.along) * (next.left - p.left));
-  }
-  return range;
+  return beside(box_a, corners);
 }
 
 /// Largest part of the width of a station that no other surface is known to touch.
@@ -136,9 +141,10 @@ StationBox station_box(const BakedRoads& roads, const Station& q) {
   return box;
 }
 
-void find_overlaps(BakedRoads& roads, const CellIndex& cells, double level_m) {
+void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells, double level_m) {
   const std::vector<Extent> extents = extents_of(roads);
-  std::vector<std::uint32_t> near, seen_by(roads.stations.size(), no_index);
+  std::vector<FramePoint> ring;
+  std::vector<std::uint32_t> near, junctions, seen_by(roads.stations.size(), no_index);
   roads.companion_begin.assign(1, 0);
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
     Station& q = roads.stations[i];
@@ -155,6 +161,13 @@ void find_overlaps(BakedRoads& roads, const CellIndex& cells, double level_m) {
         roads.companions.back().last = k;
       else
         roads.companions.push_back({k, k});
+    }
+    junctions.clear();
+    if (q.shape_count != unusable_station) cells.append_junctions(q, extents[i].box, junctions);
+    for (const std::uint32_t junction : junctions) {
+      ring.clear();
+      for (const auto& [x, y] : map.junctions[junction].surface->boundary) ring.push_back(in_frame(q, x, y));
+      free.take_away(beside(extents[i].box, ring));
     }
     keep_free_width(roads, free, q);
     roads.companion_begin.push_back(static_cast<std::uint32_t>(roads.companions.size()));

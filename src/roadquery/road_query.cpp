@@ -6,6 +6,7 @@
 
 #include "roadquery/baked_surface.hpp"
 #include "roadquery/blend.hpp"
+#include "roadquery/junction_levels.hpp"
 #include "roadquery/overlaps.hpp"
 #include "roadquery/surface_search.hpp"
 
@@ -119,9 +120,9 @@ const Found& named_of(const BakedRoads& roads, std::span<const Found> level, int
 
 }  // namespace
 
-RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), cells_(baked_) {
-  find_overlaps(baked_, cells_, alone_level_m);
-  junctions_ = JunctionIndex(map_, baked_);
+RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), junctions_(map_), cells_(baked_, map_) {
+  find_overlaps(baked_, map_, cells_, alone_level_m);
+  find_levels(baked_, map_, cells_);
   if (!map_.crgs || map_.crgs->empty()) return;
   for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road));
   baked_.crgs = map_.crgs;
@@ -135,8 +136,7 @@ struct RoadQuery::Level {
   [[nodiscard]] bool empty() const { return roads.empty() && junction.junction == no_index; }
 };
 
-void RoadQuery::search_place(double x, double y, FoundList& list) const {
-  const Cell cell = cells_.at(x, y);
+void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& list) const {
   search_cell(baked_, cell, x, y, edge_rounding_m, list);
   if (list.count == 0) search_stations(baked_, cell, x, y, edge_rounding_m, true, list);
 }
@@ -146,12 +146,14 @@ RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, const Curs
   if (follow(baked_, x, y, z_hint, cursor, here)) {
     list.count = 1;
     if (is_alone(baked_, here)) return {list.all(), {}};
+    const JunctionOver over = junctions_.over(map_, cells_.at(x, y), x, y, z_hint);
+    if (over.junction != no_index && baked_.junction_decides[here.station] != 0) return {list.all(), over};
     search_companions(baked_, here.station, x, y, list);
-  } else {
-    search_place(x, y, list);
+    return with_junction(over, z_hint, list);
   }
-  if (junctions_.empty()) return {list.count == 1 ? list.all() : level_of(list, z_hint, any_road), {}};
-  return with_junction(junctions_.over(map_, x, y, z_hint), z_hint, list);
+  const Cell cell = cells_.at(x, y);
+  search_place(cell, x, y, list);
+  return with_junction(junctions_.over(map_, cell, x, y, z_hint), z_hint, list);
 }
 
 /// A junction's own surface takes part in the choice of the level like a road's.
@@ -275,16 +277,16 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
                                                const std::vector<bool>& is_on_level) const {
   const auto is_anchor = [&](const Found& f) { return is_on_level[baked_.road_of(baked_.stations[f.station])]; };
   FoundList list;
-  search_place(x, y, list);
+  const Cell cell = cells_.at(x, y);
+  search_place(cell, x, y, list);
   double highest = std::numeric_limits<double>::quiet_NaN();
   for (const Found& found : list.all())
     if (is_anchor(found) && !(found.on.z <= highest)) highest = found.on.z;
   Level level;
   if (!std::isnan(highest)) {
-    level = junctions_.empty() ? Level{level_of(list, highest, any_road), {}}
-                               : with_junction(junctions_.over(map_, x, y, highest), highest, list);
-  } else if (!junctions_.empty()) {  // between the roads of a junction
-    level.junction = junctions_.over(map_, x, y, highest);
+    level = with_junction(junctions_.over(map_, cell, x, y, highest), highest, list);
+  } else {  // between the roads of a junction
+    level.junction = junctions_.over(map_, cell, x, y, highest);
     const auto is_own = [&](std::uint32_t road) { return is_on_level[road]; };
     if (level.junction.junction != no_index && std::ranges::none_of(junctions_.roads(level.junction.junction), is_own))
       level.junction = {};

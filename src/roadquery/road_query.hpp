@@ -84,7 +84,7 @@ class RoadQuery {
 
  private:
   struct Level;
-  void search_place(double x, double y, FoundList& list) const;
+  void search_place(const Cell& cell, double x, double y, FoundList& list) const;
   [[nodiscard]] Level search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const;
   [[nodiscard]] static Level with_junction(const JunctionOver& over, double z_hint, FoundList& list);
   [[nodiscard]] std::optional<Found> nearest_of_junction(std::uint32_t junction, double x, double y) const;
@@ -94,8 +94,8 @@ class RoadQuery {
 
   RoadMap map_;
   BakedRoads baked_;
-  CellIndex cells_;
   JunctionIndex junctions_;
+  CellIndex cells_;
 };
 
 }  // namespace roadquery
