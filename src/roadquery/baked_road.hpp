@@ -72,6 +72,14 @@ struct StationRange {
   std::uint32_t first = 0, last = 0;
 };
 
+/// Stations that lie over another one. The rectangle, in the other's frame and in companion_step_m, holds their surface
+/// beside it; the last step of either side goes on for ever.
+struct Companion {
+  StationRange range;
+  std::int8_t along_min = 127, along_max = -128, left_min = 127, left_max = -128;
+};
+inline constexpr float companion_step_m = 0.25F;
+
 class RoadCrgs;
 
 /// All roads of a map. Immutable after bake().
@@ -85,7 +93,7 @@ struct BakedRoads {
   // What else lies over station i, or within 3.5 m above or below it: companions[companion_begin[i] ..
   // companion_begin[i + 1]) are the stations of other roads, or of the same one far along it, that touch it.
   std::vector<std::uint32_t> companion_begin;
-  std::vector<StationRange> companions;
+  std::vector<Companion> companions;
   // Of each station 1 where its surface, its companions' and those of the junctions over it are one level whichever
   // counts, and no companion is of its own road: a junction's surface under a point there is the answer.
   std::vector<std::uint8_t> junction_decides;

@@ -85,7 +85,7 @@ bool is_one_level(const BakedRoads& roads, const RoadMap& map, std::uint32_t sta
   Band band(q);
   band.add(roads, q);
   for (std::uint32_t i = roads.companion_begin[station]; i < roads.companion_begin[station + 1]; ++i) {
-    const StationRange& range = roads.companions[i];
+    const StationRange& range = roads.companions[i].range;
     if (roads.road_of(roads.stations[range.first]) == roads.road_of(q)) return false;
     for (std::uint32_t k = range.first; k <= range.last; ++k) band.add(roads, roads.stations[k]);
   }

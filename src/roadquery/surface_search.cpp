@@ -57,6 +57,15 @@ bool is_folded(const Station& q, const LinePlace& place) {
   return place.left_m * turn > 0.9 * square * std::sqrt(square);
 }
 
+/// Whether a point, in the station's frame and companion_step_m, may lie on the companion.
+bool may_touch(const Companion& companion, float along, float left) {
+  const auto within = [](float at, std::int8_t least, std::int8_t most) {
+    return (at >= static_cast<float>(least) || least == -128) && (at <= static_cast<float>(most) || most == 127);
+  };
+  return within(along, companion.along_min, companion.along_max) &&
+         within(left, companion.left_min, companion.left_max);
+}
+
 }  // namespace
 
 void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found) {
@@ -150,9 +159,13 @@ void search_stations(const BakedRoads& roads, const Cell& cell, double x, double
 
 void search_companions(const BakedRoads& roads, std::uint32_t station, double x, double y, FoundList& list) {
   constexpr int most_steps = 24;
+  const FramePoint p = in_frame(roads.stations[station], x, y);
+  const float along = static_cast<float>(p.along) / companion_step_m,
+              left = static_cast<float>(p.left) / companion_step_m;
   for (std::uint32_t i = roads.companion_begin[station]; i < roads.companion_begin[station + 1]; ++i) {
     if (list.count == FoundList::most) return;
-    const StationRange& range = roads.companions[i];
+    if (!may_touch(roads.companions[i], along, left)) continue;
+    const StationRange& range = roads.companions[i].range;
     Found& found = list.items[list.count];
     found.station = range.first + (range.last - range.first) / 2;
     if (find_on(roads, range, x, y, most_steps, edge_rounding_m, found)) ++list.count;
