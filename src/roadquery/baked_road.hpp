@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "roadquery/large_vector.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace roadquery {
@@ -84,16 +85,16 @@ class RoadCrgs;
 
 /// All roads of a map. Immutable after bake().
 struct BakedRoads {
-  std::vector<Station> stations;             // by road, then by s
+  LargeVector<Station> stations;             // by road, then by s
   std::vector<std::uint32_t> first_station;  // of each road, and the count of all
-  std::vector<LaneStretch> stretches;
-  std::vector<BakedLane> lanes;
-  std::vector<ShapePiece> shapes;
+  LargeVector<LaneStretch> stretches;
+  LargeVector<BakedLane> lanes;
+  LargeVector<ShapePiece> shapes;
   std::shared_ptr<const RoadCrgs> crgs;  // what is laid on them; null: nothing
   // What else lies over station i, or within 3.5 m above or below it: companions[companion_begin[i] ..
   // companion_begin[i + 1]) are the stations of other roads, or of the same one far along it, that touch it.
   std::vector<std::uint32_t> companion_begin;
-  std::vector<Companion> companions;
+  LargeVector<Companion> companions;
   // Of each station 1 where its surface, its companions' and those of the junctions over it are one level whichever
   // counts, and no companion is of its own road: a junction's surface under a point there is the answer.
   std::vector<std::uint8_t> junction_decides;

@@ -189,7 +189,7 @@ CellIndex::CellIndex(const BakedRoads& roads, const RoadMap& map) {
   }
   std::size_t used = 0;
   for (const Slot& slot : slots_) used += slot.count > 0 ? 1 : 0;
-  std::vector<Slot> all;
+  LargeVector<Slot> all;
   all.swap(slots_);
   for (capacity = 2; capacity < 2 * used;) capacity *= 2;
   slots_.resize(capacity);

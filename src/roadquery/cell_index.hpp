@@ -93,8 +93,8 @@ class CellIndex {
   };
   [[nodiscard]] std::size_t slot_of(std::int32_t column, std::int32_t row) const;
 
-  std::vector<Slot> slots_;  // a power of two, at most half full; linear probing
-  std::vector<CellEntry> entries_;
+  LargeVector<Slot> slots_;  // a power of two, at most half full; linear probing
+  LargeVector<CellEntry> entries_;
 };
 
 }  // namespace roadquery
