@@ -18,11 +18,13 @@ constexpr double coherent_level_m = 1.0;
 /// coherent_level_m of the hint.
 constexpr double alone_level_m = 2.0 * coherent_level_m + same_level_m;
 
-void fill_place(const BakedRoads& roads, const Found& found, Hit& hit) {
+void fill_place(const BakedRoads& roads, const Found& found, unsigned parts, Hit& hit) {
   const Station& q = roads.stations[found.station];
-  hit.road = static_cast<int>(roads.road_of(q));
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  hit.road = static_cast<int>(lanes.road);
   hit.s = q.s + found.line.u, hit.t = found.on.t;
-  if (const BakedLane* lane = lane_at(roads, roads.stretches[q.lanes], hit.s, hit.t, edge_rounding_m)) {
+  if ((parts & (hit_lane | hit_material)) == 0) return;
+  if (const BakedLane* lane = lane_at(roads, lanes, hit.s, hit.t, edge_rounding_m)) {
     hit.lane_id = lane->id, hit.surface = lane->surface;
     hit.friction = lane->friction, hit.roughness_m = lane->roughness_m;
   }
@@ -35,9 +37,8 @@ Bearing bearing_of(const BakedRoads& roads, const Found& found) {
   Bearing bearing = bearing_at(q, found.line, found.on);
   if (!found.has_crg) return bearing;
   const LinePlace& line = found.line;
-  const double inverse_speed = inverse_root(line.dx_du * line.dx_du + line.dy_du * line.dy_du);
-  const double c = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
-  const double n = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
+  const double c = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * line.inverse_speed;
+  const double n = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * line.inverse_speed;
   const double scale = 1.0 / std::sqrt(1.0 + found.rise_along * found.rise_along + found.rise_left * found.rise_left);
   bearing.normal[0] = (-found.rise_along * c + found.rise_left * n) * scale;
   bearing.normal[1] = (-found.rise_along * n - found.rise_left * c) * scale;
@@ -45,19 +46,18 @@ Bearing bearing_of(const BakedRoads& roads, const Found& found) {
   return bearing;
 }
 
-Hit hit_of(const BakedRoads& roads, const Found& found) {
-  Hit hit;
-  fill_place(roads, found, hit);
+void fill_hit(const BakedRoads& roads, const Found& found, unsigned parts, Hit& hit) {
+  fill_place(roads, found, parts, hit);
+  hit.z = found.on.z;
+  if ((parts & (hit_normal | hit_curvature)) == 0) return;
   const Bearing bearing = bearing_of(roads, found);
-  hit.z = found.on.z, hit.curvature = bearing.curvature;
+  hit.curvature = bearing.curvature;
   hit.normal = {bearing.normal[0], bearing.normal[1], bearing.normal[2]};
-  return hit;
 }
 
-Hit blended(const BakedRoads& roads, std::span<const Found> surfaces, const Found& named) {
-  if (surfaces.size() == 1) return hit_of(roads, named);
-  Hit hit;
-  fill_place(roads, named, hit);
+void fill_blended(const BakedRoads& roads, std::span<const Found> surfaces, const Found& named, unsigned parts,
+                  Hit& hit) {
+  fill_place(roads, named, parts, hit);
   Blend blend;
   for (const Found& found : surfaces) {
     const Bearing bearing = bearing_of(roads, found);
@@ -67,7 +67,6 @@ Hit blended(const BakedRoads& roads, std::span<const Found> surfaces, const Foun
   double normal[3];
   blend.get_normal(normal);
   hit.z = blend.z(), hit.normal = {normal[0], normal[1], normal[2]};
-  return hit;
 }
 
 /// The cursor's station, or no_index for one of another map.
@@ -141,19 +140,19 @@ void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& li
   if (list.count == 0) search_stations(baked_, cell, x, y, edge_rounding_m, true, list);
 }
 
-RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const {
-  Found& here = list.items[0];
-  if (follow(baked_, x, y, z_hint, cursor, here)) {
-    list.count = 1;
-    if (is_alone(baked_, here)) return {list.all(), {}};
-    const JunctionOver over = junctions_.over(map_, cells_.at(x, y), x, y, z_hint);
-    if (over.junction != no_index && baked_.junction_decides[here.station] != 0) return {list.all(), over};
-    search_companions(baked_, here.station, x, y, list);
-    return with_junction(over, z_hint, list);
-  }
+/// `followed`: the list begins with what follow() found, and other surfaces lie near it.
+RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, bool followed, FoundList& list) const {
   const Cell cell = cells_.at(x, y);
-  search_place(cell, x, y, list);
-  return with_junction(junctions_.over(map_, cell, x, y, z_hint), z_hint, list);
+  const JunctionOver over = junctions_.over(map_, cell, x, y, z_hint);
+  if (followed) {
+    list.count = 1;
+    const std::uint32_t station = list.items[0].station;
+    if (over.junction != no_index && baked_.junction_decides[station] != 0) return {list.all(), over};
+    search_companions(baked_, station, x, y, list);
+  } else {
+    search_place(cell, x, y, list);
+  }
+  return with_junction(over, z_hint, list);
 }
 
 /// A junction's own surface takes part in the choice of the level like a road's.
@@ -185,36 +184,57 @@ std::optional<Found> RoadQuery::nearest_of_junction(std::uint32_t junction, doub
   return best;
 }
 
-std::optional<Hit> RoadQuery::hit_of_level(const Level& level, double x, double y, Cursor& cursor) const {
+std::optional<Hit> RoadQuery::hit_of_level(const Level& level, double x, double y, unsigned parts,
+                                           Cursor& cursor) const {
   std::optional<Found> nearest;
   if (level.roads.empty()) nearest = nearest_of_junction(level.junction.junction, x, y);
   if (level.roads.empty() && !nearest) return std::nullopt;
   const Found& named = nearest ? *nearest : named_of(baked_, level.roads, cursor.road);
-  Hit hit = nearest ? hit_of(baked_, named) : blended(baked_, level.roads, named);
-  if (level.junction.junction != no_index) {
+  const bool has_own_surface = level.junction.junction != no_index;
+  std::optional<Hit> result(std::in_place);
+  Hit& hit = *result;
+  if (level.roads.size() > 1 && !has_own_surface)
+    fill_blended(baked_, level.roads, named, parts, hit);
+  else
+    fill_hit(baked_, named, has_own_surface ? parts & ~hit_normal : parts, hit);
+  if (has_own_surface) {
     const JunctionHeight& at = level.junction.at;
     const double scale = 1.0 / std::sqrt(1.0 + at.dz_dx * at.dz_dx + at.dz_dy * at.dz_dy);
     hit.z = at.z, hit.normal = {-at.dz_dx * scale, -at.dz_dy * scale, scale};
     hit.in_junction = true;
   }
   cursor = {hit.road, hit.s, named.station};
-  return hit;
+  return result;
 }
 
-std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor) const {
+std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor, unsigned parts) const {
   FoundList list;
-  const Level level = search(x, y, z_hint, cursor, list);
   std::optional<Hit> hit;
-  if (!level.empty()) hit = hit_of_level(level, x, y, cursor);
+  Found& here = list.items[0];
+  const bool followed = follow(baked_, x, y, z_hint, cursor, here);
+  if (followed && is_alone(baked_, here)) {
+    fill_hit(baked_, here, parts, hit.emplace());
+    cursor = {hit->road, hit->s, here.station};
+    return hit;
+  }
+  const Level level = search(x, y, z_hint, followed, list);
+  if (!level.empty()) hit = hit_of_level(level, x, y, parts, cursor);
   if (!hit) cursor = {};
   return hit;
 }
 
 std::optional<double> RoadQuery::find_height(double x, double y, double z_hint, Cursor& cursor) const {
   FoundList list;
-  const Level level = search(x, y, z_hint, cursor, list);
+  Found& here = list.items[0];
+  const bool followed = follow(baked_, x, y, z_hint, cursor, here);
+  if (followed && is_alone(baked_, here)) {
+    const Station& station = baked_.stations[here.station];
+    cursor = {static_cast<int>(baked_.road_of(station)), station.s + here.line.u, here.station};
+    return here.on.z;
+  }
+  const Level level = search(x, y, z_hint, followed, list);
   if (level.roads.empty()) {
-    const auto hit = level.empty() ? std::nullopt : hit_of_level(level, x, y, cursor);
+    const auto hit = level.empty() ? std::nullopt : hit_of_level(level, x, y, 0, cursor);
     if (!hit) cursor = {};
     return hit ? std::optional(hit->z) : std::nullopt;
   }
@@ -247,7 +267,9 @@ std::optional<Hit> RoadQuery::at(std::size_t road, double s, double t) const {
     const SurfacePoint p = surface_point(map_.roads[road], q.s + found.line.u, t);
     lay_crgs(baked_, q, p.x, p.y, found);
   }
-  return hit_of(baked_, found);
+  Hit hit;
+  fill_hit(baked_, found, hit_all, hit);
+  return hit;
 }
 
 /// Of the surfaces that end or go by at most reach_m from the point the nearest one of the level's roads.
@@ -296,7 +318,7 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
   if (level.empty() && reach_m > 0.0) level.roads = nearest_beside(x, y, reach_m, is_on_level, list);
   if (level.empty()) return std::nullopt;
   Cursor cursor;
-  const auto hit = hit_of_level(level, x, y, cursor);
+  const auto hit = hit_of_level(level, x, y, hit_normal, cursor);
   if (!hit) return std::nullopt;
   SurfaceSample sample{hit->z, hit->normal, 0.0};
   constexpr double between_roads_m = 1e-3;

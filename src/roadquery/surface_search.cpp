@@ -71,7 +71,7 @@ bool may_touch(const Companion& companion, float along, float left) {
 void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found) {
   const LinePlace& line = found.line;
   const Bearing bearing = bearing_at(q, line, found.on);
-  const double inverse_speed = inverse_root(line.dx_du * line.dx_du + line.dy_du * line.dy_du);
+  const double inverse_speed = line.inverse_speed;
   RoadPlace place{q.s + line.u, found.on.t, x, y};
   place.cos_hdg = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
   place.sin_hdg = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
