@@ -57,16 +57,17 @@ struct BakedLane {
 /// The lanes of a road where none of their widths and materials begins or ends. Cubics of s - this->s.
 struct alignas(64) LaneStretch {
   double s = 0.0;
-  std::uint32_t road = 0;                             ///< index into RoadMap::roads
-  float reach_m = 0.0F;                               ///< the surface lies within this distance of the line
-  double length_m = 0.0;                              ///< of the road
-  std::uint32_t first_station = 0, last_station = 0;  ///< of the road
-  double left_edge[4] = {}, right_edge[4] = {};       ///< t of the outer edges
-  double center[4] = {};                              ///< t of the centre line
-  std::uint32_t first = 0;                            ///< of left_count + right_count in BakedRoads::lanes
-  bool has_crg = false;                               ///< OpenCRG files are laid on the road
-  std::uint16_t left_count = 0, right_count = 0;      ///< from the centre outwards
+  std::uint32_t road = 0;                         ///< index into RoadMap::roads
+  float reach_m = 0.0F;                           ///< the surface lies within this distance of the line
+  double length_m = 0.0;                          ///< of the road
+  double left_edge[4] = {}, right_edge[4] = {};   ///< t of the outer edges
+  double center[4] = {};                          ///< t of the centre line
+  std::uint32_t first : 31 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
+  std::uint32_t has_crg : 1 = 0;                  ///< OpenCRG files are laid on the road
+  std::uint16_t left_count = 0, right_count = 0;  ///< from the centre outwards
 };
+
+static_assert(sizeof(LaneStretch) == 128);
 
 /// Successive stations [first, last] of one road.
 struct StationRange {
@@ -99,6 +100,9 @@ struct BakedRoads {
   // counts, and no companion is of its own road: a junction's surface under a point there is the answer.
   std::vector<std::uint8_t> junction_decides;
 
+  [[nodiscard]] StationRange stations_of(std::uint32_t road) const {
+    return {first_station[road], first_station[road + 1] - 1};
+  }
   [[nodiscard]] std::uint32_t road_of(const Station& station) const { return stretches[station.lanes].road; }
 
   /// The station of a road at s, clamped to the road; no_index for roads without stations.

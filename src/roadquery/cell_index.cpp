@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t most_entries = 60'000'000;  // 480 MB
 constexpr double most_turn_rad = 1.2;             // of the line within one entry
+constexpr double farthest_m = 327.0;              // of what an entry holds in cm
 
 struct CellStation {
   std::int32_t column = 0, row = 0;
@@ -129,7 +130,14 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
   entry.count = static_cast<std::uint16_t>(r.range.last - r.range.first + 1);
   entry.middle = entry.count / 2;
   const Station& middle = roads.stations[entry.first + entry.middle];
-  entry.x = static_cast<float>(middle.x - r.column * cell_m), entry.y = static_cast<float>(middle.y - r.row * cell_m);
+  entry.lanes = middle.lanes;
+  const double from_x = middle.x - r.column * cell_m, from_y = middle.y - r.row * cell_m;
+  entry.x = to_cm(from_x, false), entry.y = to_cm(from_y, false);
+  if (!(std::max(std::abs(from_x), std::abs(from_y)) < farthest_m)) {  // of a very wide road: no outline
+    entry.along_min = entry.left_min = -32768, entry.along_max = entry.left_max = 32767;
+    return entry;
+  }
+  const double x = r.column * cell_m + 0.01 * entry.x, y = r.row * cell_m + 0.01 * entry.y;
   entry.curvature = 2.0F * middle.bend[0][1] / (middle.speed * middle.speed);
   entry.cos_hdg = static_cast<std::int16_t>(std::lround(32767.0 * middle.cos_hdg));
   entry.sin_hdg = static_cast<std::int16_t>(std::lround(32767.0 * middle.sin_hdg));
@@ -147,8 +155,7 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
       for (const double t : {edges[0], 0.5 * (edges[0] + edges[1]), edges[1]}) {
         const double a = line.position[0] - t * line.tangent[1] / speed,
                      l = line.position[1] + t * line.tangent[0] / speed;
-        const double dx = q.x - middle.x + a * q.cos_hdg - l * q.sin_hdg,
-                     dy = q.y - middle.y + a * q.sin_hdg + l * q.cos_hdg;
+        const double dx = q.x - x + a * q.cos_hdg - l * q.sin_hdg, dy = q.y - y + a * q.sin_hdg + l * q.cos_hdg;
         const double along = dx * c + dy * n, left = dy * c - dx * n - 0.5 * entry.curvature * along * along;
         along_min = std::min(along_min, along), along_max = std::max(along_max, along);
         left_min = std::min(left_min, left), left_max = std::max(left_max, left);

@@ -20,7 +20,8 @@ inline constexpr double cell_m = 4.0;
 struct CellEntry {
   std::uint32_t first = 0;
   std::uint16_t count = 0, middle = 0;        ///< the station `first + middle` is the outline's origin
-  float x = 0.0F, y = 0.0F;                   ///< of it, from the cell's south-west corner
+  std::uint32_t lanes = 0;                    ///< its stretch: to be fetched beside it
+  std::int16_t x = 0, y = 0;                  ///< of it, in cm from the cell's south-west corner
   float curvature = 0.0F;                     ///< of the parabola that the outline follows
   std::int16_t cos_hdg = 0, sin_hdg = 0;      ///< in 1 / 32767
   std::int16_t along_min = 0, along_max = 0;  ///< in cm
@@ -49,7 +50,7 @@ inline bool may_touch(const CellEntry& entry, float x, float y, float reach_m, S
                       std::uint32_t& start) {
   if (entry.count == 0) return false;
   constexpr float from_int = 1.0F / 32767.0F, from_cm = 0.01F, farthest_m = 327.0F;
-  const float dx = x - entry.x, dy = y - entry.y;
+  const float dx = x - static_cast<float>(entry.x) * from_cm, dy = y - static_cast<float>(entry.y) * from_cm;
   const float cos_hdg = static_cast<float>(entry.cos_hdg) * from_int,
               sin_hdg = static_cast<float>(entry.sin_hdg) * from_int;
   const float along = dx * cos_hdg + dy * sin_hdg;

@@ -26,8 +26,8 @@ struct LargeAllocator {
     const std::size_t bytes = (count * sizeof(T) + page_bytes - 1) / page_bytes * page_bytes;
     if (count > bytes / sizeof(T)) throw std::bad_array_new_length();
     if (2 * count * sizeof(T) < page_bytes)
-      return static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t{alignof(T)}));
-    void* memory = ::operator new(bytes, std::align_val_t{page_bytes});
+      return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{alignof(T)}));
+    void* memory = ::operator new (bytes, std::align_val_t{page_bytes});
 #if defined(__linux__)
     (void)madvise(memory, bytes, MADV_HUGEPAGE);  // a wish
 #endif
@@ -35,7 +35,7 @@ struct LargeAllocator {
   }
   void deallocate(T* memory, std::size_t count) noexcept {
     const bool is_small = 2 * count * sizeof(T) < page_bytes;
-    ::operator delete(memory, std::align_val_t{is_small ? alignof(T) : page_bytes});
+    ::operator delete (memory, std::align_val_t{is_small ? alignof(T) : page_bytes});
   }
   friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
 };

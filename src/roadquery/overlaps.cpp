@@ -177,7 +177,7 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
       free.take_away(part);
       const bool goes_on = roads.companions.size() > roads.companion_begin.back() &&
                            roads.companions.back().range.last + 1 == k &&
-                           roads.stretches[roads.stations[k].lanes].first_station != k;
+                           roads.first_station[roads.road_of(roads.stations[k])] != k;
       if (!goes_on) roads.companions.push_back({.range = {k, k}});
       roads.companions.back().range.last = k;
       grow(roads.companions.back(), part);

@@ -92,7 +92,7 @@ bool follow(const BakedRoads& roads, double x, double y, double z_hint, const Cu
   const LaneStretch& lanes = roads.stretches[q.lanes];
   if (holds(q, found.line.u)) {
     if (!complete(roads, q, lanes, x, y, edge_rounding_m, found)) return false;
-  } else if (!find_on(roads, {lanes.first_station, lanes.last_station}, x, y, most_steps, edge_rounding_m, found)) {
+  } else if (!find_on(roads, roads.stations_of(lanes.road), x, y, most_steps, edge_rounding_m, found)) {
     return false;
   }
   return found.along_rest_m <= edge_rounding_m && std::abs(found.on.z - z_hint) <= coherent_level_m;
@@ -123,7 +123,7 @@ RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), ju
   find_overlaps(baked_, map_, cells_, alone_level_m);
   find_levels(baked_, map_, cells_);
   if (!map_.crgs || map_.crgs->empty()) return;
-  for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road));
+  for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road)) ? 1 : 0;
   baked_.crgs = map_.crgs;
 }
 
@@ -262,7 +262,7 @@ std::optional<Hit> RoadQuery::at(std::size_t road, double s, double t) const {
   const double half = q.half_m;
   found.line = place_at(q, std::clamp(s - q.s, -half, half), {});
   surface_at_t(baked_, q, found.line.u, t, found.on);
-  found.has_crg = baked_.stretches[q.lanes].has_crg;
+  found.has_crg = baked_.stretches[q.lanes].has_crg != 0;
   if (found.has_crg) {
     const SurfacePoint p = surface_point(map_.roads[road], q.s + found.line.u, t);
     lay_crgs(baked_, q, p.x, p.y, found);

@@ -49,6 +49,14 @@ bool find_station(const BakedRoads& roads, const StationRange& range, double x, 
   return false;
 }
 
+/// Two cache lines.
+template <typename T>
+void prefetch(const T& record) {
+  static_assert(sizeof(T) == 128);
+  const char* line = reinterpret_cast<const char*>(&record);  // NOLINT
+  __builtin_prefetch(line), __builtin_prefetch(line + 64);
+}
+
 /// Whether the place lies so near to the centre of curvature, or beyond it, that Newton's method may find no foot.
 bool is_folded(const Station& q, const LinePlace& place) {
   const LinePolynomial line = line_at(q, place.u);
@@ -99,7 +107,8 @@ bool find_on(const BakedRoads& roads, const StationRange& range, double x, doubl
     const double rest = std::abs(found.line.ahead_m);
     if (rest > std::max(outside_m, seam_m)) return false;
     if (beyond != Beyond::kink) {
-      const bool is_road_end = found.station == (beyond == Beyond::last ? lanes.last_station : lanes.first_station);
+      const StationRange road = roads.stations_of(lanes.road);
+      const bool is_road_end = found.station == (beyond == Beyond::last ? road.last : road.first);
       if (!is_road_end && rest > edge_rounding_m) return false;
       found.along_rest_m = rest;
     }
@@ -120,8 +129,7 @@ void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, 
     if (count == starts.size()) break;
     Start& start = starts[count];
     if (!may_touch(entry, cell.x, cell.y, reach_m, start.range, start.station)) continue;
-    const char* line = reinterpret_cast<const char*>(&roads.stations[start.station]);  // NOLINT: to prefetch it
-    __builtin_prefetch(line), __builtin_prefetch(line + 64);
+    prefetch(roads.stations[start.station]), prefetch(roads.stretches[entry.lanes]);
     ++count;
   }
   for (std::size_t i = 0; i < count && list.count < FoundList::most; ++i) {

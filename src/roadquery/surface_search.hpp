@@ -50,8 +50,8 @@ inline bool complete(const BakedRoads& roads, const Station& q, const LaneStretc
   if (found.along_rest_m > edge_rounding_m) found.inside_m = std::min(found.inside_m, -found.along_rest_m);
   if (beside_m < -edge_rounding_m)
     surface_at_t(roads, q, u, std::clamp(found.on.t, std::min(right_edge, left_edge), left_edge), found.on);
-  found.has_crg = lanes.has_crg;
-  if (lanes.has_crg) lay_crgs(roads, q, x, y, found);
+  found.has_crg = lanes.has_crg != 0;
+  if (found.has_crg) lay_crgs(roads, q, x, y, found);
   return true;
 }
 
