@@ -136,23 +136,27 @@ struct RoadQuery::Level {
 };
 
 void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& list) const {
-  search_cell(baked_, cell, x, y, edge_rounding_m, list);
+  junctions_.fetch_first(cell);
+  StartList starts;
+  find_starts(baked_, cell, edge_rounding_m, starts);
+  junctions_.fetch_second(cell, x, y);
+  search_starts(baked_, starts, x, y, edge_rounding_m, list);
   if (list.count == 0) search_stations(baked_, cell, x, y, edge_rounding_m, true, list);
 }
 
 /// `followed`: the list begins with what follow() found, and other surfaces lie near it.
 RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, bool followed, FoundList& list) const {
   const Cell cell = cells_.at(x, y);
-  const JunctionOver over = junctions_.over(map_, cell, x, y, z_hint);
   if (followed) {
     list.count = 1;
     const std::uint32_t station = list.items[0].station;
+    const JunctionOver over = junctions_.over(cell, x, y, z_hint);
     if (over.junction != no_index && baked_.junction_decides[station] != 0) return {list.all(), over};
     search_companions(baked_, station, x, y, list);
-  } else {
-    search_place(cell, x, y, list);
+    return with_junction(over, z_hint, list);
   }
-  return with_junction(over, z_hint, list);
+  search_place(cell, x, y, list);
+  return with_junction(junctions_.over(cell, x, y, z_hint), z_hint, list);
 }
 
 /// A junction's own surface takes part in the choice of the level like a road's.
@@ -306,9 +310,9 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
     if (is_anchor(found) && !(found.on.z <= highest)) highest = found.on.z;
   Level level;
   if (!std::isnan(highest)) {
-    level = with_junction(junctions_.over(map_, cell, x, y, highest), highest, list);
+    level = with_junction(junctions_.over(cell, x, y, highest), highest, list);
   } else {  // between the roads of a junction
-    level.junction = junctions_.over(map_, cell, x, y, highest);
+    level.junction = junctions_.over(cell, x, y, highest);
     const auto is_own = [&](std::uint32_t road) { return is_on_level[road]; };
     if (level.junction.junction != no_index && std::ranges::none_of(junctions_.roads(level.junction.junction), is_own))
       level.junction = {};

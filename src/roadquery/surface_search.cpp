@@ -116,26 +116,31 @@ bool find_on(const BakedRoads& roads, const StationRange& range, double x, doubl
   return complete(roads, q, lanes, x, y, outside_m, found);
 }
 
-void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, FoundList& list) {
-  constexpr int most_steps = 24;
+void find_starts(const BakedRoads& roads, const Cell& cell, double outside_m, StartList& starts) {
   const auto reach_m = static_cast<float>(std::max(outside_m, seam_m));
-  struct Start {
-    StationRange range;
-    std::uint32_t station;
-  };
-  std::array<Start, FoundList::most> starts;
-  std::size_t count = 0;
+  starts.count = 0;
   for (const CellEntry& entry : cell.entries) {
-    if (count == starts.size()) break;
-    Start& start = starts[count];
+    if (starts.count == starts.items.size()) break;
+    Start& start = starts.items[starts.count];
     if (!may_touch(entry, cell.x, cell.y, reach_m, start.range, start.station)) continue;
     prefetch(roads.stations[start.station]), prefetch(roads.stretches[entry.lanes]);
-    ++count;
+    start.lanes = entry.lanes;
+    ++starts.count;
   }
-  for (std::size_t i = 0; i < count && list.count < FoundList::most; ++i) {
+}
+
+void search_starts(const BakedRoads& roads, const StartList& starts, double x, double y, double outside_m,
+                   FoundList& list) {
+  constexpr int most_steps = 24;
+  for (std::size_t i = 0; i < starts.count; ++i) {
+    const Start& start = starts.items[i];
+    __builtin_prefetch(roads.shapes.data() + roads.stations[start.station].shapes);
+    __builtin_prefetch(roads.lanes.data() + roads.stretches[start.lanes].first);
+  }
+  for (std::size_t i = 0; i < starts.count && list.count < FoundList::most; ++i) {
     Found& found = list.items[list.count];
-    found.station = starts[i].station;
-    if (find_on(roads, starts[i].range, x, y, most_steps, outside_m, found)) ++list.count;
+    found.station = starts.items[i].station;
+    if (find_on(roads, starts.items[i].range, x, y, most_steps, outside_m, found)) ++list.count;
   }
 }
 

@@ -73,8 +73,24 @@ struct FoundList {
 [[nodiscard]] bool find_on(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps,
                            double outside_m, Found& found);
 
-/// The surfaces of a cell that (x, y) lies on, and those it lies beside or beyond as far as find_on allows.
-void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, FoundList& list);
+/// Where to begin with find_on().
+struct Start {
+  StationRange range;
+  std::uint32_t station, lanes;
+};
+struct StartList {
+  StartList() {}  // NOLINT: as FoundList
+  union {
+    std::array<Start, FoundList::most> items;
+  };
+  std::size_t count = 0;
+};
+
+/// The surfaces of a cell that (x, y) lies on, and those it lies beside or beyond as far as find_on allows: first where
+/// to look, while their memory comes, then what is found there.
+void find_starts(const BakedRoads& roads, const Cell& cell, double outside_m, StartList& starts);
+void search_starts(const BakedRoads& roads, const StartList& starts, double x, double y, double outside_m,
+                   FoundList& list);
 /// The same of each station by itself, the ends of which count as ends of a road: for points that have no foot, or that
 /// lie where the road's width jumps. `only_folded`: only surfaces that have the point beyond their centre of curvature.
 void search_stations(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, bool only_folded,
