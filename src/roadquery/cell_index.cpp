@@ -232,6 +232,7 @@ Cell CellIndex::at(double x, double y) const {
   if (slots_.empty() || !(std::abs(x) < farthest_m && std::abs(y) < farthest_m)) return {};
   const double column = std::floor(x * (1.0 / cell_m)), row = std::floor(y * (1.0 / cell_m));
   const Slot& slot = slots_[slot_of(static_cast<std::int32_t>(column), static_cast<std::int32_t>(row))];
+  for (std::uint32_t i = 0; i < std::min(slot.count, 8U); i += 2) __builtin_prefetch(entries_.data() + slot.begin + i);
   return {{entries_.data() + slot.begin, slot.count},
           static_cast<float>(x - column * cell_m),
           static_cast<float>(y - row * cell_m)};

@@ -26,11 +26,12 @@ class Band {
     finite_ = finite_ && std::isfinite(over);
   }
   void add(const BakedRoads& roads, const Station& other) {
-    const StationBox box = station_box(roads, other);
-    for (const double u : {-static_cast<double>(other.half_m), 0.0, static_cast<double>(other.half_m)}) {
+    const LaneStretch& lanes = roads.stretches[other.lanes];
+    for (const double u : {-static_cast<double>(other.half_m), static_cast<double>(other.half_m)}) {
+      const double ds = other.s + u - lanes.s;
       const LinePolynomial line = line_at(other, u);
       const double speed = std::hypot(line.tangent[0], line.tangent[1]);
-      for (const double t : {box.left_min, 0.0, box.left_max}) {
+      for (const double t : {cubic_at(lanes.right_edge, ds), 0.0, cubic_at(lanes.left_edge, ds)}) {
         SurfacePlace place;
         surface_at_t(roads, other, u, t, place);
         const double along = line.position[0] - t * line.tangent[1] / speed,
@@ -45,19 +46,22 @@ class Band {
     const double beyond = 2.0 * surface.spacing_m;
     const double reach =
         beyond + std::max({-box.along_min, box.along_max, -box.left_min, box.left_max}) * std::sqrt(2.0);
+    const int stride = std::max(1, static_cast<int>(1.0 / surface.spacing_m));  // nodes are smooth: one a metre
     const auto node = [&](double v, double origin, int count) {
       return static_cast<int>(std::clamp((v - origin) / surface.spacing_m, 0.0, std::max(count - 1.0, 0.0)));
     };
+    const int first_column = node(q_.x - reach, surface.x, surface.columns),
+              last_column = node(q_.x + reach, surface.x, surface.columns);
     for (int row = node(q_.y - reach, surface.y, surface.rows); row <= node(q_.y + reach, surface.y, surface.rows);
-         ++row)
-      for (int column = node(q_.x - reach, surface.x, surface.columns);
-           column <= node(q_.x + reach, surface.x, surface.columns); ++column)
-        if (static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
-                static_cast<std::size_t>(column) <
-            surface.z.size())
+         row += stride) {
+      for (int column = first_column; column <= last_column; column += stride) {
+        const auto k = static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
+                       static_cast<std::size_t>(column);
+        if (k < surface.z.size())
           add_near(box, beyond, surface.x + column * surface.spacing_m, surface.y + row * surface.spacing_m,
-                   surface.z[static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
-                             static_cast<std::size_t>(column)]);
+                   surface.z[k]);
+      }
+    }
     for (const JunctionArm& arm : surface.arms)
       for (const double in_m : {-junction_transition_m, 0.0, junction_transition_m})
         for (const JunctionArm::Place& place : arm.places)
@@ -96,15 +100,14 @@ bool is_one_level(const BakedRoads& roads, const RoadMap& map, std::uint32_t sta
 }  // namespace
 
 void find_levels(BakedRoads& roads, const RoadMap& map, const CellIndex& cells) {
-  roads.junction_decides.assign(roads.stations.size(), 0);
   std::vector<std::uint32_t> junctions;
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
+    if (roads.junction_decides[i] == 0) continue;
     const Station& q = roads.stations[i];
-    if (q.shape_count == unusable_station) continue;
     const StationBox box = station_box(roads, q);
     junctions.clear();
     cells.append_junctions(q, box, junctions);
-    if (!junctions.empty()) roads.junction_decides[i] = is_one_level(roads, map, i, box, junctions) ? 1 : 0;
+    roads.junction_decides[i] = is_one_level(roads, map, i, box, junctions) ? 1 : 0;
   }
 }
 

@@ -165,6 +165,7 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
   std::vector<FramePoint> ring;
   std::vector<std::uint32_t> near, junctions, seen_by(roads.stations.size(), no_index);
   roads.companion_begin.assign(1, 0);
+  roads.junction_decides.assign(roads.stations.size(), 0);
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
     Station& q = roads.stations[i];
     near.clear();
@@ -187,7 +188,9 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
     for (const std::uint32_t junction : junctions) {
       ring.clear();
       for (const auto& [x, y] : map.junctions[junction].surface->boundary) ring.push_back(in_frame(q, x, y));
-      free.take_away(beside(extents[i].box, ring));
+      const Part part = beside(extents[i].box, ring);
+      if (!part.empty()) roads.junction_decides[i] = 1;
+      free.take_away(part);
     }
     keep_free_width(roads, free, q);
     roads.companion_begin.push_back(static_cast<std::uint32_t>(roads.companions.size()));
