@@ -164,10 +164,9 @@ inline void surface_at_left(const BakedRoads& roads, const Station& q, double u,
     shape_at(pieces, q.shape_count, q.s + u, place.t, place);
     // Newton. The shape moves points sideways by h sin(bank), a thousandth of t: three steps are below rounding.
     for (int i = 0; i < 3 && place.sin_bank != 0.0; ++i) {
-      const double step = (left_m - (place.t * place.cos_bank - place.h * place.sin_bank)) /
-                          (place.cos_bank - place.dh_dt * place.sin_bank);
-      if (std::abs(step) < 1e-9) break;
-      place.t += step;
+      const double miss = left_m - (place.t * place.cos_bank - place.h * place.sin_bank);
+      if (std::abs(miss) < 1e-9) break;
+      place.t += miss / (place.cos_bank - place.dh_dt * place.sin_bank);
       shape_at(pieces, q.shape_count, q.s + u, place.t, place);
     }
   }

@@ -276,6 +276,28 @@ std::optional<Hit> RoadQuery::at(std::size_t road, double s, double t) const {
   return hit;
 }
 
+std::optional<RoadSection> RoadQuery::section(std::size_t road, double s) const {
+  constexpr double rounding_m = 1e-6;  // at a break the cubics that begin there count, as in the exact functions
+  if (road >= map_.roads.size() || std::isnan(s)) return std::nullopt;
+  s = std::clamp(s, 0.0, map_.roads[road].length);
+  const std::uint32_t station = baked_.station_at(road, s + rounding_m);
+  if (station == no_index || baked_.stations[station].shape_count == unusable_station) return std::nullopt;
+  const Station& q = baked_.stations[station];
+  const double u = s - q.s;
+  const LinePolynomial line = line_at(q, u);
+  const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
+  const auto point = [&](double t) {
+    SurfacePlace on;
+    surface_at_t(baked_, q, u, t, on);
+    const double left = t * on.cos_bank - on.h * on.sin_bank;
+    const double a = line.position[0] - left * line.tangent[1] / speed,
+                 l = line.position[1] + left * line.tangent[0] / speed;
+    return std::array{q.x + a * q.cos_hdg - l * q.sin_hdg, q.y + a * q.sin_hdg + l * q.cos_hdg, on.z};
+  };
+  const Edges edges = road_edges(map_.roads[road], s);
+  return RoadSection{point(edges.left_t), point(edges.right_t), point(0.0)};
+}
+
 /// Of the surfaces that end or go by at most reach_m from the point the nearest one of the level's roads.
 std::span<Found> RoadQuery::nearest_beside(double x, double y, double reach_m, const std::vector<bool>& is_on_level,
                                            FoundList& list) const {

@@ -56,6 +56,11 @@ struct SurfaceSample {
   double inside_m = 0.0;
 };
 
+/// A road's surface across the road: (x, y, z).
+struct RoadSection {
+  std::array<double, 3> left{}, right{}, reference{};
+};
+
 /// Finds the road under a point in baked tables (baked_road.hpp): a hash of cells lists the stations over a place.
 /// find() is const, does not allocate, lock or call the system, and may be called from many threads, each with its own
 /// cursors.
@@ -87,6 +92,9 @@ class RoadQuery {
   /// The surface at s (clamped to the road) and t of a road, whatever else lies there; nothing for roads without a
   /// plan, lanes or finite numbers there.
   [[nodiscard]] std::optional<Hit> at(std::size_t road, double s, double t) const;
+  /// Points of a road's own cross section at s (clamped to the road), from the tables: both edges and the reference
+  /// line. OpenCRG files do not count. Nothing where at() has nothing.
+  [[nodiscard]] std::optional<RoadSection> section(std::size_t road, double s) const;
   /// As find() at the highest surface of the roads of a level, the others blended in: z and normal agree with a find()
   /// whose z_hint is that surface. Up to reach_m (at most a cell; 0: not at all) beyond all borders the surface of the
   /// nearest of the roads goes on level.
