@@ -24,6 +24,7 @@ class JunctionIndex {
   /// Throws std::runtime_error for a junction wider than 5 km.
   explicit JunctionIndex(const RoadMap& map);
 
+  [[nodiscard]] bool empty() const { return areas_.empty(); }
   /// As contains() of junction_surface.hpp, from a few edges of the boundary.
   [[nodiscard]] bool contains(std::uint32_t junction, double x, double y) const;
   /// Of the surfaces over (x, y), a point of the cell, the one nearest to z_hint (NaN: the highest).

@@ -146,15 +146,15 @@ void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& li
 
 /// `followed`: the list begins with what follow() found, and other surfaces lie near it.
 RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, bool followed, FoundList& list) const {
-  const Cell cell = cells_.at(x, y);
   if (followed) {
     list.count = 1;
     const std::uint32_t station = list.items[0].station;
-    const JunctionOver over = junctions_.over(cell, x, y, z_hint);
+    const JunctionOver over = junctions_.empty() ? JunctionOver{} : junctions_.over(cells_.at(x, y), x, y, z_hint);
     if (over.junction != no_index && baked_.junction_decides[station] != 0) return {list.all(), over};
     search_companions(baked_, station, x, y, list);
     return with_junction(over, z_hint, list);
   }
+  const Cell cell = cells_.at(x, y);
   search_place(cell, x, y, list);
   return with_junction(junctions_.over(cell, x, y, z_hint), z_hint, list);
 }
