@@ -47,7 +47,8 @@ RoadNetwork two_roads() {
                           .crown = 0.001 * i,
                           .sigma_z_m = 0.1,
                           .sigma_banking = 0.004,
-                          .banking_source = BankingSource::dtm});
+                          .banking_source = BankingSource::dtm,
+                          .kerb_radius_m = i == 0 ? 7.25 : 0.0});
   RoadPath& raw = roads.paths.emplace_back(RoadPath{.osm_id = 5, .highway = "service", .roundabout = true});
   raw.lanes_forward = 2, raw.lanes_backward = 1;
   raw.turn_forward = "left|through;right", raw.turn_backward = "none";
@@ -83,9 +84,9 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
       const RoadNode &m = p.nodes[k], &n = q.nodes[k];
       EXPECT_EQ(m.p, n.p);
       EXPECT_EQ(std::tie(m.osm_node, m.s_m, m.offset_m, m.width_m, m.sigma_offset_m, m.sigma_width_m, m.gradient,
-                         m.banking, m.crown, m.sigma_z_m, m.sigma_banking, m.banking_source),
+                         m.banking, m.crown, m.sigma_z_m, m.sigma_banking, m.banking_source, m.kerb_radius_m),
                 std::tie(n.osm_node, n.s_m, n.offset_m, n.width_m, n.sigma_offset_m, n.sigma_width_m, n.gradient,
-                         n.banking, n.crown, n.sigma_z_m, n.sigma_banking, n.banking_source));
+                         n.banking, n.crown, n.sigma_z_m, n.sigma_banking, n.banking_source, n.kerb_radius_m));
       EXPECT_TRUE(m.z_m == n.z_m || (std::isnan(m.z_m) && std::isnan(n.z_m)));
     }
   }

@@ -74,7 +74,7 @@ void find_others(const RoadMap& map, std::vector<Members>& members, int threads)
   std::vector<Box2> boxes(map.roads.size());
   parallel_for(map.roads.size(), threads, [&](std::size_t i) { boxes[i] = box_of(map.roads[i]); });
   const SpatialIndex index(boxes);
-  constexpr double reach_m = 12.0;  // the largest kerb radius
+  constexpr double reach_m = 14.0;  // the largest kerb radius
   for (Members& m : members) {
     if (m.connecting.empty()) continue;
     Box2 box = boxes[m.connecting.front()];
@@ -230,13 +230,15 @@ struct Built {
   double area_m2 = 0.0, disagreement_m = 0.0;
 };
 
-Built build_surface(const RoadMap& map, const Members& members, const std::vector<int>& straight) {
+Built build_surface(const RoadMap& map, const Members& members, const std::vector<int>& straight,
+                    std::optional<double> seen_radius_m) {
   Built built;
   if (members.connecting.empty()) return built;
   const Vec2 origin = origin_of(map.roads[members.connecting.front()]);
   std::vector<std::string> classes;
   for (const std::size_t i : members.arms) classes.push_back(map.roads[i].highway);
-  const MultiPolygon area = junction_area(roads_of(map, members), kerb_radius_m(classes), origin);
+  const MultiPolygon area =
+      junction_area(roads_of(map, members), seen_radius_m.value_or(kerb_radius_m(classes)), origin);
   const Ring boundary = woven_ring(area);
   if (boundary.size() < 3) return built;
   for (const Polygon& part : area) built.area_m2 += area_m2(part);
@@ -268,8 +270,11 @@ JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int
   std::vector<Members> members = members_of(map);
   find_others(map, members, options.threads);
   std::vector<Built> built(members.size());
-  parallel_for(members.size(), options.threads,
-               [&](std::size_t j) { built[j] = build_surface(map, members[j], straight); });
+  parallel_for(members.size(), options.threads, [&](std::size_t j) {
+    const auto seen = options.kerb_radius_m.find(map.junctions[j].id);
+    built[j] = build_surface(map, members[j], straight,
+                             seen == options.kerb_radius_m.end() ? std::nullopt : std::optional(seen->second));
+  });
   for (std::size_t j = 0; j < built.size(); ++j) {
     if (!built[j].surface) continue;
     summary.junctions += 1, summary.area_m2 += built[j].area_m2, summary.grid_nodes += built[j].surface->z.size();

@@ -104,7 +104,9 @@ StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& opt
     context.info(fmt::format("{}: {} OpenCRG surfaces of {:.2f} km of road", crg_folder(files.network).string(),
                              crg.files, crg.length_m / 1e3));
   io::write_opendrive(files.network, network.map,
-                      {.minor_version = options.opendrive_minor_version, .absolute = options.absolute});
+                      {.minor_version = options.opendrive_minor_version,
+                       .absolute = options.absolute,
+                       .junction_grids = options.junction_grids});
   if (options.check) context.info(check_file(files.network, network.map));
   if (!files.layers.empty()) io::write_network_layers(files.layers, network.map);
   if (!files.geojson.empty()) io::write_network_geojson(files.geojson, network.map);
@@ -120,7 +122,7 @@ BuildStage network_stage(SiteBuild& build) {
   return {.name = "network",
           // The route counts where surfaces are made of it.
           .options = {site.name, to_string(site.driving_side), site.crg, site.opendrive, to_string(site.weather),
-                      surfaces ? site.route : ""},
+                      surfaces ? site.route : "", site.junction_grids ? "junction grids" : ""},
           .outputs =
               surfaces ? std::vector<std::string>{"roads.xodr", "roads_crg"} : std::vector<std::string>{"roads.xodr"},
           .run = [&build, &site] {
@@ -130,6 +132,7 @@ BuildStage network_stage(SiteBuild& build) {
                  .crg = {.roads = site.crg, .route = site.route},
                  .old_surfaces = OldSurfaces::remove,
                  .opendrive_minor_version = site.opendrive == "1.8" ? 8 : 7,
+                 .junction_grids = site.junction_grids,
                  .judge = true},
                 build.context);
           }};
