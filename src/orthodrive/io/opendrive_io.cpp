@@ -369,7 +369,7 @@ void add_junction_grid(pugi::xml_node node, const roadquery::JunctionSurface& su
       set(s, "transitionLength", metres(roadquery::junction_transition_m));
     } else {
       set(s, "boundaryLane", 0);
-      set(s, "sStart", "begin");
+      set(s, "sStart", "start");
       set(s, "sEnd", "end");
     }
   }
