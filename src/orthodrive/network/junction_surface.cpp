@@ -74,7 +74,7 @@ void find_others(const RoadMap& map, std::vector<Members>& members, int threads)
   std::vector<Box2> boxes(map.roads.size());
   parallel_for(map.roads.size(), threads, [&](std::size_t i) { boxes[i] = box_of(map.roads[i]); });
   const SpatialIndex index(boxes);
-  constexpr double reach_m = 14.0;  // the largest kerb radius
+  constexpr double reach_m = 12.0;  // the largest kerb radius
   for (Members& m : members) {
     if (m.connecting.empty()) continue;
     Box2 box = boxes[m.connecting.front()];

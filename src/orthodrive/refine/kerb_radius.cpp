@@ -44,6 +44,30 @@ std::optional<Leaving> leaving(const RoadPath& path, std::size_t node, int step)
   return std::nullopt;
 }
 
+/// Labels and what each says.
+struct View {
+  const LabelMap& labels;
+  std::vector<Vote> votes;
+  [[nodiscard]] Vote at(int column, int row) const {
+    if (!labels.labels.inside(column, row)) return Vote::hidden;
+    const std::uint8_t label = labels.labels.at(column, row);
+    return label < votes.size() ? votes[label] : Vote::hidden;
+  }
+};
+
+/// Whether the labels know the road: a road that they miss would have corners of no radius.
+bool is_seen(const Leaving& arm, const View& view) {
+  constexpr double least_paved = 0.7;
+  int paved = 0, visible = 0;
+  for (double s = 0.0; s <= far_m - near_m; s += 1.0) {
+    const Vec2 q = view.labels.frame.pixel_from_world(arm.through + arm.outwards * s);
+    const Vote vote = view.at(static_cast<int>(std::floor(q.x)), static_cast<int>(std::floor(q.y)));
+    visible += vote == Vote::hidden ? 0 : 1;
+    paved += vote == Vote::paved ? 1 : 0;
+  }
+  return paved > 0 && paved >= least_paved * visible;
+}
+
 std::vector<Leaving> arms_of(const RoadNetwork& roads, const PathJunction& junction) {
   std::vector<Leaving> arms;
   for (const JunctionArm& arm : junction.arms)
@@ -84,28 +108,27 @@ struct CornerPixel {
 
 /// Visible pixels beside the corner that a radius within the bound paves, and as far again, with the share that is
 /// visible.
-std::vector<CornerPixel> pixels_of(const Corner& corner, const LabelMap& labels, const std::vector<Vote>& votes,
-                                   const KerbRadiusOptions& options, double& visible) {
+std::vector<CornerPixel> pixels_of(const Corner& corner, const View& view, const KerbRadiusOptions& options,
+                                   double& visible) {
+  const GridFrame& frame = view.labels.frame;
   const double k = 1.0 / std::sin(0.5 * corner.angle);
   const Vec2 bisector = normalized(corner.right_edge + corner.left_edge);
   // The arc touches the edges this far from the corner.
   const double reach_m = options.largest_m / std::tan(0.5 * corner.angle);
-  const Vec2 middle = labels.frame.pixel_from_world(corner.p);
-  const int reach = static_cast<int>(std::ceil(reach_m / labels.frame.gsd_m));
+  const Vec2 middle = frame.pixel_from_world(corner.p);
+  const int reach = static_cast<int>(std::ceil(reach_m / frame.gsd_m));
   const int column = static_cast<int>(std::floor(middle.x)), row = static_cast<int>(std::floor(middle.y));
   std::vector<CornerPixel> pixels;
   double all = 0.0;
   for (int r = row - reach; r <= row + reach; ++r)
     for (int c = column - reach; c <= column + reach; ++c) {
-      const Vec2 w = labels.frame.center_of(c, r) - corner.p;
+      const Vec2 w = frame.center_of(c, r) - corner.p;
       if (cross(corner.right_edge, w) <= 0.0 || cross(w, corner.left_edge) <= 0.0) continue;
       const double radius = paving_radius_m(w, bisector, k);
       if (radius > options.largest_m) continue;
       all += 1.0;
-      if (!labels.labels.inside(c, r)) continue;
-      const std::uint8_t label = labels.labels.at(c, r);
-      if (label >= votes.size() || votes[label] == Vote::hidden) continue;
-      pixels.push_back({radius, votes[label] == Vote::paved});
+      const Vote vote = view.at(c, r);
+      if (vote != Vote::hidden) pixels.push_back({radius, vote == Vote::paved});
     }
   visible = all > 0.0 ? static_cast<double>(pixels.size()) / all : 0.0;
   return pixels;
@@ -134,15 +157,16 @@ double median(std::vector<double> values) {
   return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
-std::vector<double> radii_of(const RoadNetwork& roads, const PathJunction& junction, const LabelMap& labels,
-                             const std::vector<Vote>& votes, const KerbRadiusOptions& options) {
+std::vector<double> radii_of(const RoadNetwork& roads, const PathJunction& junction, const View& view,
+                             const KerbRadiusOptions& options) {
   const std::vector<Leaving> arms = arms_of(roads, junction);
   std::vector<double> radii;
   for (std::size_t i = 0; arms.size() > 2 && i < arms.size(); ++i) {
-    const auto corner = corner_of(arms[i], arms[(i + 1) % arms.size()], junction.p, options);
-    if (!corner) continue;
+    const Leaving &right = arms[i], &left = arms[(i + 1) % arms.size()];
+    const auto corner = corner_of(right, left, junction.p, options);
+    if (!corner || !is_seen(right, view) || !is_seen(left, view)) continue;
     double visible = 0.0;
-    std::vector<CornerPixel> pixels = pixels_of(*corner, labels, votes, options, visible);
+    std::vector<CornerPixel> pixels = pixels_of(*corner, view, options, visible);
     if (visible < options.least_visible) continue;
     if (const auto radius = split_of(std::move(pixels), options)) radii.push_back(*radius);
   }
@@ -153,13 +177,13 @@ std::vector<double> radii_of(const RoadNetwork& roads, const PathJunction& junct
 
 int measure_kerb_radii(RoadNetwork& roads, const LabelMap& labels, const KerbRadiusOptions& options) {
   constexpr double least_m = 0.5;  // a kerb has some; 0 would say that nothing is known
-  std::vector<Vote> votes;
-  for (const ClassInfo& info : labels.classes.classes) votes.push_back(vote_of(info));
+  View view{labels, {}};
+  for (const ClassInfo& info : labels.classes.classes) view.votes.push_back(vote_of(info));
   for (RoadPath& path : roads.paths)
     for (RoadNode& node : path.nodes) node.kerb_radius_m = 0.0;
   int measured = 0;
   for (const PathJunction& junction : find_junctions(roads, link_path_ends(roads))) {
-    const std::vector<double> radii = radii_of(roads, junction, labels, votes, options);
+    const std::vector<double> radii = radii_of(roads, junction, view, options);
     if (radii.empty()) continue;
     for (const JunctionArm& arm : junction.arms)
       roads.paths[arm.path].nodes[arm.node].kerb_radius_m = std::max(median(radii), least_m);
