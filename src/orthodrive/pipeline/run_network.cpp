@@ -48,6 +48,15 @@ std::string junction_line(const network::JunctionSurfaceSummary& s, const std::s
       s.max_road_off_before_m);
 }
 
+nlohmann::json junction_numbers(const network::JunctionSurfaceSummary& s) {
+  return {{"surfaces", s.junctions},
+          {"area_m2", s.area_m2},
+          {"heights", s.grid_nodes},
+          {"max_disagreement_m", s.max_disagreement_m},
+          {"max_road_off_before_m", s.max_road_off_before_m},
+          {"max_road_off_after_m", s.max_road_off_after_m}};
+}
+
 StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg, const std::string& file) {
   const std::vector<roadquery::Road>& roads = network.map.roads;
   double length_m = 0.0;
@@ -66,7 +75,8 @@ StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg,
                       {"surface_km", std::move(surface_km)},
                       {"crg_files", crg.files},
                       {"max_plan_deviation_m", network.max_plan_deviation_m},
-                      {"max_elevation_error_m", network.max_elevation_error_m}},
+                      {"max_elevation_error_m", network.max_elevation_error_m},
+                      {"junction_surfaces", junction_numbers(network.junction_surfaces)}},
           .findings = network.findings,
           .summary = {
               fmt::format("{}: chains of {:.3f} km fitted with {} elements", file, network.chain_length_m / 1e3,
