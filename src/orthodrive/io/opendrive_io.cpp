@@ -11,6 +11,7 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/opendrive_junction.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
@@ -138,26 +139,9 @@ const char* road_type(const std::string& highway) {
   return "town";
 }
 
-const char* lane_type(roadquery::LaneType type) {
-  switch (type) {
-    case roadquery::LaneType::none:
-      return "none";
-    case roadquery::LaneType::driving:
-      return "driving";
-    case roadquery::LaneType::shoulder:
-      return "shoulder";
-    case roadquery::LaneType::border:
-      return "border";
-    case roadquery::LaneType::sidewalk:
-      return "sidewalk";
-    case roadquery::LaneType::parking:
-      return "parking";
-    case roadquery::LaneType::biking:
-      return "biking";
-    case roadquery::LaneType::other:
-      break;
-  }
-  return "none";
+/// OpenDRIVE has no type "other".
+const char* written_lane_type(roadquery::LaneType type) {
+  return type == roadquery::LaneType::other ? "none" : lane_type_name(type);
 }
 
 void add_speed(pugi::xml_node parent, double limit_mps) {
@@ -176,7 +160,7 @@ bool is_unmarked(const Lane& lane) {
 void add_lane(pugi::xml_node side, const Lane& lane, double section_length_m, double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
-  set(node, "type", lane_type(lane.type));
+  set(node, "type", written_lane_type(lane.type));
   if (lane.predecessor || lane.successor) {
     pugi::xml_node link = node.append_child("link");
     if (lane.predecessor) set(link.append_child("predecessor"), "id", *lane.predecessor);
