@@ -15,6 +15,8 @@ struct LinePlace {
   double ahead_m;  ///< what is left of the distance along the line when u was clamped
   double left_m;   ///< horizontal distance of the point from the line, positive to the left
   double dx_du, dy_du;
+  double ddx, ddy;  ///< second derivatives by u
+  double inverse_speed;
 };
 
 /// Of the surface at a place.
@@ -55,6 +57,10 @@ inline LinePolynomial line_at(const Station& q, double u) {
           (2.0 * c2 + (6.0 * u) * c3) + u2 * (12.0 * c4 + (20.0 * u) * c5)};
 }
 
+inline Pair third_derivative(const Station& q, double u) {
+  return 6.0 * load_pair(q.bend[1]) + u * (24.0 * load_pair(q.bend[2]) + (60.0 * u) * load_pair(q.bend[3]));
+}
+
 /// Foot on the circle of curvature in the middle: a start for foot_on, and how far to go to the right station.
 inline double guess_u(const Station& q, const FramePoint& p) {
   const double speed2 = static_cast<double>(q.speed) * q.speed;
@@ -68,14 +74,20 @@ inline double inverse_root(double square) {
 }
 
 /// The place at u, seen from a point at `offset` from the line's point there.
-inline LinePlace place_at(double u, Pair offset, Pair tangent) {
+inline LinePlace place_at(double u, Pair offset, Pair tangent, Pair bend) {
   const double inverse_speed = inverse_root(tangent[0] * tangent[0] + tangent[1] * tangent[1]);
-  return {u, (offset[0] * tangent[0] + offset[1] * tangent[1]) * inverse_speed,
-          (offset[1] * tangent[0] - offset[0] * tangent[1]) * inverse_speed, tangent[0], tangent[1]};
+  return {u,
+          (offset[0] * tangent[0] + offset[1] * tangent[1]) * inverse_speed,
+          (offset[1] * tangent[0] - offset[0] * tangent[1]) * inverse_speed,
+          tangent[0],
+          tangent[1],
+          bend[0],
+          bend[1],
+          inverse_speed};
 }
 inline LinePlace place_at(const Station& q, double u, const FramePoint& p) {
   const LinePolynomial line = line_at(q, u);
-  return place_at(u, Pair{p.along, p.left} - line.position, line.tangent);
+  return place_at(u, Pair{p.along, p.left} - line.position, line.tangent, line.bend);
 }
 
 /// Foot of the perpendicular from p onto the station's line, by Newton's method from u on; up to half a metre and a
@@ -98,7 +110,8 @@ inline LinePlace foot_on(const Station& q, const FramePoint& p, double u) {
     // Near the centre the error after a step is its square over the share that is left.
     const double small = rest > 0.5 * square ? last_step_m : 1e-6;
     if (std::abs(d) < small || i + 1 == max_steps)
-      return place_at(u, offset - d * (line.tangent + 0.5 * d * line.bend), line.tangent + d * line.bend);
+      return place_at(u, offset - d * (line.tangent + 0.5 * d * line.bend), line.tangent + d * line.bend,
+                      line.bend + d * third_derivative(q, u));
   }
 }
 
@@ -169,11 +182,10 @@ struct Bearing {
 /// As surface_point of road_surface.hpp: dP/ds x dP/dt in the frame (forward, left, up) of the line at u.
 inline Bearing bearing_at(const Station& q, const LinePlace& line, const SurfacePlace& on) {
   const double u = line.u;
-  const Pair bend = line_at(q, u).bend;
-  const double speed2 = line.dx_du * line.dx_du + line.dy_du * line.dy_du, inverse_speed = inverse_root(speed2),
-               speed = speed2 * inverse_speed;
+  const double inverse_speed = line.inverse_speed;
+  const double speed = (line.dx_du * line.dx_du + line.dy_du * line.dy_du) * inverse_speed;
   const double curvature =
-      (line.dx_du * bend[1] - line.dy_du * bend[0]) * inverse_speed * inverse_speed * inverse_speed;
+      (line.dx_du * line.ddy - line.dy_du * line.ddx) * inverse_speed * inverse_speed * inverse_speed;
   const double left = on.t * on.cos_bank - on.h * on.sin_bank, up = on.t * on.sin_bank + on.h * on.cos_bank;
   const double dbank = q.bank[1] + u * (2.0 * q.bank[2] + u * 3.0 * q.bank[3]);
   const double slope = q.rise[0] + u * (2.0 * q.rise[1] + u * 3.0 * q.rise[2]);

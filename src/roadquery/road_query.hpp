@@ -30,6 +30,15 @@ struct Hit {
   bool in_junction = false;  ///< on a junction's own surface (JunctionSurface)
 };
 
+/// What find() fills in of a Hit besides z, road, s, t and in_junction.
+enum HitPart : unsigned {
+  hit_normal = 1,
+  hit_lane = 2,
+  hit_curvature = 4,
+  hit_material = 8,  ///< surface, friction, roughness_m
+  hit_all = 15
+};
+
 /// Remembers where the last query of one moving point ended, so that the next one begins there. One a point; start with
 /// Cursor{}.
 struct Cursor {
@@ -67,7 +76,9 @@ class RoadQuery {
   [[nodiscard]] const BakedRoads& baked() const { return baked_; }
   /// Nothing when no road is under (x, y), or when one of them is not finite. A cursor whose surface lies within 1 m of
   /// z_hint makes the query coherent: one station is looked at instead of all nearby.
-  [[nodiscard]] std::optional<Hit> find(double x, double y, double z_hint, Cursor& cursor) const;
+  /// `parts`: sum of HitPart, what of a hit is asked for; the rest keeps its defaults.
+  [[nodiscard]] std::optional<Hit> find(double x, double y, double z_hint, Cursor& cursor,
+                                        unsigned parts = hit_all) const;
   /// Hit::z of find() alone, for less.
   [[nodiscard]] std::optional<double> find_height(double x, double y, double z_hint, Cursor& cursor) const;
   /// find() for each of the points, each with its own cursor (all spans of one length).
@@ -84,18 +95,19 @@ class RoadQuery {
 
  private:
   struct Level;
-  void search_place(double x, double y, FoundList& list) const;
-  [[nodiscard]] Level search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const;
+  void search_place(const Cell& cell, double x, double y, FoundList& list) const;
+  [[nodiscard]] Level search(double x, double y, double z_hint, bool followed, FoundList& list) const;
   [[nodiscard]] static Level with_junction(const JunctionOver& over, double z_hint, FoundList& list);
   [[nodiscard]] std::optional<Found> nearest_of_junction(std::uint32_t junction, double x, double y) const;
   [[nodiscard]] std::span<Found> nearest_beside(double x, double y, double reach_m,
                                                 const std::vector<bool>& is_on_level, FoundList& list) const;
-  [[nodiscard]] std::optional<Hit> hit_of_level(const Level& level, double x, double y, Cursor& cursor) const;
+  [[nodiscard]] std::optional<Hit> hit_of_level(const Level& level, double x, double y, unsigned parts,
+                                                Cursor& cursor) const;
 
   RoadMap map_;
   BakedRoads baked_;
-  CellIndex cells_;
   JunctionIndex junctions_;
+  CellIndex cells_;
 };
 
 }  // namespace roadquery
