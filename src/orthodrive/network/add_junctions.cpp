@@ -352,7 +352,8 @@ std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::v
   std::vector<std::vector<std::size_t>> inside(ends.size());
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
-    if (stretch.inside) inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
+    if (stretch.inside && stretch.vertex0 && stretch.vertex1)
+      inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
   }
   const Restrictions restrictions(plan);
   std::vector<std::vector<VertexIndex>> vertices(ends.size());

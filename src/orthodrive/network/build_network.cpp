@@ -11,6 +11,7 @@
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/rings.hpp"
 #include "orthodrive/network/road_parts.hpp"
+#include "orthodrive/network/room_beside.hpp"
 #include "orthodrive/network/roundabouts.hpp"
 
 namespace orthodrive {
@@ -96,6 +97,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   }
 
   const JunctionPlan junctions = plan_junctions(topology, geometry);
+  leave_room_beside(roads, topology, junctions, geometry);
   progress(0.9);
   result.map.name = options.name;
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);

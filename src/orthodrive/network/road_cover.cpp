@@ -47,6 +47,11 @@ RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double
     corners.push_back(line_.back() + left * all.right_t);
   }
   bounds_ = bounds_of(corners);
+  // An edge moves less between two samples than this, and the nearest sample of a place is at most half a step off its
+  // foot.
+  constexpr double edge_m = 0.5;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    reach_m_ = std::max(reach_m_, distance(corners[i], line_[i / 2]) + 0.5 * step_m + edge_m);
 }
 
 roadquery::Edges RoadCover::edges(double s, bool with_sidewalks) const {
@@ -62,6 +67,7 @@ std::optional<RoadCover::Place> RoadCover::find(Vec2 p, bool with_sidewalks) con
     const Vec2 d = p - line_[i];
     if (dot(d, d) < least) least = dot(d, d), nearest = i;
   }
+  if (least > reach_m_ * reach_m_) return std::nullopt;
   double s = s_[nearest], along = 0.0, across = 0.0;
   for (int iteration = 0; iteration < 12; ++iteration) {  // Newton on (p - r(s)) . r'(s) = 0
     const roadquery::PlanPoint r = roadquery::reference_point(*road_, s);

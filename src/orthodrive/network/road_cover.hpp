@@ -37,6 +37,7 @@ class RoadCover {
   std::vector<double> s_;
   std::vector<Vec2> line_;  ///< of the reference line at s_
   Box2 bounds_;
+  double reach_m_ = 0.0;  ///< no place of the road is further from the sample nearest to it
 };
 
 }  // namespace orthodrive::network
