@@ -128,21 +128,6 @@ class Judge {
     add(FaultKind::grip_jump, ratio, axle.at, axle.wheels[0].x, axle.wheels[0].y);
   }
 
-  /// By how much four wheels leave a plane, over the track: the change of the slope across where the road goes straight
-  /// on. On a plane nothing, however a car turns there: the axles then point in different directions of the slope.
-  /// Of the sums of four heights the only one that no plane changes has the areas of the triangles of the other three
-  /// wheels for weights.
-  static double twist(const AxleSample& rear, const AxleSample& front) {
-    const std::array wheels{rear.wheels[0], rear.wheels[1], front.wheels[1], front.wheels[0]};
-    double sum = 0.0, weights = 0.0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const evaluate::WheelSample &a = wheels[(k + 1) % 4], &b = wheels[(k + 2) % 4], &c = wheels[(k + 3) % 4];
-      const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-      sum += (k % 2 == 0 ? area : -area) * wheels[k].z, weights += std::abs(area);
-    }
-    return weights > 0.0 ? 4.0 * sum / weights / std::min(rear.track_m, front.track_m) : 0.0;
-  }
-
   /// Vertical acceleration of the body and twist between the axles.
   void judge_body(const std::vector<AxleSample>& run) {
     const auto base = static_cast<std::size_t>(std::lround(options_.wheelbase_m / options_.step_m));
@@ -152,7 +137,7 @@ class Judge {
       };
       const auto [x, y] = middle(run[i]);
       if (i + base < run.size() && run[i].on_road() && run[i + base].on_road())
-        add(FaultKind::twist, std::abs(twist(run[i], run[i + base])), run[i].at, x, y);
+        add(FaultKind::twist, std::abs(run[i + base].roll() - run[i].roll()), run[i].at, x, y);
       const double arm_m = std::max(options_.wheelbase_m, run[i].speed_mps / body_frequency_radps);
       const auto arm = static_cast<std::size_t>(std::lround(arm_m / options_.step_m));
       if (i < arm || i + arm >= run.size()) continue;
