@@ -15,6 +15,7 @@ using roadquery::Road;
 
 constexpr double least_knot_m = 1.5, step_m = 0.5;
 constexpr double tolerance_m = 0.005;  // more pieces until the lanes lie so near to what the surface wants
+constexpr double share = 0.5;          // of the heights in that, the rest is the banking's
 constexpr int across = 5;              // places of a cross section
 constexpr double rate_step_m = 0.1;
 constexpr double least_width_m = 0.5;
@@ -85,37 +86,32 @@ Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface) {
   return wanted;
 }
 
-struct Profile {
-  CubicSpline z, bank;
+/// What a spline goes through: the values at all places of the wanted sections, and the slopes at the ends.
+struct Course {
+  std::vector<double> values;
+  double first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
 };
 
-Profile through(const Road& road, const Wanted& wanted, const std::vector<std::size_t>& knots) {
-  std::vector<double> s, z, bank;
-  for (const std::size_t i : knots) {
-    s.push_back(i + 1 == wanted.sections.size() ? road.length : wanted.s(i));
-    z.push_back(wanted.sections[i].z), bank.push_back(wanted.sections[i].bank);
-  }
-  return {clamped_spline(s, std::move(z), roadquery::gradient(road, 0.0), roadquery::gradient(road, road.length)),
-          clamped_spline(s, std::move(bank), wanted.start_rate, wanted.end_rate)};
-}
-
-/// Splits the pieces between knots in which the lanes would miss the wanted sections; false when there are none.
-bool refine(const Wanted& wanted, const Profile& profile, std::vector<std::size_t>& knots) {
-  std::vector<std::size_t> finer{knots.front()};
-  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-    double off_m = 0.0;
-    for (std::size_t i = knots[k] + 1; i < knots[k + 1]; ++i) {
-      const double s = wanted.s(i);
-      off_m = std::max(off_m, std::abs(profile.z.at(s) - wanted.sections[i].z) +
-                                  wanted.half_m * std::abs(profile.bank.at(s) - wanted.sections[i].bank));
+/// A spline of few pieces through the first value, the last one and some between: pieces are split until all values lie
+/// within the tolerance or pieces are short.
+CubicSpline through(const Course& course, double step_m) {
+  std::vector<std::size_t> knots{0, course.values.size() - 1};
+  for (;;) {
+    std::vector<double> s, values;
+    for (const std::size_t i : knots) s.push_back(step_m * static_cast<double>(i)), values.push_back(course.values[i]);
+    CubicSpline spline = clamped_spline(s, std::move(values), course.first_slope, course.last_slope);
+    std::vector<std::size_t> finer{0};
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      double off = 0.0;
+      for (std::size_t i = knots[k] + 1; i < knots[k + 1]; ++i)
+        off = std::max(off, std::abs(spline.at(step_m * static_cast<double>(i)) - course.values[i]));
+      const double length_m = step_m * static_cast<double>(knots[k + 1] - knots[k]);
+      if (off > course.tolerance && length_m >= 2.0 * least_knot_m) finer.push_back((knots[k] + knots[k + 1]) / 2);
+      finer.push_back(knots[k + 1]);
     }
-    const double length_m = wanted.step_m * static_cast<double>(knots[k + 1] - knots[k]);
-    if (off_m > tolerance_m && length_m >= 2.0 * least_knot_m) finer.push_back((knots[k] + knots[k + 1]) / 2);
-    finer.push_back(knots[k + 1]);
+    if (finer.size() == knots.size()) return spline;
+    knots = std::move(finer);
   }
-  const bool split = finer.size() > knots.size();
-  knots = std::move(finer);
-  return split;
 }
 
 }  // namespace
@@ -138,11 +134,12 @@ Road refitted(const Road& road, const roadquery::JunctionSurface& surface) {
   constexpr double shortest_m = 0.1;
   if (road.length < shortest_m) return road;
   const Wanted wanted = wanted_of(road, surface);
-  std::vector<std::size_t> knots{0, wanted.sections.size() - 1};
-  Profile profile = through(road, wanted, knots);
-  while (refine(wanted, profile, knots)) profile = through(road, wanted, knots);
+  Course z{{}, roadquery::gradient(road, 0.0), roadquery::gradient(road, road.length), share * tolerance_m};
+  Course bank{{}, wanted.start_rate, wanted.end_rate, (1.0 - share) * tolerance_m / wanted.half_m};
+  for (const Section& section : wanted.sections) z.values.push_back(section.z), bank.values.push_back(section.bank);
   Road fitted = road;
-  fitted.elevation = cubics_of(profile.z), fitted.superelevation = cubics_of(profile.bank);
+  fitted.elevation = cubics_of(through(z, wanted.step_m));
+  fitted.superelevation = cubics_of(through(bank, wanted.step_m));
   const auto level = [](const Cubic& c) { return c.a == 0.0 && c.b == 0.0 && c.c == 0.0 && c.d == 0.0; };
   if (std::all_of(fitted.superelevation.begin(), fitted.superelevation.end(), level)) fitted.superelevation.clear();
   return fitted;
