@@ -277,7 +277,8 @@ Geometry turn_geometry(const Gate& in, const Gate& out) {
   result.elevation = {hermite(0.0, length, in.z_m, out.z_m, in.gradient, out.gradient)};
   if (in.banking != 0.0 || out.banking != 0.0 || in.banking_rate != 0.0 || out.banking_rate != 0.0)
     result.superelevation = {hermite(0.0, length, in.banking, out.banking, in.banking_rate, out.banking_rate)};
-  if (in.crown != 0.0 || out.crown != 0.0) result.crown = {hermite(0.0, length, in.crown, out.crown, 0.0, 0.0)};
+  // Straight: a crown of two entries. The kink at the ends is one at walking pace.
+  if (in.crown != 0.0 || out.crown != 0.0) result.crown = {{0.0, in.crown, (out.crown - in.crown) / length, 0.0, 0.0}};
   return result;
 }
 
@@ -368,7 +369,8 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
   std::vector<std::vector<std::size_t>> inside(ends.size());
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
-    if (stretch.inside) inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
+    if (stretch.inside && stretch.vertex0 && stretch.vertex1)
+      inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
   }
   const Restrictions restrictions(plan);
   std::vector<std::vector<VertexIndex>> vertices(ends.size());

@@ -17,6 +17,7 @@ struct NetworkPlan {
   const Topology& topology;
   const ChainGeometries& geometry;
   const JunctionPlan& junctions;
+  const std::vector<std::vector<double>>& cuts;  ///< of cut_roads(), by stretch
   const BuildNetworkOptions& options;
 };
 
