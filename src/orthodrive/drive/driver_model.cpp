@@ -138,10 +138,11 @@ double DriverModel::steering_rad(const State& state) const {
 
 double DriverModel::most_drive_mps2(const LinePoint& p, double speed_mps) const {
   const RoadLoad load = road_load(p, speed_mps);
-  const auto limit = envelope_.at({speed_mps, load.normal_mps2, load.lateral_mps2 / driver_.exit_share, p.friction});
+  const double limit_mps2 =
+      envelope_.max_drive_mps2({speed_mps, load.normal_mps2, load.lateral_mps2 / driver_.exit_share, p.friction});
   // Who runs wide lifts.
   const double wide_m = -std::copysign(middle_.error_m, middle_.error_m * p.curvature_1pm) - wide_enough_m;
-  const double able = std::min(driver_.max_drive_mps2, limit.max_drive_mps2 - load.slope_mps2);
+  const double able = std::min(driver_.max_drive_mps2, limit_mps2 - load.slope_mps2);
   return std::max(able - lift_1ps2 * std::max(wide_m, 0.0), std::min(able, -lift_only_mps2));  // no brake in a bend
 }
 
