@@ -10,7 +10,8 @@ namespace orthodrive {
 
 /// vehicle::grip_of at nodes of speed, load and friction, and of the share of the lateral limit that is used; linear
 /// between them (of shares in their angle on the friction ellipse). The engine's limit, which jumps from gear to gear,
-/// is applied to what was looked up. Within 0.2 m/s2 of vehicle::envelope up to 1.6 times the weight. A plan asks a
+/// is applied to what was looked up. Within 0.2 m/s2 of vehicle::envelope up to 1.6 times the weight (0.3 with both axles driven, up to
+/// half the lateral limit). A plan asks a
 /// hundred thousand times, and a driver 200 times a second. Beyond the nodes the outermost count; friction goes on in
 /// proportion.
 class EnvelopeTable {
@@ -23,7 +24,7 @@ class EnvelopeTable {
   [[nodiscard]] double max_brake_mps2(const vehicle::EnvelopeQuery& query) const;
 
  private:
-  static constexpr std::size_t speeds = 34, normals = 9, frictions = 8, shares = 25;
+  static constexpr std::size_t speeds = 34, normals = 9, frictions = 8, shares = 33;
   static constexpr double speed_step_mps = 3.0, normal_step_mps2 = 3.0, friction_step = 0.125;
 
   struct Nodes {  ///< the eight around a place, and their weights
