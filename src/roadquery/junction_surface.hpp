@@ -58,8 +58,9 @@ struct JunctionField {
 /// at least two places.
 [[nodiscard]] double arm_height(const JunctionArm& arm, double in_m, double left_m);
 
-/// Sets the arms of every junction that has a surface: all road ends that are linked to it, by road id, start before
-/// end. To be called when roads or surfaces have changed; read_opendrive() and the network stage do.
+/// Sets the arms of every junction that has a surface: all road ends that are linked to it or, linked to another
+/// junction, lie inside its boundary on its level (where two surfaces overlap both turn into the same arms); by road
+/// id, start before end. To be called when roads or surfaces have changed; read_opendrive() and the network stage do.
 void join_arms(RoadMap& map);
 
 }  // namespace roadquery

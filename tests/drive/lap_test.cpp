@@ -155,10 +155,21 @@ TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
 }
 
 TEST(SimulateLap, hairpin_below_the_turning_circle_ends_with_a_finding_not_in_a_loop) {
-  // A radius of 2 m: the car cannot steer that much. It must say so or drive wide, never hang.
-  std::vector<Road> roads = make_stadium(1, 0.0, 0.0, 80.0, 2.0);
-  const DriveResult lap = simulate_lap(map_of(roads), family());
+  // A radius of 1 m: with lanes of 3.5 m the asphalt ends at 4.5 m, and the outer front wheel runs at 5.4 m at least. The
+  // car cannot steer that much. It must say so or drive wide, never hang.
+  const DriveResult lap = simulate_lap(map_of(make_stadium(1, 0.0, 0.0, 80.0, 1.0)), family());
   EXPECT_TRUE(has_finding(lap, "drive.not_finished") || has_finding(lap, "drive.off_road"));
+}
+
+TEST(SimulateLap, hairpin_as_narrow_as_the_turning_circle_is_driven_on_the_asphalt) {
+  const DriveOptions options = family();
+  const vehicle::Body& body = options.car.body;
+  const double rear_m = body.wheelbase_m / std::tan(options.car.steering.max_wheel_rad);
+  const double turning_m = std::hypot(rear_m + 0.5 * options.car.front.track_m, body.wheelbase_m);
+  EXPECT_NEAR(turning_m, 5.0, 0.1);  // the outer front tyre, at full lock
+  const DriveResult lap = simulate_lap(map_of(make_stadium(1, 0.0, 0.0, 80.0, 2.2)), options);  // asphalt to 5.7 m
+  EXPECT_TRUE(lap.finished);
+  EXPECT_EQ(lap.tyre_misses, 0u);
 }
 
 TEST(SimulateLap, same_roads_same_samples) {
@@ -172,6 +183,16 @@ TEST(SimulateLap, same_roads_same_samples) {
                       s.wheel_z_m, s.load_n, s.slip_ratio, s.slip_angle_rad, s.throttle, s.brake, s.gear);
   };
   for (std::size_t i = 0; i < a.samples.size(); ++i) ASSERT_EQ(values(a.samples[i]), values(b.samples[i])) << i;
+}
+
+TEST(LanePath, stays_in_its_lane_to_the_end_of_a_road_driven_backwards) {
+  // Some of these lengths, cut into pieces and added up, come out 1e-14 m longer than the road.
+  for (int k = 0; k < 60; ++k) {
+    const double length_m = 20.0 + k / 7.0;
+    const RoadMap map = map_of({make_road(1, {0.0, 0.0, 0.0, 0.0, length_m, Line{}})});
+    const LanePath path = path_along_lanes(map, {{{0, false}}, false, "back", length_m});
+    for (const Vec2 p : path.points) ASSERT_NEAR(p.y, 1.75, 1e-6) << length_m << " at " << p.x;
+  }
 }
 
 TEST(SimulateLap, other_peoples_networks_can_be_driven) {

@@ -23,8 +23,8 @@ class Limits {
     const RoadLoad load = road_load(p, speed_mps);
     if (std::abs(load.normal_mps2 - gravity_mps2) > driver_.max_vertical_mps2) return false;
     if (std::abs(load.lateral_mps2) > driver_.max_lateral_mps2) return false;
-    const auto limit = envelope_.at({speed_mps, load.normal_mps2, load.lateral_mps2, p.friction});
-    return std::abs(load.lateral_mps2) <= driver_.grip_share * limit.max_lateral_mps2;
+    const double able = envelope_.max_lateral_mps2({speed_mps, load.normal_mps2, load.lateral_mps2, p.friction});
+    return std::abs(load.lateral_mps2) <= driver_.grip_share * able;
   }
   /// Largest speed in the bend up to which every speed is possible.
   [[nodiscard]] double corner_mps(const LinePoint& p, double most_mps) const {
@@ -43,18 +43,19 @@ class Limits {
   /// Deceleration (positive) on the brakes, with the slope.
   [[nodiscard]] double brake_mps2(const LinePoint& p, double speed_mps) const {
     const RoadLoad load = road_load(p, speed_mps);
-    const double grip = driver_.grip_share * at(p, speed_mps, load, driver_.grip_share).max_brake_mps2;
+    const double grip = driver_.grip_share * envelope_.max_brake_mps2(query(p, speed_mps, load, driver_.grip_share));
     return std::min(grip + load.slope_mps2, driver_.max_brake_mps2);
   }
   [[nodiscard]] double drive_mps2(const LinePoint& p, double speed_mps) const {
     const RoadLoad load = road_load(p, speed_mps);
-    return std::min(at(p, speed_mps, load, driver_.exit_share).max_drive_mps2 - load.slope_mps2,
-                    driver_.max_drive_mps2);
+    const double able = envelope_.max_drive_mps2(query(p, speed_mps, load, driver_.exit_share));
+    return std::min(able - load.slope_mps2, driver_.max_drive_mps2);
   }
 
  private:
-  [[nodiscard]] vehicle::Envelope at(const LinePoint& p, double speed_mps, const RoadLoad& load, double share) const {
-    return envelope_.at({speed_mps, load.normal_mps2, load.lateral_mps2 / share, p.friction});
+  [[nodiscard]] static vehicle::EnvelopeQuery query(const LinePoint& p, double speed_mps, const RoadLoad& load,
+                                                    double share) {
+    return {speed_mps, load.normal_mps2, load.lateral_mps2 / share, p.friction};
   }
 
   const EnvelopeTable& envelope_;
