@@ -3,15 +3,16 @@
 // through the page tables for nearly every access to a table of many megabytes, as much as the access itself.
 
 #include <cstddef>
-#include <cstdlib>
+#include <limits>
 #include <new>
 #include <vector>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
 namespace roadquery {
+
+/// Memory in whole large pages where `bytes` are half a page or more; else as operator new. Throws std::bad_alloc.
+[[nodiscard]] void* allocate_large(std::size_t bytes, std::size_t alignment);
+/// `bytes` and `alignment` as it was allocated with.
+void free_large(void* memory, std::size_t bytes, std::size_t alignment) noexcept;
 
 template <typename T>
 struct LargeAllocator {
@@ -20,23 +21,11 @@ struct LargeAllocator {
   template <typename U>
   LargeAllocator(const LargeAllocator<U>& /*other*/) {}  // NOLINT(google-explicit-constructor): as allocators are
 
-  static constexpr std::size_t page_bytes = std::size_t{1} << 21;
-
   [[nodiscard]] T* allocate(std::size_t count) {
-    const std::size_t bytes = (count * sizeof(T) + page_bytes - 1) / page_bytes * page_bytes;
-    if (count > bytes / sizeof(T)) throw std::bad_array_new_length();
-    if (2 * count * sizeof(T) < page_bytes)
-      return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{alignof(T)}));
-    void* memory = ::operator new (bytes, std::align_val_t{page_bytes});
-#if defined(__linux__)
-    (void)madvise(memory, bytes, MADV_HUGEPAGE);  // a wish
-#endif
-    return static_cast<T*>(memory);
+    if (count > std::numeric_limits<std::size_t>::max() / 2 / sizeof(T)) throw std::bad_array_new_length();
+    return static_cast<T*>(allocate_large(count * sizeof(T), alignof(T)));
   }
-  void deallocate(T* memory, std::size_t count) noexcept {
-    const bool is_small = 2 * count * sizeof(T) < page_bytes;
-    ::operator delete (memory, std::align_val_t{is_small ? alignof(T) : page_bytes});
-  }
+  void deallocate(T* memory, std::size_t count) noexcept { free_large(memory, count * sizeof(T), alignof(T)); }
   friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
 };
 
