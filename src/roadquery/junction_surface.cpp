@@ -227,7 +227,8 @@ bool ends_on(const JunctionArm& arm, const JunctionSurface& surface) {
   for (int i = 0; i <= across; ++i) {
     const double left_m = right + (left - right) * i / across;
     const double x = arm.x - arm.in_y * left_m, y = arm.y + arm.in_x * left_m;
-    if (contains(surface, x, y) && is_same_level(field_at(surface, x, y).z, arm_height(arm, 0.0, left_m))) return true;
+    if (contains(surface, x, y) && is_same_level(field_at(field_of(surface), x, y).z, arm_height(arm, 0.0, left_m)))
+      return true;
   }
   return false;
 }

@@ -41,14 +41,15 @@ struct JunctionField {
   const double* z = nullptr;
   std::span<const JunctionArm> arms;
 };
+[[nodiscard]] inline JunctionField field_of(const JunctionSurface& surface) {
+  return {surface.x, surface.y, surface.spacing_m, surface.columns, surface.rows, surface.z.data(), surface.arms};
+}
 
 /// Height and slopes, C1 in x and y. Defined everywhere: beyond the grid the field stays as at its border, far from it
 /// the value means nothing. NaN without nodes.
 [[nodiscard]] JunctionHeight evaluate(const JunctionField& field, double x, double y);
 [[nodiscard]] inline JunctionHeight evaluate(const JunctionSurface& surface, double x, double y) {
-  return evaluate(JunctionField{surface.x, surface.y, surface.spacing_m, surface.columns, surface.rows,
-                                surface.z.data(), surface.arms},
-                  x, y);
+  return evaluate(field_of(surface), x, y);
 }
 
 /// The end of a road that a junction begins at. Its cross section: edges, reference line and every <shape> between.
