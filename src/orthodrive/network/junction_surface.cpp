@@ -27,8 +27,8 @@ constexpr double margin_m = 2.5;          // of the grid around the area: two no
 constexpr double coarse_error_m = 0.005;  // of a coarser grid from the one that was solved
 constexpr double same_height_m = 0.01;    // ways straight on that differ by more where they cross: one gives way
 constexpr double same_ground_m = 0.5;  // roads beside the junction further off in height lie on a ground of their own
-constexpr int solved_beyond = 1;       // nodes beyond those that places inside the boundary need
-constexpr double unchanged_m = 0.005;  // ways straight on that lie so near to the surface stay as they are
+constexpr int solved_beyond = 2, kept_beyond = 1;  // nodes beyond those that places inside the boundary need
+constexpr double unchanged_m = 0.005;              // ways straight on that lie so near to the surface stay as they are
 constexpr double millimetre = 1e-3, height_step_m = 1e-4;
 
 double rounded(double v, double step) { return std::round(v / step) * step; }
@@ -323,7 +323,7 @@ std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<Junction
       break;
     }
     const FieldGrid own = grid_of(surface, group.origin);
-    predict_the_rest(surface, grown(own, nodes_for(own, group.boundaries[k]), 0));
+    predict_the_rest(surface, grown(own, nodes_for(own, group.boundaries[k]), kept_beyond));
     built[k] = {std::move(surface), disagreement};
   }
   return built;

@@ -13,10 +13,11 @@ namespace {
 using roadquery::Cubic;
 using roadquery::Road;
 
-constexpr double least_knot_m = 1.5, step_m = 0.5;
-constexpr double tolerance_m = 0.005;  // more pieces until the lanes lie so near to what the surface wants
-constexpr double share = 0.5;          // of the heights in that, the rest is the banking's
-constexpr int across = 5;              // places of a cross section
+constexpr double least_knot_m = 2.5, step_m = 0.5;
+constexpr double least_rough_m = 1.5, rough = 4.0;  // pieces of which the tolerance is missed by that factor
+constexpr double tolerance_m = 0.005;               // more pieces until the lanes lie so near to what the surface wants
+constexpr double share = 0.5;                       // of the heights in that, the rest is the banking's
+constexpr int across = 5;                           // places of a cross section
 constexpr double rate_step_m = 0.1;
 constexpr double least_width_m = 0.5;
 
@@ -106,7 +107,8 @@ CubicSpline through(const Course& course, double step_m) {
       for (std::size_t i = knots[k] + 1; i < knots[k + 1]; ++i)
         off = std::max(off, std::abs(spline.at(step_m * static_cast<double>(i)) - course.values[i]));
       const double length_m = step_m * static_cast<double>(knots[k + 1] - knots[k]);
-      if (off > course.tolerance && length_m >= 2.0 * least_knot_m) finer.push_back((knots[k] + knots[k + 1]) / 2);
+      const double least_m = off > rough * course.tolerance ? least_rough_m : least_knot_m;
+      if (off > course.tolerance && length_m >= 2.0 * least_m) finer.push_back((knots[k] + knots[k + 1]) / 2);
       finer.push_back(knots[k + 1]);
     }
     if (finer.size() == knots.size()) return spline;
