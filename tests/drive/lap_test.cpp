@@ -155,8 +155,8 @@ TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
 }
 
 TEST(SimulateLap, hairpin_below_the_turning_circle_ends_with_a_finding_not_in_a_loop) {
-  // A radius of 1 m: with lanes of 3.5 m the asphalt ends at 4.5 m, and the outer front wheel runs at 5.4 m at least. The
-  // car cannot steer that much. It must say so or drive wide, never hang.
+  // A radius of 1 m: with lanes of 3.5 m the asphalt ends at 4.5 m, and the outer front wheel runs at 5.4 m at least.
+  // The car cannot steer that much. It must say so or drive wide, never hang.
   const DriveResult lap = simulate_lap(map_of(make_stadium(1, 0.0, 0.0, 80.0, 1.0)), family());
   EXPECT_TRUE(has_finding(lap, "drive.not_finished") || has_finding(lap, "drive.off_road"));
 }
