@@ -18,7 +18,7 @@ constexpr double stanley_gain_1ps = 2.5;   // Hoffmann et al. 2007 used 2.5 as w
 constexpr double stanley_speed_mps = 1.0;  // keeps the correction finite at rest, ibid.
 constexpr double speed_gain_1ps = 1.5;     // of the speed controller
 constexpr double speed_gain_1ps2 = 0.3;    // its integral
-constexpr double integral_memory_s = 30.0, integral_reach_mps = 1.0;
+constexpr double integral_memory_s = 120.0, integral_reach_mps = 1.0;
 constexpr double launch_m = 1.5,
                  launch_mps = 1.5;  // the plan so far ahead counts while it is that slow: at rest it says 0
 constexpr double crawl_mps = 0.8;   // never slower on the way
