@@ -169,6 +169,14 @@ double sum(const std::array<double, count>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
+/// Up to which acceleration ahead (sign 1) or backwards (sign -1) both axles hold their side forces.
+double holding_mps2(const SteadyState& steady, double sign, double lateral_mps2) {
+  return last_with([&](double along) {
+    return 1.0 - std::max(steady.lateral_use(0, sign * along, lateral_mps2),
+                          steady.lateral_use(1, sign * along, lateral_mps2));
+  });
+}
+
 /// The acceleration at which these forces (of an acceleration) give it to the mass: loads depend on what they limit.
 template <typename Forces>
 double agreeing(double mass_kg, const Forces& forces) {
@@ -203,8 +211,11 @@ Envelope envelope(const CarParameters& car, const EnvelopeQuery& query) {
   const SteadyState steady(car, query);
   const double lateral = std::abs(query.lateral_mps2), mass = car.body.mass_kg;
   const double engine_n = max_drive_force_n(car, query.speed_mps);
-  const double drive = agreeing(mass, [&](double along) { return steady.driving_n(along, lateral, engine_n); });
-  const double brake = agreeing(mass, [&](double along) { return steady.braking_n(along, lateral); });
+  const double drive =
+      std::min(holding_mps2(steady, 1.0, lateral),
+               agreeing(mass, [&](double along) { return steady.driving_n(along, lateral, engine_n); }));
+  const double brake = std::min(holding_mps2(steady, -1.0, lateral),
+                                agreeing(mass, [&](double along) { return steady.braking_n(along, lateral); }));
   return {max_lateral_mps2(steady), drive - (steady.drag_n() + steady.rolling_n(drive, lateral)) / mass,
           brake + (steady.drag_n() + steady.rolling_n(-brake, lateral)) / mass};
 }
@@ -214,6 +225,8 @@ Grip grip_of(const CarParameters& car, const EnvelopeQuery& query) {
   const SteadyState steady(car, query);
   const double lateral = std::abs(query.lateral_mps2), mass = car.body.mass_kg;
   Grip grip{.max_lateral_mps2 = max_lateral_mps2(steady)};
+  grip.holding_drive_mps2 = holding_mps2(steady, 1.0, lateral);
+  grip.holding_brake_mps2 = holding_mps2(steady, -1.0, lateral);
   const double braking = agreeing(mass, [&](double along) { return steady.braking_n(along, lateral); });
   grip.braking_n = steady.grip_left_n(-braking, lateral);
   grip.brakes_n = steady.brakes_n(-braking, lateral);

@@ -11,7 +11,7 @@ constexpr double shift_pause_s = 0.5;      // between two automatic shifts
 constexpr double engage_over_idle = 1.15;  // the automatic clutch begins to carry there
 constexpr double open_under_idle = 1.02;
 constexpr double synchronous_rpm = 40.0;
-constexpr double opening_share = 0.4;  // of a shift
+constexpr double opening_share = 0.4, closing_share = 0.4;  // of a shift
 constexpr double least_closing_s = 0.02;
 constexpr double leading_rpm = 100.0;  // so far the pushing side of a closing clutch turns ahead
 
@@ -61,7 +61,7 @@ void GearShift::close_clutch(const CarParameters& car, const Input& in) {
 /// together would push the car. The engine does that itself.
 void GearShift::hand_over(const CarParameters& car, const Input& in) {
   const double input_rpm = in.wheel_rpm * gear_ratio(car, gear_);
-  const double closing_s = std::max(car.gearbox.shift_s, least_closing_s);
+  const double closing_s = std::max(closing_share * car.gearbox.shift_s, least_closing_s);
   const double share = std::min(since_shift_s_ / closing_s, 1.0);
   const double ahead_rpm = std::copysign(1.0, in.demand_nm) * (in.engine_rpm - input_rpm);
   carried_nm_ = ahead_rpm > -synchronous_rpm ? share * in.demand_nm : 0.0;
@@ -76,12 +76,12 @@ void GearShift::hand_over(const CarParameters& car, const Input& in) {
 /// The clutch lets go of what it carried over the first part of the shift, then the gear changes, then it stays open to
 /// the end.
 void GearShift::shift(const CarParameters& car, const Input& in) {
-  const double whole_s = car.gearbox.shift_s;
+  const double whole_s = car.gearbox.shift_s, open_s = (1.0 - closing_share) * whole_s;
   shifting_s_ -= in.dt_s;
   since_shift_s_ = 0.0;
   locked_ = false;
   handing_over_ = true;
-  const double opening_left = whole_s > 0.0 ? 1.0 - (whole_s - shifting_s_) / (opening_share * whole_s) : 0.0;
+  const double opening_left = whole_s > 0.0 ? 1.0 - (open_s - shifting_s_) / (opening_share * whole_s) : 0.0;
   const double opening_nm = std::max(opening_left, 0.0) * carried_nm_ * (1.0 - in.clutch_pedal);
   capacity_nm_ = std::min(capacity_nm_, opening_nm);
   if (opening_left <= 0.0) gear_ = coming_;
@@ -93,7 +93,8 @@ void GearShift::step(const CarParameters& car, const Input& in) {
   if (!shifting()) {
     coming_ =
         in.automatic ? automatic_gear(car, in) : std::clamp(in.wanted, -1, static_cast<int>(car.gearbox.ratios.size()));
-    if (coming_ != gear_) shifting_s_ = car.gearbox.shift_s + in.dt_s, carried_nm_ = std::abs(in.clutch_nm);
+    if (coming_ != gear_)
+      shifting_s_ = (1.0 - closing_share) * car.gearbox.shift_s + in.dt_s, carried_nm_ = std::abs(in.clutch_nm);
   }
   if (shifting()) {
     shift(car, in);

@@ -64,8 +64,14 @@ TEST(PlanSpeed, bend_is_driven_at_the_share_of_the_limit_that_the_driver_takes) 
   for (LinePoint& p : line.points) p.curvature_1pm = 0.02;
   const Driver driver = racing_driver();
   const double speed = plan_speed(line, EnvelopeTable(car), driver)[200];
-  const double limit = vehicle::envelope(car, {.speed_mps = speed}).max_lateral_mps2;
-  EXPECT_NEAR(0.02 * speed * speed / limit, driver.grip_share, 0.01);
+  // The drag has to be overcome: it takes the share at which just so much drive is left.
+  const double lateral = 0.02 * speed * speed, limit = vehicle::envelope(car, {.speed_mps = speed}).max_lateral_mps2;
+  const auto drive_at = [&](double share) {
+    return vehicle::envelope(car, {.speed_mps = speed, .lateral_mps2 = lateral / share}).max_drive_mps2;
+  };
+  EXPECT_NEAR(drive_at(driver.grip_share), 0.0, 0.05);
+  EXPECT_LT(lateral / limit, driver.grip_share);
+  EXPECT_GT(lateral / limit, driver.grip_share - 0.0125);
 }
 
 TEST(PlanSpeed, crest_slows_and_banking_that_helps_quickens) {

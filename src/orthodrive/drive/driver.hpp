@@ -20,7 +20,7 @@ struct Driver {
 /// Drives as fast as the car can.
 [[nodiscard]] constexpr Driver racing_driver() {
   constexpr double no_limit = 1e3;
-  return {no_limit, no_limit, no_limit, no_limit, no_limit, 120.0, 0.94, 0.88, 0.0};
+  return {no_limit, no_limit, no_limit, no_limit, no_limit, 120.0, 0.95, 0.92, 0.0};
 }
 
 }  // namespace orthodrive

@@ -18,7 +18,7 @@ constexpr double stanley_gain_1ps = 2.5;   // Hoffmann et al. 2007 used 2.5 as w
 constexpr double stanley_speed_mps = 1.0;  // keeps the correction finite at rest, ibid.
 constexpr double speed_gain_1ps = 1.5;     // of the speed controller
 constexpr double speed_gain_1ps2 = 0.3;    // its integral
-constexpr double integral_memory_s = 30.0, integral_reach_mps = 1.0;
+constexpr double integral_memory_s = 120.0, integral_reach_mps = 1.0;
 constexpr double launch_m = 1.5,
                  launch_mps = 1.5;  // the plan so far ahead counts while it is that slow: at rest it says 0
 constexpr double crawl_mps = 0.8;   // never slower on the way
@@ -133,7 +133,9 @@ double DriverModel::side_share(const LinePoint& p, double speed_mps) const {
 DrivingLine DriverModel::way_of_front_axle() const {
   const AxleSlip rear(car_, false);
   std::vector<double> slip_rad;
-  for (const LinePoint& p : line_.points) slip_rad.push_back(rear.angle_rad(side_share(p, plan_.at(p.s_m).speed_mps)));
+  for (const LinePoint& p : line_.points) {
+    slip_rad.push_back(rear.angle_rad(side_share(p, plan_.at(p.s_m).speed_mps)));
+  }
   return front_axle_line(line_, car_.body.wheelbase_m, car_headings(line_, car_.body.wheelbase_m, slip_rad));
 }
 
@@ -154,13 +156,10 @@ double DriverModel::steering_rad(const State& state) const {
   return std::clamp(wanted_rad, going_rad - most_rad, going_rad + most_rad);
 }
 
-double DriverModel::most_drive_mps2(const LinePoint& p, double speed_mps) const {
-  const RoadLoad load = road_load(p, speed_mps);
-  const double limit_mps2 =
-      envelope_.max_drive_mps2({speed_mps, load.normal_mps2, load.lateral_mps2 / driver_.exit_share, p.friction});
+double DriverModel::most_drive_here_mps2(const LinePoint& p, double speed_mps) const {
+  const double able = most_drive_mps2(envelope_, driver_, p, speed_mps);
   // Who runs wide lifts.
   const double wide_m = -std::copysign(middle_.error_m, middle_.error_m * p.curvature_1pm) - wide_enough_m;
-  const double able = std::min(driver_.max_drive_mps2, limit_mps2 - load.slope_mps2);
   return std::max(able - lift_1ps2 * std::max(wide_m, 0.0), std::min(able, -lift_only_mps2));  // no brake in a bend
 }
 
@@ -188,7 +187,7 @@ double DriverModel::wanted_force_n(const State& state, double dt_s) {
   const bool starting = !stopping && state.speed_mps < starting_mps;
   const double planned_mps2 = starting ? std::max(here.acceleration_mps2, 0.0) : here.acceleration_mps2;
   const double wanted_mps2 = std::max(std::min(planned_mps2 + speed_gain_1ps * error_mps + integral_mps2_,
-                                               most_drive_mps2(p, std::max(state.speed_mps, 0.0))),
+                                               most_drive_here_mps2(p, std::max(state.speed_mps, 0.0))),
                                       -1.5 * driver_.max_brake_mps2);
   // Far from the plan, as on full throttle, the integral would only wind up; what it holds fades.
   integral_mps2_ *= 1.0 - dt_s / integral_memory_s;

@@ -58,7 +58,7 @@ class DriverModel {
   [[nodiscard]] DrivingLine way_of_front_axle() const;
   [[nodiscard]] double steering_rad(const vehicle::State& state) const;
   /// Largest acceleration that grip and engine leave in the bend; less for who runs wide.
-  [[nodiscard]] double most_drive_mps2(const LinePoint& p, double speed_mps) const;
+  [[nodiscard]] double most_drive_here_mps2(const LinePoint& p, double speed_mps) const;
   [[nodiscard]] double wanted_force_n(const vehicle::State& state, double dt_s);
   /// Stands or waits at the next stop: true as long as the brake is to be held.
   [[nodiscard]] bool holds(const vehicle::State& state, double dt_s);

@@ -69,6 +69,8 @@ vehicle::Grip EnvelopeTable::look_up(const vehicle::EnvelopeQuery& query) const 
   vehicle::Grip grip;
   const auto add = [&](double weight, const vehicle::Grip& node) {
     grip.driving_mps2 += weight * node.driving_mps2;
+    grip.holding_drive_mps2 += weight * node.holding_drive_mps2;
+    grip.holding_brake_mps2 += weight * node.holding_brake_mps2;
     for (std::size_t i = 0; i < 2; ++i) {
       grip.rolling_n[i] += weight * node.rolling_n[i];
       grip.driving_n[i] += weight * node.driving_n[i];
@@ -100,14 +102,17 @@ double EnvelopeTable::max_drive_mps2(const vehicle::EnvelopeQuery& query) const 
     const auto axle = [&](std::size_t i) { return grip.rolling_n[i] + u * (grip.driving_n[i] - grip.rolling_n[i]); };
     along = (std::min(axle(0), front * engine_n) + std::min(axle(1), (1.0 - front) * engine_n)) / mass;
   }
-  return along - vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
+  return std::min(along, grip.holding_drive_mps2) -
+         vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
 }
 
 double EnvelopeTable::max_brake_mps2(const vehicle::EnvelopeQuery& query) const {
   const vehicle::Grip grip = look_up(query);
-  double sum_n = vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2);
+  double sum_n = 0.0;
   for (std::size_t i = 0; i < 4; ++i) sum_n += std::min(grip.braking_n[i], grip.brakes_n[i]);
-  return sum_n / car_.body.mass_kg;
+  const double mass = car_.body.mass_kg;
+  return std::min(sum_n / mass, grip.holding_brake_mps2) +
+         vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
 }
 
 vehicle::Envelope EnvelopeTable::at(const vehicle::EnvelopeQuery& query) const {

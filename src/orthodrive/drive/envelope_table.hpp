@@ -10,10 +10,9 @@ namespace orthodrive {
 
 /// vehicle::grip_of at nodes of speed, load and friction, and of the share of the lateral limit that is used; linear
 /// between them (of shares in their angle on the friction ellipse). The engine's limit, which jumps from gear to gear,
-/// is applied to what was looked up. Within 0.2 m/s2 of vehicle::envelope up to 1.6 times the weight (0.3 with both axles driven, up to
-/// half the lateral limit). A plan asks a
-/// hundred thousand times, and a driver 200 times a second. Beyond the nodes the outermost count; friction goes on in
-/// proportion.
+/// is applied to what was looked up. Within 0.2 m/s2 of vehicle::envelope up to 1.6 times the weight (0.3 with both
+/// axles driven, up to half the lateral limit). A plan asks a hundred thousand times, and a driver 200 times a second.
+/// Beyond the nodes the outermost count; friction goes on in proportion.
 class EnvelopeTable {
  public:
   explicit EnvelopeTable(const vehicle::CarParameters& car);
@@ -24,8 +23,8 @@ class EnvelopeTable {
   [[nodiscard]] double max_brake_mps2(const vehicle::EnvelopeQuery& query) const;
 
  private:
-  static constexpr std::size_t speeds = 34, normals = 9, frictions = 8, shares = 33;
-  static constexpr double speed_step_mps = 3.0, normal_step_mps2 = 3.0, friction_step = 0.125;
+  static constexpr std::size_t speeds = 34, normals = 9, frictions = 5, shares = 17;
+  static constexpr double speed_step_mps = 3.0, normal_step_mps2 = 3.0, friction_step = 0.2;
 
   struct Nodes {  ///< the eight around a place, and their weights
     std::array<std::size_t, 8> at{};
