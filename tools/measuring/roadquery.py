@@ -96,7 +96,7 @@ def page(r):
         text += common.row([what, asked] + [f"{s['speed'][key]:g}" for s in sites.values()])
     text += "\nThe worst point is the slowest of six times, each of which another process may have stretched: the least counts.\n"
     o = r["overlap"]
-    text += f"\nWhere twelve turning roads overlap without a surface of the junction's own: {o['overlap_z_ns_least']:.0f} ns for the height, "
+    text += f"\nWhere twelve connecting roads that turn overlap without a surface of the junction's own: {o['overlap_z_ns_least']:.0f} ns for the height, "
     text += f"{o['overlap_normal_ns_least']:.0f} with normal and friction, {o['overlap_all_ns_least']:.0f} for all (asked: 500).\n"
     t = r["tile"]
     text += f"\n{t['road_km']:.0f} km of road: {t['bake_s']:.1f} s for the tables, {t['all_mb']:.0f} MB in all, of it {t['map_mb']:.0f} MB the "
