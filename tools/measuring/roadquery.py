@@ -17,6 +17,7 @@ BENCH = common.ROOT / "build/release/bench/speed"
 def add_arguments(parser):
     common.add_table(parser)
     parser.add_argument("--site", action="append", default=[], metavar="NAME=FILE", help="roads of a built site")
+    parser.add_argument("--built", default=None, metavar="COMMIT", help="which commit built the sites (this one)")
     parser.add_argument("--bench", type=pathlib.Path, default=BENCH, help="folder of the built programs")
     parser.add_argument("--points", type=int, default=2500000, help="points with known (road, s, t) on each site")
     parser.add_argument("--tile-km", type=float, default=1000.0, help="length of road made of the last site, km")
@@ -47,7 +48,8 @@ def crg_ns(program):
 
 def circumstances(r):
     text = f"`bench/results/roadquery.json` (commit {r['commit']}). CPU time, one core of a shared {r['machine']['cpu']} while other work ran "
-    return text + f"beside it (load {r['load'][0]:.1f} before, {r['load'][1]:.1f} after, {r['machine']['cores']} cores)"
+    text += f"beside it (load {r['load'][0]:.1f} before, {r['load'][1]:.1f} after, {r['machine']['cores']} cores), networks "
+    return text + f"built by commit {r['built']}"
 
 
 def c_interface_page(r):
@@ -94,7 +96,7 @@ def page(r):
         text += common.row([what, asked] + [f"{s['speed'][key]:g}" for s in sites.values()])
     text += "\nThe worst point is the slowest of six times, each of which another process may have stretched: the least counts.\n"
     o = r["overlap"]
-    text += f"\nWhere twelve turning roads overlap without a surface of the junction's own: {o['overlap_z_ns_least']:.0f} ns for the height, "
+    text += f"\nWhere twelve connecting roads that turn overlap without a surface of the junction's own: {o['overlap_z_ns_least']:.0f} ns for the height, "
     text += f"{o['overlap_normal_ns_least']:.0f} with normal and friction, {o['overlap_all_ns_least']:.0f} for all (asked: 500).\n"
     t = r["tile"]
     text += f"\n{t['road_km']:.0f} km of road: {t['bake_s']:.1f} s for the tables, {t['all_mb']:.0f} MB in all, of it {t['map_mb']:.0f} MB the "
@@ -116,7 +118,8 @@ def run(args):
         sites = dict(s.split("=", 1) for s in args.site)
         if not sites:
             raise SystemExit("tools/measure roadquery: give at least one --site NAME=roads.xodr")
-        results = {"commit": common.commit(), "machine": common.machine(), "load": [os.getloadavg()[1]], "sites": {}}
+        results = {"commit": common.commit(), "machine": common.machine(), "load": [os.getloadavg()[1]],
+                   "built": args.built or common.commit(), "sites": {}}
         for name, file in sites.items():
             results["sites"][name] = {"speed": numbers(args.bench / "bench_road_query", file, 2000000),
                                       "truth": truth(args.bench / "bench_road_query_truth", file, args.points, 7),
