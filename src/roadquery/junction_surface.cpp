@@ -39,7 +39,7 @@ Cell cell_at(double offset_m, double spacing_m, int count) {
   return {node, inside - node};
 }
 
-JunctionHeight field_at(const JunctionSurface& surface, double x, double y) {
+JunctionHeight field_at(const JunctionField& surface, double x, double y) {
   if (surface.columns < 1 || surface.rows < 1) return {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   const Cell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
   const Cell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
@@ -47,7 +47,7 @@ JunctionHeight field_at(const JunctionSurface& surface, double x, double y) {
   JunctionHeight sum;
   for (int j = 0; j < 4; ++j) {
     const int r = std::clamp(row.node - 1 + j, 0, surface.rows - 1);
-    const double* line = surface.z.data() + static_cast<std::ptrdiff_t>(r) * surface.columns;
+    const double* line = surface.z + static_cast<std::ptrdiff_t>(r) * surface.columns;
     double value = 0.0, slope = 0.0;
     for (int i = 0; i < 4; ++i) {
       const double z = line[std::clamp(column.node - 1 + i, 0, surface.columns - 1)];
@@ -155,7 +155,7 @@ bool contains(const JunctionSurface& surface, double x, double y) {
   return inside;
 }
 
-JunctionHeight evaluate(const JunctionSurface& surface, double x, double y) {
+JunctionHeight evaluate(const JunctionField& surface, double x, double y) {
   const JunctionHeight field = field_at(surface, x, y);
   // Sums of shares and of shares times heights over the field: of differences, for the sake of rounding.
   double shares = 1.0, dshares_dx = 0.0, dshares_dy = 0.0;
@@ -227,7 +227,8 @@ bool ends_on(const JunctionArm& arm, const JunctionSurface& surface) {
   for (int i = 0; i <= across; ++i) {
     const double left_m = right + (left - right) * i / across;
     const double x = arm.x - arm.in_y * left_m, y = arm.y + arm.in_x * left_m;
-    if (contains(surface, x, y) && is_same_level(field_at(surface, x, y).z, arm_height(arm, 0.0, left_m))) return true;
+    if (contains(surface, x, y) && is_same_level(field_at(field_of(surface), x, y).z, arm_height(arm, 0.0, left_m)))
+      return true;
   }
   return false;
 }

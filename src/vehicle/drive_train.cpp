@@ -110,15 +110,24 @@ void DriveTrain::place(const CarParameters& car, const std::array<double, 4>& sp
 
 double DriveTrain::engine_torque(const CarParameters& car, double dt_s, double throttle) const {
   const double rpm = engine_radps_ * rpm_per_radps;
-  if (!gears_.shifting() || gears_.gear() != gears_.coming() || gears_.gear() == 0)
-    return crankshaft_nm(car.engine, rpm, throttle);
-  // During a shift the engine is brought to the speed of the coming gear.
+  const bool gear_is_in = gears_.gear() == gears_.coming() && gears_.gear() != 0;
+  if (gears_.shifting() && !gear_is_in)
+    return std::min(crankshaft_nm(car.engine, rpm, throttle), gears_.clutch_capacity_nm());
+  if (!gears_.shifting() && !gears_.handing_over()) return crankshaft_nm(car.engine, rpm, throttle);
+  // The engine is brought to the speed of the new gear, beside what the clutch takes from it.
+  const double target_rpm = gears_.handing_over() ? gears_.engine_target_rpm()
+                                                  : mean_spin_radps() * gear_ratio(car, gears_.gear()) * rpm_per_radps;
+  const double target = std::clamp(target_rpm, car.engine.idle_rpm, car.engine.limit_rpm) / rpm_per_radps;
+  const double carried = gears_.handing_over() ? gears_.carried_nm() : 0.0;
+  const double wanted =
+      carried + car.engine.inertia_kgm2 * (target - engine_radps_) / std::max(0.25 * car.gearbox.shift_s, dt_s);
+  return std::clamp(wanted, crankshaft_nm(car.engine, rpm, 0.0), crankshaft_nm(car.engine, rpm, 1.0));
+}
+
+double DriveTrain::mean_spin_radps() const {
   double mean = 0.0;
   for (std::size_t i = 0; i < 4; ++i) mean += share_[i] * wheels_[i].spin_radps;
-  const double target = std::clamp(mean * gear_ratio(car, gears_.coming()), car.engine.idle_rpm / rpm_per_radps,
-                                   car.engine.limit_rpm / rpm_per_radps);
-  const double wanted = car.engine.inertia_kgm2 * (target - engine_radps_) / std::max(0.25 * car.gearbox.shift_s, dt_s);
-  return std::clamp(wanted, crankshaft_nm(car.engine, rpm, 0.0), crankshaft_nm(car.engine, rpm, 1.0));
+  return mean;
 }
 
 void DriveTrain::control_slip(const CarParameters& car, double dt_s, const Pedals& pedals,
@@ -169,11 +178,13 @@ void DriveTrain::solve_friction(Sweep& s) {
 void DriveTrain::step(const CarParameters& car, double dt_s, const Pedals& pedals,
                       const std::array<WheelLoad, 4>& wheels) {
   control_slip(car, dt_s, pedals, wheels);
-  double mean = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) mean += share_[i] * wheels_[i].spin_radps;
-  gears_.step(car, {dt_s, pedals.automatic, pedals.gear, pedals.throttle, pedals.brake, pedals.clutch,
-                    engine_radps_ * rpm_per_radps, mean * rpm_per_radps});
-  const double wanted = gears_.shifting() ? 0.0 : pedals.throttle * traction_;
+  const double wheel_rpm = mean_spin_radps() * rpm_per_radps;
+  gears_.step(
+      car, {dt_s, pedals.automatic, pedals.gear, pedals.throttle, pedals.brake, pedals.clutch,
+            engine_radps_ * rpm_per_radps, wheel_rpm,
+            crankshaft_nm(car.engine, wheel_rpm * gear_ratio(car, gears_.gear()), throttle_), impulse_.clutch / dt_s});
+  const bool opening = gears_.shifting() && gears_.gear() != gears_.coming();
+  const double wanted = opening ? 0.0 : pedals.throttle * traction_;
   throttle_ += (wanted - throttle_) * dt_s / (throttle_lag_s + dt_s);
   engine_nm_ = engine_torque(car, dt_s, throttle_);
 

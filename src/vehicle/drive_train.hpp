@@ -57,6 +57,7 @@ class DriveTrain {
   };
   struct Sweep;
 
+  [[nodiscard]] double mean_spin_radps() const;  ///< of the driven wheels, by torque share
   [[nodiscard]] double engine_torque(const CarParameters& car, double dt_s, double throttle) const;
   void control_slip(const CarParameters& car, double dt_s, const Pedals& pedals,
                     const std::array<WheelLoad, 4>& wheels);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "vehicle/car_geometry.hpp"
 #include "vehicle/engine.hpp"
@@ -14,7 +15,36 @@ namespace {
 
 constexpr double least_load_n = 1.0;
 constexpr double rolling_reference_mps = 16.67;
-constexpr int bisections = 30;
+constexpr int halvings = 6, most_rounds = 60;
+constexpr double most_mps2 = 100.0, solved_mps2 = 1e-7;
+
+/// Up to where something is left over, from 0 to 100: some halvings, then false position that never keeps one end
+/// twice (Illinois; Dowell and Jarratt, BIT 11, 1971), which takes a third of the rounds of halving alone.
+template <typename Function>
+double last_with(const Function& left_over) {
+  double low = 0.0, high = most_mps2, at_low = 0.0, at_high = 0.0;
+  for (int n = 0; n < halvings; ++n) {
+    const double middle = 0.5 * (low + high), value = left_over(middle);
+    (value >= 0.0 ? low : high) = middle;
+    (value >= 0.0 ? at_low : at_high) = value;
+  }
+  if (low <= 0.0) at_low = left_over(low);
+  if (high >= most_mps2 || at_low <= 0.0) return low;
+  for (int n = 0, side = 0; n < most_rounds && high - low > solved_mps2; ++n) {
+    const double middle = (low * at_high - high * at_low) / (at_high - at_low), value = left_over(middle);
+    if (std::abs(value) < solved_mps2) return middle;
+    if (value > 0.0) {
+      low = middle, at_low = value;
+      if (side > 0) at_high *= 0.5;
+      side = 1;
+    } else {
+      high = middle, at_high = value;
+      if (side < 0) at_low *= 0.5;
+      side = -1;
+    }
+  }
+  return low;
+}
 
 double rolling_radius_m(const Tyre& tyre, double load_n) { return tyre.radius_m - load_n / tyre.vertical_npm / 3.0; }
 
@@ -74,26 +104,39 @@ class SteadyState {
     return share * car_.body.mass_kg * std::abs(lateral_mps2) / std::max(able, least_load_n);
   }
 
-  /// Largest longitudinal force of the tyres with that lateral acceleration: sign +1 drives, -1 brakes. Each wheel
-  /// gives what the friction ellipse leaves, but no more than its share of engine or brake.
-  [[nodiscard]] double force_n(double sign, double along_mps2, double lateral_mps2, double engine_n) const {
+  /// What the friction ellipse leaves to each wheel beside its share of the lateral acceleration, N.
+  [[nodiscard]] std::array<double, 4> grip_left_n(double along_mps2, double lateral_mps2) const {
     const auto load = loads(along_mps2, lateral_mps2);
-    const Differential& d = car_.differential;
-    double sum = 0.0;
+    std::array<double, 4> able{};
     for (std::size_t axle = 0; axle < 2; ++axle) {
       const double use = lateral_use(axle, along_mps2, lateral_mps2);
       const double left = std::sqrt(std::max(1.0 - use * use, 0.0));
-      double able = 0.0;
-      for (std::size_t i = 2 * axle; i < 2 * axle + 2; ++i) {
-        const double grip_n = left * grip(i, load[i]).dx_n;
-        const double brake_n =
-            (axle == 0 ? car_.brakes.front_nm : car_.brakes.rear_nm) / rolling_radius_m(tyre(i), load[i]);
-        able += sign > 0.0 ? grip_n : std::min(grip_n, brake_n);
-      }
-      const double share = axle == 0 ? d.front_share : 1.0 - d.front_share;
-      sum += sign > 0.0 ? std::min(able, share * engine_n) : able;
+      for (std::size_t i = 2 * axle; i < 2 * axle + 2; ++i) able[i] = left * grip(i, load[i]).dx_n;
     }
-    return sum;
+    return able;
+  }
+
+  /// Forces of the axles that drive: no more than their share of the engine's force.
+  [[nodiscard]] std::array<double, 2> driving_n(double along_mps2, double lateral_mps2, double engine_n) const {
+    const auto able = grip_left_n(along_mps2, lateral_mps2);
+    const double front = car_.differential.front_share;
+    return {std::min(able[0] + able[1], front * engine_n), std::min(able[2] + able[3], (1.0 - front) * engine_n)};
+  }
+
+  /// Forces of the brakes at full pedal.
+  [[nodiscard]] std::array<double, 4> brakes_n(double along_mps2, double lateral_mps2) const {
+    auto force = loads(along_mps2, lateral_mps2);
+    for (std::size_t i = 0; i < 4; ++i)
+      force[i] = (i < 2 ? car_.brakes.front_nm : car_.brakes.rear_nm) / rolling_radius_m(tyre(i), force[i]);
+    return force;
+  }
+
+  /// Forces of the wheels that brake.
+  [[nodiscard]] std::array<double, 4> braking_n(double along_mps2, double lateral_mps2) const {
+    auto able = grip_left_n(-along_mps2, lateral_mps2);
+    const auto brakes = brakes_n(-along_mps2, lateral_mps2);
+    for (std::size_t i = 0; i < 4; ++i) able[i] = std::min(able[i], brakes[i]);
+    return able;
   }
 
   [[nodiscard]] double rolling_n(double along_mps2, double lateral_mps2) const {
@@ -116,16 +159,37 @@ class SteadyState {
 };
 
 double max_lateral_mps2(const SteadyState& steady) {
-  double least = 0.0, most = 100.0;
-  for (int n = 0; n < bisections; ++n) {
-    const double middle = 0.5 * (least + most);
-    const bool holds = std::max(steady.lateral_use(0, 0.0, middle), steady.lateral_use(1, 0.0, middle)) <= 1.0;
-    (holds ? least : most) = middle;
-  }
-  return least;
+  return last_with([&](double lateral) {
+    return 1.0 - std::max(steady.lateral_use(0, 0.0, lateral), steady.lateral_use(1, 0.0, lateral));
+  });
+}
+
+template <std::size_t count>
+double sum(const std::array<double, count>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+/// Up to which acceleration ahead (sign 1) or backwards (sign -1) both axles hold their side forces.
+double holding_mps2(const SteadyState& steady, double sign, double lateral_mps2) {
+  return last_with([&](double along) {
+    return 1.0 - std::max(steady.lateral_use(0, sign * along, lateral_mps2),
+                          steady.lateral_use(1, sign * along, lateral_mps2));
+  });
+}
+
+/// The acceleration at which these forces (of an acceleration) give it to the mass: loads depend on what they limit.
+template <typename Forces>
+double agreeing(double mass_kg, const Forces& forces) {
+  return last_with([&](double along) { return sum(forces(along)) / mass_kg - along; });
 }
 
 }  // namespace
+
+double resistance_n(const CarParameters& car, double speed_mps, double normal_mps2) {
+  const EnvelopeQuery query{speed_mps, normal_mps2, 0.0, 1.0};
+  const SteadyState steady(car, query);
+  return steady.drag_n() + steady.rolling_n(0.0, 0.0);
+}
 
 double max_drive_force_n(const CarParameters& car, double speed_mps) {
   const Differential& d = car.differential;
@@ -147,21 +211,32 @@ Envelope envelope(const CarParameters& car, const EnvelopeQuery& query) {
   const SteadyState steady(car, query);
   const double lateral = std::abs(query.lateral_mps2), mass = car.body.mass_kg;
   const double engine_n = max_drive_force_n(car, query.speed_mps);
-  Envelope e;
-  e.max_lateral_mps2 = max_lateral_mps2(steady);
-  // The load transfer depends on the acceleration that it limits: bisection for the place where both agree.
-  const auto agreeing = [&](double sign) {
-    double least = 0.0, most = 100.0;
-    for (int n = 0; n < bisections; ++n) {
-      const double middle = 0.5 * (least + most);
-      (steady.force_n(sign, sign * middle, lateral, engine_n) >= mass * middle ? least : most) = middle;
-    }
-    return least;
+  const double drive =
+      std::min(holding_mps2(steady, 1.0, lateral),
+               agreeing(mass, [&](double along) { return steady.driving_n(along, lateral, engine_n); }));
+  const double brake = std::min(holding_mps2(steady, -1.0, lateral),
+                                agreeing(mass, [&](double along) { return steady.braking_n(along, lateral); }));
+  return {max_lateral_mps2(steady), drive - (steady.drag_n() + steady.rolling_n(drive, lateral)) / mass,
+          brake + (steady.drag_n() + steady.rolling_n(-brake, lateral)) / mass};
+}
+
+Grip grip_of(const CarParameters& car, const EnvelopeQuery& query) {
+  constexpr double no_limit_n = 1e9;
+  const SteadyState steady(car, query);
+  const double lateral = std::abs(query.lateral_mps2), mass = car.body.mass_kg;
+  Grip grip{.max_lateral_mps2 = max_lateral_mps2(steady)};
+  grip.holding_drive_mps2 = holding_mps2(steady, 1.0, lateral);
+  grip.holding_brake_mps2 = holding_mps2(steady, -1.0, lateral);
+  const double braking = agreeing(mass, [&](double along) { return steady.braking_n(along, lateral); });
+  grip.braking_n = steady.grip_left_n(-braking, lateral);
+  grip.brakes_n = steady.brakes_n(-braking, lateral);
+  grip.driving_mps2 = agreeing(mass, [&](double along) { return steady.driving_n(along, lateral, no_limit_n); });
+  const auto of_axles = [](const std::array<double, 4>& wheels) {
+    return std::array{wheels[0] + wheels[1], wheels[2] + wheels[3]};
   };
-  const double drive = agreeing(1.0), brake = agreeing(-1.0);
-  e.max_drive_mps2 = drive - (steady.drag_n() + steady.rolling_n(drive, lateral)) / mass;
-  e.max_brake_mps2 = brake + (steady.drag_n() + steady.rolling_n(-brake, lateral)) / mass;
-  return e;
+  grip.rolling_n = of_axles(steady.grip_left_n(0.0, lateral));
+  grip.driving_n = of_axles(steady.grip_left_n(grip.driving_mps2, lateral));
+  return grip;
 }
 
 }  // namespace vehicle

@@ -1,6 +1,8 @@
 #pragma once
 // What a car can do at its limit, quasi-steady: for planning speeds.
 
+#include <array>
+
 #include "vehicle/car_parameters.hpp"
 
 namespace vehicle {
@@ -21,8 +23,26 @@ struct Envelope {
 };
 
 /// Loads of the four wheels from weight, air forces and load transfer (by roll stiffness and roll centres), forces from
-/// the peaks of the Magic Formula joined by the friction ellipse.
+/// the peaks of the Magic Formula joined by the friction ellipse. Driving unloads the front axle and braking the rear:
+/// no more of it than leaves that axle its side force.
 [[nodiscard]] Envelope envelope(const CarParameters& car, const EnvelopeQuery& query);
+
+/// What the tyres give at query.lateral_mps2, were the engine without limits. Smooth, so that it can be tabulated; what
+/// has kinks (the engine, the lesser of grip and brake) is applied afterwards.
+struct Grip {
+  double max_lateral_mps2 = 0.0;  ///< as in Envelope
+  double driving_mps2 = 0.0;      ///< when both axles drive with all they can
+  /// Ahead and backwards, up to where load that moves to the other axle leaves each enough for its side force.
+  double holding_drive_mps2 = 0.0, holding_brake_mps2 = 0.0;
+  std::array<double, 2> rolling_n{};  ///< of the axles along the car's way, when nothing drives or brakes
+  std::array<double, 2> driving_n{};  ///< of the axles at driving_mps2
+  std::array<double, 4> braking_n{};  ///< of the wheels with full brakes, which lock where brakes_n is more
+  std::array<double, 4> brakes_n{};   ///< of the brakes themselves
+};
+[[nodiscard]] Grip grip_of(const CarParameters& car, const EnvelopeQuery& query);
+
+/// Air and rolling resistance in N.
+[[nodiscard]] double resistance_n(const CarParameters& car, double speed_mps, double normal_mps2);
 
 /// Largest force at the driven wheels in N at that speed, over all gears.
 [[nodiscard]] double max_drive_force_n(const CarParameters& car, double speed_mps);

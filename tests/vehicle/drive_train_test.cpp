@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "vehicle/cars.hpp"
 
@@ -94,6 +95,38 @@ TEST(Gears, go_up_one_by_one_and_never_overrev) {
       gear = s.gear;
     }
     EXPECT_GE(gear, 5);
+  }
+}
+
+/// How far the acceleration goes beyond that before the shift and that in the new gear, while gears change.
+double push_of_shifts(const std::string& name, double from_mps, double throttle, double brake) {
+  Car car(preset(name));
+  PlaneGround level;
+  car.place(0.0, 0.0, 0.0, from_mps, level);
+  Controls c;
+  c.throttle = throttle, c.brake = brake;
+  double push = -1e9, before = 0.0, now = 0.0;
+  for (int i = 0; i < 12000 && car.state().speed_mps < 60.0; ++i) {
+    before = now;
+    car.step(1e-3, c, level);
+    now = car.state().acceleration_mps2[0];
+    if (!car.state().shifting || i < 1500) continue;
+    double most = before;
+    for (int k = 0; k < 500; ++k) {
+      car.step(1e-3, c, level);
+      now = car.state().acceleration_mps2[0];
+      most = std::max(most, now);
+    }
+    push = std::max(push, most - std::max(before, now));
+  }
+  return push;
+}
+
+TEST(Gears, a_shift_does_not_push_the_car) {
+  for (const std::string& name : test::presets) {
+    for (const double throttle : {0.2, 0.5, 1.0}) EXPECT_LT(push_of_shifts(name, 0.0, throttle, 0.0), 0.6) << name;
+    // On the overrun the open clutch takes the drag of the engine away.
+    EXPECT_LT(push_of_shifts(name, 45.0, 0.0, 0.15), 0.9) << name;
   }
 }
 

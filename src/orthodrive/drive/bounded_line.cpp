@@ -32,21 +32,20 @@ struct CurvatureRow {
   }
 };
 
+/// The angle between the two pieces over their mean length. The circle through the points would call a spike straight.
 CurvatureRow curvature_row(const std::array<Vec2, 3>& p, const std::array<Vec2, 3>& normal) {
-  const Vec2 a = p[1] - p[0], b = p[2] - p[1], c = p[2] - p[0];
-  const double la = length(a), lb = length(b), lc = length(c);
+  const Vec2 a = p[1] - p[0], b = p[2] - p[1];
+  const double la = length(a), lb = length(b);
   CurvatureRow row;
-  if (la * lb * lc <= 0.0) return row;
-  row.value = 2.0 * cross(a, b) / (la * lb * lc);
-  const auto moved = [&](Vec2 da, Vec2 db, Vec2 dc) {
-    return 2.0 * (cross(da, b) + cross(a, db)) / (la * lb * lc) -
-           row.value * (dot(a, da) / (la * la) + dot(b, db) / (lb * lb) + dot(c, dc) / (lc * lc));
-  };
-  row.by = {moved(-1.0 * normal[0], {}, -1.0 * normal[0]), moved(normal[1], -1.0 * normal[1], {}),
-            moved({}, normal[2], normal[2])};
+  if (la * lb <= 0.0) return row;
   row.way_m = 0.5 * (la + lb);
+  row.value = std::atan2(cross(a, b), dot(a, b)) / row.way_m;
   row.way_by = {-0.5 * dot(a, normal[0]) / la, 0.5 * (dot(a, normal[1]) / la - dot(b, normal[1]) / lb),
                 0.5 * dot(b, normal[2]) / lb};
+  const std::array<double, 3> turn_by = {cross(a, normal[0]) / (la * la),
+                                         -cross(b, normal[1]) / (lb * lb) - cross(a, normal[1]) / (la * la),
+                                         cross(b, normal[2]) / (lb * lb)};
+  for (std::size_t i = 0; i < 3; ++i) row.by[i] = (turn_by[i] - row.value * row.way_by[i]) / row.way_m;
   return row;
 }
 
@@ -65,7 +64,8 @@ class LineFit {
     for (std::size_t i = 0; i < n_; ++i) {
       const double off = offset[i] - task_.wanted_m[i];
       const double bend = rows[i].weighted(step_m_).value;
-      sum += costs_.offset * off * off + costs_.curvature_m4 * bend * bend;
+      const double beyond = beyond_limit(rows[i].value);
+      sum += costs_.offset * off * off + costs_.curvature_m4 * bend * bend + costs_.sharp_m4 * beyond * beyond;
       if (!has_rate(i)) continue;
       const double rate = (rows[next(i)].value - rows[i].value) / step_m_;
       sum += costs_.curvature_rate_m6 * rate * rate;
@@ -96,6 +96,8 @@ class LineFit {
       const std::array<std::size_t, 3> three = {place(before(i)), here[0], place(next(i))};
       const CurvatureRow bend = rows[i].weighted(step_m_);
       if (costs_.curvature_m4 > 0.0) add(costs_.curvature_m4, bend.value, three, bend.by);
+      const double beyond = beyond_limit(rows[i].value);
+      if (beyond != 0.0) add(costs_.sharp_m4, beyond, three, rows[i].by);
       if (costs_.curvature_rate_m6 <= 0.0 || !has_rate(i)) continue;
       const CurvatureRow &r = rows[i], &q = rows[next(i)];
       const std::array<std::size_t, 4> four = {three[0], three[1], three[2], place(next(next(i)))};
@@ -123,6 +125,11 @@ class LineFit {
   [[nodiscard]] std::size_t before(std::size_t i) const { return i > 0 ? i - 1 : n_ - 1; }
   [[nodiscard]] bool has_curvature(std::size_t i) const { return task_.closed || (i > 0 && i + 1 < n_); }
   [[nodiscard]] bool has_rate(std::size_t i) const { return has_curvature(i) && has_curvature(next(i)); }
+  /// What a curvature is beyond the largest one, with its sign.
+  [[nodiscard]] double beyond_limit(double curvature_1pm) const {
+    if (costs_.sharp_m4 <= 0.0) return 0.0;
+    return std::copysign(std::max(std::abs(curvature_1pm) - costs_.most_curvature_1pm, 0.0), curvature_1pm);
+  }
   /// Where unknown i stands: of a closed line the two sides are folded together, so that neighbours stay near.
   [[nodiscard]] std::size_t place(std::size_t i) const {
     if (!task_.closed) return i;
@@ -163,10 +170,10 @@ std::vector<Vec2> left_normals(const Polyline& line, bool closed) {
 
 std::vector<double> best_offsets(const LineBetweenEdges& task, const LineCosts& costs) {
   const LineFit fit(task, costs);
-  std::vector<double> offset = task.wanted_m;
+  std::vector<double> offset(task.wanted_m.size());  // from the reference, which is smooth
   for (std::size_t i = 0; i < offset.size(); ++i) {
     const auto [low, high] = fit.bounds(i);
-    offset[i] = std::clamp(offset[i], low, high);
+    offset[i] = std::clamp(0.0, low, high);
   }
   double cost = fit.cost(offset);
   for (int round = 0; round < max_rounds; ++round) {

@@ -16,25 +16,28 @@ struct LineBetweenEdges {
   std::vector<double> wanted_m;  ///< offset that is best when nothing else matters
 };
 
-/// What the line costs, per metre of it: offset a (p - wanted)^2 + curvature b k^2 + change of curvature c (dk/ds)^2.
+/// What the line costs, per metre of it: offset a (p - wanted)^2 + curvature b k^2 + change of curvature c (dk/ds)^2,
+/// and d (|k| - k_most)^2 where it bends more than that.
 struct LineCosts {
-  double offset = 0.0;             ///< a, 1
-  double curvature_m4 = 0.0;       ///< b
-  double curvature_rate_m6 = 0.0;  ///< c
+  double offset = 0.0;              ///< a, 1
+  double curvature_m4 = 0.0;        ///< b
+  double curvature_rate_m6 = 0.0;   ///< c
+  double sharp_m4 = 0.0;            ///< d
+  double most_curvature_1pm = 0.0;  ///< k_most
 };
 
 /// The offsets to the left of the reference that cost least within their bounds. With b alone this is the
 /// minimum-curvature line of Heilmeier, Wischnewski, Hermansdorfer, Betz, Lienkamp, Lohmann, Minimum curvature
 /// trajectory planning and control for an autonomous race car, Vehicle System Dynamics 58, 2020. They solve a quadratic
-/// program about the last line again and again; here the curvature is that of the circle through three points with its
-/// exact derivatives (Gauss-Newton), and the bounds stay those of the reference. Throws Error when a number is not
-/// finite.
+/// program about the last line again and again; here the curvature is the angle at a point over the mean length of both
+/// pieces with its exact derivatives (Gauss-Newton), and the bounds stay those of the reference. Throws Error when a
+/// number is not finite.
 [[nodiscard]] std::vector<double> best_offsets(const LineBetweenEdges& task, const LineCosts& costs);
 
 /// Unit vectors to the left of the line's points.
 [[nodiscard]] std::vector<Vec2> left_normals(const Polyline& line, bool closed);
 
-/// Curvature of the circle through three points, 1/m, positive = left turn; 0 where two of them are one.
+/// Curvature at the middle of three points: angle over length, 1/m, positive = left turn; 0 where two of them are one.
 [[nodiscard]] double curvature_of(Vec2 before, Vec2 at, Vec2 after);
 
 }  // namespace orthodrive

@@ -10,6 +10,7 @@ struct Driver {
   double max_drive_mps2 = 2.5;
   double max_brake_mps2 = 3.0;
   double max_vertical_mps2 = 2.5;  ///< by crests and sags, and banking in bends
+  double max_heave_mps2 = 2.4;     ///< of the body on its springs, over bumps
   double max_speed_mps = 36.0;     ///< about 130 km/h
   double grip_share = 0.85;        ///< of what the car can do (vehicle/envelope.hpp), at most
   double exit_share = 0.75;        ///< share of the lateral limit from which on there is no drive left
@@ -19,7 +20,7 @@ struct Driver {
 /// Drives as fast as the car can.
 [[nodiscard]] constexpr Driver racing_driver() {
   constexpr double no_limit = 1e3;
-  return {no_limit, no_limit, no_limit, no_limit, 120.0, 0.94, 0.88, 0.0};
+  return {no_limit, no_limit, no_limit, no_limit, no_limit, 120.0, 0.95, 0.92, 0.0};
 }
 
 }  // namespace orthodrive

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/drive/axle_line.hpp"
 #include "vehicle/envelope.hpp"
 
 namespace orthodrive {
@@ -17,9 +18,10 @@ constexpr double stanley_gain_1ps = 2.5;   // Hoffmann et al. 2007 used 2.5 as w
 constexpr double stanley_speed_mps = 1.0;  // keeps the correction finite at rest, ibid.
 constexpr double speed_gain_1ps = 1.5;     // of the speed controller
 constexpr double speed_gain_1ps2 = 0.3;    // its integral
-constexpr double integral_memory_s = 30.0, integral_reach_mps = 1.0;
-constexpr double launch_m = 1.5;   // the plan so far ahead counts: at rest it says 0
-constexpr double crawl_mps = 0.8;  // never slower on the way
+constexpr double integral_memory_s = 120.0, integral_reach_mps = 1.0;
+constexpr double launch_m = 1.5,
+                 launch_mps = 1.5;  // the plan so far ahead counts while it is that slow: at rest it says 0
+constexpr double crawl_mps = 0.8;   // never slower on the way
 constexpr double starting_mps = 3.0, at_rest_mps = 0.2, stop_reach_m = 4.0;
 constexpr double slip_matters_mps = 5.0, past_peak = 1.1;
 constexpr double wide_enough_m = 0.6, lift_1ps2 = 5.0, lift_only_mps2 = 0.2;
@@ -55,16 +57,18 @@ double resistance_n(const CarParameters& car, double speed_mps) {
 
 }  // namespace
 
-FrontSlip::FrontSlip(const CarParameters& car) {
+AxleSlip::AxleSlip(const CarParameters& car, bool front) {
   constexpr double most_rad = 0.35, step_rad = 2e-4;
-  const double wheel_n = 0.5 * car.body.mass_kg * car.body.front_share * vehicle::gravity_mps2;
+  const vehicle::Tyre& tyre = front ? car.front_tyre : car.rear_tyre;
+  const double axle_share = front ? car.body.front_share : 1.0 - car.body.front_share;
+  const double wheel_n = 0.5 * car.body.mass_kg * axle_share * vehicle::gravity_mps2;
   // A bend moves load from the inner to the outer wheel, and the outer gains less than the inner loses.
-  const double transfer = 2.0 * car.body.cg_height_m / car.front.track_m;
+  const double transfer = 2.0 * car.body.cg_height_m / (front ? car.front : car.rear).track_m;
   const auto share_at = [&](double angle_rad, double share) {
     const double moved = std::min(transfer * share, 0.95);
     return 0.5 *
-           (SideForce(car.front_tyre, wheel_n * (1.0 + moved)).at(angle_rad) +
-            SideForce(car.front_tyre, wheel_n * (1.0 - moved)).at(angle_rad)) /
+           (SideForce(tyre, wheel_n * (1.0 + moved)).at(angle_rad) +
+            SideForce(tyre, wheel_n * (1.0 - moved)).at(angle_rad)) /
            wheel_n;
   };
   const auto angle_for = [&](double share) {
@@ -82,7 +86,7 @@ FrontSlip::FrontSlip(const CarParameters& car) {
     angle_rad_[i] = angle_for(peak_share_ * static_cast<double>(i) / static_cast<double>(entries - 1));
 }
 
-double FrontSlip::angle_rad(double force_share) const {
+double AxleSlip::angle_rad(double force_share) const {
   const double place = std::min(std::abs(force_share) / peak_share_, 1.0) * static_cast<double>(entries - 1);
   const auto i = std::min(static_cast<std::size_t>(place), entries - 2);
   const double u = place - static_cast<double>(i);
@@ -107,41 +111,55 @@ DriverModel::DriverModel(const CarParameters& car, const EnvelopeTable& envelope
       line_(line),
       plan_(plan),
       stops_m_(std::move(stops_m)),
-      slip_(car) {}
+      slip_(car, true),
+      front_line_(way_of_front_axle()) {}
 
 void DriverModel::begin(double s_m) {
-  middle_ = {s_m}, front_ = {s_m + 0.5 * car_.body.wheelbase_m};
+  const auto at = std::lower_bound(line_.points.begin(), line_.points.end() - 1, s_m,
+                                   [](const LinePoint& p, double s) { return p.s_m < s; });
+  middle_ = {s_m}, front_ = {front_line_.points[static_cast<std::size_t>(at - line_.points.begin())].s_m};
   next_stop_ = 0, waited_s_ = 0.0, integral_mps2_ = 0.0;
   while (next_stop_ < stops_m_.size() && stops_m_[next_stop_] < s_m) ++next_stop_;
 }
 
+double DriverModel::side_share(const LinePoint& p, double speed_mps) const {
+  const RoadLoad load = road_load(p, speed_mps);
+  const double down_mps2 = -0.5 * car_.aero.air_density_kgpm3 *
+                           (car_.aero.front_lift_area_m2 + car_.aero.rear_lift_area_m2) * speed_mps * speed_mps /
+                           car_.body.mass_kg;
+  return load.lateral_mps2 / (std::max(load.normal_mps2 + down_mps2, 1.0) * std::max(p.friction, 0.05));
+}
+
+DrivingLine DriverModel::way_of_front_axle() const {
+  const AxleSlip rear(car_, false);
+  std::vector<double> slip_rad;
+  for (const LinePoint& p : line_.points) {
+    slip_rad.push_back(rear.angle_rad(side_share(p, plan_.at(p.s_m).speed_mps)));
+  }
+  return front_axle_line(line_, car_.body.wheelbase_m, car_headings(line_, car_.body.wheelbase_m, slip_rad));
+}
+
 double DriverModel::steering_rad(const State& state) const {
   const double speed = std::max(state.speed_mps, 0.0), wheelbase = car_.body.wheelbase_m;
-  const LinePoint ahead = line_.at(front_.s_m + speed * look_ahead_s), here = line_.at(middle_.s_m);
-  const double heading = std::remainder(ahead.heading_rad - state.heading_rad - state.rates_radps[2] * look_ahead_s,
-                                        2.0 * std::numbers::pi);
-  const RoadLoad load = road_load(ahead, speed);
-  const double down_mps2 = -0.5 * car_.aero.air_density_kgpm3 *
-                           (car_.aero.front_lift_area_m2 + car_.aero.rear_lift_area_m2) * speed * speed /
-                           car_.body.mass_kg;
-  const double normal_mps2 = std::max(load.normal_mps2 + down_mps2, 1.0);
-  const double slip = slip_.angle_rad(load.lateral_mps2 / (normal_mps2 * std::max(ahead.friction, 0.05)));
-  const double error_m = front_.error_m + 0.375 * wheelbase * wheelbase * here.curvature_1pm;
-  const double wanted_rad = heading + slip - std::atan(stanley_gain_1ps * error_m / (stanley_speed_mps + speed));
+  const double axle_m = wheelbase * (1.0 - car_.body.front_share);  // before the c.g.
+  const double sideways_mps = state.lateral_mps + axle_m * state.rates_radps[2];
+  const LinePoint way = front_line_.at(front_.s_m + std::hypot(speed, sideways_mps) * look_ahead_s);
+  const double heading =
+      std::remainder(way.heading_rad - state.heading_rad - state.rates_radps[2] * look_ahead_s, 2.0 * std::numbers::pi);
+  const LinePoint ahead = line_.at(middle_.s_m + 0.5 * wheelbase + speed * look_ahead_s);
+  const double slip = slip_.angle_rad(side_share(ahead, speed));
+  const double wanted_rad = heading + slip - std::atan(stanley_gain_1ps * front_.error_m / (stanley_speed_mps + speed));
   if (speed < slip_matters_mps) return wanted_rad;
   // Beyond the peak of the tyres more steering gives less force: not further than that from where the axle goes.
-  const double axle_m = wheelbase * (1.0 - car_.body.front_share);
-  const double going_rad = std::atan2(state.lateral_mps + axle_m * state.rates_radps[2], speed);
+  const double going_rad = std::atan2(sideways_mps, speed);
   const double most_rad = past_peak * slip_.peak_rad();
   return std::clamp(wanted_rad, going_rad - most_rad, going_rad + most_rad);
 }
 
-double DriverModel::most_drive_mps2(const LinePoint& p, double speed_mps) const {
-  const RoadLoad load = road_load(p, speed_mps);
-  const auto limit = envelope_.at({speed_mps, load.normal_mps2, load.lateral_mps2 / driver_.exit_share, p.friction});
+double DriverModel::most_drive_here_mps2(const LinePoint& p, double speed_mps) const {
+  const double able = most_drive_mps2(envelope_, driver_, p, speed_mps);
   // Who runs wide lifts.
   const double wide_m = -std::copysign(middle_.error_m, middle_.error_m * p.curvature_1pm) - wide_enough_m;
-  const double able = std::min(driver_.max_drive_mps2, limit.max_drive_mps2 - load.slope_mps2);
   return std::max(able - lift_1ps2 * std::max(wide_m, 0.0), std::min(able, -lift_only_mps2));  // no brake in a bend
 }
 
@@ -159,21 +177,25 @@ double DriverModel::wanted_force_n(const State& state, double dt_s) {
   const double look_m = stop_ahead ? std::clamp(stops_m_[next_stop_] - middle_.s_m, 0.0, launch_m) : launch_m;
   const SpeedPlan::At here = plan_.at(middle_.s_m), ahead = plan_.at(middle_.s_m + look_m);
   const bool stopping = stop_ahead && stops_m_[next_stop_] - middle_.s_m < stop_reach_m;
-  const double wanted_mps =
-      stopping ? ahead.speed_mps : std::max({here.speed_mps, std::min(ahead.speed_mps, 5.0), crawl_mps});
+  const bool launching = here.speed_mps < launch_mps;
+  const double wanted_mps = stopping    ? ahead.speed_mps
+                            : launching ? std::max({here.speed_mps, std::min(ahead.speed_mps, 5.0), crawl_mps})
+                                        : here.speed_mps;
   const double error_mps = wanted_mps - state.speed_mps;
   const LinePoint p = line_.at(middle_.s_m);
   // Who starts again just before a stop does not brake for it any more.
   const bool starting = !stopping && state.speed_mps < starting_mps;
   const double planned_mps2 = starting ? std::max(here.acceleration_mps2, 0.0) : here.acceleration_mps2;
   const double wanted_mps2 = std::max(std::min(planned_mps2 + speed_gain_1ps * error_mps + integral_mps2_,
-                                               most_drive_mps2(p, std::max(state.speed_mps, 0.0))),
+                                               most_drive_here_mps2(p, std::max(state.speed_mps, 0.0))),
                                       -1.5 * driver_.max_brake_mps2);
   // Far from the plan, as on full throttle, the integral would only wind up; what it holds fades.
   integral_mps2_ *= 1.0 - dt_s / integral_memory_s;
   if (std::abs(error_mps) < integral_reach_mps) integral_mps2_ += speed_gain_1ps2 * error_mps * dt_s;
-  // The side force of the steered wheels points backwards in part.
-  const double turning_mps2 = car_.body.front_share * state.acceleration_mps2[1] * std::sin(state.steering_rad);
+  // The side force of the steered wheels points backwards in part; a part of that turns the way of the c.g., which lies
+  // before the rear axle and so runs inwards.
+  const double turning_mps2 = car_.body.front_share * state.acceleration_mps2[1] * std::sin(state.steering_rad) -
+                              state.rates_radps[2] * state.lateral_mps;
   return car_.body.mass_kg * (rotating_share * wanted_mps2 + road_load(p, state.speed_mps).slope_mps2 + turning_mps2) +
          resistance_n(car_, state.speed_mps);
 }
@@ -182,7 +204,7 @@ vehicle::Controls DriverModel::drive(const State& state, double dt_s) {
   const double c = std::cos(state.heading_rad), s = std::sin(state.heading_rad);
   const double half_m = 0.5 * car_.body.wheelbase_m;
   middle_.update(line_, {state.x_m, state.y_m});
-  front_.update(line_, {state.x_m + half_m * c, state.y_m + half_m * s});
+  front_.update(front_line_, {state.x_m + half_m * c, state.y_m + half_m * s});
   vehicle::Controls controls;
   controls.steering_rad = steering_rad(state);
   if (holds(state, dt_s)) {

@@ -11,11 +11,11 @@
 
 namespace orthodrive {
 
-/// Slip angle of the front tyres for a side force, both as shares: force over load and friction. From the Magic Formula
+/// Slip angle of an axle's tyres for a side force, both as shares: force over load and friction. From the Magic Formula
 /// at the static load.
-class FrontSlip {
+class AxleSlip {
  public:
-  explicit FrontSlip(const vehicle::CarParameters& car);
+  AxleSlip(const vehicle::CarParameters& car, bool front);
   [[nodiscard]] double angle_rad(double force_share) const;  ///< both with the same sign; beyond the peak: its angle
   [[nodiscard]] double peak_rad() const { return peak_rad_; }
 
@@ -31,11 +31,10 @@ struct Progress {
   void update(const DrivingLine& line, Vec2 place);
 };
 
-/// Steering: the front wheels point along the line a short time ahead, plus the slip angle that the bend needs, minus a
-/// correction of the front axle's distance from where it should be (Stanley: Hoffmann, Tomlin, Montemerlo, Thrun,
-/// Autonomous automobile trajectory tracking for off-road driving, 2007). Because the wheels are held in the direction
-/// of the line and not of the car, a car that slides is caught without a further rule. The middle of the wheelbase
-/// follows the line: in tight bends the front axle runs 3/8 wheelbase^2 curvature without.
+/// Steering: the front wheels point along the way of the front axle (axle_line.hpp) a short time ahead, plus the slip
+/// angle that the bend needs, minus a correction of the axle's distance from its way (Stanley: Hoffmann, Tomlin,
+/// Montemerlo, Thrun, Autonomous automobile trajectory tracking for off-road driving, 2007). Because the wheels are
+/// held in the direction of the way and not of the car, a car that slides is caught without a further rule.
 ///
 /// Pedals: the planned acceleration with what slows the car down made up for, and a proportional-integral controller of
 /// the speed.
@@ -54,9 +53,12 @@ class DriverModel {
   [[nodiscard]] int stops_made() const { return static_cast<int>(next_stop_); }
 
  private:
+  /// Side force of the tyres over their load in a bend.
+  [[nodiscard]] double side_share(const LinePoint& p, double speed_mps) const;
+  [[nodiscard]] DrivingLine way_of_front_axle() const;
   [[nodiscard]] double steering_rad(const vehicle::State& state) const;
   /// Largest acceleration that grip and engine leave in the bend; less for who runs wide.
-  [[nodiscard]] double most_drive_mps2(const LinePoint& p, double speed_mps) const;
+  [[nodiscard]] double most_drive_here_mps2(const LinePoint& p, double speed_mps) const;
   [[nodiscard]] double wanted_force_n(const vehicle::State& state, double dt_s);
   /// Stands or waits at the next stop: true as long as the brake is to be held.
   [[nodiscard]] bool holds(const vehicle::State& state, double dt_s);
@@ -67,8 +69,9 @@ class DriverModel {
   const DrivingLine& line_;
   const SpeedPlan& plan_;
   std::vector<double> stops_m_;
-  FrontSlip slip_;
-  Progress front_, middle_;
+  AxleSlip slip_;
+  DrivingLine front_line_;
+  Progress front_, middle_;  // each along its own line
   std::size_t next_stop_ = 0;
   double waited_s_ = 0.0, integral_mps2_ = 0.0;
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/drive/axle_line.hpp"
 #include "orthodrive/drive/bounded_line.hpp"
 #include "orthodrive/drive/lane_path.hpp"
 #include "orthodrive/drive/room_beside.hpp"
@@ -15,11 +16,16 @@ namespace orthodrive {
 namespace {
 
 constexpr double shortest_wave_m = 15.0;
+constexpr int wheel_rounds = 4;
 constexpr double profile_reach_m = 2.5;  // a car feels the road over about its wheelbase
 // What lines cost (bounded_line.hpp). Racing: curvature, and its change over less than 5 m so that it can be steered.
 constexpr LineCosts racing_costs{.curvature_m4 = 1e4, .curvature_rate_m6 = 25e4};
-const LineCosts lane_costs{.offset = 1.0,
-                           .curvature_rate_m6 = std::pow(shortest_wave_m / (2.0 * std::numbers::pi), 6.0)};
+LineCosts lane_costs(const LineOptions& options) {
+  return {.offset = 1.0,
+          .curvature_rate_m6 = std::pow(shortest_wave_m / (2.0 * std::numbers::pi), 6.0),
+          .sharp_m4 = 1e5,
+          .most_curvature_1pm = options.most_curvature_1pm};
+}
 
 /// Solves (I + weight D'D) p = q in place, D the third difference.
 void smooth_open(std::vector<Vec2>& q, double weight) {
@@ -56,33 +62,6 @@ void smooth(Polyline& line, bool closed, double step_m) {
     smooth_open(line, weight);
   }
   for (Vec2& p : line) p = p + origin;
-}
-
-/// Heading and curvature from the circle through each three points.
-DrivingLine with_derivatives(const Polyline& line, bool closed, const std::vector<int>& step) {
-  const std::size_t n = line.size(), count = closed ? n + 1 : n;
-  DrivingLine result{closed, std::vector<LinePoint>(count)};
-  double s = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    LinePoint& out = result.points[i];
-    const Vec2 p = line[i % n];
-    const Vec2 before = closed ? line[(i + n - 1) % n] : line[i > 0 ? i - 1 : 0];
-    const Vec2 after = closed ? line[(i + 1) % n] : line[std::min(i + 1, n - 1)];
-    if (i > 0) s += distance(p, line[i - 1]);
-    out.s_m = s, out.x_m = p.x, out.y_m = p.y;
-    out.heading_rad = std::atan2(after.y - before.y, after.x - before.x);
-    if (i > 0) {
-      const double last = result.points[i - 1].heading_rad;
-      out.heading_rad = last + std::remainder(out.heading_rad - last, 2.0 * std::numbers::pi);
-    }
-    out.curvature_1pm = curvature_of(before, p, after);
-    if (!step.empty()) out.step = step[i % n];
-  }
-  if (!closed && n > 2) {
-    result.points.front().curvature_1pm = result.points[1].curvature_1pm;
-    result.points.back().curvature_1pm = result.points[n - 2].curvature_1pm;
-  }
-  return result;
 }
 
 /// Heights and slopes from the road query; where the line runs off the road they go on as they were.
@@ -168,6 +147,59 @@ LineBetweenEdges lane_task(const LanePath& path, const Polyline& smooth, const D
   return task;
 }
 
+/// How far a wheel beside a place of its axle stands from the road, towards the axle; 0: on it.
+double off_road_m(const roadquery::RoadQuery& query, Vec2 axle, Vec2 to_wheel, double z_m) {
+  constexpr double step_m = 0.05;
+  roadquery::Cursor cursor;
+  const double half_m = length(to_wheel);
+  for (double off_m = 0.0; off_m < half_m; off_m += step_m) {
+    const Vec2 at = axle + (1.0 - off_m / half_m) * to_wheel;
+    const auto hit = query.find(at.x, at.y, z_m, cursor);
+    if (hit && is_for_driving(query.map(), *hit)) return off_m;
+  }
+  return 0.0;  // the axle itself is beside the road: nothing to be told from
+}
+
+/// Narrows the bounds of the line where a wheel of a car on it would leave the road. False: all wheels stay on it.
+bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offset, const roadquery::RoadQuery& query,
+                         const DrivingLine& line, const LineOptions& options) {
+  constexpr std::ptrdiff_t around = 2;  // points to both sides that move along
+  const std::vector<double> heading = car_headings(line, options.wheelbase_m);
+  const auto n = static_cast<std::ptrdiff_t>(offset.size());
+  const double half_base_m = 0.5 * options.wheelbase_m;
+  const double half_car_m = 0.5 * (options.car_width_m + options.margin_m);
+  std::vector<double> push(offset.size(), 0.0);  // to the left, m
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const LinePoint& p = line.points[static_cast<std::size_t>(i)];
+    const double psi = heading[static_cast<std::size_t>(i)];
+    const Vec2 ahead{std::cos(psi), std::sin(psi)}, left = left_normal(ahead);
+    for (const double axle_m : {half_base_m, -half_base_m}) {
+      const Vec2 axle = Vec2{p.x_m, p.y_m} + axle_m * ahead;
+      const double z_m = p.z_m + axle_m * p.gradient;
+      const double need =
+          off_road_m(query, axle, -half_car_m * left, z_m) - off_road_m(query, axle, half_car_m * left, z_m);
+      if (need == 0.0) continue;
+      const auto middle = i + static_cast<std::ptrdiff_t>(std::lround(axle_m));
+      for (std::ptrdiff_t k = middle - around; k <= middle + around; ++k) {
+        if (!task.closed && (k < 0 || k >= n)) continue;
+        double& most = push[static_cast<std::size_t>(((k % n) + n) % n)];
+        if (std::abs(need) > std::abs(most)) most = need;
+      }
+    }
+  }
+  bool moves = false;
+  for (std::size_t i = 0; i < push.size(); ++i) {
+    if (push[i] == 0.0) continue;
+    moves = true;
+    const double wanted = offset[i] + push[i];
+    (push[i] > 0.0 ? task.lower_m[i] : task.upper_m[i]) = wanted;
+    // Narrower than the car: as near as the other side lets it.
+    if (task.lower_m[i] > task.upper_m[i])
+      task.lower_m[i] = task.upper_m[i] = 0.5 * (task.lower_m[i] + task.upper_m[i]);
+  }
+  return moves;
+}
+
 /// Every point moved along its normal.
 Polyline moved(const LineBetweenEdges& task, const std::vector<double>& offset) {
   const std::vector<Vec2> normals = left_normals(task.reference, task.closed);
@@ -204,9 +236,36 @@ LinePoint DrivingLine::at(double s_m) const {
   return p;
 }
 
+/// Heading and curvature from the circle through each three points.
+DrivingLine plain_line(const Polyline& line, bool closed, const std::vector<int>& step) {
+  const std::size_t n = line.size(), count = closed ? n + 1 : n;
+  DrivingLine result{closed, std::vector<LinePoint>(count)};
+  double s = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    LinePoint& out = result.points[i];
+    const Vec2 p = line[i % n];
+    const Vec2 before = closed ? line[(i + n - 1) % n] : line[i > 0 ? i - 1 : 0];
+    const Vec2 after = closed ? line[(i + 1) % n] : line[std::min(i + 1, n - 1)];
+    if (i > 0) s += distance(p, line[i - 1]);
+    out.s_m = s, out.x_m = p.x, out.y_m = p.y;
+    out.heading_rad = std::atan2(after.y - before.y, after.x - before.x);
+    if (i > 0) {
+      const double last = result.points[i - 1].heading_rad;
+      out.heading_rad = last + std::remainder(out.heading_rad - last, 2.0 * std::numbers::pi);
+    }
+    out.curvature_1pm = curvature_of(before, p, after);
+    if (!step.empty()) out.step = step[i % n];
+  }
+  if (!closed && n > 2) {
+    result.points.front().curvature_1pm = result.points[1].curvature_1pm;
+    result.points.back().curvature_1pm = result.points[n - 2].curvature_1pm;
+  }
+  return result;
+}
+
 DrivingLine line_through(const roadquery::RoadQuery& query, const std::vector<Vec2>& points, bool closed,
                          double start_z_m, const std::vector<int>& step) {
-  DrivingLine line = with_derivatives(points, closed, step);
+  DrivingLine line = plain_line(points, closed, step);
   sample_surface(line, query, start_z_m);
   add_vertical_curvature(line);
   return line;
@@ -218,10 +277,16 @@ DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& ro
   Polyline smoothed = path.points;
   smooth(smoothed, path.closed, spacing_of(path));
   const DrivingLine reference = line_through(query, smoothed, path.closed, z_m);
-  const LineBetweenEdges task = options.racing ? racing_task(path, smoothed, reference, options)
-                                               : lane_task(path, smoothed, reference, query, options);
-  const std::vector<double> offset = best_offsets(task, options.racing ? racing_costs : lane_costs);
-  return line_through(query, moved(task, offset), path.closed, z_m, path.step);
+  LineBetweenEdges task = options.racing ? racing_task(path, smoothed, reference, options)
+                                         : lane_task(path, smoothed, reference, query, options);
+  std::vector<double> offset = best_offsets(task, options.racing ? racing_costs : lane_costs(options));
+  DrivingLine line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
+  for (int round = 0; round < wheel_rounds && !options.racing; ++round) {
+    if (!keep_wheels_on_road(task, offset, query, line, options)) break;
+    offset = best_offsets(task, lane_costs(options));
+    line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
+  }
+  return line;
 }
 
 }  // namespace orthodrive

@@ -36,17 +36,22 @@ struct LineOptions {
   double car_width_m = 1.8;  ///< over the tyres
   double wheelbase_m = 2.7;  ///< in narrow bends the rear wheels run further in and the front wheels further out
   double margin_m = 0.2;     ///< between the car and the edge, with what the car strays from its line
+  double most_curvature_1pm = 0.25;  ///< the car steers no tighter: the line is made wider where there is room
 };
 
 /// Racing: the minimum-curvature line between the edges of the roads, all their driving lanes (bounded_line.hpp).
 ///
 /// Else along the outermost driving lane in each step's direction (lane_path.hpp), smoothed as stiffly as a driver
 /// would steer: min sum |p - q|^2 + (15 m / 2 pi)^6 |p'''|^2, which damps waves shorter than 15 m. Where that would
-/// lead a wheel off the asphalt it is moved sideways as little as need be and stays as smooth as it can.
+/// lead a wheel off the asphalt it is moved sideways as little as need be and stays as smooth as it can: at first by
+/// the room beside the line, then by where the wheels of a car on it would run (axle_line.hpp).
 ///
 /// The car does not leave the road where it is wide enough. Throws Error for a route below 10 m.
 [[nodiscard]] DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route,
                                             const LineOptions& options = {});
+
+/// Heading and curvature along a line through these points; nothing of the road.
+[[nodiscard]] DrivingLine plain_line(const std::vector<Vec2>& points, bool closed, const std::vector<int>& step = {});
 
 /// Heading, curvature and what the road does along a line through these points, about 1 m apart, whose surface at the
 /// first is near start_z_m. Of a closed line the first point is not repeated. `step`: of each point, or empty.

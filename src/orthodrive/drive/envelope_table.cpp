@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 namespace orthodrive {
 namespace {
@@ -14,60 +13,110 @@ struct Between {
   double weight = 0.0;
 };
 
-Between between(std::span<const double> nodes, double value, bool extrapolate) {
-  const auto after = std::upper_bound(nodes.begin() + 1, nodes.end() - 1, value);
-  const auto i = static_cast<std::size_t>(after - nodes.begin()) - 1;
-  const double weight = (value - nodes[i]) / (nodes[i + 1] - nodes[i]);
-  return {i, extrapolate ? std::max(weight, 0.0) : std::clamp(weight, 0.0, 1.0)};
+/// `place` in steps from the first of so many nodes; beyond the last it stays there or goes on.
+Between between(double place, std::size_t nodes, bool goes_on) {
+  const double inside = std::clamp(place, 0.0, static_cast<double>(nodes - 1));
+  const auto low = std::min(static_cast<std::size_t>(inside), nodes - 2);
+  return {low, (goes_on ? std::max(place, 0.0) : inside) - static_cast<double>(low)};
 }
 
 }  // namespace
 
-EnvelopeTable::EnvelopeTable(const vehicle::CarParameters& car) {
+EnvelopeTable::EnvelopeTable(const vehicle::CarParameters& car) : car_(car) {
   constexpr std::size_t nodes = speeds * normals * frictions;
-  lateral_mps2_.resize(nodes), limits_.resize(nodes * shares);
+  lateral_mps2_.resize(nodes), grip_.resize(nodes * shares);
   for (std::size_t v = 0; v < speeds; ++v)
     for (std::size_t n = 0; n < normals; ++n)
       for (std::size_t f = 0; f < frictions; ++f) {
-        vehicle::EnvelopeQuery query{speed_step_mps * static_cast<double>(v), normal_mps2[n], 0.0, friction[f]};
-        const double most = vehicle::envelope(car, query).max_lateral_mps2;
-        lateral_mps2_[node(v, n, f)] = most;
+        vehicle::EnvelopeQuery query{speed_step_mps * static_cast<double>(v), normal_step_mps2 * static_cast<double>(n),
+                                     0.0, friction_step * static_cast<double>(f + 1)};
+        double& most = lateral_mps2_[node(v, n, f)];
         for (std::size_t k = 0; k < shares; ++k) {
           const double angle = 0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(shares - 1);
-          query.lateral_mps2 = most * std::sin(angle);
-          const vehicle::Envelope e = vehicle::envelope(car, query);
-          limits_[node(v, n, f) * shares + k] = {e.max_drive_mps2, e.max_brake_mps2};
+          query.lateral_mps2 = most * std::sin(angle);  // none at first
+          const vehicle::Grip grip = vehicle::grip_of(car, query);
+          most = grip.max_lateral_mps2;
+          grip_[node(v, n, f) * shares + k] = grip;
         }
       }
 }
 
-vehicle::Envelope EnvelopeTable::at(const vehicle::EnvelopeQuery& query) const {
-  const double place = std::clamp(query.speed_mps / speed_step_mps, 0.0, static_cast<double>(speeds - 1));
-  const auto v = std::min(static_cast<std::size_t>(place), speeds - 2);
-  const std::array<Between, 3> at = {Between{v, place - static_cast<double>(v)},
-                                     between(normal_mps2, query.normal_mps2, false),
-                                     between(friction, query.friction, true)};
-  // The eight nodes around the place and their weights.
-  std::array<std::size_t, 8> corner{};
-  std::array<double, 8> weight{};
-  vehicle::Envelope e;
+EnvelopeTable::Nodes EnvelopeTable::around(const vehicle::EnvelopeQuery& query) {
+  const std::array<Between, 3> at = {between(query.speed_mps / speed_step_mps, speeds, false),
+                                     between(query.normal_mps2 / normal_step_mps2, normals, false),
+                                     between(query.friction / friction_step - 1.0, frictions, true)};
+  Nodes nodes;
   for (std::size_t c = 0; c < 8; ++c) {
     const std::array<std::size_t, 3> high = {c & 1, (c >> 1) & 1, c >> 2};
-    corner[c] = node(at[0].low + high[0], at[1].low + high[1], at[2].low + high[2]);
-    weight[c] = 1.0;
-    for (std::size_t i = 0; i < 3; ++i) weight[c] *= high[i] == 1 ? at[i].weight : 1.0 - at[i].weight;
-    e.max_lateral_mps2 += weight[c] * lateral_mps2_[corner[c]];
+    nodes.at[c] = node(at[0].low + high[0], at[1].low + high[1], at[2].low + high[2]);
+    nodes.weight[c] = 1.0;
+    for (std::size_t i = 0; i < 3; ++i) nodes.weight[c] *= high[i] == 1 ? at[i].weight : 1.0 - at[i].weight;
   }
-  const double used = std::min(std::abs(query.lateral_mps2) / std::max(e.max_lateral_mps2, 1e-3), 1.0);
-  const double turn = std::asin(used) / (0.5 * std::numbers::pi) * static_cast<double>(shares - 1);
-  const auto k = std::min(static_cast<std::size_t>(turn), shares - 2);
-  const double u = turn - static_cast<double>(k);
+  return nodes;
+}
+
+double EnvelopeTable::lateral_at(const Nodes& nodes) const {
+  double lateral = 0.0;
+  for (std::size_t c = 0; c < 8; ++c) lateral += nodes.weight[c] * lateral_mps2_[nodes.at[c]];
+  return lateral;
+}
+
+vehicle::Grip EnvelopeTable::look_up(const vehicle::EnvelopeQuery& query) const {
+  const Nodes nodes = around(query);
+  const double used = std::min(std::abs(query.lateral_mps2) / std::max(lateral_at(nodes), 1e-3), 1.0);
+  const Between share =
+      between(std::asin(used) / (0.5 * std::numbers::pi) * static_cast<double>(shares - 1), shares, false);
+  vehicle::Grip grip;
+  const auto add = [&](double weight, const vehicle::Grip& node) {
+    grip.driving_mps2 += weight * node.driving_mps2;
+    grip.holding_drive_mps2 += weight * node.holding_drive_mps2;
+    grip.holding_brake_mps2 += weight * node.holding_brake_mps2;
+    for (std::size_t i = 0; i < 2; ++i) {
+      grip.rolling_n[i] += weight * node.rolling_n[i];
+      grip.driving_n[i] += weight * node.driving_n[i];
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+      grip.braking_n[i] += weight * node.braking_n[i];
+      grip.brakes_n[i] += weight * node.brakes_n[i];
+    }
+  };
   for (std::size_t c = 0; c < 8; ++c) {
-    const Limits &a = limits_[corner[c] * shares + k], &b = limits_[corner[c] * shares + k + 1];
-    e.max_drive_mps2 += weight[c] * ((1.0 - u) * a.drive_mps2 + u * b.drive_mps2);
-    e.max_brake_mps2 += weight[c] * ((1.0 - u) * a.brake_mps2 + u * b.brake_mps2);
+    const vehicle::Grip* node = &grip_[nodes.at[c] * shares + share.low];
+    add(nodes.weight[c] * (1.0 - share.weight), node[0]);
+    add(nodes.weight[c] * share.weight, node[1]);
   }
-  return e;
+  return grip;
+}
+
+double EnvelopeTable::max_lateral_mps2(const vehicle::EnvelopeQuery& query) const { return lateral_at(around(query)); }
+
+double EnvelopeTable::max_drive_mps2(const vehicle::EnvelopeQuery& query) const {
+  constexpr int rounds = 6;
+  const vehicle::Grip grip = look_up(query);
+  const double mass = car_.body.mass_kg, front = car_.differential.front_share;
+  const double engine_n = vehicle::max_drive_force_n(car_, query.speed_mps);
+  // The acceleration moves load between the axles, and what they hold limits it.
+  double along = std::min(grip.driving_mps2, engine_n / mass);
+  for (int n = 0; n < rounds; ++n) {
+    const double u = grip.driving_mps2 > 0.0 ? along / grip.driving_mps2 : 0.0;
+    const auto axle = [&](std::size_t i) { return grip.rolling_n[i] + u * (grip.driving_n[i] - grip.rolling_n[i]); };
+    along = (std::min(axle(0), front * engine_n) + std::min(axle(1), (1.0 - front) * engine_n)) / mass;
+  }
+  return std::min(along, grip.holding_drive_mps2) -
+         vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
+}
+
+double EnvelopeTable::max_brake_mps2(const vehicle::EnvelopeQuery& query) const {
+  const vehicle::Grip grip = look_up(query);
+  double sum_n = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) sum_n += std::min(grip.braking_n[i], grip.brakes_n[i]);
+  const double mass = car_.body.mass_kg;
+  return std::min(sum_n / mass, grip.holding_brake_mps2) +
+         vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
+}
+
+vehicle::Envelope EnvelopeTable::at(const vehicle::EnvelopeQuery& query) const {
+  return {max_lateral_mps2(query), max_drive_mps2(query), max_brake_mps2(query)};
 }
 
 }  // namespace orthodrive

@@ -8,29 +8,39 @@
 
 namespace orthodrive {
 
-/// vehicle::envelope at nodes of speed, load and friction, and of the share of the lateral limit that is used; linear
-/// between them (of shares in their angle on the friction ellipse). A plan asks a hundred thousand times, and a driver
-/// 200 times a second. Beyond the nodes the outermost count; friction goes on in proportion.
+/// vehicle::grip_of at nodes of speed, load and friction, and of the share of the lateral limit that is used; linear
+/// between them (of shares in their angle on the friction ellipse). The engine's limit, which jumps from gear to gear,
+/// is applied to what was looked up. Within 0.2 m/s2 of vehicle::envelope up to 1.6 times the weight (0.3 with both
+/// axles driven, up to half the lateral limit). A plan asks a hundred thousand times, and a driver 200 times a second.
+/// Beyond the nodes the outermost count; friction goes on in proportion.
 class EnvelopeTable {
  public:
   explicit EnvelopeTable(const vehicle::CarParameters& car);
   [[nodiscard]] vehicle::Envelope at(const vehicle::EnvelopeQuery& query) const;
+  /// One number of it, which takes less time.
+  [[nodiscard]] double max_lateral_mps2(const vehicle::EnvelopeQuery& query) const;
+  [[nodiscard]] double max_drive_mps2(const vehicle::EnvelopeQuery& query) const;
+  [[nodiscard]] double max_brake_mps2(const vehicle::EnvelopeQuery& query) const;
 
  private:
-  static constexpr std::size_t speeds = 34, normals = 6, frictions = 3, shares = 9;
-  static constexpr double speed_step_mps = 3.0;
-  static constexpr std::array<double, normals> normal_mps2 = {3.0, 6.0, vehicle::gravity_mps2, 14.0, 20.0, 30.0};
-  static constexpr std::array<double, frictions> friction = {0.25, 0.5, 1.0};
+  static constexpr std::size_t speeds = 34, normals = 9, frictions = 5, shares = 17;
+  static constexpr double speed_step_mps = 3.0, normal_step_mps2 = 3.0, friction_step = 0.2;
 
-  struct Limits {
-    double drive_mps2 = 0.0, brake_mps2 = 0.0;
+  struct Nodes {  ///< the eight around a place, and their weights
+    std::array<std::size_t, 8> at{};
+    std::array<double, 8> weight{};
   };
   [[nodiscard]] static std::size_t node(std::size_t speed, std::size_t normal, std::size_t friction) {
     return (speed * normals + normal) * frictions + friction;
   }
+  [[nodiscard]] static Nodes around(const vehicle::EnvelopeQuery& query);
+  [[nodiscard]] double lateral_at(const Nodes& nodes) const;
+  /// All of it but the lateral limit.
+  [[nodiscard]] vehicle::Grip look_up(const vehicle::EnvelopeQuery& query) const;
 
+  vehicle::CarParameters car_;
   std::vector<double> lateral_mps2_;  ///< a node each
-  std::vector<Limits> limits_;        ///< a node and share each
+  std::vector<vehicle::Grip> grip_;   ///< a node and share each
 };
 
 }  // namespace orthodrive

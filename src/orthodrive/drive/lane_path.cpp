@@ -37,6 +37,12 @@ double lane_center_t(const Road& road, bool forward, double s) {
                : std::min(t, std::max(edges.left_t - edge_room_m, middle));
 }
 
+/// Where one is on a road after so many metres in that direction. Never beyond its ends: there are no lanes there, and
+/// a sum that is 1e-14 m too long is beyond.
+double station(const Road& road, bool forward, double driven_m) {
+  return std::clamp(forward ? driven_m : road.length - driven_m, 0.0, road.length);
+}
+
 /// A step of the route with the shift to the left (in driving direction) that makes its ends meet its neighbours.
 struct DrivenRoad {
   const Road* road = nullptr;
@@ -44,20 +50,20 @@ struct DrivenRoad {
   double shift_begin_m = 0.0, shift_end_m = 0.0;
 
   [[nodiscard]] Vec2 point(double driven_m) const {
-    const double s = forward ? driven_m : road->length - driven_m;
+    const double s = station(*road, forward, driven_m);
     const double t = lane_center_t(*road, forward, s) + (forward ? 1.0 : -1.0) * shift(driven_m);
     const auto p = roadquery::surface_point(*road, s, t);
     return {p.x, p.y};
   }
   /// Whether the lane centre shifted to the left by so much stays on the road with room for half a car.
   [[nodiscard]] bool has_room(double driven_m, double shift_m) const {
-    const double s = forward ? driven_m : road->length - driven_m;
+    const double s = station(*road, forward, driven_m);
     const double t = lane_center_t(*road, forward, s) + (forward ? shift_m : -shift_m);
     const auto edges = driving_edges(*road, s);
     return t + half_car_m <= edges.left_t && t - half_car_m >= edges.right_t;
   }
   [[nodiscard]] Vec2 left(double driven_m) const {
-    const double hdg = roadquery::reference_point(*road, forward ? driven_m : road->length - driven_m).hdg;
+    const double hdg = roadquery::reference_point(*road, station(*road, forward, driven_m)).hdg;
     const double sign = forward ? 1.0 : -1.0;
     return {-sign * std::sin(hdg), sign * std::cos(hdg)};
   }
@@ -164,7 +170,7 @@ LanePath path_along_middle(const roadquery::RoadMap& map, const Route& route) {
   return sample(map, route, [&](int step, double driven_m) {
     const RouteStep& on = route.steps[static_cast<std::size_t>(step)];
     const Road& road = map.roads[static_cast<std::size_t>(on.road)];
-    const double s = on.forward ? driven_m : road.length - driven_m;
+    const double s = station(road, on.forward, driven_m);
     const auto edges = driving_edges(road, s);
     const auto p = roadquery::surface_point(road, s, 0.5 * (edges.left_t + edges.right_t));
     return RawPoint{{p.x, p.y}, 0.5 * (edges.left_t - edges.right_t), step};

@@ -6,7 +6,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "orthodrive/drive/axle_line.hpp"
 #include "orthodrive/drive/driver_model.hpp"
+#include "orthodrive/drive/heave.hpp"
 #include "orthodrive/drive/lap_recorder.hpp"
 #include "orthodrive/drive/monitored_road.hpp"
 #include "orthodrive/drive/speed_profile.hpp"
@@ -22,6 +24,10 @@ constexpr double tyre_width_m = 0.25;  // of both halves that stand beyond the t
 constexpr double axle_room_m = 0.5;    // an open line is driven until the front axle is so far before its end
 constexpr double racing_margin_m = 0.5, road_margin_m = 0.2;
 constexpr double reach_before_line_m = 1e-9;
+constexpr int bump_rounds = 4;
+constexpr std::size_t bump_run_up = 5;  // points, about metres
+constexpr double slowest_over_bumps_mps = 1.5;
+constexpr double steering_share = 0.5, full_lock_share = 0.9;  // the rest is left to correct with
 
 /// From where to where a run is timed, along its line (lap after lap).
 struct Timing {
@@ -121,6 +127,12 @@ void report_unfinished(const Run& run, const Timing& timing, DriveResult& result
        run.state().x_m, run.state().y_m});
 }
 
+/// Of the middle of the wheelbase with the steering nearly at its stop.
+double most_curvature_1pm(const vehicle::CarParameters& car) {
+  const double wheelbase_m = car.body.wheelbase_m;
+  return full_lock_share / std::hypot(wheelbase_m / std::tan(car.steering.max_wheel_rad), 0.5 * wheelbase_m);
+}
+
 /// Stops of every lap of a closed line; those of an open one as they are.
 std::vector<double> stops_of_laps(const std::vector<double>& stops_m, const DrivingLine& line, double to_m) {
   std::vector<double> all = stops_m;
@@ -129,11 +141,47 @@ std::vector<double> stops_of_laps(const std::vector<double>& stops_m, const Driv
   return all;
 }
 
+/// Slower than the law allows where the front wheels could not be turned as fast as the line bends.
+void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, std::vector<double>& legal_mps) {
+  const std::vector<double> heading = car_headings(line, car.body.wheelbase_m);
+  const std::vector<double> angle = steering_angles(front_axle_line(line, car.body.wheelbase_m, heading), heading);
+  const double rate_radps = steering_share * car.steering.max_wheel_rate_radps;
+  for (std::size_t i = 1; i < angle.size(); ++i) {
+    const double turn_1pm = std::abs(angle[i] - angle[i - 1]) / (line.points[i].s_m - line.points[i - 1].s_m);
+    for (double* legal : {&legal_mps[i - 1], &legal_mps[i]})
+      if (turn_1pm * *legal > rate_radps) *legal = rate_radps / turn_1pm;
+  }
+}
+
 SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result) {
   SpeedCaps caps;
-  if (!options.racing) caps.legal_mps = legal_speeds(map, result.route, result.line);
+  if (!options.racing) {
+    caps.legal_mps = legal_speeds(map, result.route, result.line);
+    slow_down_to_steer(options.car, result.line, caps.legal_mps);
+  }
   if (options.stops) caps.stops_m = give_way_places(map, result.route, result.line);
   return caps;
+}
+
+/// Speeds for every point of the line, slower where the body would be thrown up and down: what comes shortly before a
+/// bump throws it as well, so the places before count with it.
+std::vector<double> plan_over_bumps(const DriveOptions& options, const DrivingLine& line, const EnvelopeTable& envelope,
+                                    SpeedCaps caps) {
+  std::vector<double> speed = plan_speed(line, envelope, options.driver, caps);
+  for (int round = 0; round < bump_rounds && !options.racing; ++round) {
+    const std::vector<double> heave = heave_mps2(line, speed, options.car);
+    std::vector<double> slower(speed.size(), 1.0);
+    for (std::size_t i = 0; i < heave.size(); ++i) {
+      const double share = options.driver.max_heave_mps2 / std::max(heave[i], 1e-6);
+      for (std::size_t k = i - std::min(i, bump_run_up); k <= i && share < 1.0; ++k)
+        slower[k] = std::min(slower[k], share);
+    }
+    if (std::all_of(slower.begin(), slower.end(), [](double share) { return share > 0.98; })) break;
+    for (std::size_t i = 0; i < speed.size(); ++i)
+      if (slower[i] < 1.0) caps.legal_mps[i] = std::max(slower[i] * speed[i], slowest_over_bumps_mps);
+    speed = plan_speed(line, envelope, options.driver, caps);
+  }
+  return speed;
 }
 
 /// Where an open line is started and timed: with room for the axles. A closed one has a lap to warm up before.
@@ -179,9 +227,10 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
                                   {.racing = options.racing,
                                    .car_width_m = track_m + tyre_width_m,
                                    .wheelbase_m = options.car.body.wheelbase_m,
-                                   .margin_m = options.racing ? racing_margin_m : road_margin_m});
+                                   .margin_m = options.racing ? racing_margin_m : road_margin_m,
+                                   .most_curvature_1pm = most_curvature_1pm(options.car)});
   const SpeedCaps caps = caps_of(query.map(), options, result);
-  const SpeedPlan plan(result.line, plan_speed(result.line, envelope, options.driver, caps));
+  const SpeedPlan plan(result.line, plan_over_bumps(options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
   if (!route.closed) report_open_route(result);
 

@@ -10,9 +10,15 @@ namespace {
 using vehicle::gravity_mps2;
 
 constexpr double scan_mps = 2.0, tolerance_mps = 0.01;
-constexpr double bumper_m = 3.0;   // from the middle of the car to where its front should stay before a junction
-constexpr double crawl_mps = 2.0;  // the slowest that is planned but at stops; open lines end with it
+constexpr double bumper_m = 3.0;     // from the middle of the car to where its front should stay before a junction
+constexpr double crawl_mps = 2.0;    // the slowest that is planned but at stops; open lines end with it
+constexpr double gently_mps2 = 0.5;  // up to grip_share
 constexpr double least_length_m = 1e-6;
+
+/// Of the car where it takes that share of its lateral limit.
+vehicle::EnvelopeQuery query_of(const LinePoint& p, double speed_mps, const RoadLoad& load, double share) {
+  return {speed_mps, load.normal_mps2, load.lateral_mps2 / share, p.friction};
+}
 
 /// The car's limits at a place, with what the driver leaves of them.
 class Limits {
@@ -23,8 +29,8 @@ class Limits {
     const RoadLoad load = road_load(p, speed_mps);
     if (std::abs(load.normal_mps2 - gravity_mps2) > driver_.max_vertical_mps2) return false;
     if (std::abs(load.lateral_mps2) > driver_.max_lateral_mps2) return false;
-    const auto limit = envelope_.at({speed_mps, load.normal_mps2, load.lateral_mps2, p.friction});
-    return std::abs(load.lateral_mps2) <= driver_.grip_share * limit.max_lateral_mps2;
+    const double able = envelope_.max_lateral_mps2({speed_mps, load.normal_mps2, load.lateral_mps2, p.friction});
+    return std::abs(load.lateral_mps2) <= driver_.grip_share * able;
   }
   /// Largest speed in the bend up to which every speed is possible.
   [[nodiscard]] double corner_mps(const LinePoint& p, double most_mps) const {
@@ -43,20 +49,14 @@ class Limits {
   /// Deceleration (positive) on the brakes, with the slope.
   [[nodiscard]] double brake_mps2(const LinePoint& p, double speed_mps) const {
     const RoadLoad load = road_load(p, speed_mps);
-    const double grip = driver_.grip_share * at(p, speed_mps, load, driver_.grip_share).max_brake_mps2;
+    const double grip = driver_.grip_share * envelope_.max_brake_mps2(query_of(p, speed_mps, load, driver_.grip_share));
     return std::min(grip + load.slope_mps2, driver_.max_brake_mps2);
   }
   [[nodiscard]] double drive_mps2(const LinePoint& p, double speed_mps) const {
-    const RoadLoad load = road_load(p, speed_mps);
-    return std::min(at(p, speed_mps, load, driver_.exit_share).max_drive_mps2 - load.slope_mps2,
-                    driver_.max_drive_mps2);
+    return most_drive_mps2(envelope_, driver_, p, speed_mps);
   }
 
  private:
-  [[nodiscard]] vehicle::Envelope at(const LinePoint& p, double speed_mps, const RoadLoad& load, double share) const {
-    return envelope_.at({speed_mps, load.normal_mps2, load.lateral_mps2 / share, p.friction});
-  }
-
   const EnvelopeTable& envelope_;
   const Driver& driver_;
 };
@@ -85,6 +85,16 @@ RoadLoad road_load(const LinePoint& p, double speed_mps) {
   return {turn_mps2 * cos_bank + gravity_mps2 * c * sin_bank,
           gravity_mps2 * c * cos_bank - turn_mps2 * sin_bank + v2 * p.vertical_curvature_1pm,
           gravity_mps2 * std::sin(slope)};
+}
+
+double most_drive_mps2(const EnvelopeTable& envelope, const Driver& driver, const LinePoint& p, double speed_mps) {
+  const RoadLoad load = road_load(p, speed_mps);
+  const auto with = [&](double share) {
+    return envelope.max_drive_mps2(query_of(p, speed_mps, load, share)) - load.slope_mps2;
+  };
+  double most = with(driver.exit_share);
+  if (most < gently_mps2) most = std::max(most, std::min(with(driver.grip_share), gently_mps2));
+  return std::min(most, driver.max_drive_mps2);
 }
 
 std::vector<double> plan_speed(const DrivingLine& line, const EnvelopeTable& envelope, const Driver& driver,

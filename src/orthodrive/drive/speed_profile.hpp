@@ -17,6 +17,11 @@ struct RoadLoad {
 };
 [[nodiscard]] RoadLoad road_load(const LinePoint& p, double speed_mps);
 
+/// Largest acceleration along the line that the driver asks for there, with the slope: what exit_share leaves, and up
+/// to grip_share at least as much as keeps the speed.
+[[nodiscard]] double most_drive_mps2(const EnvelopeTable& envelope, const Driver& driver, const LinePoint& p,
+                                     double speed_mps);
+
 /// What else bounds the speed, beyond car and driver.
 struct SpeedCaps {
   std::vector<double> legal_mps;  ///< one a line point, or empty: no limit

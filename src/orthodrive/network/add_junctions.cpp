@@ -345,11 +345,27 @@ void number_junctions_after_roads(RoadMap& map) {
   for (roadquery::Junction& junction : map.junctions) junction.id += last_road;
 }
 
+/// The median of what was seen at the nodes of a junction; 0: nothing.
+double seen_kerb_radius_m(const NetworkPlan& plan, const std::vector<VertexIndex>& vertices) {
+  std::vector<double> radii;
+  for (const VertexIndex v : vertices)
+    for (const PieceEnd& end : plan.topology.vertices[v].ends) {
+      const PathPiece& piece = plan.topology.pieces[end.piece];
+      const RoadNode& node = plan.roads.paths[piece.path].nodes[end.at_last ? piece.last : piece.first];
+      if (node.kerb_radius_m <= 0.0) continue;
+      radii.push_back(node.kerb_radius_m);
+      break;  // all ends of a vertex are one node
+    }
+  if (radii.empty()) return 0.0;
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
+}
+
 }  // namespace
 
-std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
-                               RoadMap& map) {
-  std::vector<int> straight;
+JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map) {
+  JunctionParts parts;
   std::vector<std::vector<std::size_t>> inside(ends.size());
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
@@ -396,7 +412,7 @@ std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::v
         if (lane.predecessor) connection.lane_links.push_back({*lane.predecessor, lane.id});
       junction.connections.push_back(std::move(connection));
       connecting.push_back(road.id);
-      if (m.to == ends[j][at(m.from)].through) straight.push_back(road.id);
+      if (m.to == ends[j][at(m.from)].through) parts.straight.push_back(road.id);
       map.roads.push_back(std::move(road));
     }
     junction.priorities = priorities_of(plan, ends[j], movements, connecting);
@@ -408,7 +424,11 @@ std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::v
     map.junctions.push_back(std::move(junction));
   }
   number_junctions_after_roads(map);
-  return straight;
+  for (const roadquery::Junction& junction : map.junctions) {
+    const std::vector<VertexIndex>& here = vertices[at(junction.id - map.roads.back().id - 1)];
+    if (const double radius = seen_kerb_radius_m(plan, here); radius > 0.0) parts.kerb_radius_m[junction.id] = radius;
+  }
+  return parts;
 }
 
 }  // namespace orthodrive::network

@@ -107,9 +107,10 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
   const NetworkPlan plan{roads, topology, geometry, junctions, cuts, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
-  const std::vector<int> straight = add_junctions(plan, ends, result.map);
+  const JunctionParts parts = add_junctions(plan, ends, result.map);
   if (options.junction_surfaces)
-    result.junction_surfaces = add_junction_surfaces(result.map, straight, {.threads = options.threads});
+    result.junction_surfaces = add_junction_surfaces(
+        result.map, parts.straight, {.threads = options.threads, .kerb_radius_m = parts.kerb_radius_m});
   report_many_roads(ends, result.map, result.findings);
   set_bounds(result.map);
   report_lost_ways(roads, result.map, result.findings);

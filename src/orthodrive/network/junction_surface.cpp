@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "orthodrive/core/parallel.hpp"
@@ -277,13 +278,14 @@ void predict_the_rest(JunctionSurface& surface, const std::vector<char>& needed)
     }
 }
 
-JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members) {
+JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std::optional<double> seen_radius_m) {
   JunctionGround ground;
   if (members.connecting.empty()) return ground;
   ground.origin = origin_of(map.roads[members.connecting.front()]);
   std::vector<std::string> classes;
   for (const std::size_t i : members.arms) classes.push_back(map.roads[i].highway);
-  const MultiPolygon area = junction_area(roads_of(map, members), kerb_radius_m(classes), ground.origin);
+  const MultiPolygon area =
+      junction_area(roads_of(map, members), seen_radius_m.value_or(kerb_radius_m(classes)), ground.origin);
   ground.boundary = woven_ring(area);
   if (ground.boundary.size() < 3) return {};
   for (const Polygon& part : area) ground.area_m2 += area_m2(part);
@@ -334,7 +336,11 @@ JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int
   JunctionSurfaceSummary summary;
   const std::vector<JunctionMembers> members = junction_members(map, options.threads);
   std::vector<JunctionGround> grounds(members.size());
-  parallel_for(members.size(), options.threads, [&](std::size_t j) { grounds[j] = ground_of(map, members[j]); });
+  parallel_for(members.size(), options.threads, [&](std::size_t j) {
+    const auto seen = options.kerb_radius_m.find(map.junctions[j].id);
+    grounds[j] =
+        ground_of(map, members[j], seen == options.kerb_radius_m.end() ? std::nullopt : std::optional(seen->second));
+  });
   const std::vector<std::vector<std::size_t>> groups = junctions_on_one_ground(map, members, grounds);
   std::vector<std::vector<Built>> built(groups.size());
   parallel_for(groups.size(), options.threads,

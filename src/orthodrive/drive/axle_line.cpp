@@ -1,0 +1,61 @@
+#include "orthodrive/drive/axle_line.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace orthodrive {
+namespace {
+
+constexpr double fine_step_m = 0.1;
+
+/// Heading at the end of a piece of the line that it has at its beginning.
+double follow(double heading_rad, const LinePoint& a, const LinePoint& b, double slip_a, double slip_b,
+              double wheelbase_m) {
+  const int steps = std::max(1, static_cast<int>(std::ceil((b.s_m - a.s_m) / fine_step_m)));
+  const double ds_m = (b.s_m - a.s_m) / steps;
+  for (int k = 0; k < steps; ++k) {
+    const double u = (k + 0.5) / steps;
+    const double way_rad = a.heading_rad + u * (b.heading_rad - a.heading_rad), slip = slip_a + u * (slip_b - slip_a);
+    const double half = heading_rad + 0.5 * ds_m * 2.0 / wheelbase_m * (std::sin(way_rad - heading_rad) + slip);
+    heading_rad += ds_m * 2.0 / wheelbase_m * (std::sin(way_rad - half) + slip);
+  }
+  return heading_rad;
+}
+
+}  // namespace
+
+std::vector<double> car_headings(const DrivingLine& line, double wheelbase_m,
+                                 const std::vector<double>& rear_slip_rad) {
+  const auto& p = line.points;
+  const auto slip = [&](std::size_t i) { return rear_slip_rad.empty() ? 0.0 : rear_slip_rad[i]; };
+  std::vector<double> heading(p.size());
+  if (p.empty()) return heading;
+  heading.front() = p.front().heading_rad;
+  // Round a closed line twice: what it began with is forgotten over a few wheelbases.
+  for (int round = 0; round < (line.closed ? 2 : 1); ++round) {
+    if (round > 0) heading.front() = heading.back() - (p.back().heading_rad - p.front().heading_rad);
+    for (std::size_t i = 1; i < p.size(); ++i)
+      heading[i] = follow(heading[i - 1], p[i - 1], p[i], slip(i - 1), slip(i), wheelbase_m);
+  }
+  return heading;
+}
+
+DrivingLine front_axle_line(const DrivingLine& line, double wheelbase_m, const std::vector<double>& car_heading_rad) {
+  std::vector<Vec2> points;
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    const LinePoint& p = line.points[i];
+    points.push_back({p.x_m + 0.5 * wheelbase_m * std::cos(car_heading_rad[i]),
+                      p.y_m + 0.5 * wheelbase_m * std::sin(car_heading_rad[i])});
+  }
+  if (line.closed) points.pop_back();
+  return plain_line(points, line.closed);
+}
+
+std::vector<double> steering_angles(const DrivingLine& front, const std::vector<double>& car_heading_rad) {
+  std::vector<double> angle(car_heading_rad.size());
+  for (std::size_t i = 0; i < angle.size(); ++i)
+    angle[i] = std::remainder(front.points[i].heading_rad - car_heading_rad[i], 2.0 * std::numbers::pi);
+  return angle;
+}
+
+}  // namespace orthodrive
