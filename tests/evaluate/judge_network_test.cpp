@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "roadquery/make_road.hpp"
 
@@ -156,6 +157,32 @@ TEST(JudgeNetwork, a_jump_of_the_grip) {
   expect_fault_at({.roads = {road}}, FaultKind::grip_jump, 30.0);
   road.sections[0].right[0].materials[1].friction = 0.7;
   EXPECT_TRUE(judge_network({.roads = {road}}).pass()) << "asphalt to gravel is what roads do";
+}
+
+/// A road that turns by 86 degrees with a radius of 6 m, in a junction whose surface is z(x, y).
+RoadMap turn_on(const std::function<double(double, double)>& z) {
+  Road turn = roadquery::test::make_road(1, {0.0, 0.0, 0.0, 0.0, 9.0, Arc{1.0 / 6.0}}, 10.0);
+  turn.speed_limit_mps = 20.0 * kmh;
+  turn.junction = 2;
+  JunctionSurface surface{.boundary = {{-18, -18}, {18, -18}, {18, 18}, {-18, 18}}, .x = -20, .y = -20};
+  surface.spacing_m = 0.5, surface.columns = surface.rows = 81;
+  for (int r = 0; r < surface.rows; ++r)
+    for (int c = 0; c < surface.columns; ++c)
+      surface.z.push_back(z(surface.x + c * surface.spacing_m, surface.y + r * surface.spacing_m));
+  return {.roads = {turn}, .junctions = {{.id = 2, .surface = surface}}};
+}
+
+TEST(JudgeNetwork, a_plane_twists_no_car_that_turns_on_it) {
+  const auto twist = static_cast<std::size_t>(FaultKind::twist);
+  const NetworkVerdict plane = judge_network(turn_on([](double x, double y) { return 10.0 + 0.12 * x - 0.05 * y; }));
+  EXPECT_LT(plane.worst[twist], 1e-6) << "though an axle tilts by 13 % while it turns";
+  EXPECT_EQ(places(plane, FaultKind::twist), 0u);
+  // A saddle z = a x y twists a car that heads along x or y by a times its wheelbase, one between them not at all.
+  constexpr double a = 0.03;
+  const NetworkVerdict saddle = judge_network(turn_on([](double x, double y) { return 10.0 + a * x * y; }));
+  EXPECT_GT(saddle.worst[twist], 0.8 * a * 2.7);
+  EXPECT_LT(saddle.worst[twist], a * 2.7 + 1e-3);
+  EXPECT_GT(places(saddle, FaultKind::twist), 0u);
 }
 
 TEST(JudgeNetwork, a_twist_of_the_banking) {

@@ -446,5 +446,36 @@ TEST(BuildNetwork, way_that_meets_itself) {
   EXPECT_EQ(connecting_roads(result.map).size(), 6u);  // the loop's ends meet in one tangent: round again, too
 }
 
+TEST(BuildNetwork, CarriagewaysDoNotLieOnEachOther) {
+  // A service road, measured too wide, 5 m beside a main road: 3.5 + 2.5 m of half widths.
+  const roadquery::RoadMap map =
+      build_network(
+          network_of({make_path({{0, 0}, {200, 0}}, {1, 2}, {.highway = "tertiary", .width_m = 7.0}),
+                      make_path({{20, 5}, {180, 5}}, {3, 4}, {.osm_id = 2, .highway = "service", .width_m = 5.0})}))
+          .map;
+  for (const roadquery::Road& road : map.roads)
+    for (double s = 0.0; s < road.length; s += 1.0) {
+      const double x = roadquery::reference_point(road, s).x - site_origin.x;
+      if (x < 40.0 || x > 160.0) continue;  // the main road tapers to its width beyond the ends of the service road
+      const roadquery::Edges edges = roadquery::road_edges(road, s);
+      if (road.osm_id == "1")
+        EXPECT_NEAR(edges.left_t - edges.right_t, 7.0 - 2.0 * 0.45, 0.1) << "gives what is missing";
+      if (road.osm_id == "2") EXPECT_NEAR(edges.left_t - edges.right_t, 3.7, 0.06) << "a lane of 1.85 m each way stays";
+    }
+}
+
+TEST(BuildNetwork, DeadEndsThatLieBesideTheOtherRoadsHaveNoRoad) {
+  // An access of 9 m that leaves by 12 degrees: as far as it goes it lies on the road that it leaves.
+  const NetworkResult result =
+      build_network(network_of({make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 2, 3}, {.width_m = 7.0}),
+                                make_path({{0, 0}, {0, 60}}, {2, 5}, {.osm_id = 3}),
+                                make_path({{0, 0}, {8.8, 1.9}}, {2, 4}, {.osm_id = 2, .highway = "service"})}));
+  expect_sound(result.map);
+  for (const roadquery::Road& road : result.map.roads) EXPECT_NE(road.osm_id, "2") << "road " << road.id;
+  EXPECT_TRUE(std::any_of(result.findings.begin(), result.findings.end(),
+                          [](const Finding& f) { return f.code == "network.way_in_junction"; }));
+  EXPECT_EQ(result.map.junctions.size(), 1u);
+}
+
 }  // namespace
 }  // namespace orthodrive

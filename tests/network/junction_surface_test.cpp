@@ -13,6 +13,7 @@
 #include "orthodrive/network/junction_area.hpp"
 #include "orthodrive/network/junction_field.hpp"
 #include "roadquery/junction_surface.hpp"
+#include "roadquery/junction_surface_text.hpp"
 #include "roadquery/make_road.hpp"
 
 namespace orthodrive {
@@ -261,6 +262,111 @@ TEST(JunctionSurfaces, AreInTheFileAndComeBack) {
   });
   io::write_opendrive(scratch / "b.xodr", read);
   EXPECT_EQ(bytes_of(scratch / "a.xodr"), bytes_of(scratch / "b.xodr"));
+}
+
+TEST(JunctionSurfaces, NodesThatNothingNeedsCostNearlyNothing) {
+  JunctionSurface surface{.boundary = {{0, 0}, {1, 0}, {1, 1}}, .spacing_m = 1.0, .columns = 20, .rows = 20};
+  for (int i = 0; i < 400; ++i) surface.z.push_back(5.0 + (i == 217 ? 0.03 : 0.0));
+  const std::string text = roadquery::heights_text(surface, 0.0, 0.0);
+  EXPECT_NE(text.find(" 0*99 "), std::string::npos) << text;
+  EXPECT_LT(text.size(), 100u);
+  JunctionSurface read;
+  roadquery::read_heights(text, read);
+  ASSERT_EQ(read.z.size(), surface.z.size());
+  for (std::size_t i = 0; i < read.z.size(); ++i) EXPECT_NEAR(read.z[i], surface.z[i], 1e-9) << i;
+  const auto refused = [&](const std::string& wrong) {
+    JunctionSurface any;
+    EXPECT_THROW(roadquery::read_heights(wrong, any), std::runtime_error) << wrong;
+  };
+  refused("0 0 1 20 20 0*100 0*100 0*100 0*100");  // no writer makes such runs: a bound on what a text can ask for
+  refused("0 0 1 20 20 0*99 0*99 0*99");           // ends too early
+  refused("0 0 1 20 20 0* 0");
+  refused("0 0 1 1000 1000 0*99");
+}
+
+/// Side roads that leave a main road on both sides, `gap` apart, on ground that is no plane.
+RoadNetwork staggered(double gap, const std::function<double(Vec2)>& height) {
+  return network_of({make_path({{-60, 0}, {0, 0}, {gap, 0}, {60 + gap, 0}}, {1, 2, 3, 4},
+                               {.osm_id = 1, .highway = "secondary", .width_m = 7.0, .height = height}),
+                     make_path({{0, 0}, {12, -50}}, {2, 5}, {.osm_id = 2, .height = height}),
+                     make_path({{gap, 0}, {gap - 12, 50}}, {3, 6}, {.osm_id = 3, .height = height})});
+}
+
+TEST(JunctionSurfaces, ThoseThatOverlapAreOneSurface) {
+  const auto height = [](Vec2 p) { return 30.0 + 0.05 * p.x + 0.002 * p.x * p.y - 0.06 * p.y; };
+  int common = 0;
+  for (const double gap : {9.0, 10.0, 11.0, 12.0}) {
+    const RoadMap map = build_network(staggered(gap, height)).map;
+    if (map.junctions.size() != 2) continue;
+    const JunctionSurface &a = *map.junctions[0].surface, &b = *map.junctions[1].surface;
+    for (double x = -20.0; x < 40.0; x += 0.21)
+      for (double y = -20.0; y < 20.0; y += 0.23) {
+        const double px = x + site_origin.x, py = y + site_origin.y;
+        if (!roadquery::contains(a, px, py) || !roadquery::contains(b, px, py)) continue;
+        EXPECT_NEAR(roadquery::evaluate(a, px, py).z, roadquery::evaluate(b, px, py).z, 2e-3)
+            << gap << ": " << x << " " << y;
+        ++common;
+      }
+    for (const roadquery::Road& road : map.roads)  // short ones lie under both
+      if (road.junction < 0 && road.length < 4.0)
+        for (double s = 0.0; s <= road.length; s += 0.1) {
+          const roadquery::SurfacePoint p = roadquery::surface_point(road, s, 1.0);
+          EXPECT_TRUE(roadquery::contains(a, p.x, p.y) && roadquery::contains(b, p.x, p.y)) << s;
+          EXPECT_NEAR(roadquery::evaluate(a, p.x, p.y).z, p.z, 5e-3);
+        }
+  }
+  EXPECT_GT(common, 50) << "there was something to compare";
+}
+
+TEST(JunctionSurfaces, JoinedJunctionsStaySmall) {
+  // A bus terminal: 16 bays, 8 m apart.
+  std::vector<RoadPath> paths;
+  std::vector<Vec2> corners{{-60, 0}};
+  std::vector<std::int64_t> ids{1};
+  for (int i = 0; i < 16; ++i) {
+    const Vec2 p{8.0 * i, 0.0};
+    corners.push_back(p), ids.push_back(10 + i);
+    paths.push_back(make_path({p, p + Vec2{0.0, 40.0}}, {10 + i, 100 + i}, {.osm_id = 100 + i, .highway = "service"}));
+  }
+  corners.push_back({200, 0}), ids.push_back(2);
+  paths.push_back(make_path(corners, ids, {.osm_id = 1}));
+  const RoadMap map = build_network(network_of(std::move(paths))).map;
+  expect_sound(map);
+  EXPECT_GE(map.junctions.size(), 3u);
+  for (const roadquery::Junction& junction : map.junctions) {
+    Ring ring;
+    for (const auto& [x, y] : junction.surface->boundary) ring.push_back({x, y});
+    EXPECT_LT(bounds_of(ring).width(), 40.0 + 30.0) << junction.id;  // 40 m between vertices, and the cuts
+  }
+}
+
+TEST(JunctionSurfaces, SideRoadsTurnIntoThePlaneOfTheMainRoad) {
+  // The main road banks by 5 % down to the side road, which comes down on it with 6 % and level across, as far as its
+  // axis. Behind the edge, 3.5 m off, it would lie 0.4 m above the main road's plane.
+  const RoadMap map =
+      build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
+                                          {.osm_id = 1,
+                                           .highway = "secondary",
+                                           .width_m = 7.0,
+                                           .height = [](Vec2 p) { return 10.0 + 0.04 * p.x; },
+                                           .banking = [](double) { return std::atan(0.05); }}),
+                                make_path({{0, 0}, {0, -80}}, {2, 4},
+                                          {.osm_id = 2, .height = [](Vec2 p) { return 10.0 - 0.06 * p.y; }})}))
+          .map;
+  const roadquery::Road* side = nullptr;
+  for (const roadquery::Road& road : map.roads)
+    if (road.junction < 0 && road.osm_id == "2") side = &road;
+  ASSERT_NE(side, nullptr);
+  const roadquery::PlanPoint end = roadquery::reference_point(*side, 0.0);
+  const double y = end.y - site_origin.y, plane = 10.0 + 0.05 * y;
+  EXPECT_LT(y, -3.5);
+  EXPECT_NEAR(roadquery::elevation(*side, 0.0), plane + 0.5 * 0.03 * (-y - 3.5), 0.02);
+  EXPECT_NEAR(roadquery::gradient(*side, 0.0), -0.05 + 0.03, 5e-3) << "3 % steeper than the plane, which falls by 5 %";
+  EXPECT_NEAR(std::abs(roadquery::superelevation(*side, 0.0)), 0.04 - 0.02, 5e-3)
+      << "the gradient of the main road, less 2 %";
+  for (double s = 0.0; s < 20.0; s += 0.5)
+    EXPECT_LT(std::abs(roadquery::derivative(side->superelevation, s)), 0.005) << "RAS-L: 0.5 %/m at 50 km/h";
+  EXPECT_NEAR(roadquery::elevation(*side, 25.0), 10.0 + 0.06 * (25.0 - y), 0.03) << "as it was behind 20 m";
 }
 
 // ---- the field alone

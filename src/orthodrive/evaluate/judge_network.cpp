@@ -154,14 +154,16 @@ class Judge {
 
   /// Vertical acceleration of the body and twist between the axles.
   void judge_body(const std::vector<AxleSample>& run) {
-    const auto base = static_cast<std::size_t>(std::lround(options_.wheelbase_m / options_.step_m));
+    const double base_m = options_.wheelbase_m - 0.5 * options_.step_m;
+    std::size_t ahead_axle = 0;  // in bends lanes are longer or shorter than the line along which samples are even
     for (std::size_t i = 0; i < run.size(); ++i) {
+      while (ahead_axle < run.size() && run[ahead_axle].driven_m - run[i].driven_m < base_m) ++ahead_axle;
       const auto middle = [&](const AxleSample& axle) {
         return std::pair{0.5 * (axle.wheels[0].x + axle.wheels[1].x), 0.5 * (axle.wheels[0].y + axle.wheels[1].y)};
       };
       const auto [x, y] = middle(run[i]);
-      if (i + base < run.size() && run[i].on_road() && run[i + base].on_road())
-        if (const double value = std::abs(twist(run[i], run[i + base])); !std::isnan(value))
+      if (ahead_axle < run.size() && run[i].on_road() && run[ahead_axle].on_road())
+        if (const double value = std::abs(twist(run[i], run[ahead_axle])); !std::isnan(value))
           add(FaultKind::twist, value, run[i].at, x, y);
       const double arm_m = std::max(options_.wheelbase_m, run[i].speed_mps / body_frequency_radps);
       const auto arm = static_cast<std::size_t>(std::lround(arm_m / options_.step_m));

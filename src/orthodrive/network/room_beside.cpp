@@ -140,7 +140,9 @@ void leave_room_beside(const RoadNetwork& roads, const Topology& topology, const
     if (room[i] < sections[i].half_m) limits[sections[i].stretch].push_back({sections[i].s, 2.0 * room[i]});
   for (const auto& [stretch, of_stretch] : limits) {
     ChainGeometry& chain = geometry[junctions.stretches[stretch].chain];
-    const std::size_t first = piece_at(chain, of_stretch.front().s), last = piece_at(chain, of_stretch.back().s);
+    const Stretch& whole = junctions.stretches[stretch];
+    const std::size_t first = piece_at(chain, std::max(whole.s0, of_stretch.front().s - taper_reach_m)),
+                      last = piece_at(chain, std::min(whole.s1, of_stretch.back().s + taper_reach_m) - 1e-6);
     for (std::size_t k = first; k <= last; ++k) chain.widths[k] = narrowed(chain.widths[k], of_stretch);
   }
 }
