@@ -43,6 +43,10 @@ void add_network(CLI::App& app, Context& context) {
   cmd->add_option("--opendrive", command->opendrive, "version of the file")
       ->check(CLI::IsMember({"1.7", "1.8"}))
       ->capture_default_str();
+  cmd->add_flag(
+      "--junction-grids", command->options.junction_grids,
+      "also write the surfaces of junctions as <boundary> and <elevationGrid> of OpenDRIVE 1.8, for readers that\n"
+      "know them; netconvert of SUMO refuses such a file");
   cmd->add_flag("--absolute", command->options.absolute,
                 "write coordinates of the CRS, for readers that get the header's <offset> wrong (SUMO 1.15)");
   cmd->add_flag("--check", command->options.check,

@@ -121,6 +121,12 @@ void road_query(benchmark::State& state, const char* mode) {
   }
 }
 
+void crg_make_ready(benchmark::State& state) {
+  const CrgFile file = cobbles();
+  for (auto _ : state) benchmark::DoNotOptimize(CrgGrid(file));
+}
+
+BENCHMARK(crg_make_ready);
 BENCHMARK_CAPTURE(crg_height_at_uv, in_order, true);
 BENCHMARK_CAPTURE(crg_height_at_uv, anywhere, false);
 BENCHMARK(crg_height_at_xy);

@@ -36,7 +36,7 @@ BakedLane bake_lane(const Lane& lane, double s_in_section) {
 void bake_stretch(const Road& road, const LaneSection& section, double s, double inside, BakedRoads& baked) {
   LaneStretch stretch;
   stretch.s = s;
-  stretch.first = static_cast<std::uint32_t>(baked.lanes.size());
+  stretch.first = static_cast<std::uint32_t>(baked.lanes.size()) & 0x7fffffffu;
   add_cubic(road.lane_offset, inside, s, 1.0, stretch.center);
   const auto add_side = [&](const std::vector<Lane>& lanes, double sign, double(&edge)[4]) {
     std::copy(std::begin(stretch.center), std::end(stretch.center), edge);

@@ -252,7 +252,6 @@ BakedRoads bake(const RoadMap& map) {
     check_finite(station);
     LaneStretch& lanes = baked.stretches[station.lanes];
     lanes.length_m = map.roads[lanes.road].length;
-    lanes.first_station = baked.first_station[lanes.road], lanes.last_station = baked.first_station[lanes.road + 1] - 1;
   }
 
   for (std::size_t i = 0; i < map.roads.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "roadquery/large_vector.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace roadquery {
@@ -56,37 +57,52 @@ struct BakedLane {
 /// The lanes of a road where none of their widths and materials begins or ends. Cubics of s - this->s.
 struct alignas(64) LaneStretch {
   double s = 0.0;
-  std::uint32_t road = 0;                             ///< index into RoadMap::roads
-  float reach_m = 0.0F;                               ///< the surface lies within this distance of the line
-  double length_m = 0.0;                              ///< of the road
-  std::uint32_t first_station = 0, last_station = 0;  ///< of the road
-  double left_edge[4] = {}, right_edge[4] = {};       ///< t of the outer edges
-  double center[4] = {};                              ///< t of the centre line
-  std::uint32_t first = 0;                            ///< of left_count + right_count in BakedRoads::lanes
-  bool has_crg = false;                               ///< OpenCRG files are laid on the road
-  std::uint16_t left_count = 0, right_count = 0;      ///< from the centre outwards
+  std::uint32_t road = 0;                         ///< index into RoadMap::roads
+  float reach_m = 0.0F;                           ///< the surface lies within this distance of the line
+  double length_m = 0.0;                          ///< of the road
+  double left_edge[4] = {}, right_edge[4] = {};   ///< t of the outer edges
+  double center[4] = {};                          ///< t of the centre line
+  std::uint32_t first : 31 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
+  std::uint32_t has_crg : 1 = 0;                  ///< OpenCRG files are laid on the road
+  std::uint16_t left_count = 0, right_count = 0;  ///< from the centre outwards
 };
+
+static_assert(sizeof(LaneStretch) == 128);
 
 /// Successive stations [first, last] of one road.
 struct StationRange {
   std::uint32_t first = 0, last = 0;
 };
 
+/// Stations that lie over another one. The rectangle, in the other's frame and in companion_step_m, holds their surface
+/// beside it; the last step of either side goes on for ever.
+struct Companion {
+  StationRange range;
+  std::int8_t along_min = 127, along_max = -128, left_min = 127, left_max = -128;
+};
+inline constexpr float companion_step_m = 0.25F;
+
 class RoadCrgs;
 
 /// All roads of a map. Immutable after bake().
 struct BakedRoads {
-  std::vector<Station> stations;             // by road, then by s
+  LargeVector<Station> stations;             // by road, then by s
   std::vector<std::uint32_t> first_station;  // of each road, and the count of all
-  std::vector<LaneStretch> stretches;
-  std::vector<BakedLane> lanes;
-  std::vector<ShapePiece> shapes;
+  LargeVector<LaneStretch> stretches;
+  LargeVector<BakedLane> lanes;
+  LargeVector<ShapePiece> shapes;
   std::shared_ptr<const RoadCrgs> crgs;  // what is laid on them; null: nothing
   // What else lies over station i, or within 3.5 m above or below it: companions[companion_begin[i] ..
   // companion_begin[i + 1]) are the stations of other roads, or of the same one far along it, that touch it.
   std::vector<std::uint32_t> companion_begin;
-  std::vector<StationRange> companions;
+  LargeVector<Companion> companions;
+  // Of each station 1 where its surface, its companions' and those of the junctions over it are one level whichever
+  // counts, and no companion is of its own road: a junction's surface under a point there is the answer.
+  std::vector<std::uint8_t> junction_decides;
 
+  [[nodiscard]] StationRange stations_of(std::uint32_t road) const {
+    return {first_station[road], first_station[road + 1] - 1};
+  }
   [[nodiscard]] std::uint32_t road_of(const Station& station) const { return stretches[station.lanes].road; }
 
   /// The station of a road at s, clamped to the road; no_index for roads without stations.

@@ -15,6 +15,7 @@ struct LinePlace {
   double ahead_m;  ///< what is left of the distance along the line when u was clamped
   double left_m;   ///< horizontal distance of the point from the line, positive to the left
   double dx_du, dy_du;
+  double inverse_speed;
 };
 
 /// Of the surface at a place.
@@ -70,8 +71,12 @@ inline double inverse_root(double square) {
 /// The place at u, seen from a point at `offset` from the line's point there.
 inline LinePlace place_at(double u, Pair offset, Pair tangent) {
   const double inverse_speed = inverse_root(tangent[0] * tangent[0] + tangent[1] * tangent[1]);
-  return {u, (offset[0] * tangent[0] + offset[1] * tangent[1]) * inverse_speed,
-          (offset[1] * tangent[0] - offset[0] * tangent[1]) * inverse_speed, tangent[0], tangent[1]};
+  return {u,
+          (offset[0] * tangent[0] + offset[1] * tangent[1]) * inverse_speed,
+          (offset[1] * tangent[0] - offset[0] * tangent[1]) * inverse_speed,
+          tangent[0],
+          tangent[1],
+          inverse_speed};
 }
 inline LinePlace place_at(const Station& q, double u, const FramePoint& p) {
   const LinePolynomial line = line_at(q, u);
@@ -151,10 +156,9 @@ inline void surface_at_left(const BakedRoads& roads, const Station& q, double u,
     shape_at(pieces, q.shape_count, q.s + u, place.t, place);
     // Newton. The shape moves points sideways by h sin(bank), a thousandth of t: three steps are below rounding.
     for (int i = 0; i < 3 && place.sin_bank != 0.0; ++i) {
-      const double step = (left_m - (place.t * place.cos_bank - place.h * place.sin_bank)) /
-                          (place.cos_bank - place.dh_dt * place.sin_bank);
-      if (std::abs(step) < 1e-9) break;
-      place.t += step;
+      const double miss = left_m - (place.t * place.cos_bank - place.h * place.sin_bank);
+      if (std::abs(miss) < 1e-9) break;
+      place.t += miss / (place.cos_bank - place.dh_dt * place.sin_bank);
       shape_at(pieces, q.shape_count, q.s + u, place.t, place);
     }
   }
@@ -170,8 +174,8 @@ struct Bearing {
 inline Bearing bearing_at(const Station& q, const LinePlace& line, const SurfacePlace& on) {
   const double u = line.u;
   const Pair bend = line_at(q, u).bend;
-  const double speed2 = line.dx_du * line.dx_du + line.dy_du * line.dy_du, inverse_speed = inverse_root(speed2),
-               speed = speed2 * inverse_speed;
+  const double inverse_speed = line.inverse_speed;
+  const double speed = (line.dx_du * line.dx_du + line.dy_du * line.dy_du) * inverse_speed;
   const double curvature =
       (line.dx_du * bend[1] - line.dy_du * bend[0]) * inverse_speed * inverse_speed * inverse_speed;
   const double left = on.t * on.cos_bank - on.h * on.sin_bank, up = on.t * on.sin_bank + on.h * on.cos_bank;

@@ -14,6 +14,10 @@ using roadquery::Cursor;
 using roadquery::GroundHit;
 using roadquery::Place;
 
+constexpr bool is_same(int flag, unsigned part) { return static_cast<unsigned>(flag) == part; }
+static_assert(is_same(RQ_NORMAL, roadquery::hit_normal) && is_same(RQ_POSITION, roadquery::hit_lane) &&
+              is_same(RQ_CURVATURE, roadquery::hit_curvature) && is_same(RQ_MATERIAL, roadquery::hit_material));
+
 constexpr double no_guess = std::numeric_limits<double>::quiet_NaN();
 
 constexpr int status_of(Place place) {
@@ -42,10 +46,10 @@ void write_cursor(const Cursor& cursor, rq_cursor& given) {
 }
 
 /// One query with everything checked that is not the library's own.
-int find(const rq_map& map, rq_cursor& cursor, double x, double y, double z_guess, GroundHit& found) {
+int find(const rq_map& map, rq_cursor& cursor, double x, double y, double z_guess, unsigned what, GroundHit& found) {
   if (!std::isfinite(x) || !std::isfinite(y)) return RQ_BAD_INPUT;
   Cursor at = read_cursor(cursor);
-  found = map.ground.find(x, y, z_guess, at);
+  found = map.ground.find(x, y, z_guess, at, what & RQ_ALL);
   write_cursor(at, cursor);
   return status_of(found.place);
 }
@@ -89,7 +93,7 @@ int rq_query(const rq_map* map, rq_cursor* cursor, double x, double y, double z_
   if (hit == nullptr) return RQ_BAD_INPUT;
   GroundHit found;
   hit->status = map == nullptr || cursor == nullptr ? static_cast<int32_t>(RQ_BAD_INPUT)
-                                                    : find(*map, *cursor, x, y, z_guess, found);
+                                                    : find(*map, *cursor, x, y, z_guess, what, found);
   if (hit->status > 0) fill(*map, found, what, *hit);
   return hit->status;
 }

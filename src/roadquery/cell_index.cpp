@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "roadquery/baked_surface.hpp"
+#include "roadquery/junction_index.hpp"
 #include "roadquery/overlaps.hpp"
 
 namespace roadquery {
@@ -13,6 +15,7 @@ namespace {
 
 constexpr std::size_t most_entries = 60'000'000;  // 480 MB
 constexpr double most_turn_rad = 1.2;             // of the line within one entry
+constexpr double farthest_m = 327.0;              // of what an entry holds in cm
 
 struct CellStation {
   std::int32_t column = 0, row = 0;
@@ -50,6 +53,7 @@ double turn_of(const Station& q) { return 4.0 * std::abs(static_cast<double>(q.b
 struct CellRange {
   std::int32_t column = 0, row = 0;
   StationRange range;
+  bool is_junction = false;  // range.first: which
 };
 
 /// The cells of a road's stations, as ranges of successive stations that turn little.
@@ -76,6 +80,45 @@ void append_ranges(const BakedRoads& roads, std::vector<CellStation>& cells, std
   if (ranges.size() > most_entries) throw std::runtime_error("the roads cover too large an area");
 }
 
+/// Calls visit(x, y) for points of the boundary that are less than half a cell apart.
+template <typename Visit>
+void walk_boundary(const JunctionSurface& surface, const Visit& visit) {
+  for (std::size_t i = 0, before = surface.boundary.size() - 1; i < surface.boundary.size(); before = i++) {
+    const auto &a = surface.boundary[before], &b = surface.boundary[i];
+    const double length = std::max(std::abs(b[0] - a[0]), std::abs(b[1] - a[1]));
+    const int parts = 1 + static_cast<int>(length / (0.5 * cell_m));
+    for (int k = 0; k < parts; ++k) visit(a[0] + (b[0] - a[0]) * k / parts, a[1] + (b[1] - a[1]) * k / parts);
+  }
+}
+
+/// The cells that junctions' own surfaces touch, and some beside them.
+void append_junction_cells(const RoadMap& map, std::vector<CellRange>& ranges) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> cells;  // row, column
+  for (std::uint32_t i = 0; i < map.junctions.size(); ++i) {
+    if (!has_surface(map.junctions[i])) continue;
+    const JunctionSurface& surface = *map.junctions[i].surface;
+    cells.clear();
+    walk_boundary(surface, [&](double x, double y) {
+      for (const double dy : {-0.5 * cell_m, 0.0, 0.5 * cell_m})
+        for (const double dx : {-0.5 * cell_m, 0.0, 0.5 * cell_m}) cells.emplace_back(cell_of(y + dy), cell_of(x + dx));
+      if (cells.size() > most_entries) throw std::runtime_error("the junctions cover too large an area");
+    });
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    const std::size_t on_boundary = cells.size();
+    for (std::size_t k = 0; k + 1 < on_boundary; ++k) {  // between two of a row all or none lie inside
+      const auto [row, column] = cells[k];
+      const auto [next_row, end] = cells[k + 1];
+      if (row != next_row || end - column < 2 || !contains(surface, (column + 1.5) * cell_m, (row + 0.5) * cell_m))
+        continue;
+      for (std::int32_t c = column + 1; c < end; ++c) cells.emplace_back(row, c);
+      if (cells.size() > most_entries) throw std::runtime_error("the junctions cover too large an area");
+    }
+    for (const auto& [row, column] : cells) ranges.push_back({column, row, {i, i}, true});
+    if (ranges.size() > most_entries) throw std::runtime_error("the junctions cover too large an area");
+  }
+}
+
 std::int16_t to_cm(double m, bool up) {
   const double cm = up ? std::ceil(100.0 * m) : std::floor(100.0 * m);
   return static_cast<std::int16_t>(std::clamp(cm, -32767.0, 32767.0));
@@ -87,7 +130,14 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
   entry.count = static_cast<std::uint16_t>(r.range.last - r.range.first + 1);
   entry.middle = entry.count / 2;
   const Station& middle = roads.stations[entry.first + entry.middle];
-  entry.x = static_cast<float>(middle.x - r.column * cell_m), entry.y = static_cast<float>(middle.y - r.row * cell_m);
+  entry.lanes = middle.lanes;
+  const double from_x = middle.x - r.column * cell_m, from_y = middle.y - r.row * cell_m;
+  entry.x = to_cm(from_x, false), entry.y = to_cm(from_y, false);
+  if (!(std::max(std::abs(from_x), std::abs(from_y)) < farthest_m)) {  // of a very wide road: no outline
+    entry.along_min = entry.left_min = -32768, entry.along_max = entry.left_max = 32767;
+    return entry;
+  }
+  const double x = r.column * cell_m + 0.01 * entry.x, y = r.row * cell_m + 0.01 * entry.y;
   entry.curvature = 2.0F * middle.bend[0][1] / (middle.speed * middle.speed);
   entry.cos_hdg = static_cast<std::int16_t>(std::lround(32767.0 * middle.cos_hdg));
   entry.sin_hdg = static_cast<std::int16_t>(std::lround(32767.0 * middle.sin_hdg));
@@ -105,8 +155,7 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
       for (const double t : {edges[0], 0.5 * (edges[0] + edges[1]), edges[1]}) {
         const double a = line.position[0] - t * line.tangent[1] / speed,
                      l = line.position[1] + t * line.tangent[0] / speed;
-        const double dx = q.x - middle.x + a * q.cos_hdg - l * q.sin_hdg,
-                     dy = q.y - middle.y + a * q.sin_hdg + l * q.cos_hdg;
+        const double dx = q.x - x + a * q.cos_hdg - l * q.sin_hdg, dy = q.y - y + a * q.sin_hdg + l * q.cos_hdg;
         const double along = dx * c + dy * n, left = dy * c - dx * n - 0.5 * entry.curvature * along * along;
         along_min = std::min(along_min, along), along_max = std::max(along_max, along);
         left_min = std::min(left_min, left), left_max = std::max(left_max, left);
@@ -121,7 +170,7 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
 
 }  // namespace
 
-CellIndex::CellIndex(const BakedRoads& roads) {
+CellIndex::CellIndex(const BakedRoads& roads, const RoadMap& map) {
   std::vector<CellRange> ranges;
   std::vector<CellStation> cells;
   for (std::size_t road = 0; road + 1 < roads.first_station.size(); ++road) {
@@ -136,6 +185,7 @@ CellIndex::CellIndex(const BakedRoads& roads) {
     }
     append_ranges(roads, cells, ranges);
   }
+  append_junction_cells(map, ranges);
   if (ranges.empty()) return;
   std::size_t capacity = 2;
   while (capacity < 2 * ranges.size()) capacity *= 2;
@@ -146,7 +196,7 @@ CellIndex::CellIndex(const BakedRoads& roads) {
   }
   std::size_t used = 0;
   for (const Slot& slot : slots_) used += slot.count > 0 ? 1 : 0;
-  std::vector<Slot> all;
+  LargeVector<Slot> all;
   all.swap(slots_);
   for (capacity = 2; capacity < 2 * used;) capacity *= 2;
   slots_.resize(capacity);
@@ -160,7 +210,8 @@ CellIndex::CellIndex(const BakedRoads& roads) {
   std::vector<std::uint32_t> filled(slots_.size(), 0);
   for (const CellRange& r : ranges) {
     const std::size_t slot = slot_of(r.column, r.row);
-    entries_[slots_[slot].begin + filled[slot]++] = outline_of(roads, r);
+    entries_[slots_[slot].begin + filled[slot]++] =
+        r.is_junction ? CellEntry{.first = r.range.first} : outline_of(roads, r);
   }
 }
 
@@ -181,9 +232,21 @@ Cell CellIndex::at(double x, double y) const {
   if (slots_.empty() || !(std::abs(x) < farthest_m && std::abs(y) < farthest_m)) return {};
   const double column = std::floor(x * (1.0 / cell_m)), row = std::floor(y * (1.0 / cell_m));
   const Slot& slot = slots_[slot_of(static_cast<std::int32_t>(column), static_cast<std::int32_t>(row))];
+  for (std::uint32_t i = 0; i < std::min(slot.count, 8U); i += 2) __builtin_prefetch(entries_.data() + slot.begin + i);
   return {{entries_.data() + slot.begin, slot.count},
           static_cast<float>(x - column * cell_m),
           static_cast<float>(y - row * cell_m)};
+}
+
+void CellIndex::append_junctions(const Station& q, const StationBox& box, std::vector<std::uint32_t>& junctions) const {
+  const std::size_t before = junctions.size();
+  for_cells(q, box, 0.0, [&](std::int32_t column, std::int32_t row) {
+    const Slot& slot = slots_[slot_of(column, row)];
+    for (const CellEntry& entry : Cell{{entries_.data() + slot.begin, slot.count}}.junctions())
+      if (std::find(junctions.begin() + static_cast<std::ptrdiff_t>(before), junctions.end(), entry.first) ==
+          junctions.end())
+        junctions.push_back(entry.first);
+  });
 }
 
 void CellIndex::append_near(const Station& q, const StationBox& box, std::uint32_t index,

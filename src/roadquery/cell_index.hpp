@@ -14,12 +14,14 @@ namespace roadquery {
 inline constexpr double cell_margin_m = 0.3;
 inline constexpr double cell_m = 4.0;
 
-/// Stations of one road over a cell; the line turns by less than a right angle along them. A rough outline of their
+/// Stations of one road over a cell, or a junction's own surface (count 0, first: index into RoadMap::junctions). Of
+/// stations: the line turns by less than a right angle along them. A rough outline of their
 /// surface tells most points beside it without a look at the stations: half a cache line.
 struct CellEntry {
   std::uint32_t first = 0;
   std::uint16_t count = 0, middle = 0;        ///< the station `first + middle` is the outline's origin
-  float x = 0.0F, y = 0.0F;                   ///< of it, from the cell's south-west corner
+  std::uint32_t lanes = 0;                    ///< its stretch: to be fetched beside it
+  std::int16_t x = 0, y = 0;                  ///< of it, in cm from the cell's south-west corner
   float curvature = 0.0F;                     ///< of the parabola that the outline follows
   std::int16_t cos_hdg = 0, sin_hdg = 0;      ///< in 1 / 32767
   std::int16_t along_min = 0, along_max = 0;  ///< in cm
@@ -27,10 +29,16 @@ struct CellEntry {
 };
 static_assert(sizeof(CellEntry) == 32);
 
-/// The entries of a cell, and the point's place in it.
+/// The entries of a cell, junctions last, and the point's place in it.
 struct Cell {
   std::span<const CellEntry> entries;
   float x = 0.0F, y = 0.0F;
+
+  [[nodiscard]] std::span<const CellEntry> junctions() const {
+    std::size_t roads = entries.size();
+    while (roads > 0 && entries[roads - 1].count == 0) --roads;
+    return entries.subspan(roads);
+  }
 };
 
 /// Largest offset of the outline from a sampled surface, m.
@@ -40,8 +48,9 @@ inline constexpr double outline_margin_m = 0.15;
 /// none does.
 inline bool may_touch(const CellEntry& entry, float x, float y, float reach_m, StationRange& range,
                       std::uint32_t& start) {
+  if (entry.count == 0) return false;
   constexpr float from_int = 1.0F / 32767.0F, from_cm = 0.01F, farthest_m = 327.0F;
-  const float dx = x - entry.x, dy = y - entry.y;
+  const float dx = x - static_cast<float>(entry.x) * from_cm, dy = y - static_cast<float>(entry.y) * from_cm;
   const float cos_hdg = static_cast<float>(entry.cos_hdg) * from_int,
               sin_hdg = static_cast<float>(entry.sin_hdg) * from_int;
   const float along = dx * cos_hdg + dy * sin_hdg;
@@ -67,7 +76,7 @@ class CellIndex {
  public:
   CellIndex() = default;
   /// Throws std::runtime_error when the roads cover more cells than memory should be spent on.
-  explicit CellIndex(const BakedRoads& roads);
+  CellIndex(const BakedRoads& roads, const RoadMap& map);
 
   /// Empty where there is no road; any numbers are fine, also infinite ones.
   [[nodiscard]] Cell at(double x, double y) const;
@@ -75,6 +84,8 @@ class CellIndex {
   /// `seen_by` has one number a station: the index of the last station that it was appended for.
   void append_near(const Station& station, const StationBox& box, std::uint32_t index,
                    std::vector<std::uint32_t>& seen_by, std::vector<std::uint32_t>& stations) const;
+  /// Appends the junctions whose own surfaces may touch the box of a station, each once.
+  void append_junctions(const Station& station, const StationBox& box, std::vector<std::uint32_t>& junctions) const;
 
  private:
   struct Slot {
@@ -83,8 +94,8 @@ class CellIndex {
   };
   [[nodiscard]] std::size_t slot_of(std::int32_t column, std::int32_t row) const;
 
-  std::vector<Slot> slots_;  // a power of two, at most half full; linear probing
-  std::vector<CellEntry> entries_;
+  LargeVector<Slot> slots_;  // a power of two, at most half full; linear probing
+  LargeVector<CellEntry> entries_;
 };
 
 }  // namespace roadquery

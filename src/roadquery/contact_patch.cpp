@@ -35,7 +35,7 @@ std::optional<Plane> fit(const Sums& sums) {
 
 ContactPatch contact_patch(const GroundQuery& ground, const PatchRectangle& rectangle, Cursor& cursor) {
   const double cos_heading = std::cos(rectangle.heading), sin_heading = std::sin(rectangle.heading);
-  const GroundHit centre = ground.find(rectangle.x, rectangle.y, rectangle.z_guess, cursor);
+  const GroundHit centre = ground.find(rectangle.x, rectangle.y, rectangle.z_guess, cursor, 0);
   // Heights relative to the centre's, so that sums of squares keep their digits.
   const double level =
       centre.place != Place::none ? centre.hit.z : (std::isnan(rectangle.z_guess) ? 0.0 : rectangle.z_guess);
@@ -47,8 +47,9 @@ ContactPatch contact_patch(const GroundQuery& ground, const PatchRectangle& rect
     for (int j = 0; j < rectangle.across; ++j) {
       const double u = (2.0 * i + 1.0) / rectangle.along - 1.0, v = (2.0 * j + 1.0) / rectangle.across - 1.0;
       const double forward = 0.5 * rectangle.length_m * u, left = 0.5 * rectangle.width_m * v;
-      const GroundHit found = ground.find(rectangle.x + forward * cos_heading - left * sin_heading,
-                                          rectangle.y + forward * sin_heading + left * cos_heading, guess, at);
+      const GroundHit found =
+          ground.find(rectangle.x + forward * cos_heading - left * sin_heading,
+                      rectangle.y + forward * sin_heading + left * cos_heading, guess, at, hit_material);
       patch.partial = patch.partial || found.place != centre.place;
       if (found.place == Place::none) continue;
       if (patch.place == Place::none) patch.place = found.place;

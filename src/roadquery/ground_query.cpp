@@ -36,8 +36,8 @@ GroundQuery::GroundQuery(RoadMap map, std::optional<TerrainGrid> terrain, double
   if (terrain_ && verge_m_ > 0.0) borders_.emplace(roads_, verge_m_);
 }
 
-GroundHit GroundQuery::find(double x, double y, double z_guess, Cursor& cursor) const {
-  const auto hit = roads_.find(x, y, z_guess, cursor);
+GroundHit GroundQuery::find(double x, double y, double z_guess, Cursor& cursor, unsigned parts) const {
+  const auto hit = roads_.find(x, y, z_guess, cursor, parts);
   if (!terrain_) return hit ? GroundHit{place_of(*hit), *hit} : GroundHit{};
   // On a road, near it: the terrain is not asked.
   if (hit && !(std::abs(hit->z - z_guess) > same_level_m)) return {place_of(*hit), *hit};
@@ -51,7 +51,7 @@ GroundHit GroundQuery::find(double x, double y, double z_guess, Cursor& cursor) 
 
 GroundHeight GroundQuery::find_height(double x, double y, double z_guess, Cursor& cursor) const {
   if (terrain_) {
-    const GroundHit found = find(x, y, z_guess, cursor);
+    const GroundHit found = find(x, y, z_guess, cursor, 0);
     return {found.place, found.hit.z};
   }
   const auto z = roads_.find_height(x, y, z_guess, cursor);

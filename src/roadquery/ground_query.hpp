@@ -39,7 +39,8 @@ class GroundQuery {
 
   [[nodiscard]] const RoadQuery& roads() const { return roads_; }
   [[nodiscard]] const std::optional<TerrainGrid>& terrain() const { return terrain_; }
-  [[nodiscard]] GroundHit find(double x, double y, double z_guess, Cursor& cursor) const;
+  /// `parts`: sum of HitPart, what of a road's hit is asked for.
+  [[nodiscard]] GroundHit find(double x, double y, double z_guess, Cursor& cursor, unsigned parts = hit_all) const;
   /// Place and z of find() alone, for less. On a junction's own surface the place is that of the road there.
   [[nodiscard]] GroundHeight find_height(double x, double y, double z_guess, Cursor& cursor) const;
   /// Ids of a road and of its junction (-1: none), by the road's index.

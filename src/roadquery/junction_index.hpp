@@ -1,11 +1,14 @@
 #pragma once
-// Which junctions with a surface of their own lie over a place.
+// Junctions with a surface of their own, side by side in memory.
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "roadquery/baked_road.hpp"
+#include "roadquery/cell_index.hpp"
 #include "roadquery/junction_surface.hpp"
+#include "roadquery/large_vector.hpp"
 
 namespace roadquery {
 
@@ -18,27 +21,43 @@ struct JunctionOver {
 class JunctionIndex {
  public:
   JunctionIndex() = default;
-  /// Stations near a junction's surface lose their free width: the junction must be asked there.
-  JunctionIndex(const RoadMap& map, BakedRoads& roads);
+  /// Throws std::runtime_error for a junction wider than 5 km.
+  explicit JunctionIndex(const RoadMap& map);
 
-  [[nodiscard]] bool empty() const { return cells_.empty(); }
-  /// Of the surfaces over (x, y) the one nearest to z_hint (NaN: the highest).
-  [[nodiscard]] JunctionOver over(const RoadMap& map, double x, double y, double z_hint) const;
+  [[nodiscard]] bool empty() const { return areas_.empty(); }
+  /// As contains() of junction_surface.hpp, from a few edges of the boundary.
+  [[nodiscard]] bool contains(std::uint32_t junction, double x, double y) const;
+  /// Of the surfaces over (x, y), a point of the cell, the one nearest to z_hint (NaN: the highest).
+  [[nodiscard]] JunctionOver over(const Cell& cell, double x, double y, double z_hint) const;
+  /// Lets the memory that over() will read come while other work is done; call both, with some work before each.
+  void fetch_first(const Cell& cell) const;
+  void fetch_second(const Cell& cell, double x, double y) const;
   /// Indices of the connecting roads of a junction.
   [[nodiscard]] const std::vector<std::uint32_t>& roads(std::uint32_t junction) const { return roads_[junction]; }
 
  private:
-  struct CellJunction {
-    std::int32_t row = 0, column = 0;
-    std::uint32_t junction = 0;
-    friend bool operator<(const CellJunction& a, const CellJunction& b) {
-      if (a.row != b.row) return a.row < b.row;
-      return a.column != b.column ? a.column < b.column : a.junction < b.junction;
-    }
+  /// The boundary is cut into horizontal strips, each with the edges that pass it.
+  struct alignas(64) Area {
+    double west = 1.0, east = -1.0, south = 1.0, north = -1.0;
+    double strips_per_m = 0.0;
+    std::uint32_t strips = 1, first_strip = 0;  ///< in strip_begin_
+    std::uint32_t z = 0, arms = 0;              ///< first in z_ and arms_
+    double x = 0.0, y = 0.0, spacing_m = 1.0;
+    std::int32_t columns = 0, rows = 0;
+    std::uint32_t arm_count = 0;
   };
-  [[nodiscard]] std::vector<CellJunction>::const_iterator first_at(std::int32_t row, std::int32_t column) const;
+  static_assert(sizeof(Area) == 128);
+  struct Edge {
+    double x0, y0, x1, y1;
+  };
+  void add(const JunctionSurface& surface);
+  void cut_into_strips(std::span<const std::array<double, 2>> ring, Area& area);
 
-  std::vector<CellJunction> cells_;  // sorted
+  LargeVector<Area> areas_;  // of each junction; empty when none has a surface
+  LargeVector<std::uint32_t> strip_begin_;
+  LargeVector<Edge> edges_;
+  LargeVector<double> z_;
+  LargeVector<JunctionArm> arms_;
   std::vector<std::vector<std::uint32_t>> roads_;
 };
 

@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <unordered_map>
+#include <unordered_set>
 
+#include "roadquery/blend.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace roadquery {
@@ -36,7 +39,7 @@ Cell cell_at(double offset_m, double spacing_m, int count) {
   return {node, inside - node};
 }
 
-JunctionHeight field_at(const JunctionSurface& surface, double x, double y) {
+JunctionHeight field_at(const JunctionField& surface, double x, double y) {
   if (surface.columns < 1 || surface.rows < 1) return {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   const Cell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
   const Cell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
@@ -44,7 +47,7 @@ JunctionHeight field_at(const JunctionSurface& surface, double x, double y) {
   JunctionHeight sum;
   for (int j = 0; j < 4; ++j) {
     const int r = std::clamp(row.node - 1 + j, 0, surface.rows - 1);
-    const double* line = surface.z.data() + static_cast<std::ptrdiff_t>(r) * surface.columns;
+    const double* line = surface.z + static_cast<std::ptrdiff_t>(r) * surface.columns;
     double value = 0.0, slope = 0.0;
     for (int i = 0; i < 4; ++i) {
       const double z = line[std::clamp(column.node - 1 + i, 0, surface.columns - 1)];
@@ -152,7 +155,7 @@ bool contains(const JunctionSurface& surface, double x, double y) {
   return inside;
 }
 
-JunctionHeight evaluate(const JunctionSurface& surface, double x, double y) {
+JunctionHeight evaluate(const JunctionField& surface, double x, double y) {
   const JunctionHeight field = field_at(surface, x, y);
   // Sums of shares and of shares times heights over the field: of differences, for the sake of rounding.
   double shares = 1.0, dshares_dx = 0.0, dshares_dy = 0.0;
@@ -193,22 +196,73 @@ JunctionArm junction_arm(const Road& road, ContactPoint end) {
   return arm;
 }
 
-void join_arms(RoadMap& map) {
-  std::unordered_map<int, JunctionSurface*> surfaces;
-  for (Junction& junction : map.junctions) {
-    if (!junction.surface) continue;
-    junction.surface->arms.clear();
-    surfaces.emplace(junction.id, &*junction.surface);
-  }
-  const auto join = [&](const Road& road, const RoadLink& link, ContactPoint end) {
-    if (link.kind != LinkKind::junction) return;
-    const auto found = surfaces.find(link.id);
-    if (found != surfaces.end()) found->second->arms.push_back(junction_arm(road, end));
+namespace {
+
+/// The end of a road that is linked to a junction.
+struct RoadEnd {
+  JunctionArm arm;
+  int junction = 0;
+};
+
+/// Both ends of all roads that are linked to junctions with a surface, by x.
+std::vector<RoadEnd> ends_at_junctions(const RoadMap& map, const std::unordered_set<int>& with_surface) {
+  std::vector<RoadEnd> ends;
+  const auto add = [&](const Road& road, const RoadLink& link, ContactPoint end) {
+    if (link.kind == LinkKind::junction && with_surface.contains(link.id))
+      ends.push_back({junction_arm(road, end), link.id});
   };
   for (const Road& road : map.roads) {
     if (road.junction >= 0 || road.sections.empty()) continue;
-    join(road, road.predecessor, ContactPoint::start);
-    join(road, road.successor, ContactPoint::end);
+    add(road, road.predecessor, ContactPoint::start);
+    add(road, road.successor, ContactPoint::end);
+  }
+  return ends;
+}
+
+/// Whether some place of the end's line lies inside the surface, on its level.
+bool ends_on(const JunctionArm& arm, const JunctionSurface& surface) {
+  constexpr int across = 4;
+  if (arm.places.size() < 2) return false;
+  const double right = arm.places.front().left_m, left = arm.places.back().left_m;
+  for (int i = 0; i <= across; ++i) {
+    const double left_m = right + (left - right) * i / across;
+    const double x = arm.x - arm.in_y * left_m, y = arm.y + arm.in_x * left_m;
+    if (contains(surface, x, y) && is_same_level(field_at(field_of(surface), x, y).z, arm_height(arm, 0.0, left_m)))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void join_arms(RoadMap& map) {
+  std::unordered_set<int> with_surface;
+  for (const Junction& junction : map.junctions)
+    if (junction.surface) with_surface.insert(junction.id);
+  const std::vector<RoadEnd> ends = ends_at_junctions(map, with_surface);
+  std::vector<std::size_t> by_x(ends.size());
+  std::iota(by_x.begin(), by_x.end(), std::size_t{0});
+  std::sort(by_x.begin(), by_x.end(), [&](std::size_t a, std::size_t b) { return ends[a].arm.x < ends[b].arm.x; });
+  std::unordered_map<int, std::vector<std::size_t>> linked;
+  for (std::size_t i = 0; i < ends.size(); ++i) linked[ends[i].junction].push_back(i);
+  constexpr double reach_m = 30.0;  // of a road's edge from its reference line
+  for (Junction& junction : map.junctions) {
+    if (!junction.surface) continue;
+    JunctionSurface& surface = *junction.surface;
+    surface.arms.clear();
+    double west = std::numeric_limits<double>::infinity(), south = west, east = -west, north = -west;
+    for (const auto& [x, y] : surface.boundary)
+      west = std::min(west, x), east = std::max(east, x), south = std::min(south, y), north = std::max(north, y);
+    std::vector<std::size_t> own = linked[junction.id];
+    auto at = std::lower_bound(by_x.begin(), by_x.end(), west - reach_m,
+                               [&](std::size_t i, double x) { return ends[i].arm.x < x; });
+    for (; at != by_x.end() && ends[*at].arm.x <= east + reach_m; ++at) {
+      const RoadEnd& end = ends[*at];
+      if (end.junction == junction.id || end.arm.y < south - reach_m || end.arm.y > north + reach_m) continue;
+      if (ends_on(end.arm, surface)) own.push_back(*at);
+    }
+    std::sort(own.begin(), own.end());
+    for (const std::size_t i : own) surface.arms.push_back(ends[i].arm);
   }
 }
 

@@ -14,6 +14,8 @@
 // interpolation function for irregularly-spaced data, 1968): z and its slope are the road's across the whole cross
 // section, crown included. 2 m is how far the network stage ends roads behind the carriageways that they meet.
 
+#include <span>
+
 #include "roadquery/road_map.hpp"
 
 namespace roadquery {
@@ -24,12 +26,31 @@ struct JunctionHeight {
 
 constexpr double junction_transition_m = 2.0, beside_arm_m = 1.0;
 
+/// Whether the junction has a surface of its own that a point can lie on.
+[[nodiscard]] inline bool has_surface(const Junction& junction) {
+  return junction.surface && junction.surface->boundary.size() >= 3;
+}
+
 /// Whether (x, y) lies inside the boundary (even-odd rule; a point on the boundary may count either way).
 [[nodiscard]] bool contains(const JunctionSurface& surface, double x, double y);
 
+/// A surface without its boundary, wherever its numbers are kept.
+struct JunctionField {
+  double x = 0.0, y = 0.0, spacing_m = 1.0;
+  int columns = 0, rows = 0;
+  const double* z = nullptr;
+  std::span<const JunctionArm> arms;
+};
+[[nodiscard]] inline JunctionField field_of(const JunctionSurface& surface) {
+  return {surface.x, surface.y, surface.spacing_m, surface.columns, surface.rows, surface.z.data(), surface.arms};
+}
+
 /// Height and slopes, C1 in x and y. Defined everywhere: beyond the grid the field stays as at its border, far from it
 /// the value means nothing. NaN without nodes.
-[[nodiscard]] JunctionHeight evaluate(const JunctionSurface& surface, double x, double y);
+[[nodiscard]] JunctionHeight evaluate(const JunctionField& field, double x, double y);
+[[nodiscard]] inline JunctionHeight evaluate(const JunctionSurface& surface, double x, double y) {
+  return evaluate(field_of(surface), x, y);
+}
 
 /// The end of a road that a junction begins at. Its cross section: edges, reference line and every <shape> between.
 [[nodiscard]] JunctionArm junction_arm(const Road& road, ContactPoint end);
@@ -38,8 +59,9 @@ constexpr double junction_transition_m = 2.0, beside_arm_m = 1.0;
 /// at least two places.
 [[nodiscard]] double arm_height(const JunctionArm& arm, double in_m, double left_m);
 
-/// Sets the arms of every junction that has a surface: all road ends that are linked to it, by road id, start before
-/// end. To be called when roads or surfaces have changed; read_opendrive() and the network stage do.
+/// Sets the arms of every junction that has a surface: all road ends that are linked to it or, linked to another
+/// junction, lie inside its boundary on its level (where two surfaces overlap both turn into the same arms); by road
+/// id, start before end. To be called when roads or surfaces have changed; read_opendrive() and the network stage do.
 void join_arms(RoadMap& map);
 
 }  // namespace roadquery

@@ -14,6 +14,7 @@ constexpr double mm_per_m = 1e3, height_steps_per_m = 1e4;
 constexpr double largest_m = 1e8;               // of a coordinate or a height
 constexpr std::int64_t most_nodes = 4'000'000;  // 2 km by 2 km at 1 m
 constexpr std::size_t most_points = 1'000'000;
+constexpr std::int64_t most_zeros = 99, most_nodes_a_character = 32;  // 0*99 and a space are five characters
 
 std::int64_t steps(double metres, double per_m) { return std::llround(metres * per_m); }
 
@@ -50,6 +51,12 @@ class Numbers {
       fail("has \"" + std::string(text_.substr(0, 20)) + "\" where a number should stand");
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
     return value;
+  }
+  /// How many times the number just read stands there: "0*12".
+  [[nodiscard]] std::int64_t times() {
+    if (text_.empty() || text_.front() != '*') return 1;
+    text_.remove_prefix(1);
+    return next<std::int64_t>(static_cast<double>(most_zeros));
   }
   [[noreturn]] void fail(const std::string& what) const {
     throw std::runtime_error("userData " + std::string(code_) + " " + what);
@@ -92,8 +99,22 @@ std::string heights_text(const JunctionSurface& surface, double offset_x, double
   append(text, surface.columns), append(text, surface.rows);
   std::vector<std::int64_t> z;
   for (const double height : surface.z) z.push_back(steps(height, height_steps_per_m));
-  for (std::size_t i = 0; i < z.size(); ++i)
-    append(text, z[i] - prediction(z, i, static_cast<std::size_t>(surface.columns)));
+  std::int64_t zeros = 0;
+  const auto write_zeros = [&] {
+    if (zeros > 0) append(text, 0);
+    if (zeros == 2) append(text, 0);
+    if (zeros > 2) text += '*' + std::to_string(zeros);
+    zeros = 0;
+  };
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const std::int64_t off = z[i] - prediction(z, i, static_cast<std::size_t>(surface.columns));
+    if (off != 0 || zeros == most_zeros) write_zeros();
+    if (off == 0)
+      ++zeros;
+    else
+      append(text, off);
+  }
+  write_zeros();
   return text;
 }
 
@@ -127,14 +148,15 @@ void read_heights(std::string_view text, JunctionSurface& surface) {
   surface.columns = numbers.next<int>(1e6), surface.rows = numbers.next<int>(1e6);
   const std::int64_t count = std::int64_t{surface.columns} * surface.rows;
   if (surface.columns < 1 || surface.rows < 1 || count > most_nodes) numbers.fail("has a grid of an impossible size");
-  // Each number takes two characters at least: a short text cannot ask for much memory.
-  if (static_cast<std::size_t>(count) > text.size()) numbers.fail("ends too early");
+  // A short text cannot ask for much memory.
+  if (count > most_nodes_a_character * static_cast<std::int64_t>(text.size())) numbers.fail("ends too early");
   const double largest = largest_m * height_steps_per_m;
   std::vector<std::int64_t> z;
   z.reserve(static_cast<std::size_t>(count));
   surface.z.clear();
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    z.push_back(prediction(z, i, static_cast<std::size_t>(surface.columns)) + numbers.next<std::int64_t>(largest));
+  for (std::int64_t times = 0, off = 0; z.size() < static_cast<std::size_t>(count); --times) {
+    if (times <= 0) off = numbers.next<std::int64_t>(largest), times = numbers.times();
+    z.push_back(prediction(z, z.size(), static_cast<std::size_t>(surface.columns)) + off);
     if (std::abs(static_cast<double>(z.back())) > largest) numbers.fail("has heights beyond all bounds");
     surface.z.push_back(static_cast<double>(z.back()) / height_steps_per_m);
   }

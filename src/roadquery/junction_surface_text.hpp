@@ -6,7 +6,8 @@
 //     by
 //                       row from the south, in 0.1 mm less their prediction: west + south - south-west neighbour
 //                       (missing ones: the other one; the first node: 0). Smooth fields give numbers of one or two
-//                       digits.
+//                       digits. "0*12" is twelve times 0: nodes that no place inside the boundary needs are as
+//                       predicted.
 //
 // Heights of 1 mm would make slopes rough: two of them 0.5 m apart are 0.2 %.
 

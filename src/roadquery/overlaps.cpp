@@ -6,15 +6,39 @@
 #include <utility>
 
 #include "roadquery/baked_surface.hpp"
+#include "roadquery/surface_search.hpp"
 
 namespace roadquery {
 namespace {
 
 constexpr double box_rounding_m = 0.02;  // more than an edge bends between two corners of a box
 
-/// The part of b's box that lies beside a's station: its left_min and left_max in a's frame; empty (min > max) when
-/// there is none. Sutherland and Hodgman's clipping (1974) of a rectangle by the two ends of the other.
-std::array<double, 2> beside(const Station& a, const StationBox& box_a, const Station& b, const StationBox& box_b) {
+/// A rectangle in a station's frame, at first empty.
+struct Part {
+  double along_min = 1e30, along_max = -1e30, left_min = 1e30, left_max = -1e30;
+
+  void add(double along, double left) {
+    along_min = std::min(along_min, along), along_max = std::max(along_max, along);
+    left_min = std::min(left_min, left), left_max = std::max(left_max, left);
+  }
+  [[nodiscard]] bool empty() const { return left_min > left_max; }
+};
+
+/// What of a ring lies beside a station. Sutherland and Hodgman's clipping (1974) by the two ends of the station.
+Part beside(const StationBox& box, std::span<const FramePoint> ring) {
+  Part part;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const FramePoint &p = ring[i], &next = ring[i + 1 < ring.size() ? i + 1 : 0];
+    if (p.along >= box.along_min && p.along <= box.along_max) part.add(p.along, p.left);
+    for (const double end : {box.along_min, box.along_max})
+      if ((p.along < end) != (next.along < end))
+        part.add(end, p.left + (end - p.along) / (next.along - p.along) * (next.left - p.left));
+  }
+  return part;
+}
+
+/// Of the box of b beside a.
+Part beside(const Station& a, const StationBox& box_a, const Station& b, const StationBox& box_b) {
   std::array<FramePoint, 4> corners;
   std::size_t count = 0;
   for (const auto& [along, left] :
@@ -22,27 +46,18 @@ std::array<double, 2> beside(const Station& a, const StationBox& box_a, const St
         std::pair{box_b.along_max, box_b.left_max}, std::pair{box_b.along_min, box_b.left_max}})
     corners[count++] =
         in_frame(a, b.x + along * b.cos_hdg - left * b.sin_hdg, b.y + along * b.sin_hdg + left * b.cos_hdg);
-  std::array<double, 2> range = {1e30, -1e30};
-  const auto take = [&](double left) { range = {std::min(range[0], left), std::max(range[1], left)}; };
-  for (std::size_t i = 0; i < count; ++i) {
-    const FramePoint &p = corners[i], &next = corners[(i + 1) % count];
-    if (p.along >= box_a.along_min && p.along <= box_a.along_max) take(p.left);
-    for (const double end : {box_a.along_min, box_a.along_max})
-      if ((p.along < end) != (next.along < end))
-        take(p.left + (end - p.along) / (next.along - p.along) * (next.left - p.left));
-  }
-  return range;
+  return beside(box_a, corners);
 }
 
 /// Largest part of the width of a station that no other surface is known to touch.
 struct FreeWidth {
   double right = 0.0, left = 0.0;
-  void take_away(const std::array<double, 2>& taken) {
-    if (taken[0] > taken[1] || taken[1] < right || taken[0] > left) return;
-    if (taken[0] - right > left - taken[1])
-      left = taken[0];
+  void take_away(const Part& taken) {
+    if (taken.empty() || taken.left_max < right || taken.left_min > left) return;
+    if (taken.left_min - right > left - taken.left_max)
+      left = taken.left_min;
     else
-      right = taken[1];
+      right = taken.left_max;
   }
 };
 
@@ -77,23 +92,32 @@ std::vector<Extent> extents_of(const BakedRoads& roads) {
   return extents;
 }
 
-/// Whether station k lies over station i, and then how much of the width it takes.
-bool overlap(const BakedRoads& roads, const std::vector<Extent>& extents, std::uint32_t i, std::uint32_t k,
-             double level_m, FreeWidth& free) {
+/// The part of station i that station k lies over; empty when there is none.
+Part overlap(const BakedRoads& roads, const std::vector<Extent>& extents, std::uint32_t i, std::uint32_t k,
+             double level_m) {
   const Station &a = roads.stations[i], &b = roads.stations[k];
   const Extent &one = extents[i], &other = extents[k];
-  if (one.z[0] > other.z[1] + level_m || other.z[0] > one.z[1] + level_m) return false;
+  if (one.z[0] > other.z[1] + level_m || other.z[0] > one.z[1] + level_m) return {};
   const LaneStretch &lanes_a = roads.stretches[a.lanes], &lanes_b = roads.stretches[b.lanes];
   const double reach = static_cast<double>(lanes_a.reach_m) + lanes_b.reach_m + 2.0 * box_rounding_m;
-  if (lanes_a.road == lanes_b.road && std::abs(a.s - b.s) < reach) return false;  // neighbours, and folds of a bend
+  if (lanes_a.road == lanes_b.road && std::abs(a.s - b.s) < reach) return {};  // neighbours, and folds of a bend
   const double far = 1.5 * (reach + a.half_m + b.half_m);
-  if (std::abs(a.x - b.x) > far || std::abs(a.y - b.y) > far) return false;
-  const auto taken = beside(a, one.box, b, other.box);
-  if (taken[0] > taken[1] || taken[1] < one.box.left_min || taken[0] > one.box.left_max) return false;
-  const auto other_way = beside(b, other.box, a, one.box);
-  if (other_way[0] > other_way[1]) return false;
-  free.take_away(taken);
-  return true;
+  if (std::abs(a.x - b.x) > far || std::abs(a.y - b.y) > far) return {};
+  const Part taken = beside(a, one.box, b, other.box);
+  if (taken.empty() || taken.left_max < one.box.left_min || taken.left_min > one.box.left_max) return {};
+  return beside(b, other.box, a, one.box).empty() ? Part{} : taken;
+}
+
+/// Grows the companion by a part, and by what search_companions() may find beyond a road's end.
+void grow(Companion& companion, const Part& part) {
+  constexpr double beyond_m = seam_m + box_rounding_m;
+  const auto down = [](double m) { return std::floor((m - beyond_m) / static_cast<double>(companion_step_m)); };
+  const auto up = [](double m) { return std::ceil((m + beyond_m) / static_cast<double>(companion_step_m)); };
+  const auto keep = [](double steps) { return static_cast<std::int8_t>(std::clamp(steps, -128.0, 127.0)); };
+  companion.along_min = std::min(companion.along_min, keep(down(part.along_min)));
+  companion.along_max = std::max(companion.along_max, keep(up(part.along_max)));
+  companion.left_min = std::min(companion.left_min, keep(down(part.left_min)));
+  companion.left_max = std::max(companion.left_max, keep(up(part.left_max)));
 }
 
 /// Largest distance between the line and the tangent of its middle, and of the surface that tilts with it.
@@ -136,10 +160,12 @@ StationBox station_box(const BakedRoads& roads, const Station& q) {
   return box;
 }
 
-void find_overlaps(BakedRoads& roads, const CellIndex& cells, double level_m) {
+void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells, double level_m) {
   const std::vector<Extent> extents = extents_of(roads);
-  std::vector<std::uint32_t> near, seen_by(roads.stations.size(), no_index);
+  std::vector<FramePoint> ring;
+  std::vector<std::uint32_t> near, junctions, seen_by(roads.stations.size(), no_index);
   roads.companion_begin.assign(1, 0);
+  roads.junction_decides.assign(roads.stations.size(), 0);
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
     Station& q = roads.stations[i];
     near.clear();
@@ -147,14 +173,24 @@ void find_overlaps(BakedRoads& roads, const CellIndex& cells, double level_m) {
     std::sort(near.begin(), near.end());
     FreeWidth free{extents[i].box.left_min, extents[i].box.left_max};
     for (const std::uint32_t k : near) {
-      if (!overlap(roads, extents, i, k, level_m, free)) continue;
+      const Part part = overlap(roads, extents, i, k, level_m);
+      if (part.empty()) continue;
+      free.take_away(part);
       const bool goes_on = roads.companions.size() > roads.companion_begin.back() &&
-                           roads.companions.back().last + 1 == k &&
-                           roads.stretches[roads.stations[k].lanes].first_station != k;
-      if (goes_on)
-        roads.companions.back().last = k;
-      else
-        roads.companions.push_back({k, k});
+                           roads.companions.back().range.last + 1 == k &&
+                           roads.first_station[roads.road_of(roads.stations[k])] != k;
+      if (!goes_on) roads.companions.push_back({.range = {k, k}});
+      roads.companions.back().range.last = k;
+      grow(roads.companions.back(), part);
+    }
+    junctions.clear();
+    if (q.shape_count != unusable_station) cells.append_junctions(q, extents[i].box, junctions);
+    for (const std::uint32_t junction : junctions) {
+      ring.clear();
+      for (const auto& [x, y] : map.junctions[junction].surface->boundary) ring.push_back(in_frame(q, x, y));
+      const Part part = beside(extents[i].box, ring);
+      if (!part.empty()) roads.junction_decides[i] = 1;
+      free.take_away(part);
     }
     keep_free_width(roads, free, q);
     roads.companion_begin.push_back(static_cast<std::uint32_t>(roads.companions.size()));

@@ -421,6 +421,14 @@ class Builder {
     if (!std::is_sorted(road.sections.begin(), road.sections.end(), by_s)) {
       throw std::runtime_error(who + " has lane sections that are not sorted by s");
     }
+    if (is_boundary_alone(road)) map.roads.pop_back();
+  }
+
+  /// Of a junction and without lanes: part of its <boundary> (1.8, 12.10), no surface.
+  static bool is_boundary_alone(const Road& road) {
+    return road.junction >= 0 &&
+           std::all_of(road.sections.begin(), road.sections.end(),
+                       [](const LaneSection& section) { return section.left.empty() && section.right.empty(); });
   }
 
   /// <offset> (1.5+) moves the coordinates of the file into the CRS of geoReference.

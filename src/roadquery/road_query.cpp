@@ -6,6 +6,7 @@
 
 #include "roadquery/baked_surface.hpp"
 #include "roadquery/blend.hpp"
+#include "roadquery/junction_levels.hpp"
 #include "roadquery/overlaps.hpp"
 #include "roadquery/surface_search.hpp"
 
@@ -17,11 +18,13 @@ constexpr double coherent_level_m = 1.0;
 /// coherent_level_m of the hint.
 constexpr double alone_level_m = 2.0 * coherent_level_m + same_level_m;
 
-void fill_place(const BakedRoads& roads, const Found& found, Hit& hit) {
+void fill_place(const BakedRoads& roads, const Found& found, unsigned parts, Hit& hit) {
   const Station& q = roads.stations[found.station];
-  hit.road = static_cast<int>(roads.road_of(q));
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  hit.road = static_cast<int>(lanes.road);
   hit.s = q.s + found.line.u, hit.t = found.on.t;
-  if (const BakedLane* lane = lane_at(roads, roads.stretches[q.lanes], hit.s, hit.t, edge_rounding_m)) {
+  if ((parts & (hit_lane | hit_material)) == 0) return;
+  if (const BakedLane* lane = lane_at(roads, lanes, hit.s, hit.t, edge_rounding_m)) {
     hit.lane_id = lane->id, hit.surface = lane->surface;
     hit.friction = lane->friction, hit.roughness_m = lane->roughness_m;
   }
@@ -34,9 +37,8 @@ Bearing bearing_of(const BakedRoads& roads, const Found& found) {
   Bearing bearing = bearing_at(q, found.line, found.on);
   if (!found.has_crg) return bearing;
   const LinePlace& line = found.line;
-  const double inverse_speed = inverse_root(line.dx_du * line.dx_du + line.dy_du * line.dy_du);
-  const double c = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
-  const double n = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
+  const double c = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * line.inverse_speed;
+  const double n = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * line.inverse_speed;
   const double scale = 1.0 / std::sqrt(1.0 + found.rise_along * found.rise_along + found.rise_left * found.rise_left);
   bearing.normal[0] = (-found.rise_along * c + found.rise_left * n) * scale;
   bearing.normal[1] = (-found.rise_along * n - found.rise_left * c) * scale;
@@ -44,19 +46,18 @@ Bearing bearing_of(const BakedRoads& roads, const Found& found) {
   return bearing;
 }
 
-Hit hit_of(const BakedRoads& roads, const Found& found) {
-  Hit hit;
-  fill_place(roads, found, hit);
+void fill_hit(const BakedRoads& roads, const Found& found, unsigned parts, Hit& hit) {
+  fill_place(roads, found, parts, hit);
+  hit.z = found.on.z;
+  if ((parts & (hit_normal | hit_curvature)) == 0) return;
   const Bearing bearing = bearing_of(roads, found);
-  hit.z = found.on.z, hit.curvature = bearing.curvature;
+  hit.curvature = bearing.curvature;
   hit.normal = {bearing.normal[0], bearing.normal[1], bearing.normal[2]};
-  return hit;
 }
 
-Hit blended(const BakedRoads& roads, std::span<const Found> surfaces, const Found& named) {
-  if (surfaces.size() == 1) return hit_of(roads, named);
-  Hit hit;
-  fill_place(roads, named, hit);
+void fill_blended(const BakedRoads& roads, std::span<const Found> surfaces, const Found& named, unsigned parts,
+                  Hit& hit) {
+  fill_place(roads, named, parts, hit);
   Blend blend;
   for (const Found& found : surfaces) {
     const Bearing bearing = bearing_of(roads, found);
@@ -66,7 +67,6 @@ Hit blended(const BakedRoads& roads, std::span<const Found> surfaces, const Foun
   double normal[3];
   blend.get_normal(normal);
   hit.z = blend.z(), hit.normal = {normal[0], normal[1], normal[2]};
-  return hit;
 }
 
 /// The cursor's station, or no_index for one of another map.
@@ -92,7 +92,7 @@ bool follow(const BakedRoads& roads, double x, double y, double z_hint, const Cu
   const LaneStretch& lanes = roads.stretches[q.lanes];
   if (holds(q, found.line.u)) {
     if (!complete(roads, q, lanes, x, y, edge_rounding_m, found)) return false;
-  } else if (!find_on(roads, {lanes.first_station, lanes.last_station}, x, y, most_steps, edge_rounding_m, found)) {
+  } else if (!find_on(roads, roads.stations_of(lanes.road), x, y, most_steps, edge_rounding_m, found)) {
     return false;
   }
   return found.along_rest_m <= edge_rounding_m && std::abs(found.on.z - z_hint) <= coherent_level_m;
@@ -119,11 +119,11 @@ const Found& named_of(const BakedRoads& roads, std::span<const Found> level, int
 
 }  // namespace
 
-RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), cells_(baked_) {
-  find_overlaps(baked_, cells_, alone_level_m);
-  junctions_ = JunctionIndex(map_, baked_);
+RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), junctions_(map_), cells_(baked_, map_) {
+  find_overlaps(baked_, map_, cells_, alone_level_m);
+  find_levels(baked_, map_, cells_);
   if (!map_.crgs || map_.crgs->empty()) return;
-  for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road));
+  for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road)) ? 1 : 0;
   baked_.crgs = map_.crgs;
 }
 
@@ -135,23 +135,28 @@ struct RoadQuery::Level {
   [[nodiscard]] bool empty() const { return roads.empty() && junction.junction == no_index; }
 };
 
-void RoadQuery::search_place(double x, double y, FoundList& list) const {
-  const Cell cell = cells_.at(x, y);
-  search_cell(baked_, cell, x, y, edge_rounding_m, list);
+void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& list) const {
+  junctions_.fetch_first(cell);
+  StartList starts;
+  find_starts(baked_, cell, edge_rounding_m, starts);
+  junctions_.fetch_second(cell, x, y);
+  search_starts(baked_, starts, x, y, edge_rounding_m, list);
   if (list.count == 0) search_stations(baked_, cell, x, y, edge_rounding_m, true, list);
 }
 
-RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const {
-  Found& here = list.items[0];
-  if (follow(baked_, x, y, z_hint, cursor, here)) {
+/// `followed`: the list begins with what follow() found, and other surfaces lie near it.
+RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, bool followed, FoundList& list) const {
+  if (followed) {
     list.count = 1;
-    if (is_alone(baked_, here)) return {list.all(), {}};
-    search_companions(baked_, here.station, x, y, list);
-  } else {
-    search_place(x, y, list);
+    const std::uint32_t station = list.items[0].station;
+    const JunctionOver over = junctions_.empty() ? JunctionOver{} : junctions_.over(cells_.at(x, y), x, y, z_hint);
+    if (over.junction != no_index && baked_.junction_decides[station] != 0) return {list.all(), over};
+    search_companions(baked_, station, x, y, list);
+    return with_junction(over, z_hint, list);
   }
-  if (junctions_.empty()) return {list.count == 1 ? list.all() : level_of(list, z_hint, any_road), {}};
-  return with_junction(junctions_.over(map_, x, y, z_hint), z_hint, list);
+  const Cell cell = cells_.at(x, y);
+  search_place(cell, x, y, list);
+  return with_junction(junctions_.over(cell, x, y, z_hint), z_hint, list);
 }
 
 /// A junction's own surface takes part in the choice of the level like a road's.
@@ -183,36 +188,57 @@ std::optional<Found> RoadQuery::nearest_of_junction(std::uint32_t junction, doub
   return best;
 }
 
-std::optional<Hit> RoadQuery::hit_of_level(const Level& level, double x, double y, Cursor& cursor) const {
+std::optional<Hit> RoadQuery::hit_of_level(const Level& level, double x, double y, unsigned parts,
+                                           Cursor& cursor) const {
   std::optional<Found> nearest;
   if (level.roads.empty()) nearest = nearest_of_junction(level.junction.junction, x, y);
   if (level.roads.empty() && !nearest) return std::nullopt;
   const Found& named = nearest ? *nearest : named_of(baked_, level.roads, cursor.road);
-  Hit hit = nearest ? hit_of(baked_, named) : blended(baked_, level.roads, named);
-  if (level.junction.junction != no_index) {
+  const bool has_own_surface = level.junction.junction != no_index;
+  std::optional<Hit> result(std::in_place);
+  Hit& hit = *result;
+  if (level.roads.size() > 1 && !has_own_surface)
+    fill_blended(baked_, level.roads, named, parts, hit);
+  else
+    fill_hit(baked_, named, has_own_surface ? parts & ~hit_normal : parts, hit);
+  if (has_own_surface) {
     const JunctionHeight& at = level.junction.at;
     const double scale = 1.0 / std::sqrt(1.0 + at.dz_dx * at.dz_dx + at.dz_dy * at.dz_dy);
     hit.z = at.z, hit.normal = {-at.dz_dx * scale, -at.dz_dy * scale, scale};
     hit.in_junction = true;
   }
   cursor = {hit.road, hit.s, named.station};
-  return hit;
+  return result;
 }
 
-std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor) const {
+std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor, unsigned parts) const {
   FoundList list;
-  const Level level = search(x, y, z_hint, cursor, list);
   std::optional<Hit> hit;
-  if (!level.empty()) hit = hit_of_level(level, x, y, cursor);
+  Found& here = list.items[0];
+  const bool followed = follow(baked_, x, y, z_hint, cursor, here);
+  if (followed && is_alone(baked_, here)) {
+    fill_hit(baked_, here, parts, hit.emplace());
+    cursor = {hit->road, hit->s, here.station};
+    return hit;
+  }
+  const Level level = search(x, y, z_hint, followed, list);
+  if (!level.empty()) hit = hit_of_level(level, x, y, parts, cursor);
   if (!hit) cursor = {};
   return hit;
 }
 
 std::optional<double> RoadQuery::find_height(double x, double y, double z_hint, Cursor& cursor) const {
   FoundList list;
-  const Level level = search(x, y, z_hint, cursor, list);
+  Found& here = list.items[0];
+  const bool followed = follow(baked_, x, y, z_hint, cursor, here);
+  if (followed && is_alone(baked_, here)) {
+    const Station& station = baked_.stations[here.station];
+    cursor = {static_cast<int>(baked_.road_of(station)), station.s + here.line.u, here.station};
+    return here.on.z;
+  }
+  const Level level = search(x, y, z_hint, followed, list);
   if (level.roads.empty()) {
-    const auto hit = level.empty() ? std::nullopt : hit_of_level(level, x, y, cursor);
+    const auto hit = level.empty() ? std::nullopt : hit_of_level(level, x, y, 0, cursor);
     if (!hit) cursor = {};
     return hit ? std::optional(hit->z) : std::nullopt;
   }
@@ -240,12 +266,36 @@ std::optional<Hit> RoadQuery::at(std::size_t road, double s, double t) const {
   const double half = q.half_m;
   found.line = place_at(q, std::clamp(s - q.s, -half, half), {});
   surface_at_t(baked_, q, found.line.u, t, found.on);
-  found.has_crg = baked_.stretches[q.lanes].has_crg;
+  found.has_crg = baked_.stretches[q.lanes].has_crg != 0;
   if (found.has_crg) {
     const SurfacePoint p = surface_point(map_.roads[road], q.s + found.line.u, t);
     lay_crgs(baked_, q, p.x, p.y, found);
   }
-  return hit_of(baked_, found);
+  Hit hit;
+  fill_hit(baked_, found, hit_all, hit);
+  return hit;
+}
+
+std::optional<RoadSection> RoadQuery::section(std::size_t road, double s) const {
+  constexpr double rounding_m = 1e-6;  // at a break the cubics that begin there count, as in the exact functions
+  if (road >= map_.roads.size() || std::isnan(s)) return std::nullopt;
+  s = std::clamp(s, 0.0, map_.roads[road].length);
+  const std::uint32_t station = baked_.station_at(road, s + rounding_m);
+  if (station == no_index || baked_.stations[station].shape_count == unusable_station) return std::nullopt;
+  const Station& q = baked_.stations[station];
+  const double u = s - q.s;
+  const LinePolynomial line = line_at(q, u);
+  const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
+  const auto point = [&](double t) {
+    SurfacePlace on;
+    surface_at_t(baked_, q, u, t, on);
+    const double left = t * on.cos_bank - on.h * on.sin_bank;
+    const double a = line.position[0] - left * line.tangent[1] / speed,
+                 l = line.position[1] + left * line.tangent[0] / speed;
+    return std::array{q.x + a * q.cos_hdg - l * q.sin_hdg, q.y + a * q.sin_hdg + l * q.cos_hdg, on.z};
+  };
+  const Edges edges = road_edges(map_.roads[road], s);
+  return RoadSection{point(edges.left_t), point(edges.right_t), point(0.0)};
 }
 
 /// Of the surfaces that end or go by at most reach_m from the point the nearest one of the level's roads.
@@ -275,16 +325,16 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
                                                const std::vector<bool>& is_on_level) const {
   const auto is_anchor = [&](const Found& f) { return is_on_level[baked_.road_of(baked_.stations[f.station])]; };
   FoundList list;
-  search_place(x, y, list);
+  const Cell cell = cells_.at(x, y);
+  search_place(cell, x, y, list);
   double highest = std::numeric_limits<double>::quiet_NaN();
   for (const Found& found : list.all())
     if (is_anchor(found) && !(found.on.z <= highest)) highest = found.on.z;
   Level level;
   if (!std::isnan(highest)) {
-    level = junctions_.empty() ? Level{level_of(list, highest, any_road), {}}
-                               : with_junction(junctions_.over(map_, x, y, highest), highest, list);
-  } else if (!junctions_.empty()) {  // between the roads of a junction
-    level.junction = junctions_.over(map_, x, y, highest);
+    level = with_junction(junctions_.over(cell, x, y, highest), highest, list);
+  } else {  // between the roads of a junction
+    level.junction = junctions_.over(cell, x, y, highest);
     const auto is_own = [&](std::uint32_t road) { return is_on_level[road]; };
     if (level.junction.junction != no_index && std::ranges::none_of(junctions_.roads(level.junction.junction), is_own))
       level.junction = {};
@@ -294,7 +344,7 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
   if (level.empty() && reach_m > 0.0) level.roads = nearest_beside(x, y, reach_m, is_on_level, list);
   if (level.empty()) return std::nullopt;
   Cursor cursor;
-  const auto hit = hit_of_level(level, x, y, cursor);
+  const auto hit = hit_of_level(level, x, y, hit_normal, cursor);
   if (!hit) return std::nullopt;
   SurfaceSample sample{hit->z, hit->normal, 0.0};
   constexpr double between_roads_m = 1e-3;

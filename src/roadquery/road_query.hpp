@@ -30,6 +30,15 @@ struct Hit {
   bool in_junction = false;  ///< on a junction's own surface (JunctionSurface)
 };
 
+/// What find() fills in of a Hit besides z, road, s, t and in_junction.
+enum HitPart : unsigned {
+  hit_normal = 1,
+  hit_lane = 2,
+  hit_curvature = 4,
+  hit_material = 8,  ///< surface, friction, roughness_m
+  hit_all = 15
+};
+
 /// Remembers where the last query of one moving point ended, so that the next one begins there. One a point; start with
 /// Cursor{}.
 struct Cursor {
@@ -45,6 +54,11 @@ struct SurfaceSample {
   /// Distance to the border of the road that the point lies deepest in; negative: outside. 1 mm between the roads of a
   /// junction with a surface of its own.
   double inside_m = 0.0;
+};
+
+/// A road's surface across the road: (x, y, z).
+struct RoadSection {
+  std::array<double, 3> left{}, right{}, reference{};
 };
 
 /// Finds the road under a point in baked tables (baked_road.hpp): a hash of cells lists the stations over a place.
@@ -67,7 +81,9 @@ class RoadQuery {
   [[nodiscard]] const BakedRoads& baked() const { return baked_; }
   /// Nothing when no road is under (x, y), or when one of them is not finite. A cursor whose surface lies within 1 m of
   /// z_hint makes the query coherent: one station is looked at instead of all nearby.
-  [[nodiscard]] std::optional<Hit> find(double x, double y, double z_hint, Cursor& cursor) const;
+  /// `parts`: sum of HitPart, what of a hit is asked for; the rest keeps its defaults.
+  [[nodiscard]] std::optional<Hit> find(double x, double y, double z_hint, Cursor& cursor,
+                                        unsigned parts = hit_all) const;
   /// Hit::z of find() alone, for less.
   [[nodiscard]] std::optional<double> find_height(double x, double y, double z_hint, Cursor& cursor) const;
   /// find() for each of the points, each with its own cursor (all spans of one length).
@@ -76,6 +92,9 @@ class RoadQuery {
   /// The surface at s (clamped to the road) and t of a road, whatever else lies there; nothing for roads without a
   /// plan, lanes or finite numbers there.
   [[nodiscard]] std::optional<Hit> at(std::size_t road, double s, double t) const;
+  /// Points of a road's own cross section at s (clamped to the road), from the tables: both edges and the reference
+  /// line. OpenCRG files do not count. Nothing where at() has nothing.
+  [[nodiscard]] std::optional<RoadSection> section(std::size_t road, double s) const;
   /// As find() at the highest surface of the roads of a level, the others blended in: z and normal agree with a find()
   /// whose z_hint is that surface. Up to reach_m (at most a cell; 0: not at all) beyond all borders the surface of the
   /// nearest of the roads goes on level.
@@ -84,18 +103,19 @@ class RoadQuery {
 
  private:
   struct Level;
-  void search_place(double x, double y, FoundList& list) const;
-  [[nodiscard]] Level search(double x, double y, double z_hint, const Cursor& cursor, FoundList& list) const;
+  void search_place(const Cell& cell, double x, double y, FoundList& list) const;
+  [[nodiscard]] Level search(double x, double y, double z_hint, bool followed, FoundList& list) const;
   [[nodiscard]] static Level with_junction(const JunctionOver& over, double z_hint, FoundList& list);
   [[nodiscard]] std::optional<Found> nearest_of_junction(std::uint32_t junction, double x, double y) const;
   [[nodiscard]] std::span<Found> nearest_beside(double x, double y, double reach_m,
                                                 const std::vector<bool>& is_on_level, FoundList& list) const;
-  [[nodiscard]] std::optional<Hit> hit_of_level(const Level& level, double x, double y, Cursor& cursor) const;
+  [[nodiscard]] std::optional<Hit> hit_of_level(const Level& level, double x, double y, unsigned parts,
+                                                Cursor& cursor) const;
 
   RoadMap map_;
   BakedRoads baked_;
-  CellIndex cells_;
   JunctionIndex junctions_;
+  CellIndex cells_;
 };
 
 }  // namespace roadquery

@@ -49,6 +49,14 @@ bool find_station(const BakedRoads& roads, const StationRange& range, double x, 
   return false;
 }
 
+/// Two cache lines.
+template <typename T>
+void prefetch(const T& record) {
+  static_assert(sizeof(T) == 128);
+  const char* line = reinterpret_cast<const char*>(&record);  // NOLINT
+  __builtin_prefetch(line), __builtin_prefetch(line + 64);
+}
+
 /// Whether the place lies so near to the centre of curvature, or beyond it, that Newton's method may find no foot.
 bool is_folded(const Station& q, const LinePlace& place) {
   const LinePolynomial line = line_at(q, place.u);
@@ -57,12 +65,21 @@ bool is_folded(const Station& q, const LinePlace& place) {
   return place.left_m * turn > 0.9 * square * std::sqrt(square);
 }
 
+/// Whether a point, in the station's frame and companion_step_m, may lie on the companion.
+bool may_touch(const Companion& companion, float along, float left) {
+  const auto within = [](float at, std::int8_t least, std::int8_t most) {
+    return (at >= static_cast<float>(least) || least == -128) && (at <= static_cast<float>(most) || most == 127);
+  };
+  return within(along, companion.along_min, companion.along_max) &&
+         within(left, companion.left_min, companion.left_max);
+}
+
 }  // namespace
 
 void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found) {
   const LinePlace& line = found.line;
   const Bearing bearing = bearing_at(q, line, found.on);
-  const double inverse_speed = inverse_root(line.dx_du * line.dx_du + line.dy_du * line.dy_du);
+  const double inverse_speed = line.inverse_speed;
   RoadPlace place{q.s + line.u, found.on.t, x, y};
   place.cos_hdg = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * inverse_speed;
   place.sin_hdg = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * inverse_speed;
@@ -90,7 +107,8 @@ bool find_on(const BakedRoads& roads, const StationRange& range, double x, doubl
     const double rest = std::abs(found.line.ahead_m);
     if (rest > std::max(outside_m, seam_m)) return false;
     if (beyond != Beyond::kink) {
-      const bool is_road_end = found.station == (beyond == Beyond::last ? lanes.last_station : lanes.first_station);
+      const StationRange road = roads.stations_of(lanes.road);
+      const bool is_road_end = found.station == (beyond == Beyond::last ? road.last : road.first);
       if (!is_road_end && rest > edge_rounding_m) return false;
       found.along_rest_m = rest;
     }
@@ -98,27 +116,31 @@ bool find_on(const BakedRoads& roads, const StationRange& range, double x, doubl
   return complete(roads, q, lanes, x, y, outside_m, found);
 }
 
-void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, FoundList& list) {
-  constexpr int most_steps = 24;
+void find_starts(const BakedRoads& roads, const Cell& cell, double outside_m, StartList& starts) {
   const auto reach_m = static_cast<float>(std::max(outside_m, seam_m));
-  struct Start {
-    StationRange range;
-    std::uint32_t station;
-  };
-  std::array<Start, FoundList::most> starts;
-  std::size_t count = 0;
+  starts.count = 0;
   for (const CellEntry& entry : cell.entries) {
-    if (count == starts.size()) break;
-    Start& start = starts[count];
+    if (starts.count == starts.items.size()) break;
+    Start& start = starts.items[starts.count];
     if (!may_touch(entry, cell.x, cell.y, reach_m, start.range, start.station)) continue;
-    const char* line = reinterpret_cast<const char*>(&roads.stations[start.station]);  // NOLINT: to prefetch it
-    __builtin_prefetch(line), __builtin_prefetch(line + 64);
-    ++count;
+    prefetch(roads.stations[start.station]), prefetch(roads.stretches[entry.lanes]);
+    start.lanes = entry.lanes;
+    ++starts.count;
   }
-  for (std::size_t i = 0; i < count && list.count < FoundList::most; ++i) {
+}
+
+void search_starts(const BakedRoads& roads, const StartList& starts, double x, double y, double outside_m,
+                   FoundList& list) {
+  constexpr int most_steps = 24;
+  for (std::size_t i = 0; i < starts.count; ++i) {
+    const Start& start = starts.items[i];
+    __builtin_prefetch(roads.shapes.data() + roads.stations[start.station].shapes);
+    __builtin_prefetch(roads.lanes.data() + roads.stretches[start.lanes].first);
+  }
+  for (std::size_t i = 0; i < starts.count && list.count < FoundList::most; ++i) {
     Found& found = list.items[list.count];
-    found.station = starts[i].station;
-    if (find_on(roads, starts[i].range, x, y, most_steps, outside_m, found)) ++list.count;
+    found.station = starts.items[i].station;
+    if (find_on(roads, starts.items[i].range, x, y, most_steps, outside_m, found)) ++list.count;
   }
 }
 
@@ -150,9 +172,13 @@ void search_stations(const BakedRoads& roads, const Cell& cell, double x, double
 
 void search_companions(const BakedRoads& roads, std::uint32_t station, double x, double y, FoundList& list) {
   constexpr int most_steps = 24;
+  const FramePoint p = in_frame(roads.stations[station], x, y);
+  const float along = static_cast<float>(p.along) / companion_step_m,
+              left = static_cast<float>(p.left) / companion_step_m;
   for (std::uint32_t i = roads.companion_begin[station]; i < roads.companion_begin[station + 1]; ++i) {
     if (list.count == FoundList::most) return;
-    const StationRange& range = roads.companions[i];
+    if (!may_touch(roads.companions[i], along, left)) continue;
+    const StationRange& range = roads.companions[i].range;
     Found& found = list.items[list.count];
     found.station = range.first + (range.last - range.first) / 2;
     if (find_on(roads, range, x, y, most_steps, edge_rounding_m, found)) ++list.count;

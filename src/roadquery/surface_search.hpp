@@ -50,8 +50,8 @@ inline bool complete(const BakedRoads& roads, const Station& q, const LaneStretc
   if (found.along_rest_m > edge_rounding_m) found.inside_m = std::min(found.inside_m, -found.along_rest_m);
   if (beside_m < -edge_rounding_m)
     surface_at_t(roads, q, u, std::clamp(found.on.t, std::min(right_edge, left_edge), left_edge), found.on);
-  found.has_crg = lanes.has_crg;
-  if (lanes.has_crg) lay_crgs(roads, q, x, y, found);
+  found.has_crg = lanes.has_crg != 0;
+  if (found.has_crg) lay_crgs(roads, q, x, y, found);
   return true;
 }
 
@@ -73,8 +73,24 @@ struct FoundList {
 [[nodiscard]] bool find_on(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps,
                            double outside_m, Found& found);
 
-/// The surfaces of a cell that (x, y) lies on, and those it lies beside or beyond as far as find_on allows.
-void search_cell(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, FoundList& list);
+/// Where to begin with find_on().
+struct Start {
+  StationRange range;
+  std::uint32_t station, lanes;
+};
+struct StartList {
+  StartList() {}  // NOLINT: as FoundList
+  union {
+    std::array<Start, FoundList::most> items;
+  };
+  std::size_t count = 0;
+};
+
+/// The surfaces of a cell that (x, y) lies on, and those it lies beside or beyond as far as find_on allows: first where
+/// to look, while their memory comes, then what is found there.
+void find_starts(const BakedRoads& roads, const Cell& cell, double outside_m, StartList& starts);
+void search_starts(const BakedRoads& roads, const StartList& starts, double x, double y, double outside_m,
+                   FoundList& list);
 /// The same of each station by itself, the ends of which count as ends of a road: for points that have no foot, or that
 /// lie where the road's width jumps. `only_folded`: only surfaces that have the point beyond their centre of curvature.
 void search_stations(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, bool only_folded,

@@ -1,22 +1,23 @@
-"""Asks ASAM's OpenDRIVE checker about a file: asam_checker.py FILE.xodr RESULT.xqar. Prints how many of its checks ran and
-what it found, by level, as JSON."""
+"""Asks one of ASAM's checkers about a file: asam_checker.py qc_opendrive|qc_openscenario FILE RESULT.xqar. Prints how many of
+its checks ran and what it found, by level, as JSON."""
 import json
 import pathlib
 import subprocess
 import sys
 import xml.etree.ElementTree as xml
 
+BUNDLES = {"qc_opendrive": "xodrBundle", "qc_openscenario": "xoscBundle"}
 LEVELS = {"1": "errors", "2": "warnings", "3": "information"}
 
 
-def main(xodr, result):
+def main(checker_name, file, result):
     config = pathlib.Path(result).with_suffix(".config.xml")
     root = xml.Element("Config")
-    xml.SubElement(root, "Param", name="InputFile", value=xodr)
-    bundle = xml.SubElement(root, "CheckerBundle", application="xodrBundle")
+    xml.SubElement(root, "Param", name="InputFile", value=file)
+    bundle = xml.SubElement(root, "CheckerBundle", application=BUNDLES[checker_name])
     xml.SubElement(bundle, "Param", name="resultFile", value=result)
     xml.ElementTree(root).write(config)
-    subprocess.run([pathlib.Path(sys.executable).parent / "qc_opendrive", "-c", config], check=True, stdout=subprocess.DEVNULL,
+    subprocess.run([pathlib.Path(sys.executable).parent / checker_name, "-c", config], check=True, stdout=subprocess.DEVNULL,
                    stderr=subprocess.DEVNULL)
     report = xml.parse(result).getroot()
     found = {"completed": sum(checker.get("status") == "completed" for checker in report.iter("Checker")),

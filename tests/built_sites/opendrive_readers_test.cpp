@@ -46,7 +46,7 @@ ToolRun ask(const char* script, const Arguments& arguments) {
 
 TEST_P(Readers, asam_checker_finds_no_error) {
   if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
-  const ToolRun run = ask("asam_checker.py", {xodr.string(), (scratch / "result.xqar").string()});
+  const ToolRun run = ask("asam_checker.py", {"qc_opendrive", xodr.string(), (scratch / "result.xqar").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
   const json result = json::parse(run.out);
   EXPECT_GE(result.at("completed").get<int>(), 20) << run.out;
@@ -63,9 +63,54 @@ TEST(AsamChecker, finds_the_error_of_a_broken_file) {
       std::regex_replace(bytes_of(village), std::regex("(</geometry>\\s*<geometry [^>]*x=\")([^\"]+)"), "$010",
                          std::regex_constants::format_first_only);
   write_bytes(scratch / "broken.xodr", text);
-  const ToolRun run = ask("asam_checker.py", {(scratch / "broken.xodr").string(), (scratch / "result.xqar").string()});
+  const ToolRun run =
+      ask("asam_checker.py", {"qc_opendrive", (scratch / "broken.xodr").string(), (scratch / "result.xqar").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
   EXPECT_FALSE(json::parse(run.out).at("errors").empty());
+}
+
+TEST_P(Readers, asam_checker_finds_no_error_in_the_scenario_of_the_lap) {
+  if (!fs::exists(peers / "qc_openscenario")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
+  const std::string lap = bytes_of(xodr.parent_path() / "drive" / "lap.xosc");
+  const auto check = [&](const std::string& text) {
+    write_bytes(scratch / "lap.xosc", text);
+    const ToolRun run = ask("asam_checker.py",
+                            {"qc_openscenario", (scratch / "lap.xosc").string(), (scratch / "result.xqar").string()});
+    EXPECT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
+    return json::parse(run.out);
+  };
+  const json result = check(lap);
+  EXPECT_GE(result.at("completed").get<int>(), 15) << result;
+  EXPECT_EQ(result.at("errors"), json::array());
+  // The test can fail: a word that the schema does not know.
+  const std::string broken =
+      std::regex_replace(lap, std::regex("followingMode=\"position\""), "followingMode=\"sideways\"");
+  EXPECT_NE(check(broken).at("errors"), json::array());
+}
+
+/// ASAM's checker knows XSD 1.1, in which the schema of 1.8 is written. It takes ten minutes for the 20 MB of a town.
+TEST(AsamChecker, finds_no_error_in_junction_grids_of_1_8) {
+  const fs::path xodr = fs::path(paths::test_sites) / "village" / "roads.xodr";
+  if (!fs::exists(xodr)) GTEST_SKIP() << "SKIPPED: " << xodr << " was not built";
+  const Scratch scratch;
+  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
+  const std::string grids = (scratch / "grids.xodr").string();
+  const ToolRun made = run_program({paths::tool, "network", "--roads", (xodr.parent_path() / "roads.gpkg").string(),
+                                    "-o", grids, "--opendrive", "1.8", "--junction-grids"});
+  ASSERT_EQ(made.exit_code, 0) << made.err.substr(0, 2000);
+  const std::string text = bytes_of(grids);
+  EXPECT_NE(text.find("<elevationGrid"), std::string::npos);
+  const ToolRun run = ask("asam_checker.py", {"qc_opendrive", grids, (scratch / "result.xqar").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
+  EXPECT_EQ(json::parse(run.out).at("errors"), json::array()) << run.out.substr(0, 2000);
+  // The test can fail: a segment that is neither a lane nor a joint.
+  write_bytes(scratch / "broken.xodr",
+              std::regex_replace(text, std::regex("segment type=\"joint\""), "segment type=\"kerb\"",
+                                 std::regex_constants::format_first_only));
+  const ToolRun broken =
+      ask("asam_checker.py", {"qc_opendrive", (scratch / "broken.xodr").string(), (scratch / "broken.xqar").string()});
+  ASSERT_EQ(broken.exit_code, 0) << broken.err.substr(0, 2000);
+  EXPECT_FALSE(json::parse(broken.out).at("errors").empty());
 }
 
 bool drives_along(const Road& road, const Lane& lane) {

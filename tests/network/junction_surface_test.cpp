@@ -121,6 +121,23 @@ TEST(JunctionSurfaces, CornersHaveTheKerbRadiusOfTheSideRoad) {
   }
 }
 
+TEST(JunctionSurfaces, CornersHaveTheKerbRadiusThatWasSeen) {
+  RoadNetwork roads = crossing([](Vec2) { return 0.0; });
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes)
+      if (node.osm_node == 2) node.kerb_radius_m = 9.0;
+  const RoadMap map = build_network(roads).map;
+  const JunctionSurface& surface = only_surface(map);
+  const double corner = 3.5 + 9.0 * (1.0 - std::sqrt(0.5));
+  for (const Vec2 sign : {Vec2{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+    const auto paved = [&](double d) {
+      return roadquery::contains(surface, site_origin.x + sign.x * d, site_origin.y + sign.y * d);
+    };
+    EXPECT_TRUE(paved(corner - 0.03));
+    EXPECT_FALSE(paved(corner + 0.05));
+  }
+}
+
 TEST(JunctionSurfaces, CrownOfTheMainRoadStaysWhereASideRoadMeetsIt) {
   RoadNetwork roads = network_of(
       {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},

@@ -2,13 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <random>
+#include <set>
 
 #include "io/scratch.hpp"
 #include "network_support.hpp"
 #include "opendrive_peers.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/opendrive_io.hpp"
+#include "orthodrive/io/opendrive_junction.hpp"
+#include "roadquery/junction_surface.hpp"
 #include "roadquery/make_road.hpp"
 
 namespace orthodrive {
@@ -207,6 +212,79 @@ TEST(RoundTrip, both_versions_are_valid_against_their_schemas) {
   broken.erase(broken.find(" t=\"", broken.find("<shape")), 7);
   write_bytes(scratch / "bad.xodr", broken);
   EXPECT_NE(validate("bad.xodr").exit_code, 0);
+}
+
+TEST(JunctionGrids, are_read_as_if_they_were_not_there) {
+  const Scratch scratch;
+  const RoadMap map = build_network(small_town()).map;
+  io::write_opendrive(scratch / "plain.xodr", map, {.minor_version = 8});
+  io::write_opendrive(scratch / "grids.xodr", map, {.minor_version = 8, .junction_grids = true});
+  const std::string text = bytes_of(scratch / "grids.xodr");
+  EXPECT_NE(text.find("<boundary>"), std::string::npos);
+  EXPECT_NE(text.find("<elevationGrid"), std::string::npos);
+  const RoadMap read = roadquery::read_opendrive((scratch / "grids.xodr").string());
+  EXPECT_EQ(read.roads.size(), map.roads.size());
+  io::write_opendrive(scratch / "again.xodr", read, {.minor_version = 8});
+  EXPECT_EQ(bytes_of(scratch / "again.xodr"), bytes_of(scratch / "plain.xodr"));
+  EXPECT_THROW(io::write_opendrive(scratch / "a.xodr", map, {.minor_version = 7, .junction_grids = true}), OptionError);
+}
+
+/// Ends of a segment: the kerb's line, or the edges of the arm, left one first, seen into the junction.
+std::array<Vec2, 2> ends_of(const io::BoundarySegment& segment, const io::JunctionBoundary& boundary,
+                            const RoadMap& map) {
+  if (segment.joint) {
+    const Road& arm =
+        *std::find_if(map.roads.begin(), map.roads.end(), [&](const Road& r) { return r.id == segment.road; });
+    const bool at_end = segment.contact == roadquery::ContactPoint::end;
+    const double s = at_end ? arm.length : 0.0;
+    const roadquery::Edges edges = roadquery::road_edges(arm, s);
+    const auto left = roadquery::surface_point(arm, s, at_end ? edges.left_t : edges.right_t);
+    const auto right = roadquery::surface_point(arm, s, at_end ? edges.right_t : edges.left_t);
+    return {Vec2{left.x, left.y}, Vec2{right.x, right.y}};
+  }
+  const Road& kerb =
+      *std::find_if(boundary.kerbs.begin(), boundary.kerbs.end(), [&](const Road& r) { return r.id == segment.road; });
+  const roadquery::PlanPoint from = roadquery::reference_point(kerb, 0.0),
+                             to = roadquery::reference_point(kerb, kerb.length);
+  return {Vec2{from.x, from.y}, Vec2{to.x, to.y}};
+}
+
+TEST(JunctionGrids, boundary_is_closed_and_has_a_joint_for_each_arm) {
+  const RoadMap map = build_network(small_town()).map;
+  const std::vector<io::JunctionBoundary> boundaries = io::junction_boundaries(map);
+  ASSERT_EQ(boundaries.size(), map.junctions.size());
+  int joints = 0, arms = 0;
+  std::set<int> ids;
+  for (const Road& road : map.roads) {
+    ids.insert(road.id);
+    if (road.junction < 0)
+      arms += (road.predecessor.kind == roadquery::LinkKind::junction) +
+              (road.successor.kind == roadquery::LinkKind::junction);
+  }
+  for (const roadquery::Junction& junction : map.junctions) ids.insert(junction.id);
+  for (const io::JunctionBoundary& boundary : boundaries) {
+    ASSERT_FALSE(boundary.segments.empty());
+    for (const Road& kerb : boundary.kerbs) EXPECT_TRUE(ids.insert(kerb.id).second);
+    for (std::size_t i = 0; i < boundary.segments.size(); ++i) {
+      const auto here = ends_of(boundary.segments[i], boundary, map);
+      const auto next = ends_of(boundary.segments[(i + 1) % boundary.segments.size()], boundary, map);
+      EXPECT_LT(distance(next[0], here[1]), 0.05) << "segment " << i;  // the ring overlaps the arms by 1.5 cm
+      joints += boundary.segments[i].joint;
+    }
+  }
+  EXPECT_EQ(joints, arms);
+  EXPECT_GT(joints, 3);
+}
+
+TEST(JunctionGrids, kerbs_have_the_heights_of_the_surface) {
+  const RoadMap map = build_network(small_town()).map;
+  const std::vector<io::JunctionBoundary> boundaries = io::junction_boundaries(map);
+  for (std::size_t i = 0; i < boundaries.size(); ++i)
+    for (const Road& kerb : boundaries[i].kerbs)
+      for (const roadquery::PlanElement& piece : kerb.plan) {
+        const roadquery::SurfacePoint p = roadquery::surface_point(kerb, piece.s, 0.0);
+        EXPECT_NEAR(p.z, roadquery::evaluate(*map.junctions[i].surface, p.x, p.y).z, 1e-6);
+      }
 }
 
 TEST(RoundTrip, other_versions_are_refused) {

@@ -6,7 +6,9 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <numbers>
+#include <string>
 
 #include "app/run_tool.hpp"
 #include "io/scratch.hpp"
@@ -188,6 +190,24 @@ TEST(RoadRelief, ways_that_nobody_drove_stay_smooth_and_the_same_input_gives_the
       EXPECT_EQ(a.of(map, road)(100.3, 0.7), b.of(map, road)(100.3, 0.7));
     }
   }
+}
+
+/// A slab of 5 cm that ends in the middle of a road.
+TEST(RoadRelief, drive_reports_where_a_file_ends_with_a_step) {
+  const Scratch scratch;
+  std::string crg = "$ROAD_CRG\nREFERENCE_LINE_INCREMENT = 50\nLONG_SECTION_V_INCREMENT = 8\n$KD_DEFINITION\n#:LRFI\n";
+  crg += "D:long section 1,m\nD:long section 2,m\n$$$$\n";
+  for (int row = 0; row < 7; ++row) crg += "  0.050000  0.050000\n";
+  std::ofstream(scratch / "slab.crg") << crg;
+  std::ofstream(scratch / "x.xodr") << R"(<OpenDRIVE><header revMajor="1" revMinor="7"/>
+<road id="4" length="300" junction="-1"><planView><geometry s="0" x="0" y="0" hdg="0" length="300"><line/></geometry></planView>
+<lanes><laneSection s="0"><center><lane id="0" type="none"/></center><right><lane id="-1" type="driving">
+<width sOffset="0" a="3.5" b="0" c="0" d="0"/></lane></right></laneSection></lanes>
+<surface><CRG file="slab.crg" sStart="0" sEnd="180" mode="attached" purpose="elevation"/></surface></road></OpenDRIVE>)";
+  const ToolRun run = run_tool({"drive", "--network", (scratch / "x.xodr").string(), "-o", (scratch / "out").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE((run.out + run.err).find("drive.crg_step at 180.0, "), std::string::npos) << run.out << run.err;
+  EXPECT_NE((run.out + run.err).find("a step of 0.050 m at s = 180.0 m"), std::string::npos);
 }
 
 }  // namespace

@@ -4,17 +4,19 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <random>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "paths.hpp"
-#include "roadquery/pyopencrg_values.hpp"
 #include "roadquery/read_crg.hpp"
 
 namespace roadquery {
@@ -23,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 const fs::path asam = orthodrive::paths::in_source("..") / "shared" / "data" / "opencrg";
 
 std::string bytes_of(const fs::path& path) {
@@ -45,22 +48,49 @@ void expect_near(double got, double want, double tolerance, const std::string& w
   }
 }
 
+/// What PyOpenCRG makes of a file with some lines more: pyopencrg_values.txt.
+struct PeerCase {
+  std::string name, block;                          ///< block: to put before $KD_Definition
+  std::vector<std::array<double, 5>> at_uv, at_xy;  ///< u, v, z, dz/du, dz/dv; and x, y, z, dz/dx, dz/dy
+};
+
+std::vector<PeerCase> peer_cases() {
+  std::ifstream in(orthodrive::paths::in_source("tests/roadquery/pyopencrg_values.txt"));
+  std::vector<PeerCase> cases;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string word;
+    words >> word;
+    if (word == "#") continue;
+    if (word == "case") {
+      words >> cases.emplace_back().name;
+    } else if (word == "uv" || word == "xy") {
+      auto& row = (word == "uv" ? cases.back().at_uv : cases.back().at_xy).emplace_back();
+      for (double& value : row) words >> word, value = std::stod(word);  // stod knows nan
+    } else {
+      cases.back().block += line + "\n";
+    }
+  }
+  return cases;
+}
+
 TEST_F(AsamGrid, agrees_with_pyopencrg_under_every_option_and_modifier) {
   const std::string original = bytes_of(asam / "handmade_curved_banked_sloped.crg");
-  for (const test::PeerCase& c : test::peer_cases) {
+  std::size_t compared = 0;
+  for (const PeerCase& c : peer_cases()) {
+    compared += c.at_uv.size() + c.at_xy.size();
     std::string bytes = original;
     bytes.insert(bytes.find("$KD_Definition"), c.block);
     const CrgGrid grid(parse_crg(bytes, c.name));
     for (const auto& want : c.at_uv) {
-      const std::string where =
-          std::string(c.name) + " at u = " + std::to_string(want[0]) + ", v = " + std::to_string(want[1]);
+      const std::string where = c.name + " at u = " + std::to_string(want[0]) + ", v = " + std::to_string(want[1]);
       const CrgHeight got = grid.evaluate(want[0], want[1], CrgPart::whole);
       expect_near(got.z_m, want[2], 2e-8, where);
       expect_near(got.dz_du, want[3], 2e-8, where + ", dz/du");
       expect_near(got.dz_dv, want[4], 2e-7, where + ", dz/dv");
     }
     for (const auto& want : c.at_xy) {
-      const std::string where = std::string(c.name) + " at x = " + std::to_string(want[0]);
+      const std::string where = c.name + " at x = " + std::to_string(want[0]);
       const auto place = grid.place(want[0], want[1]);
       ASSERT_TRUE(place) << where;
       const CrgHeight got = grid.evaluate(place->u_m, place->v_m, CrgPart::whole);
@@ -69,6 +99,7 @@ TEST_F(AsamGrid, agrees_with_pyopencrg_under_every_option_and_modifier) {
       expect_near(got.dz_du * place->du_dy + got.dz_dv * place->dv_dy, want[4], 2e-7, where + ", dz/dy");
     }
   }
+  EXPECT_EQ(compared, 204U);
 }
 
 TEST_F(AsamGrid, every_file_is_read_and_gives_its_own_values) {
@@ -167,7 +198,7 @@ TEST(CrgGrid, slope_is_the_derivative_of_height) {
     const double x = 1e6 + 0.1 * k + 0.013, y = 5e6 + 0.5 + 0.0005 * k * k;
     const auto z_at = [&](double px, double py) {
       const auto place = grid.place(px, py, 5.0 + 0.1 * k);
-      return place ? grid.evaluate(place->u_m, place->v_m, CrgPart::whole).z_m : test::missing;
+      return place ? grid.evaluate(place->u_m, place->v_m, CrgPart::whole).z_m : missing;
     };
     const auto place = grid.place(x, y, 5.0 + 0.1 * k);
     ASSERT_TRUE(place);
@@ -184,7 +215,7 @@ TEST(CrgGrid, slope_is_the_derivative_of_height) {
 TEST(CrgGrid, missing_values_stay_missing_where_the_file_asks_for_it) {
   CrgFile file = plane(true);
   file.modifiers["grid_nan_mode"] = 0.0;
-  file.surface.grid_m[5 * 10 + 2] = test::missing;  // row 10 (u = 10), v = 0
+  file.surface.grid_m[5 * 10 + 2] = missing;  // row 10 (u = 10), v = 0
   const CrgGrid grid(file);
   EXPECT_TRUE(std::isnan(grid.evaluate(10.2, 0.3, CrgPart::whole).z_m));
   EXPECT_TRUE(std::isnan(grid.evaluate(9.9, -0.3, CrgPart::whole).z_m));
@@ -198,18 +229,18 @@ TEST(CrgGrid, missing_values_stay_missing_where_the_file_asks_for_it) {
 TEST(CrgGrid, whole_rows_without_values_take_the_nearest_row) {
   CrgFile file = plane(true);
   for (std::size_t i = 10; i < 20; ++i)
-    for (std::size_t j = 0; j < 5; ++j) file.surface.grid_m[i * 5 + j] = test::missing;
+    for (std::size_t j = 0; j < 5; ++j) file.surface.grid_m[i * 5 + j] = missing;
   const CrgGrid grid(file);
   EXPECT_NEAR(grid.evaluate(5.0 + 0.5 * 12, 1.0, CrgPart::grid).z_m, 0.01 * 9.5 + 0.02, 1e-8);
   EXPECT_NEAR(grid.evaluate(5.0 + 0.5 * 18, 1.0, CrgPart::grid).z_m, 0.01 * 15.0 + 0.02, 1e-8);
-  for (double& z : file.surface.grid_m) z = test::missing;
+  for (double& z : file.surface.grid_m) z = missing;
   EXPECT_TRUE(std::isnan(CrgGrid(file).evaluate(20.0, 0.0, CrgPart::grid).z_m)) << "nothing to fill from";
 }
 
 TEST(CrgGrid, nonsense_places_have_no_height_and_no_end) {
   const CrgGrid grid(plane(true));
   const double infinite = std::numeric_limits<double>::infinity();
-  for (const double odd : {test::missing, infinite, -infinite, 1e300, -1e300, 1e17}) {
+  for (const double odd : {missing, infinite, -infinite, 1e300, -1e300, 1e17}) {
     const CrgHeight along = grid.evaluate(odd, 0.0, CrgPart::whole), across = grid.evaluate(10.0, odd, CrgPart::whole);
     EXPECT_EQ(std::isnan(along.z_m), !std::isfinite(odd)) << odd;
     EXPECT_EQ(std::isnan(across.z_m), !std::isfinite(odd)) << odd;

@@ -2,11 +2,10 @@
 """Heights and slopes of one OpenCRG file under every option and modifier that changes them, by a real peer: PyOpenCRG 0.2.2.
 
     pip install numpy PyOpenCRG==0.2.2
-    tests/roadquery/pyopencrg_values.py ../shared/data/opencrg/handmade_curved_banked_sloped.crg > tests/roadquery/pyopencrg_values.hpp
+    tests/roadquery/pyopencrg_values.py ../shared/data/opencrg/handmade_curved_banked_sloped.crg > tests/roadquery/pyopencrg_values.txt
 
 Missing values are filled as OpenCRG's default modifier says where a file sets none.
 """
-import math
 import pathlib
 import sys
 import tempfile
@@ -36,31 +35,12 @@ UV = [(3.3, 0.4), (11.4, -1.3), (17.9, 1.3), (-1.5, 0.2), (23.5, -1.0), (5.1, 2.
 PLACES = [(2.6, 0.3), (9.2, -1.1), (15.3, 1.2), (-2.0, 0.5), (24.5, -0.75)]
 
 
-def text(value):
-    return "missing" if math.isnan(value) else repr(float(value))
-
-
 def main(source):
     original = pathlib.Path(source).read_bytes().decode("latin1")
-    print("""#pragma once
-// Written by pyopencrg_values.py; the case names say which options and modifiers go into the file.
-
-#include <limits>
-#include <string>
-#include <vector>
-
-namespace roadquery::test {
-
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-struct PeerCase {
-  const char* name;
-  std::string block;  ///< to put before $KD_Definition
-  /// u, v, z, dz/du, dz/dv; and x, y, z, dz/dx, dz/dy.
-  std::vector<std::vector<double>> at_uv, at_xy;
-};
-
-// clang-format off
-inline const std::vector<PeerCase> peer_cases = {""")
+    print(f"# Heights and slopes of {pathlib.Path(source).name} as PyOpenCRG 0.2.2 has them; written by pyopencrg_values.py.")
+    print("# case NAME, the lines to put before $KD_Definition, then")
+    print("# uv  u v z dz/du dz/dv")
+    print("# xy  x y z dz/dx dz/dy")
     warnings.simplefilter("ignore")
     for name, block in CASES:
         with tempfile.TemporaryDirectory() as folder:
@@ -68,16 +48,13 @@ inline const std::vector<PeerCase> peer_cases = {""")
             path.write_bytes(original.replace("$KD_Definition", block + "$KD_Definition", 1).encode("latin1"))
             road = pyopencrg.read(str(path))
         road = road.apply_mods() if "MODS" in block else road.fill_nan(2, 0.0)
-        print('    {"%s", "%s",\n     {' % (name, block.replace("\n", "\\n")), end="")
-        rows = [[u, v, road.uv_to_z(u, v), *road.uv_to_gradient(u, v)] for u, v in UV]
-        print(",\n      ".join("{" + ", ".join(text(value) for value in row) + "}" for row in rows), end="},\n     {")
-        rows = []
+        print(f"case {name}\n{block}", end="")
+        for u, v in UV:
+            print("uv", u, v, *(float(value) for value in (road.uv_to_z(u, v), *road.uv_to_gradient(u, v))))
         for u, v in PLACES:
             x, y = (round(float(value), 3) for value in road.uv_to_xy(u, v))
             z, nx, ny, nz = road.evaluator().xy_to_z(x, y, with_normal=True)
-            rows.append([x, y, z, -nx / nz, -ny / nz])
-        print(",\n      ".join("{" + ", ".join(text(value) for value in row) + "}" for row in rows) + "}},")
-    print("};\n// clang-format on\n\n}  // namespace roadquery::test")
+            print("xy", *(float(value) for value in (x, y, z, -nx / nz, -ny / nz)))
 
 
 if __name__ == "__main__":

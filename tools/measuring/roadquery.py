@@ -1,8 +1,11 @@
-"""The road query: speed, load and wrong roads on built sites. Writes docs/measured/roadquery.md.
+"""The road query: speed, load and wrong roads on built sites. Writes docs/measured/roadquery.md, c_interface.md, opencrg.md.
 
-Runs bench_road_query_sites and bench_road_query_truth of build/release on every site given by --site NAME=roads.xodr (some
-minutes). With --table nothing runs: the page is written from the last results, bench/results/roadquery.json.
+Runs bench_road_query, bench_road_query_truth and bench_c_interface of build/release on every site given by --site
+NAME=roads.xodr, and bench_crg (some minutes). With --table nothing runs: the pages are written from the last results,
+bench/results/roadquery.json.
 """
+import json
+import os
 import pathlib
 import subprocess
 
@@ -32,20 +35,67 @@ def truth(*words):
     return {words[0]: {k: float(v) for k, v in zip(words[1::2], words[2::2])} for words in cases}
 
 
+def crg_ns(program):
+    """Case of bench_crg -> CPU time of one, the least of seven runs."""
+    runs = json.loads(common.run_program(program, "--benchmark_format=json", "--benchmark_repetitions=7", "--benchmark_min_time=0.1"))
+    least = {}
+    for run in runs["benchmarks"]:
+        if run["run_type"] == "iteration":
+            least[run["run_name"]] = min(least.get(run["run_name"], 1e30), run["cpu_time"])
+    return least
+
+
+def circumstances(r):
+    text = f"`bench/results/roadquery.json` (commit {r['commit']}). CPU time, one core of a shared {r['machine']['cpu']} while other work ran "
+    return text + f"beside it (load {r['load'][0]:.1f} before, {r['load'][1]:.1f} after, {r['machine']['cores']} cores)"
+
+
+def c_interface_page(r):
+    text = "# Measured: C interface\n\nMethod: [c_interface.md](../c_interface.md). Written by `tools/measure roadquery` from "
+    text += circumstances(r) + ": least of nine rounds.\n`bench_c_interface roads.xodr` asks `libroadquery.so` as a simulator does, not "
+    text += "inlined. Driving order: a point each 3 cm along the roads, with a cursor. Any order: the same points shuffled, each with a new "
+    text += "cursor.\n\n"
+    text += common.header(["ns a query", "points", "z", "z, normal, friction", "all", "missed"])
+    for site, s in r["sites"].items():
+        c = s["c_interface"]
+        for order, words in (("driving", "driving order"), ("any", "any order")):
+            missed = sum(c[f"{order}_{what}_missed"] for what in ("z", "normal", "all"))
+            text += common.row([f"{site}, {words}", f"{c['points']:.0f}"] +
+                               [f"{c[f'{order}_{what}_ns']:.0f}" for what in ("z", "normal", "all")] + [f"{missed:.0f}"])
+    return text + "\nAsked, in driving order: z 70 ns, with normal and friction 100 ns.\n"
+
+
+def opencrg_page(r):
+    c = r["crg"]
+    text = "# Measured: OpenCRG\n\nMethod: [opencrg.md](../opencrg.md). Written by `tools/measure roadquery` from " + circumstances(r)
+    text += ": least of seven runs of `bench_crg`.\n\n" + common.header(["case", "ns a query"])
+    for words, case in (("height and slopes at (u, v), a point moving along 1001 x 341 values", "crg_height_at_uv/in_order"),
+                        ("the same, points anywhere on them", "crg_height_at_uv/anywhere"),
+                        ("height and slopes at (x, y) with the last u as hint", "crg_height_at_xy"),
+                        ("all of a hit of the road query, no file", "road_query/without_file"),
+                        ("the same with an `attached` file", "road_query/attached"),
+                        ("the same with a `genuine` file", "road_query/genuine")):
+        text += common.row([words, f"{c[case]:.0f}"])
+    text += "\nOpenCRG's own C API takes 70-78 ns for the height at (x, y) in driving order on an idle machine of this kind. A grid of 341,000 "
+    return text + f"values is made ready in {1e-6 * c['crg_make_ready']:.1f} ms.\n"
+
+
 def page(r):
     sites = r["sites"]
     worst = lambda key: max(s["speed"][key] for s in sites.values())
     text = "# Measured: road query\n\nMethod: [roadquery.md](../roadquery.md). Written by `tools/measure roadquery` from "
-    text += f"`bench/results/roadquery.json` (commit {r['commit']}). CPU time, one core of a shared {r['machine']['cpu']} while other work ran "
-    text += "beside it: least of seven runs. On an idle machine OpenCRG needs 70-78 ns for a height in driving order (any order: 0.7-18 us), "
+    text += circumstances(r) + ": least of seven runs. On an idle machine OpenCRG needs 70-78 ns for a height in driving order (any order: 0.7-18 us), "
     text += "libOpenDRIVE 6-7 us and esmini 180 us for any order; before the tables this query needed 2.5 us and 1.0-3.0 us.\n\n## Speed\n\n"
-    rows = [("height alone, driving order, ns", "route_z_ns_least", "70"), ("all of a hit, driving order, ns", "route_all_ns_least", "100"),
-            ("any order, ns", "any_order_ns_least", "500"), ("worst of the points, us", "worst_us_least_of_six", "20"),
+    rows = [("height alone, driving order, ns", "route_z_ns_least", "70"), ("with normal and friction, ns", "route_normal_ns_least", "100"),
+            ("all of a hit, ns", "route_all_ns_least", "-"), ("any order, ns", "any_order_ns_least", "500"), ("worst of the points, us", "worst_us_least_of_six", "20"),
             ("stations", "stations", "-"), ("read, s", "read_s", "-"), ("make the tables, s", "bake_s", "-")]
     text += common.header(["what", "asked"] + [f"{n} ({s['speed']['road_km']:.0f} km)" for n, s in sites.items()])
     for what, key, asked in rows:
         text += common.row([what, asked] + [f"{s['speed'][key]:g}" for s in sites.values()])
     text += "\nThe worst point is the slowest of six times, each of which another process may have stretched: the least counts.\n"
+    o = r["overlap"]
+    text += f"\nWhere twelve turning roads overlap without a surface of the junction's own: {o['overlap_z_ns_least']:.0f} ns for the height, "
+    text += f"{o['overlap_normal_ns_least']:.0f} with normal and friction, {o['overlap_all_ns_least']:.0f} for all (asked: 500).\n"
     t = r["tile"]
     text += f"\n{t['road_km']:.0f} km of road: {t['bake_s']:.1f} s for the tables, {t['all_mb']:.0f} MB in all, of it {t['map_mb']:.0f} MB the "
     text += f"roads as read (asked: 5 s, 500 MB); {t['peak_mb']:.0f} MB at the peak.\n\n## Wrong roads\n\n"
@@ -66,10 +116,16 @@ def run(args):
         sites = dict(s.split("=", 1) for s in args.site)
         if not sites:
             raise SystemExit("tools/measure roadquery: give at least one --site NAME=roads.xodr")
-        results = {"commit": common.commit(), "machine": common.machine(), "sites": {}}
+        results = {"commit": common.commit(), "machine": common.machine(), "load": [os.getloadavg()[1]], "sites": {}}
         for name, file in sites.items():
-            results["sites"][name] = {"speed": numbers(args.bench / "bench_road_query_sites", file, 2000000),
-                                      "truth": truth(args.bench / "bench_road_query_truth", file, args.points, 7)}
-        results["tile"] = numbers(args.bench / "bench_road_query_sites", "--tile", list(sites.values())[-1], args.tile_km)
+            results["sites"][name] = {"speed": numbers(args.bench / "bench_road_query", file, 2000000),
+                                      "truth": truth(args.bench / "bench_road_query_truth", file, args.points, 7),
+                                      "c_interface": numbers(args.bench / "bench_c_interface", file)}
+        results["tile"] = numbers(args.bench / "bench_road_query", "--tile", list(sites.values())[-1], args.tile_km)
+        results["overlap"] = numbers(args.bench / "bench_road_query", "--overlap")
+        results["crg"] = crg_ns(args.bench / "bench_crg")
+        results["load"].append(os.getloadavg()[1])
         common.write_results("roadquery.json", results)
     (common.PAGES / "roadquery.md").write_text(page(results))
+    (common.PAGES / "c_interface.md").write_text(c_interface_page(results))
+    (common.PAGES / "opencrg.md").write_text(opencrg_page(results))

@@ -128,6 +128,30 @@ class Judge {
     add(FaultKind::grip_jump, ratio, axle.at, axle.wheels[0].x, axle.wheels[0].y);
   }
 
+  /// By how much the four wheels of a car leave a plane, over the track: on a straight road the change of the slope
+  /// across within a wheelbase. A car is a rectangle and stands along the chord of a bend: on a plane it is not
+  /// twisted, however it turns there. NaN where a wheel would stand beside the road.
+  double twist(const AxleSample& rear, const AxleSample& front) const {
+    constexpr double straight_rad = 0.05;
+    if (std::abs(wrapped(front.heading_rad - rear.heading_rad)) < straight_rad) return front.roll() - rear.roll();
+    const auto middle = [](const AxleSample& axle) {
+      return std::pair{0.5 * (axle.wheels[0].x + axle.wheels[1].x), 0.5 * (axle.wheels[0].y + axle.wheels[1].y)};
+    };
+    const auto [x0, y0] = middle(rear);
+    const auto [x1, y1] = middle(front);
+    const double chord = std::hypot(x1 - x0, y1 - y0);
+    if (chord < 0.5 * options_.wheelbase_m) return NAN;  // sharper than any car turns
+    const double track = std::min(rear.track_m, front.track_m);
+    const double left_x = -(y1 - y0) / chord * 0.5 * track, left_y = (x1 - x0) / chord * 0.5 * track;
+    const auto across = [&](const AxleSample& axle, double x, double y) {
+      roadquery::Cursor cursor;
+      const auto left = query_.find(x + left_x, y + left_y, axle.wheels[0].z, cursor);
+      const auto right = query_.find(x - left_x, y - left_y, axle.wheels[1].z, cursor);
+      return left && right ? left->z - right->z : NAN;
+    };
+    return (across(front, x1, y1) - across(rear, x0, y0)) / track;
+  }
+
   /// Vertical acceleration of the body and twist between the axles.
   void judge_body(const std::vector<AxleSample>& run) {
     const auto base = static_cast<std::size_t>(std::lround(options_.wheelbase_m / options_.step_m));
@@ -137,7 +161,8 @@ class Judge {
       };
       const auto [x, y] = middle(run[i]);
       if (i + base < run.size() && run[i].on_road() && run[i + base].on_road())
-        add(FaultKind::twist, std::abs(run[i + base].roll() - run[i].roll()), run[i].at, x, y);
+        if (const double value = std::abs(twist(run[i], run[i + base])); !std::isnan(value))
+          add(FaultKind::twist, value, run[i].at, x, y);
       const double arm_m = std::max(options_.wheelbase_m, run[i].speed_mps / body_frequency_radps);
       const auto arm = static_cast<std::size_t>(std::lround(arm_m / options_.step_m));
       if (i < arm || i + arm >= run.size()) continue;

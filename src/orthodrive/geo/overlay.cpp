@@ -135,7 +135,11 @@ MultiPolygon difference_of(const MultiPolygon& a, const MultiPolygon& b, double 
 MultiPolygon buffer_of(const MultiPolygon& polygons, double distance_m, int arc_steps) {
   const Geos geos;
   const auto all = geos.collect(polygons);
-  const auto joined = geos.own(GEOSUnaryUnion_r(geos.handle(), all.get()));
+  // What grows may overlap: GEOS joins it on the way.
+  const bool is_one = distance_m > 0.0 || GEOSGetNumGeometries_r(geos.handle(), all.get()) == 1;
+  const auto joined =
+      geos.own(is_one ? GEOSGeom_clone_r(geos.handle(), all.get()) : GEOSUnaryUnion_r(geos.handle(), all.get()));
+  if (distance_m == 0.0) return geos.polygons(joined.get());
   return geos.polygons(geos.own(GEOSBuffer_r(geos.handle(), joined.get(), distance_m, arc_steps)).get());
 }
 

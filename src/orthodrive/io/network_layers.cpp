@@ -10,6 +10,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/geojson_support.hpp"
+#include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/ogr_support.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -81,28 +82,6 @@ Row reference_line(const Road& road) {
                 {"bridge", OFTInteger, int{road.bridge}},
                 {"tunnel", OFTInteger, int{road.tunnel}}};
   return row;
-}
-
-const char* type_name(roadquery::LaneType type) {
-  switch (type) {
-    case roadquery::LaneType::none:
-      return "none";
-    case roadquery::LaneType::driving:
-      return "driving";
-    case roadquery::LaneType::shoulder:
-      return "shoulder";
-    case roadquery::LaneType::border:
-      return "border";
-    case roadquery::LaneType::sidewalk:
-      return "sidewalk";
-    case roadquery::LaneType::parking:
-      return "parking";
-    case roadquery::LaneType::biking:
-      return "biking";
-    case roadquery::LaneType::other:
-      break;
-  }
-  return "other";
 }
 
 /// Borders of the lanes of one side, from the inside out, at the places of a section.
@@ -185,7 +164,7 @@ void add_lanes(const Road& road, std::vector<Row>& rows) {
                         {{"road", OFTInteger, road.id},
                          {"section", OFTInteger, static_cast<int>(k)},
                          {"lane", OFTInteger, lane.id},
-                         {"type", OFTString, type_name(lane.type)},
+                         {"type", OFTString, lane_type_name(lane.type)},
                          {"junction", OFTInteger, road.junction},
                          {"osm_id", OFTString, road.osm_id},
                          {"surface", OFTString, surface_name(lane)},

@@ -11,6 +11,9 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/lane_type_name.hpp"
+#include "orthodrive/io/opendrive_junction.hpp"
+#include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
 
 namespace orthodrive::io {
@@ -136,26 +139,9 @@ const char* road_type(const std::string& highway) {
   return "town";
 }
 
-const char* lane_type(roadquery::LaneType type) {
-  switch (type) {
-    case roadquery::LaneType::none:
-      return "none";
-    case roadquery::LaneType::driving:
-      return "driving";
-    case roadquery::LaneType::shoulder:
-      return "shoulder";
-    case roadquery::LaneType::border:
-      return "border";
-    case roadquery::LaneType::sidewalk:
-      return "sidewalk";
-    case roadquery::LaneType::parking:
-      return "parking";
-    case roadquery::LaneType::biking:
-      return "biking";
-    case roadquery::LaneType::other:
-      break;
-  }
-  return "none";
+/// OpenDRIVE has no type "other".
+const char* written_lane_type(roadquery::LaneType type) {
+  return type == roadquery::LaneType::other ? "none" : lane_type_name(type);
 }
 
 void add_speed(pugi::xml_node parent, double limit_mps) {
@@ -174,7 +160,7 @@ bool is_unmarked(const Lane& lane) {
 void add_lane(pugi::xml_node side, const Lane& lane, double section_length_m, double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
-  set(node, "type", lane_type(lane.type));
+  set(node, "type", written_lane_type(lane.type));
   if (lane.predecessor || lane.successor) {
     pugi::xml_node link = node.append_child("link");
     if (lane.predecessor) set(link.append_child("predecessor"), "id", *lane.predecessor);
@@ -328,7 +314,54 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   if (road.tunnel) add_user_data(node, "tunnel", "yes");
 }
 
-void add_junction(pugi::xml_node root, const roadquery::Junction& junction, const Offset& offset) {
+/// Columns from west to east, each from its southern end to the north: the line runs along the southernmost nodes.
+void add_elevation_grid(pugi::xml_node node, const roadquery::JunctionSurface& surface) {
+  pugi::xml_node grid = node.append_child("elevationGrid");
+  set(grid, "gridSpacing", metres(surface.spacing_m));
+  set(grid, "sStart", "0");
+  const auto height = [&](int column, int row) {
+    const double z = surface.z[static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
+                               static_cast<std::size_t>(column)];
+    return trimmed(fmt::format("{:.4f}", z));
+  };
+  for (int column = 0; column < surface.columns; ++column) {
+    pugi::xml_node elevation = grid.append_child("elevation");
+    set(elevation, "center", height(column, 0));
+    std::string left;
+    for (int row = 1; row < surface.rows; ++row) left += (row > 1 ? " " : "") + height(column, row);
+    if (!left.empty()) set(elevation, "left", left);
+  }
+}
+
+/// OpenDRIVE 1.8, 12.10 and 12.11: the reference line of the grid, the boundary and the grid.
+void add_junction_grid(pugi::xml_node node, const roadquery::JunctionSurface& surface, const JunctionBoundary& boundary,
+                       const Offset& offset) {
+  pugi::xml_node line = node.append_child("planView").append_child("geometry");
+  set(line, "s", "0");
+  set(line, "x", metres(surface.x - offset.x));
+  set(line, "y", metres(surface.y - offset.y));
+  set(line, "hdg", "0");
+  set(line, "length", metres(surface.spacing_m * (surface.columns - 1)));
+  line.append_child("line");
+  pugi::xml_node ring = node.append_child("boundary");
+  for (const BoundarySegment& segment : boundary.segments) {
+    pugi::xml_node s = ring.append_child("segment");
+    set(s, "type", segment.joint ? "joint" : "lane");
+    set(s, "roadId", segment.road);
+    if (segment.joint) {
+      set(s, "contactPoint", contact_name(segment.contact));
+      set(s, "transitionLength", metres(roadquery::junction_transition_m));
+    } else {
+      set(s, "boundaryLane", 0);
+      set(s, "sStart", "start");
+      set(s, "sEnd", "end");
+    }
+  }
+  add_elevation_grid(node, surface);
+}
+
+void add_junction(pugi::xml_node root, const roadquery::Junction& junction, const JunctionBoundary& boundary,
+                  const Offset& offset) {
   pugi::xml_node node = root.append_child("junction");
   if (!junction.name.empty()) set(node, "name", junction.name);
   set(node, "id", junction.id);
@@ -350,6 +383,7 @@ void add_junction(pugi::xml_node root, const roadquery::Junction& junction, cons
     set(p, "low", priority.low);
   }
   if (!junction.surface) return;
+  if (!boundary.segments.empty()) add_junction_grid(node, *junction.surface, boundary, offset);
   add_user_data(node, roadquery::boundary_code, roadquery::boundary_text(*junction.surface, offset.x, offset.y));
   add_user_data(node, roadquery::heights_code, roadquery::heights_text(*junction.surface, offset.x, offset.y));
 }
@@ -402,6 +436,7 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
                      const WriteOpenDriveOptions& options) {
   if (options.minor_version != 7 && options.minor_version != 8)
     throw OptionError(fmt::format("OpenDRIVE 1.{} cannot be written, choose 1.7 or 1.8", options.minor_version));
+  if (options.junction_grids && options.minor_version < 8) throw OptionError("grids of junctions need OpenDRIVE 1.8");
   if (map.roads.empty()) throw Error(path.string() + ": no road to write, OpenDRIVE needs at least one");
   AtomicFile file(path);
   std::ofstream out(file.path(), std::ios::binary);
@@ -417,8 +452,12 @@ void write_opendrive(const std::filesystem::path& path, const roadquery::RoadMap
   const Offset offset = options.absolute ? Offset{} : offset_of(map);
   write([&](pugi::xml_node root) { add_header(root, map, offset, options.minor_version); });
   for (const Road& road : map.roads) write([&](pugi::xml_node root) { add_road(root, map, road, offset); });
-  for (const roadquery::Junction& junction : map.junctions)
-    write([&](pugi::xml_node root) { add_junction(root, junction, offset); });
+  const std::vector<JunctionBoundary> boundaries =
+      options.junction_grids ? junction_boundaries(map) : std::vector<JunctionBoundary>(map.junctions.size());
+  for (const JunctionBoundary& boundary : boundaries)
+    for (const Road& kerb : boundary.kerbs) write([&](pugi::xml_node root) { add_road(root, map, kerb, offset); });
+  for (std::size_t i = 0; i < map.junctions.size(); ++i)
+    write([&](pugi::xml_node root) { add_junction(root, map.junctions[i], boundaries[i], offset); });
   out << "</OpenDRIVE>\n";
   out.close();
   if (!out) throw Error(fmt::format("{}: cannot be written, is the disk full or the folder read-only?", path.string()));

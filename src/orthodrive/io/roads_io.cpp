@@ -48,7 +48,8 @@ constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"banking", OFTReal},
                                  {"sigma_z_m", OFTReal},
                                  {"banking_source", OFTString}};
-constexpr Field banking_fields[] = {{"crown", OFTReal}, {"sigma_banking", OFTReal}};  // of nodes; older files lack them
+constexpr Field later_node_fields[] = {
+    {"crown", OFTReal}, {"sigma_banking", OFTReal}, {"kerb_radius_m", OFTReal}};  // older files lack them
 constexpr Field surface_fields[] = {
     {"osm_id", OFTInteger64}, {"part", OFTInteger}, {"highway", OFTString}, {"layer", OFTInteger}};
 constexpr Field roughness_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInteger},          {"s_begin_m", OFTReal},
@@ -90,7 +91,7 @@ class RoadsWriter {
         surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)),
         file_(std::move(file)),
         errors_(errors) {
-    for (const Field& field : banking_fields) create_field(nodes_, field.name, field.type);
+    for (const Field& field : later_node_fields) create_field(nodes_, field.name, field.type);
     for (const Field& field : lane_fields) create_field(centrelines_, field.name, field.type);
     for (const Field& field : class_fields) create_field(centrelines_, field.name, field.type);
   }
@@ -145,6 +146,7 @@ class RoadsWriter {
     row.SetField("banking_source", to_string(node.banking_source));
     row.SetField("crown", node.crown);
     row.SetField("sigma_banking", node.sigma_banking);
+    if (node.kerb_radius_m > 0.0) row.SetField("kerb_radius_m", node.kerb_radius_m);
     OGRPoint point(node.p.x, node.p.y);
     row.SetGeometry(&point);
     add_feature(nodes_, row, file_, errors_);
@@ -307,6 +309,8 @@ RoadNode node_of(const fs::path& path, const OGRFeature& row) {
   if (const int crown = row.GetFieldIndex("crown"); crown >= 0) node.crown = row.GetFieldAsDouble(crown);
   if (const int sigma = row.GetFieldIndex("sigma_banking"); sigma >= 0)
     node.sigma_banking = row.GetFieldAsDouble(sigma);
+  if (const int radius = row.GetFieldIndex("kerb_radius_m"); radius >= 0)
+    node.kerb_radius_m = row.GetFieldAsDouble(radius);
   return node;
 }
 }  // namespace

@@ -46,6 +46,8 @@ struct RoadNode {
   double crown = 0.0;  ///< rad, >= 0: both halves fall away from p by this. z(t) = z + t tan(banking) - |t| tan(crown)
   double sigma_z_m = 0.0, sigma_banking = 0.0;
   BankingSource banking_source = BankingSource::unset;  ///< of banking and crown
+  double kerb_radius_m =
+      0.0;  ///< of the corners of the junction that this node is, as seen; 0: not seen, or no junction
 };
 
 /// Where the width of an OSM way comes from: its class alone, its number of lanes, or a tag.

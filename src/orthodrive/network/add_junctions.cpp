@@ -277,7 +277,8 @@ Geometry turn_geometry(const Gate& in, const Gate& out) {
   result.elevation = {hermite(0.0, length, in.z_m, out.z_m, in.gradient, out.gradient)};
   if (in.banking != 0.0 || out.banking != 0.0 || in.banking_rate != 0.0 || out.banking_rate != 0.0)
     result.superelevation = {hermite(0.0, length, in.banking, out.banking, in.banking_rate, out.banking_rate)};
-  if (in.crown != 0.0 || out.crown != 0.0) result.crown = {hermite(0.0, length, in.crown, out.crown, 0.0, 0.0)};
+  // Straight: a crown of two entries. The kink at the ends is one at walking pace.
+  if (in.crown != 0.0 || out.crown != 0.0) result.crown = {{0.0, in.crown, (out.crown - in.crown) / length, 0.0, 0.0}};
   return result;
 }
 
@@ -344,15 +345,32 @@ void number_junctions_after_roads(RoadMap& map) {
   for (roadquery::Junction& junction : map.junctions) junction.id += last_road;
 }
 
+/// The median of what was seen at the nodes of a junction; 0: nothing.
+double seen_kerb_radius_m(const NetworkPlan& plan, const std::vector<VertexIndex>& vertices) {
+  std::vector<double> radii;
+  for (const VertexIndex v : vertices)
+    for (const PieceEnd& end : plan.topology.vertices[v].ends) {
+      const PathPiece& piece = plan.topology.pieces[end.piece];
+      const RoadNode& node = plan.roads.paths[piece.path].nodes[end.at_last ? piece.last : piece.first];
+      if (node.kerb_radius_m <= 0.0) continue;
+      radii.push_back(node.kerb_radius_m);
+      break;  // all ends of a vertex are one node
+    }
+  if (radii.empty()) return 0.0;
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
+}
+
 }  // namespace
 
-std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
-                               RoadMap& map) {
-  std::vector<int> straight;
+JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map) {
+  JunctionParts parts;
   std::vector<std::vector<std::size_t>> inside(ends.size());
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
-    if (stretch.inside) inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
+    if (stretch.inside && stretch.vertex0 && stretch.vertex1)
+      inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
   }
   const Restrictions restrictions(plan);
   std::vector<std::vector<VertexIndex>> vertices(ends.size());
@@ -394,7 +412,7 @@ std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::v
         if (lane.predecessor) connection.lane_links.push_back({*lane.predecessor, lane.id});
       junction.connections.push_back(std::move(connection));
       connecting.push_back(road.id);
-      if (m.to == ends[j][at(m.from)].through) straight.push_back(road.id);
+      if (m.to == ends[j][at(m.from)].through) parts.straight.push_back(road.id);
       map.roads.push_back(std::move(road));
     }
     junction.priorities = priorities_of(plan, ends[j], movements, connecting);
@@ -406,7 +424,11 @@ std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::v
     map.junctions.push_back(std::move(junction));
   }
   number_junctions_after_roads(map);
-  return straight;
+  for (const roadquery::Junction& junction : map.junctions) {
+    const std::vector<VertexIndex>& here = vertices[at(junction.id - map.roads.back().id - 1)];
+    if (const double radius = seen_kerb_radius_m(plan, here); radius > 0.0) parts.kerb_radius_m[junction.id] = radius;
+  }
+  return parts;
 }
 
 }  // namespace orthodrive::network

@@ -277,12 +277,10 @@ class JunctionEnds {
 
 std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, RoadMap& map, Findings& findings) {
   std::set<std::size_t> told;  // paths whose lanes were reduced
-  const std::vector<std::vector<double>> cuts =
-      cut_roads(plan.roads, plan.topology, plan.geometry, plan.junctions, plan.options.driving_side);
   JunctionEnds ends(plan);
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
     const Stretch& stretch = plan.junctions.stretches[i];
-    if (!stretch.inside) ends.add(i, cuts[i], add_stretch(plan, stretch, cuts[i], map, told, findings));
+    if (!stretch.inside) ends.add(i, plan.cuts[i], add_stretch(plan, stretch, plan.cuts[i], map, told, findings));
   }
   return ends.take();
 }

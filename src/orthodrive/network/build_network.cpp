@@ -7,10 +7,13 @@
 #include <set>
 
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/network/ease_arms.hpp"
 #include "orthodrive/network/junction_surface.hpp"
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/rings.hpp"
+#include "orthodrive/network/road_cuts.hpp"
 #include "orthodrive/network/road_parts.hpp"
+#include "orthodrive/network/room_beside.hpp"
 #include "orthodrive/network/roundabouts.hpp"
 
 namespace orthodrive {
@@ -96,14 +99,18 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   }
 
   const JunctionPlan junctions = plan_junctions(topology, geometry);
+  leave_room_beside(roads, topology, junctions, geometry);
+  const std::vector<std::vector<double>> cuts = cut_roads(roads, topology, geometry, junctions, options.driving_side);
+  ease_arms(roads, topology, junctions, cuts, geometry);
   progress(0.9);
   result.map.name = options.name;
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
-  const NetworkPlan plan{roads, topology, geometry, junctions, options};
+  const NetworkPlan plan{roads, topology, geometry, junctions, cuts, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
-  const std::vector<int> straight = add_junctions(plan, ends, result.map);
+  const JunctionParts parts = add_junctions(plan, ends, result.map);
   if (options.junction_surfaces)
-    result.junction_surfaces = add_junction_surfaces(result.map, straight, {.threads = options.threads});
+    result.junction_surfaces = add_junction_surfaces(
+        result.map, parts.straight, {.threads = options.threads, .kerb_radius_m = parts.kerb_radius_m});
   report_many_roads(ends, result.map, result.findings);
   set_bounds(result.map);
   report_lost_ways(roads, result.map, result.findings);

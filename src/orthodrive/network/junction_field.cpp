@@ -20,6 +20,7 @@ constexpr double anchor_smoothing_m = 1000.0;  // to the plane: decides only wha
 double smoothing_of(RoadRole role) {
   switch (role) {
     case RoadRole::arm:
+    case RoadRole::beside:
       return 0.0;
     case RoadRole::main:
       return main_smoothing_m;
@@ -62,10 +63,14 @@ Plane plane_of(const FieldGrid& grid, const std::vector<NodeTarget>& targets) {
 /// Rows of the least-squares problem; fixed nodes go to the right side.
 class Rows {
  public:
-  Rows(const std::vector<NodeTarget>& targets, const std::vector<double>& over)
-      : over_(over), unknown_(over.size(), -1) {
-    for (std::size_t i = 0; i < targets.size(); ++i)
-      if (targets[i].smoothing_m > 0.0) unknown_[i] = jacobian_.columns++;
+  Rows(const std::vector<NodeTarget>& targets, const std::vector<double>& over, const std::vector<char>& asked)
+      : over_(over), unknown_(over.size(), fixed) {
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      if (!asked.empty() && asked[i] == 0)
+        unknown_[i] = outside;
+      else if (targets[i].smoothing_m > 0.0)
+        unknown_[i] = jacobian_.columns++;
+    }
     jacobian_.row_start = {0};
   }
   struct Term {
@@ -73,6 +78,8 @@ class Rows {
     double factor = 0.0;
   };
   void add(std::initializer_list<Term> terms, double right) {
+    if (std::any_of(terms.begin(), terms.end(), [&](const Term& term) { return unknown_[term.node] == outside; }))
+      return;
     const std::size_t before = jacobian_.column.size();
     for (const Term& term : terms) {
       if (unknown_[term.node] < 0) {
@@ -96,6 +103,7 @@ class Rows {
   }
 
  private:
+  static constexpr int fixed = -1, outside = -2;
   SparseJacobian jacobian_;
   std::vector<double> right_;
   const std::vector<double>& over_;
@@ -117,21 +125,23 @@ void add_bending(const FieldGrid& grid, Rows& rows) {
 
 }  // namespace
 
-std::vector<double> bend_least(const FieldGrid& grid, const std::vector<NodeTarget>& targets) {
+std::vector<double> bend_least(const FieldGrid& grid, const std::vector<NodeTarget>& targets,
+                               const std::vector<char>& asked) {
+  const auto is_asked = [&](std::size_t i) { return asked.empty() || asked[i] != 0; };
   const Plane plane = plane_of(grid, targets);
   std::vector<double> over(targets.size(), 0.0);
   bool all_fixed = true;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     if (std::isfinite(targets[i].smoothing_m)) over[i] = targets[i].z - plane.at(grid.node(i));
-    all_fixed = all_fixed && targets[i].smoothing_m == 0.0;
+    all_fixed = all_fixed && (targets[i].smoothing_m == 0.0 || !is_asked(i));
   }
   std::vector<double> z = over;
   if (!all_fixed) {
-    Rows rows(targets, over);
+    Rows rows(targets, over, asked);
     add_bending(grid, rows);
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const auto spring = [&](double smoothing) { return grid.spacing_m / (smoothing * smoothing); };
-      if (targets[i].smoothing_m == 0.0) continue;
+      if (targets[i].smoothing_m == 0.0 || !is_asked(i)) continue;
       rows.add({{i, spring(anchor_smoothing_m)}}, 0.0);
       if (std::isfinite(targets[i].smoothing_m))
         rows.add({{i, spring(targets[i].smoothing_m)}}, spring(targets[i].smoothing_m) * over[i]);
@@ -142,8 +152,8 @@ std::vector<double> bend_least(const FieldGrid& grid, const std::vector<NodeTarg
   return z;
 }
 
-FieldRoad over_grid(const FieldGrid& grid, const RoadCover& cover, RoadRole role) {
-  FieldRoad road{role, std::vector<double>(grid.size(), NAN)};
+FieldRoad over_grid(const FieldGrid& grid, const RoadCover& cover, RoadRole role, const std::vector<char>& asked) {
+  FieldRoad road{role, {}};
   const auto nodes = [&](double from, double to, int count) {
     const auto at = [&](double v) { return std::clamp(static_cast<int>(v / grid.spacing_m), 0, count - 1); };
     return std::pair(at(from - 1.0), at(to + 1.0));  // the bounds hold corners, not the arcs between
@@ -154,7 +164,9 @@ FieldRoad over_grid(const FieldGrid& grid, const RoadCover& cover, RoadRole role
   for (int r = row0; r <= row1; ++r)
     for (int c = column0; c <= column1; ++c) {
       const auto i = static_cast<std::size_t>(r) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(c);
-      if (const auto place = cover.find(grid.node(i), role == RoadRole::arm)) road.z[i] = cover.height(*place);
+      if (!asked.empty() && asked[i] == 0) continue;
+      if (const auto place = cover.find(grid.node(i), role == RoadRole::arm))
+        road.nodes.push_back({i, cover.height(*place)});
     }
   return road;
 }
@@ -181,19 +193,25 @@ NodeTarget entry_target(const std::vector<roadquery::JunctionArm>& entries, Vec2
 
 std::vector<NodeTarget> field_targets(const FieldGrid& grid, const std::vector<FieldRoad>& roads,
                                       const std::vector<roadquery::JunctionArm>& entries) {
+  struct Strongest {
+    RoadRole role = RoadRole::turning;
+    double sum = 0.0, count = 0.0;
+  };
+  std::vector<Strongest> strongest(grid.size());
+  for (const FieldRoad& road : roads)
+    for (const FieldRoad::Node& at : road.nodes) {
+      Strongest& node = strongest[at.node];
+      if (node.count > 0.0 && road.role > node.role) continue;
+      if (node.count == 0.0 || road.role < node.role) node = {road.role, 0.0, 0.0};
+      node.sum += at.z, node.count += 1.0;
+    }
   std::vector<NodeTarget> targets(grid.size());
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const Vec2 p = grid.node(i);
-    RoadRole strongest = RoadRole::turning;
-    double sum = 0.0, count = 0.0;
-    for (const FieldRoad& road : roads) {
-      if (std::isnan(road.z[i]) || (count > 0.0 && road.role > strongest)) continue;
-      if (count == 0.0 || road.role < strongest) strongest = road.role, sum = count = 0.0;
-      sum += road.z[i], count += 1.0;
-    }
-    if (count > 0.0) targets[i] = {sum / count, smoothing_of(strongest)};
-    if (count > 0.0 && strongest < RoadRole::turning) continue;
-    if (const NodeTarget entry = entry_target(entries, p); std::isfinite(entry.smoothing_m)) targets[i] = entry;
+    const Strongest& node = strongest[i];
+    if (node.count > 0.0) targets[i] = {node.sum / node.count, smoothing_of(node.role)};
+    if (node.count > 0.0 && node.role < RoadRole::turning) continue;
+    if (const NodeTarget entry = entry_target(entries, grid.node(i)); std::isfinite(entry.smoothing_m))
+      targets[i] = entry;
   }
   return targets;
 }

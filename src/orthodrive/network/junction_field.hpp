@@ -32,24 +32,31 @@ struct NodeTarget {
 /// by second differences over the grid (Terzopoulos, The computation of visible-surface representations, IEEE Trans.
 /// PAMI 10, 1988), solved by sparse Cholesky. Free at the border: without targets there the field goes on straight.
 /// Exact for planes. Where the targets leave it undetermined (fewer than three, or on one line) the mean of the targets
-/// or the plane through them is taken.
-[[nodiscard]] std::vector<double> bend_least(const FieldGrid& grid, const std::vector<NodeTarget>& targets);
+/// or the plane through them is taken. `asked`: nodes that are solved, all where it is empty; the others get the plane.
+[[nodiscard]] std::vector<double> bend_least(const FieldGrid& grid, const std::vector<NodeTarget>& targets,
+                                             const std::vector<char>& asked = {});
 
 /// How the field follows a road.
 enum class RoadRole {
   arm,       ///< outside the junction: fixed
+  beside,    ///< no road of the junction, but one of its roads lies on it: fixed where no arm is
   main,      ///< the way straight on that keeps its shape, crown included
   straight,  ///< another way straight on: gives way to what it crosses
   turning,   ///< weak: only where nothing else says anything
 };
-/// A road over the grid: its height at every node that it covers, NaN elsewhere.
+/// A road over the grid: its height at every node that it covers, by node.
 struct FieldRoad {
   RoadRole role = RoadRole::turning;
-  std::vector<double> z;
+  struct Node {
+    std::size_t node = 0;
+    double z = 0.0;
+  };
+  std::vector<Node> nodes;
 };
 
-/// Arms count with their sidewalks.
-[[nodiscard]] FieldRoad over_grid(const FieldGrid& grid, const RoadCover& cover, RoadRole role);
+/// Arms count with their sidewalks. Of the nodes `asked`, all where it is empty.
+[[nodiscard]] FieldRoad over_grid(const FieldGrid& grid, const RoadCover& cover, RoadRole role,
+                                  const std::vector<char>& asked = {});
 
 /// Targets from the roads that cover each node: the strongest role that covers it, the mean where several do.
 /// `entries`: arms in the grid's coordinates; where no way straight on leads in, their strips go on straight, strongly

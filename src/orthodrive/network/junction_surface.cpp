@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/model/road_network.hpp"
-#include "orthodrive/network/junction_area.hpp"
 #include "orthodrive/network/junction_field.hpp"
+#include "orthodrive/network/junction_members.hpp"
+#include "orthodrive/network/junction_nodes.hpp"
 #include "orthodrive/network/refit_profile.hpp"
 #include "roadquery/junction_surface.hpp"
 
@@ -16,7 +18,6 @@ namespace orthodrive::network {
 namespace {
 
 using roadquery::JunctionSurface;
-using roadquery::LinkKind;
 using roadquery::Road;
 using roadquery::RoadMap;
 
@@ -25,93 +26,44 @@ constexpr double wide_m = 50.0;           // wider junctions are solved at twice
 constexpr double margin_m = 2.5;          // of the grid around the area: two nodes of 1 m
 constexpr double coarse_error_m = 0.005;  // of a coarser grid from the one that was solved
 constexpr double same_height_m = 0.01;    // ways straight on that differ by more where they cross: one gives way
-constexpr double same_level_m = 2.5;      // other roads nearer in height share the ground
-constexpr double unchanged_m = 0.005;     // ways straight on that lie so near to the surface stay as they are
+constexpr double same_ground_m = 0.5;  // roads beside the junction further off in height lie on a ground of their own
+constexpr int solved_beyond = 2, kept_beyond = 1;  // nodes beyond those that places inside the boundary need
+constexpr double unchanged_m = 0.005;              // ways straight on that lie so near to the surface stay as they are
 constexpr double millimetre = 1e-3, height_step_m = 1e-4;
 
 double rounded(double v, double step) { return std::round(v / step) * step; }
 
-/// The junction's roads by index of the map.
-struct Members {
-  std::vector<std::size_t> connecting, arms, others;
-  std::vector<bool> at_end;
-};
-
 Vec2 origin_of(const Road& road) { return {std::round(road.plan.front().x), std::round(road.plan.front().y)}; }
 
-Box2 box_of(const Road& road) { return RoadCover(road, {}, 0.0, road.length).bounds(); }
+/// Junctions that share ground, in coordinates relative to one origin.
+struct Group {
+  std::vector<std::size_t> junctions;
+  Vec2 origin;
+  std::vector<Ring> boundaries;
+};
 
-std::map<int, std::size_t> junction_places(const RoadMap& map) {
-  std::map<int, std::size_t> place;
-  for (std::size_t j = 0; j < map.junctions.size(); ++j) place[map.junctions[j].id] = j;
-  return place;
-}
-
-std::vector<Members> members_of(const RoadMap& map) {
-  const std::map<int, std::size_t> place = junction_places(map);
-  std::vector<Members> members(map.junctions.size());
-  const auto junction_at = [&](const roadquery::RoadLink& link) {
-    const auto found = link.kind == LinkKind::junction ? place.find(link.id) : place.end();
-    return found != place.end() ? &members[found->second] : nullptr;
-  };
-  for (std::size_t i = 0; i < map.roads.size(); ++i) {
-    const Road& road = map.roads[i];
-    if (road.junction >= 0) {
-      if (const auto found = place.find(road.junction); found != place.end() && road.length > 0.0)
-        members[found->second].connecting.push_back(i);
-      continue;
-    }
-    if (Members* m = junction_at(road.predecessor)) m->arms.push_back(i), m->at_end.push_back(false);
-    if (Members* m = junction_at(road.successor)) m->arms.push_back(i), m->at_end.push_back(true);
+Group group_of(const std::vector<std::size_t>& junctions, const std::vector<JunctionGround>& grounds) {
+  Group group{junctions, grounds[junctions.front()].origin, {}};
+  for (const std::size_t j : junctions) {
+    Ring ring = grounds[j].boundary;
+    for (Vec2& p : ring) p = p + (grounds[j].origin - group.origin);
+    group.boundaries.push_back(std::move(ring));
   }
-  return members;
+  return group;
 }
 
-double middle_height(const Road& road) { return roadquery::elevation(road, 0.5 * road.length); }
-
-/// Roads near the junction that it must leave alone: on its level, neither its arms nor its connecting roads.
-void find_others(const RoadMap& map, std::vector<Members>& members, int threads) {
-  std::vector<Box2> boxes(map.roads.size());
-  parallel_for(map.roads.size(), threads, [&](std::size_t i) { boxes[i] = box_of(map.roads[i]); });
-  const SpatialIndex index(boxes);
-  constexpr double reach_m = 12.0;  // the largest kerb radius
-  for (Members& m : members) {
-    if (m.connecting.empty()) continue;
-    Box2 box = boxes[m.connecting.front()];
-    double z = 0.0;
-    for (const std::size_t i : m.connecting) {
-      box = {std::min(box.min_x, boxes[i].min_x), std::min(box.min_y, boxes[i].min_y),
-             std::max(box.max_x, boxes[i].max_x), std::max(box.max_y, boxes[i].max_y)};
-      z += middle_height(map.roads[i]) / static_cast<double>(m.connecting.size());
-    }
-    for (const std::size_t i : index.touching(box.grown(reach_m))) {
-      const auto among = [i](const std::vector<std::size_t>& list) {
-        return std::find(list.begin(), list.end(), i) != list.end();
-      };
-      const Road& road = map.roads[i];
-      const double low =
-          std::min({middle_height(road), roadquery::elevation(road, 0.0), roadquery::elevation(road, road.length)});
-      const double high =
-          std::max({middle_height(road), roadquery::elevation(road, 0.0), roadquery::elevation(road, road.length)});
-      if (among(m.connecting) || among(m.arms) || low > z + same_level_m || high < z - same_level_m) continue;
-      m.others.push_back(i);
-    }
+FieldGrid grid_over(const std::vector<Ring>& boundaries) {
+  Box2 box = bounds_of(boundaries.front());
+  double size_m = 0.0;
+  for (const Ring& boundary : boundaries) {
+    const Box2 b = bounds_of(boundary);
+    box = {std::min(box.min_x, b.min_x), std::min(box.min_y, b.min_y), std::max(box.max_x, b.max_x),
+           std::max(box.max_y, b.max_y)};
+    size_m = std::max({size_m, b.width(), b.height()});
   }
-}
-
-JunctionRoads roads_of(const RoadMap& map, const Members& members) {
-  JunctionRoads roads;
-  for (const std::size_t i : members.connecting) roads.connecting.push_back(&map.roads[i]);
-  for (const std::size_t i : members.arms) roads.arms.push_back(&map.roads[i]);
-  for (const std::size_t i : members.others) roads.others.push_back(&map.roads[i]);
-  roads.at_end = members.at_end;
-  return roads;
-}
-
-FieldGrid grid_over(const Ring& boundary) {
-  const Box2 box = bounds_of(boundary).grown(margin_m);
+  box = box.grown(margin_m);
   FieldGrid grid;
-  grid.spacing_m = std::max(box.width(), box.height()) > wide_m ? 2.0 * fine_m : fine_m;
+  grid.spacing_m = size_m + 2.0 * margin_m > wide_m ? 2.0 * fine_m : fine_m;
   grid.origin = {std::floor(box.min_x / millimetre) * millimetre, std::floor(box.min_y / millimetre) * millimetre};
   const auto nodes = [&](double size) { return 4 * static_cast<int>(std::ceil(size / (4.0 * grid.spacing_m))) + 1; };
   grid.columns = nodes(box.width()), grid.rows = nodes(box.height());
@@ -119,7 +71,7 @@ FieldGrid grid_over(const Ring& boundary) {
 }
 
 /// The arms' ends, relative to the origin.
-std::vector<roadquery::JunctionArm> entries_of(const RoadMap& map, const Members& members, Vec2 origin) {
+std::vector<roadquery::JunctionArm> entries_of(const RoadMap& map, const JunctionMembers& members, Vec2 origin) {
   std::vector<roadquery::JunctionArm> entries;
   for (std::size_t k = 0; k < members.arms.size(); ++k) {
     entries.push_back(roadquery::junction_arm(
@@ -127,6 +79,26 @@ std::vector<roadquery::JunctionArm> entries_of(const RoadMap& map, const Members
     entries.back().x -= origin.x, entries.back().y -= origin.y;
   }
   return entries;
+}
+
+/// The members of a group as those of one junction.
+JunctionMembers together(const std::vector<JunctionMembers>& members, const Group& group) {
+  JunctionMembers all;
+  for (const std::size_t j : group.junctions) {
+    const JunctionMembers& m = members[j];
+    all.connecting.insert(all.connecting.end(), m.connecting.begin(), m.connecting.end());
+    all.arms.insert(all.arms.end(), m.arms.begin(), m.arms.end());
+    all.at_end.insert(all.at_end.end(), m.at_end.begin(), m.at_end.end());
+    all.inner.insert(all.inner.end(), m.inner.begin(), m.inner.end());
+  }
+  std::set<std::size_t> own(all.connecting.begin(), all.connecting.end()), others;
+  own.insert(all.arms.begin(), all.arms.end());
+  own.insert(all.inner.begin(), all.inner.end());
+  for (const std::size_t j : group.junctions)
+    for (const std::size_t i : members[j].others)
+      if (!own.contains(i)) others.insert(i);
+  all.others.assign(others.begin(), others.end());
+  return all;
 }
 
 bool straight_before(const Road& a, const Road& b) {
@@ -139,23 +111,53 @@ bool straight_before(const Road& a, const Road& b) {
   return a.id < b.id;
 }
 
+/// Calls visit(z of a, z of b) for nodes of both.
+template <typename Visit>
+void at_common_nodes(const FieldRoad& a, const FieldRoad& b, const Visit& visit) {
+  for (auto i = a.nodes.begin(), k = b.nodes.begin(); i != a.nodes.end() && k != b.nodes.end();) {
+    if (i->node == k->node)
+      visit(*i++, *k++);
+    else if (i->node < k->node)
+      ++i;
+    else
+      ++k;
+  }
+}
+
 bool disagree(const FieldRoad& a, const FieldRoad& b) {
-  for (std::size_t i = 0; i < a.z.size(); ++i)
-    if (std::abs(a.z[i] - b.z[i]) > same_height_m) return true;  // false for NaN: not on both
-  return false;
+  bool result = false;
+  at_common_nodes(a, b, [&](const FieldRoad::Node& p, const FieldRoad::Node& q) {
+    result = result || std::abs(p.z - q.z) > same_height_m;
+  });
+  return result;
+}
+
+/// The nodes of a road beside the junction that its connecting roads cover at nearly the same height.
+FieldRoad under_connecting_roads(const FieldRoad& beside, const std::vector<FieldRoad>& roads) {
+  std::map<std::size_t, double> covered;
+  for (const FieldRoad& road : roads)
+    if (road.role > RoadRole::beside)
+      at_common_nodes(beside, road, [&](const FieldRoad::Node& p, const FieldRoad::Node& q) {
+        if (std::abs(p.z - q.z) <= same_ground_m) covered[p.node] = p.z;
+      });
+  FieldRoad result{beside.role, {}};
+  for (const auto& [node, z] : covered) result.nodes.push_back({node, z});
+  return result;
 }
 
 /// Roads with their roles: of the ways straight on, the first by class, then width, then id keep their shape; those
 /// that they cross give way.
-std::vector<FieldRoad> field_roads(const RoadMap& map, const Members& members, const std::vector<int>& straight,
-                                   const FieldGrid& grid, Vec2 origin) {
+std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& members, const std::vector<int>& straight,
+                                   const FieldGrid& grid, const std::vector<char>& asked, Vec2 origin) {
   std::vector<FieldRoad> roads;
   constexpr double reach_m = 20.0;
   for (std::size_t k = 0; k < members.arms.size(); ++k) {
     const Road& road = map.roads[members.arms[k]];
     const double reach = std::min(reach_m, road.length), s0 = members.at_end[k] ? road.length - reach : 0.0;
-    roads.push_back(over_grid(grid, RoadCover(road, origin, s0, s0 + reach), RoadRole::arm));
+    roads.push_back(over_grid(grid, RoadCover(road, origin, s0, s0 + reach), RoadRole::arm, asked));
   }
+  for (const std::size_t i : members.inner)
+    roads.push_back(over_grid(grid, RoadCover(map.roads[i], origin, 0.0, map.roads[i].length), RoadRole::arm, asked));
   std::vector<const Road*> ways;
   for (const std::size_t i : members.connecting) ways.push_back(&map.roads[i]);
   const auto is_straight = [&](const Road& road) {
@@ -167,7 +169,7 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const Members& members, c
   });
   std::vector<std::size_t> main;
   for (const Road* way : ways) {
-    FieldRoad road = over_grid(grid, RoadCover(*way, origin, 0.0, way->length), RoadRole::turning);
+    FieldRoad road = over_grid(grid, RoadCover(*way, origin, 0.0, way->length), RoadRole::turning, asked);
     if (is_straight(*way)) {
       const bool crosses =
           std::any_of(main.begin(), main.end(), [&](std::size_t m) { return disagree(roads[m], road); });
@@ -176,21 +178,55 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const Members& members, c
     }
     roads.push_back(std::move(road));
   }
+  for (const std::size_t i : members.others) {
+    const Road& road = map.roads[i];
+    if (road.junction >= 0) continue;  // of a junction on another level
+    const FieldRoad beside = over_grid(grid, RoadCover(road, origin, 0.0, road.length), RoadRole::beside, asked);
+    if (FieldRoad under = under_connecting_roads(beside, roads); !under.nodes.empty())
+      roads.push_back(std::move(under));
+  }
   return roads;
 }
 
 /// Largest difference of two connecting roads over one node.
-double disagreement_m(const std::vector<FieldRoad>& roads) {
+double disagreement_m(const FieldGrid& grid, const std::vector<FieldRoad>& roads) {
+  std::vector<double> low(grid.size(), INFINITY), high(grid.size(), -INFINITY);
   double largest = 0.0;
-  for (std::size_t i = 0; !roads.empty() && i < roads.front().z.size(); ++i) {
-    double low = INFINITY, high = -INFINITY;
-    for (const FieldRoad& road : roads) {
-      if (road.role == RoadRole::arm || std::isnan(road.z[i])) continue;
-      low = std::min(low, road.z[i]), high = std::max(high, road.z[i]);
+  for (const FieldRoad& road : roads) {
+    if (road.role <= RoadRole::beside) continue;
+    for (const FieldRoad::Node& at : road.nodes) {
+      low[at.node] = std::min(low[at.node], at.z), high[at.node] = std::max(high[at.node], at.z);
+      largest = std::max(largest, high[at.node] - low[at.node]);
     }
-    if (high > low) largest = std::max(largest, high - low);
   }
   return largest;
+}
+
+std::size_t node_of(int columns, int column, int row) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
+}
+
+/// The part of the group's surface that the boundary needs, from a node on that all coarser grids have.
+JunctionSurface part_of(const FieldGrid& grid, const std::vector<double>& z, const Group& group, std::size_t member) {
+  const Box2 box = bounds_of(group.boundaries[member]).grown(margin_m);
+  const auto first = [&](double from, double origin) {
+    return 4 * std::max(0, static_cast<int>(std::floor((from - origin) / (4.0 * grid.spacing_m))));
+  };
+  const auto last = [&](double to, double origin, int count) {
+    return std::min(count - 1, 4 * static_cast<int>(std::ceil((to - origin) / (4.0 * grid.spacing_m))));
+  };
+  const int column0 = first(box.min_x, grid.origin.x), row0 = first(box.min_y, grid.origin.y);
+  JunctionSurface surface;
+  for (const Vec2 p : group.boundaries[member])
+    surface.boundary.push_back({group.origin.x + rounded(p.x, millimetre), group.origin.y + rounded(p.y, millimetre)});
+  surface.x = group.origin.x + grid.origin.x + column0 * grid.spacing_m;
+  surface.y = group.origin.y + grid.origin.y + row0 * grid.spacing_m;
+  surface.spacing_m = grid.spacing_m;
+  surface.columns = last(box.max_x, grid.origin.x, grid.columns) - column0 + 1;
+  surface.rows = last(box.max_y, grid.origin.y, grid.rows) - row0 + 1;
+  for (int r = 0; r < surface.rows; ++r)
+    for (int c = 0; c < surface.columns; ++c) surface.z.push_back(z[node_of(grid.columns, column0 + c, row0 + r)]);
+  return surface;
 }
 
 /// Every `step`-th node of a surface.
@@ -200,14 +236,16 @@ JunctionSurface thinned(const JunctionSurface& fine, int step) {
   coarse.columns = (fine.columns - 1) / step + 1, coarse.rows = (fine.rows - 1) / step + 1;
   coarse.z.clear();
   for (int r = 0; r < fine.rows; r += step)
-    for (int c = 0; c < fine.columns; c += step)
-      coarse.z.push_back(
-          fine.z[static_cast<std::size_t>(r) * static_cast<std::size_t>(fine.columns) + static_cast<std::size_t>(c)]);
+    for (int c = 0; c < fine.columns; c += step) coarse.z.push_back(fine.z[node_of(fine.columns, c, r)]);
   return coarse;
 }
 
+FieldGrid grid_of(const JunctionSurface& surface, Vec2 origin) {
+  return {{surface.x - origin.x, surface.y - origin.y}, surface.spacing_m, surface.columns, surface.rows};
+}
+
 /// Whether a coarser grid has the heights of the fine one at its nodes inside the boundary, and nodes all round.
-bool reproduces(const JunctionSurface& coarse, const JunctionSurface& fine) {
+bool reproduces(const JunctionSurface& coarse, const JunctionSurface& fine, const std::vector<char>& inside) {
   const double reach = 1.0 * coarse.spacing_m;
   for (const auto& [x, y] : fine.boundary)
     if (x - coarse.x < reach || y - coarse.y < reach ||
@@ -216,47 +254,78 @@ bool reproduces(const JunctionSurface& coarse, const JunctionSurface& fine) {
       return false;
   for (int r = 0; r < fine.rows; ++r)
     for (int c = 0; c < fine.columns; ++c) {
+      const std::size_t i = node_of(fine.columns, c, r);
+      if (inside[i] == 0) continue;
       const double x = fine.x + c * fine.spacing_m, y = fine.y + r * fine.spacing_m;
-      const double z =
-          fine.z[static_cast<std::size_t>(r) * static_cast<std::size_t>(fine.columns) + static_cast<std::size_t>(c)];
-      if (roadquery::contains(fine, x, y) && std::abs(roadquery::evaluate(coarse, x, y).z - z) > coarse_error_m)
-        return false;
+      if (std::abs(roadquery::evaluate(coarse, x, y).z - fine.z[i]) > coarse_error_m) return false;
     }
   return true;
 }
 
-struct Built {
-  std::optional<JunctionSurface> surface;
-  double area_m2 = 0.0, disagreement_m = 0.0;
-};
+/// Nodes that no place inside the boundary needs get what the file's text predicts for them: they cost two characters.
+void predict_the_rest(JunctionSurface& surface, const std::vector<char>& needed) {
+  for (int r = 0; r < surface.rows; ++r)
+    for (int c = 0; c < surface.columns; ++c) {
+      const std::size_t i = node_of(surface.columns, c, r);
+      if (needed[i] != 0) continue;
+      const double west = c > 0 ? surface.z[i - 1] : NAN,
+                   south = r > 0 ? surface.z[node_of(surface.columns, c, r - 1)] : NAN;
+      const double z = c > 0 && r > 0 ? west + south - surface.z[node_of(surface.columns, c - 1, r - 1)]
+                       : c > 0        ? west
+                       : r > 0        ? south
+                                      : surface.z[i];
+      surface.z[i] = rounded(z, height_step_m);
+    }
+}
 
-Built build_surface(const RoadMap& map, const Members& members, const std::vector<int>& straight) {
-  Built built;
-  if (members.connecting.empty()) return built;
-  const Vec2 origin = origin_of(map.roads[members.connecting.front()]);
+JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std::optional<double> seen_radius_m) {
+  JunctionGround ground;
+  if (members.connecting.empty()) return ground;
+  ground.origin = origin_of(map.roads[members.connecting.front()]);
   std::vector<std::string> classes;
   for (const std::size_t i : members.arms) classes.push_back(map.roads[i].highway);
-  const MultiPolygon area = junction_area(roads_of(map, members), kerb_radius_m(classes), origin);
-  const Ring boundary = woven_ring(area);
-  if (boundary.size() < 3) return built;
-  for (const Polygon& part : area) built.area_m2 += area_m2(part);
-  const FieldGrid grid = grid_over(boundary);
-  const std::vector<FieldRoad> roads = field_roads(map, members, straight, grid, origin);
-  built.disagreement_m = disagreement_m(roads);
-  JunctionSurface surface;
-  for (const Vec2 p : boundary)
-    surface.boundary.push_back({origin.x + rounded(p.x, millimetre), origin.y + rounded(p.y, millimetre)});
-  surface.x = origin.x + grid.origin.x, surface.y = origin.y + grid.origin.y;
-  surface.spacing_m = grid.spacing_m, surface.columns = grid.columns, surface.rows = grid.rows;
-  surface.z = bend_least(grid, field_targets(grid, roads, entries_of(map, members, origin)));
-  for (double& z : surface.z) z = rounded(z, height_step_m);
-  for (const int step : {4, 2}) {
-    JunctionSurface coarse = thinned(surface, step);
-    if (coarse.spacing_m > 2.0 || !reproduces(coarse, surface)) continue;
-    surface = std::move(coarse);
-    break;
+  const MultiPolygon area =
+      junction_area(roads_of(map, members), seen_radius_m.value_or(kerb_radius_m(classes)), ground.origin);
+  ground.boundary = woven_ring(area);
+  if (ground.boundary.size() < 3) return {};
+  for (const Polygon& part : area) ground.area_m2 += area_m2(part);
+  return ground;
+}
+
+struct Built {
+  std::optional<JunctionSurface> surface;
+  double disagreement_m = 0.0;
+};
+
+/// The surfaces of a group, by its junctions.
+std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<JunctionMembers>& members, const Group& group,
+                                  const std::vector<int>& straight) {
+  const FieldGrid grid = grid_over(group.boundaries);
+  std::vector<char> asked(grid.size(), 0);
+  for (const Ring& boundary : group.boundaries) {
+    const std::vector<char> own = grown(grid, nodes_for(grid, boundary), solved_beyond);
+    for (std::size_t i = 0; i < own.size(); ++i) asked[i] = static_cast<char>(asked[i] | own[i]);
   }
-  built.surface = std::move(surface);
+  const JunctionMembers all = together(members, group);
+  const std::vector<FieldRoad> roads = field_roads(map, all, straight, grid, asked, group.origin);
+  std::vector<double> z = bend_least(grid, field_targets(grid, roads, entries_of(map, all, group.origin)), asked);
+  extend(grid, asked, z);
+  for (double& height : z) height = rounded(height, height_step_m);
+  const double disagreement = disagreement_m(grid, roads);
+  std::vector<Built> built(group.junctions.size());
+  for (std::size_t k = 0; k < built.size(); ++k) {
+    JunctionSurface surface = part_of(grid, z, group, k);
+    const std::vector<char> inside = nodes_inside(grid_of(surface, group.origin), group.boundaries[k]);
+    for (const int step : {4, 2}) {
+      JunctionSurface coarse = thinned(surface, step);
+      if (coarse.spacing_m > 2.0 || !reproduces(coarse, surface, inside)) continue;
+      surface = std::move(coarse);
+      break;
+    }
+    const FieldGrid own = grid_of(surface, group.origin);
+    predict_the_rest(surface, grown(own, nodes_for(own, group.boundaries[k]), kept_beyond));
+    built[k] = {std::move(surface), disagreement};
+  }
   return built;
 }
 
@@ -265,17 +334,25 @@ Built build_surface(const RoadMap& map, const Members& members, const std::vecto
 JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int>& straight,
                                              const JunctionSurfaceOptions& options) {
   JunctionSurfaceSummary summary;
-  std::vector<Members> members = members_of(map);
-  find_others(map, members, options.threads);
-  std::vector<Built> built(members.size());
-  parallel_for(members.size(), options.threads,
-               [&](std::size_t j) { built[j] = build_surface(map, members[j], straight); });
-  for (std::size_t j = 0; j < built.size(); ++j) {
-    if (!built[j].surface) continue;
-    summary.junctions += 1, summary.area_m2 += built[j].area_m2, summary.grid_nodes += built[j].surface->z.size();
-    summary.max_disagreement_m = std::max(summary.max_disagreement_m, built[j].disagreement_m);
-    map.junctions[j].surface = std::move(built[j].surface);
-  }
+  const std::vector<JunctionMembers> members = junction_members(map, options.threads);
+  std::vector<JunctionGround> grounds(members.size());
+  parallel_for(members.size(), options.threads, [&](std::size_t j) {
+    const auto seen = options.kerb_radius_m.find(map.junctions[j].id);
+    grounds[j] =
+        ground_of(map, members[j], seen == options.kerb_radius_m.end() ? std::nullopt : std::optional(seen->second));
+  });
+  const std::vector<std::vector<std::size_t>> groups = junctions_on_one_ground(map, members, grounds);
+  std::vector<std::vector<Built>> built(groups.size());
+  parallel_for(groups.size(), options.threads,
+               [&](std::size_t g) { built[g] = build_surfaces(map, members, group_of(groups[g], grounds), straight); });
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t k = 0; k < groups[g].size(); ++k) {
+      const std::size_t j = groups[g][k];
+      summary.junctions += 1, summary.area_m2 += grounds[j].area_m2;
+      summary.grid_nodes += built[g][k].surface->z.size();
+      summary.max_disagreement_m = std::max(summary.max_disagreement_m, built[g][k].disagreement_m);
+      map.junctions[j].surface = std::move(built[g][k].surface);
+    }
   roadquery::join_arms(map);
   struct Off {
     double before_m = 0.0, after_m = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 // One surface for the whole paved area of each junction. docs/junctions.md tells the method.
 
+#include <map>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
@@ -9,7 +10,8 @@
 namespace orthodrive::network {
 
 struct JunctionSurfaceOptions {
-  int threads = 0;  ///< 0 = all cores; the result does not depend on it
+  int threads = 0;                      ///< 0 = all cores; the result does not depend on it
+  std::map<int, double> kerb_radius_m;  ///< by junction, where it was seen; else by class
 };
 
 struct JunctionSurfaceSummary {

@@ -13,9 +13,11 @@ namespace {
 using roadquery::Cubic;
 using roadquery::Road;
 
-constexpr double least_knot_m = 1.5, step_m = 0.5;
-constexpr double tolerance_m = 0.005;  // more pieces until the lanes lie so near to the surface
-constexpr int across = 5;              // places of a cross section
+constexpr double least_knot_m = 2.5, step_m = 0.5;
+constexpr double least_rough_m = 1.5, rough = 4.0;  // pieces of which the tolerance is missed by that factor
+constexpr double tolerance_m = 0.005;               // more pieces until the lanes lie so near to what the surface wants
+constexpr double share = 0.5;                       // of the heights in that, the rest is the banking's
+constexpr int across = 5;                           // places of a cross section
 constexpr double rate_step_m = 0.1;
 constexpr double least_width_m = 0.5;
 
@@ -53,28 +55,65 @@ std::vector<Cubic> cubics_of(const CubicSpline& spline) {
   return cubics;
 }
 
-/// `fitted` gets cubics over so many pieces; at the ends height, gradient and banking stay those of `road`, which meets
-/// its arms.
-void fit(Road& fitted, const Road& road, const roadquery::JunctionSurface& surface, int pieces) {
-  std::vector<double> knots, z, bank;
-  for (int i = 0; i <= pieces; ++i) {
-    const double s = road.length * i / pieces;
-    const Section at = i == 0 || i == pieces
-                           ? Section{roadquery::elevation(road, s), roadquery::superelevation(road, s)}
-                           : section_at(road, surface, s);
-    knots.push_back(s), z.push_back(at.z), bank.push_back(at.bank);
+/// The sections that the profile should have, at even places of the road.
+struct Wanted {
+  double step_m = 0.0;
+  std::vector<Section> sections;
+  double start_rate = 0.0, end_rate = 0.0;  ///< of the banking
+  double half_m = 0.0;                      ///< half the width of the lanes, at most
+
+  [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
+};
+
+/// At the ends height, gradient and banking stay those of `road`, which meets its arms.
+Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface) {
+  Wanted wanted;
+  const auto count = static_cast<std::size_t>(std::max(2.0, std::ceil(road.length / step_m)));
+  wanted.step_m = road.length / static_cast<double>(count);
+  for (std::size_t i = 0; i <= count; ++i) {
+    const double s = i == count ? road.length : wanted.s(i);
+    wanted.sections.push_back(i == 0 || i == count
+                                  ? Section{roadquery::elevation(road, s), roadquery::superelevation(road, s)}
+                                  : section_at(road, surface, s));
+    const roadquery::Edges edges = lanes_at(road, s);
+    wanted.half_m = std::max({wanted.half_m, std::abs(edges.left_t), std::abs(edges.right_t)});
   }
-  fitted.elevation =
-      cubics_of(clamped_spline(knots, z, roadquery::gradient(road, 0.0), roadquery::gradient(road, road.length)));
   // A road that begins to turn at once turns its banking at once, too, however little the arm's changes.
   const auto rate = [&](double s, double step) {
     return (section_at(road, surface, s + step).bank - section_at(road, surface, s).bank) / step;
   };
   const double step = std::min(rate_step_m, 0.5 * road.length);
-  fitted.superelevation =
-      cubics_of(clamped_spline(std::move(knots), std::move(bank), rate(0.0, step), rate(road.length, -step)));
-  const auto level = [](const Cubic& c) { return c.a == 0.0 && c.b == 0.0 && c.c == 0.0 && c.d == 0.0; };
-  if (std::all_of(fitted.superelevation.begin(), fitted.superelevation.end(), level)) fitted.superelevation.clear();
+  wanted.start_rate = rate(0.0, step), wanted.end_rate = rate(road.length, -step);
+  return wanted;
+}
+
+/// What a spline goes through: the values at all places of the wanted sections, and the slopes at the ends.
+struct Course {
+  std::vector<double> values;
+  double first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
+};
+
+/// A spline of few pieces through the first value, the last one and some between: pieces are split until all values lie
+/// within the tolerance or pieces are short.
+CubicSpline through(const Course& course, double step_m) {
+  std::vector<std::size_t> knots{0, course.values.size() - 1};
+  for (;;) {
+    std::vector<double> s, values;
+    for (const std::size_t i : knots) s.push_back(step_m * static_cast<double>(i)), values.push_back(course.values[i]);
+    CubicSpline spline = clamped_spline(s, std::move(values), course.first_slope, course.last_slope);
+    std::vector<std::size_t> finer{0};
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      double off = 0.0;
+      for (std::size_t i = knots[k] + 1; i < knots[k + 1]; ++i)
+        off = std::max(off, std::abs(spline.at(step_m * static_cast<double>(i)) - course.values[i]));
+      const double length_m = step_m * static_cast<double>(knots[k + 1] - knots[k]);
+      const double least_m = off > rough * course.tolerance ? least_rough_m : least_knot_m;
+      if (off > course.tolerance && length_m >= 2.0 * least_m) finer.push_back((knots[k] + knots[k + 1]) / 2);
+      finer.push_back(knots[k + 1]);
+    }
+    if (finer.size() == knots.size()) return spline;
+    knots = std::move(finer);
+  }
 }
 
 }  // namespace
@@ -96,12 +135,16 @@ double distance_from_surface_m(const Road& road, const roadquery::JunctionSurfac
 Road refitted(const Road& road, const roadquery::JunctionSurface& surface) {
   constexpr double shortest_m = 0.1;
   if (road.length < shortest_m) return road;
+  const Wanted wanted = wanted_of(road, surface);
+  Course z{{}, roadquery::gradient(road, 0.0), roadquery::gradient(road, road.length), share * tolerance_m};
+  Course bank{{}, wanted.start_rate, wanted.end_rate, (1.0 - share) * tolerance_m / wanted.half_m};
+  for (const Section& section : wanted.sections) z.values.push_back(section.z), bank.values.push_back(section.bank);
   Road fitted = road;
-  for (int pieces = 1;; pieces *= 2) {
-    fit(fitted, road, surface, pieces);
-    if (road.length < 2.0 * least_knot_m * pieces || distance_from_surface_m(fitted, surface) <= tolerance_m)
-      return fitted;
-  }
+  fitted.elevation = cubics_of(through(z, wanted.step_m));
+  fitted.superelevation = cubics_of(through(bank, wanted.step_m));
+  const auto level = [](const Cubic& c) { return c.a == 0.0 && c.b == 0.0 && c.c == 0.0 && c.d == 0.0; };
+  if (std::all_of(fitted.superelevation.begin(), fitted.superelevation.end(), level)) fitted.superelevation.clear();
+  return fitted;
 }
 
 }  // namespace orthodrive::network

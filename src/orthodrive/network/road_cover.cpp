@@ -9,10 +9,28 @@ namespace {
 
 constexpr double step_m = 1.0;
 constexpr double off_line_m = 1e-6;  // further from the foot of the perpendicular than this is beyond an end
+constexpr double straight_m = 1e-3;  // corners of pieces that lie so near to a straight edge are left out
+constexpr double foot_m = 1e-7;
 constexpr double min_piece_area_m2 = 1e-6, right_angle_rad = 0.5 * std::numbers::pi;
 
 bool is_carriageway(const roadquery::Lane& lane) {
   return lane.type != roadquery::LaneType::sidewalk && lane.type != roadquery::LaneType::none;
+}
+
+/// Without the points that lie on the straight line between their neighbours. The ends stay.
+std::vector<Vec2> without_straight(const std::vector<Vec2>& points) {
+  std::vector<Vec2> kept{points.front()};
+  std::size_t from = 0;
+  for (std::size_t to = 2; to < points.size(); ++to) {
+    const Vec2 chord = points[to] - points[from];
+    const double length = std::hypot(chord.x, chord.y);
+    bool straight = length > 0.0;
+    for (std::size_t i = from + 1; i < to && straight; ++i)
+      straight = std::abs(cross(chord, points[i] - points[from])) <= straight_m * length;
+    if (!straight) from = to - 1, kept.push_back(points[from]);
+  }
+  if (points.size() > 1) kept.push_back(points.back());
+  return kept;
 }
 
 }  // namespace
@@ -40,6 +58,7 @@ RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double
     const double s = s0 + (s1 - s0) * i / steps;
     const roadquery::PlanPoint p = roadquery::reference_point(road, s);
     s_.push_back(s);
+    reference_.push_back(p);
     line_.push_back(Vec2{p.x, p.y} - origin);
     const roadquery::Edges all = edges(s, true);
     const Vec2 left{-std::sin(p.hdg), std::cos(p.hdg)};
@@ -47,6 +66,11 @@ RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double
     corners.push_back(line_.back() + left * all.right_t);
   }
   bounds_ = bounds_of(corners);
+  // An edge moves less between two samples than this, and the nearest sample of a place is at most half a step off its
+  // foot.
+  constexpr double edge_m = 0.5;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    reach_m_ = std::max(reach_m_, distance(corners[i], line_[i / 2]) + 0.5 * step_m + edge_m);
 }
 
 roadquery::Edges RoadCover::edges(double s, bool with_sidewalks) const {
@@ -62,14 +86,15 @@ std::optional<RoadCover::Place> RoadCover::find(Vec2 p, bool with_sidewalks) con
     const Vec2 d = p - line_[i];
     if (dot(d, d) < least) least = dot(d, d), nearest = i;
   }
+  if (least > reach_m_ * reach_m_) return std::nullopt;
   double s = s_[nearest], along = 0.0, across = 0.0;
   for (int iteration = 0; iteration < 12; ++iteration) {  // Newton on (p - r(s)) . r'(s) = 0
-    const roadquery::PlanPoint r = roadquery::reference_point(*road_, s);
+    const roadquery::PlanPoint r = iteration == 0 ? reference_[nearest] : roadquery::reference_point(*road_, s);
     const Vec2 tangent{std::cos(r.hdg), std::sin(r.hdg)}, d = p - (Vec2{r.x, r.y} - origin_);
     along = dot(d, tangent), across = cross(tangent, d);
     const double next =
         std::clamp(s + along / (r.speed * std::max(1.0 - r.curvature * across, 0.1)), s_.front(), s_.back());
-    if (std::abs(next - s) < 1e-9) break;
+    if (std::abs(next - s) < foot_m) break;
     s = next;
   }
   if (std::abs(along) > off_line_m) return std::nullopt;
@@ -86,8 +111,10 @@ std::vector<Polygon> RoadCover::pieces(bool with_sidewalks, const Box2& box) con
   std::vector<Vec2> left, right;  // of the sections of the open ring
   double heading = 0.0;
   const auto close = [&] {
-    Ring ring = right;
-    ring.insert(ring.end(), left.rbegin(), left.rend());
+    if (left.empty()) return;
+    Ring ring = without_straight(right);
+    const std::vector<Vec2> back = without_straight(left);
+    ring.insert(ring.end(), back.rbegin(), back.rend());
     if (ring.size() >= 4 && signed_area_m2(ring) > min_piece_area_m2) result.push_back({std::move(ring), {}});
     left.clear(), right.clear();
   };

@@ -35,8 +35,10 @@ class RoadCover {
   const roadquery::Road* road_;
   Vec2 origin_;
   std::vector<double> s_;
-  std::vector<Vec2> line_;  ///< of the reference line at s_
+  std::vector<roadquery::PlanPoint> reference_;  ///< of the road at s_
+  std::vector<Vec2> line_;                       ///< of the reference line at s_
   Box2 bounds_;
+  double reach_m_ = 0.0;  ///< no place of the road is further from the sample nearest to it
 };
 
 }  // namespace orthodrive::network

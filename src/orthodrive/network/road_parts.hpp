@@ -1,6 +1,7 @@
 #pragma once
 // The roads themselves: pieces of chains between the cuts, and the roads that connect them through junctions.
 
+#include <map>
 #include <vector>
 
 #include "orthodrive/network/build_network.hpp"
@@ -16,6 +17,7 @@ struct NetworkPlan {
   const Topology& topology;
   const ChainGeometries& geometry;
   const JunctionPlan& junctions;
+  const std::vector<std::vector<double>>& cuts;  ///< of cut_roads(), by stretch
   const BuildNetworkOptions& options;
 };
 
@@ -37,10 +39,14 @@ struct JunctionEnd {
 [[nodiscard]] std::vector<std::vector<JunctionEnd>> add_roads(const NetworkPlan& plan, roadquery::RoadMap& map,
                                                               Findings& findings);
 
+struct JunctionParts {
+  std::vector<int> straight;  ///< ids of the connecting roads that go straight on, cut from their chain, ascending
+  std::map<int, double> kerb_radius_m;  ///< of the junctions of which it was seen: the median of their nodes'
+};
+
 /// Connecting roads and junctions. From every incoming lane group to every other road of the junction that can be
-/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out. Returns the
-/// ids of the connecting roads that go straight on, cut from their chain, ascending.
-std::vector<int> add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
-                               roadquery::RoadMap& map);
+/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out.
+JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
+                            roadquery::RoadMap& map);
 
 }  // namespace orthodrive::network

@@ -11,10 +11,11 @@ constexpr double corner_m = 2.0;  // room for the curve of the corner beyond the
 constexpr double taper_m = 10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
 constexpr double reach_m = 40.0;  // narrow forks overlap for long: roads are cut back no further than this
 constexpr double step_m = 0.5;
-constexpr double across_step_m = 1.5;  // no carriageway is narrower
-constexpr double clear_m = 3.0;        // free of the others for this long counts as having left them
-constexpr double min_road_m = 1.0;     // what is left of a road between two junctions
-constexpr double join_share = 0.65;    // junctions join when less than this share of the wished cuts fits between them
+constexpr double across_step_m = 1.5;   // no carriageway is narrower
+constexpr double clear_m = 3.0;         // free of the others for this long counts as having left them
+constexpr double min_road_m = 1.0;      // what is left of a road between two junctions
+constexpr double join_share = 0.65;     // junctions join when less than this share of the wished cuts fits between them
+constexpr double widest_join_m = 40.0;  // largest distance between vertices of a joined junction
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
 std::vector<Stretch> cut_at_junctions(const Topology& topology, const ChainGeometries& geometry) {
@@ -106,7 +107,7 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
 class JunctionPlanner {
  public:
   JunctionPlanner(const Topology& topology, const ChainGeometries& geometry)
-      : topology_(topology), geometry_(geometry), group_(topology.vertices.size()) {
+      : topology_(topology), geometry_(geometry), group_(topology.vertices.size()), arms_(topology.vertices.size()) {
     for (const VertexIndex v : topology.vertices.indices()) group_[v] = v;
     plan_.stretches = cut_at_junctions(topology, geometry);
   }
@@ -136,33 +137,74 @@ class JunctionPlanner {
       if (stretch.vertex0) arms[group(stretch.vertex0)].push_back({i, false});
       if (stretch.vertex1) arms[group(stretch.vertex1)].push_back({i, true});
     }
-    for (const std::vector<Arm>& junction : arms) {
+    for (const VertexIndex v : arms.indices()) {
+      const std::vector<Arm>& junction = arms[v];
+      arms_[v] = junction.size();
       std::vector<ArmLine> lines;
       for (const Arm& arm : junction) lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1));
       for (std::size_t i = 0; i < junction.size(); ++i) {
         Stretch& stretch = plan_.stretches[junction[i].stretch];
-        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) =
-            junction.size() == 2 ? taper_m : clear_distance_m(lines, i) + corner_m;
+        (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = junction.size() == 1 ? 0.0
+                                                                  : junction.size() == 2
+                                                                      ? taper_m
+                                                                      : clear_distance_m(lines, i) + corner_m;
       }
     }
   }
 
+  /// The narrowest gaps first: what they leave of a group's extent the others may take.
   void join_close_junctions() {
-    for (Stretch& stretch : plan_.stretches) {
+    struct Gap {
+      double share = 0.0;  ///< of the wished cuts that fits
+      std::size_t stretch = 0;
+      auto operator<=>(const Gap&) const = default;
+    };
+    std::vector<Gap> gaps;
+    for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
+      const Stretch& stretch = plan_.stretches[i];
       if (!stretch.vertex0 || !stretch.vertex1) continue;
       const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
       const bool ring = on_roundabout(topology_, geometry_[stretch.chain], stretch);
-      stretch.inside = ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished;
-      if (!stretch.inside) continue;
+      if (ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished)
+        gaps.push_back({wished > 0.0 ? (gap - min_road_m) / wished : 0.0, i});
+    }
+    std::sort(gaps.begin(), gaps.end());
+    Table<VertexIndex, std::vector<Vec2>> places(group_.size());  // of a group's vertices, by its first
+    for (const Gap& gap : gaps) {
+      const Stretch& stretch = plan_.stretches[gap.stretch];
+      for (const bool at_s1 : {false, true}) {
+        const VertexIndex vertex = at_s1 ? stretch.vertex1 : stretch.vertex0;
+        if (places[vertex].empty() && group(vertex) == vertex)
+          places[vertex] = {pose_at(geometry_[stretch.chain].plan, at_s1 ? stretch.s1 : stretch.s0).p};
+      }
+    }
+    for (const Gap& gap : gaps) {
+      Stretch& stretch = plan_.stretches[gap.stretch];
       const VertexIndex a = group(stretch.vertex0), b = group(stretch.vertex1);
+      if (a != b && extent_m(places[a], places[b]) > widest_join_m) continue;
+      stretch.inside = true;
+      if (a == b) continue;
+      std::vector<Vec2>&all = places[std::min(a, b)], &others = places[std::max(a, b)];
+      all.insert(all.end(), others.begin(), others.end());
       group_[std::max(a, b)] = std::min(a, b);
     }
   }
 
-  /// What is left between two vertices of one junction is a road of its own only if both its cuts fit.
+  static double extent_m(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+    double largest = 0.0;
+    for (const Vec2 p : a)
+      for (const Vec2 q : b) largest = std::max(largest, distance(p, q));
+    return largest;
+  }
+
+  /// What is left between two vertices of one junction is a road of its own only if both its cuts fit; a dead end that
+  /// lies beside the other roads as far as it goes is a part of the junction's pavement.
   void absorb_inner_roads() {
     for (Stretch& stretch : plan_.stretches) {
-      if (stretch.inside || !stretch.vertex0 || !stretch.vertex1 || group(stretch.vertex0) != group(stretch.vertex1))
+      if (stretch.inside || (!stretch.vertex0 && !stretch.vertex1)) continue;
+      const bool dead_end = !stretch.vertex0 || !stretch.vertex1;
+      if (dead_end ? arms_[group(stretch.vertex0 ? stretch.vertex0 : stretch.vertex1)] < 3
+                   : group(stretch.vertex0) != group(stretch.vertex1))
         continue;
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
       stretch.inside = stretch.s1 - stretch.s0 - min_road_m < stretch.trim0_m + stretch.trim1_m;
@@ -192,6 +234,7 @@ class JunctionPlanner {
   const Topology& topology_;
   const ChainGeometries& geometry_;
   Table<VertexIndex, VertexIndex> group_;  ///< union-find: the lowest vertex of the joined junction
+  Table<VertexIndex, std::size_t> arms_;   ///< of the joined junction, by its lowest vertex
   JunctionPlan plan_;
 };
 

@@ -14,7 +14,7 @@ struct Stretch {
   double s0 = 0.0, s1 = 0.0;
   VertexIndex vertex0, vertex1;         ///< junction at s0 and s1, or none
   double trim0_m = 0.0, trim1_m = 0.0;  ///< cut back there
-  bool inside = false;                  ///< between two vertices of one junction: no road of its own
+  bool inside = false;                  ///< between two vertices of one junction, or a dead end: no road of its own
 };
 
 /// One end of a stretch at a junction.
@@ -30,8 +30,8 @@ struct JunctionPlan {
 };
 
 /// A road ends where its whole cross section has left the carriageways of the other roads of the junction, plus 2 m for
-/// the corner. Junctions too close for that are joined into one; where the road between is long enough to stay, both
-/// cuts are shortened.
+/// the corner. Junctions too close for that are joined into one, as long as its vertices lie within 40 m; where the
+/// road between is long enough to stay, both cuts are shortened. A dead end of which nothing would be left has no road.
 [[nodiscard]] JunctionPlan plan_junctions(const Topology& topology, const ChainGeometries& geometry);
 
 }  // namespace orthodrive::network

@@ -15,6 +15,7 @@
 #include "orthodrive/report/lap_table.hpp"
 #include "roadquery/road_crgs.hpp"
 #include "roadquery/road_query.hpp"
+#include "roadquery/road_surface.hpp"
 #include "vehicle/read_car.hpp"
 
 namespace orthodrive {
@@ -95,6 +96,22 @@ void write_drive(const DriveFiles& files, const roadquery::RoadMap& map, const D
   if (!files.plots.empty()) write_text_file(files.plots, fmt::format("{}", fmt::join(lap_plots(map, drive), "\n")));
 }
 
+/// Where an OpenCRG file begins or ends within a road and leaves a step.
+Findings crg_findings(const roadquery::RoadMap& map) {
+  constexpr double least_m = 0.02;  // as drive.bump
+  Findings findings;
+  for (const roadquery::CrgStep& step : find_crg_steps(map, *map.crgs, least_m)) {
+    const roadquery::Road& road = map.roads[static_cast<std::size_t>(step.road)];
+    const roadquery::SurfacePoint at = roadquery::surface_point(road, step.s, step.t);
+    findings.push_back({.code = "drive.crg_step",
+                        .message = fmt::format("an OpenCRG file of road {} leaves a step of {:.3f} m at s = {:.1f} m",
+                                               road.id, step.step_m, step.s),
+                        .x_m = at.x,
+                        .y_m = at.y});
+  }
+  return findings;
+}
+
 StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& map, const RunDriveOptions& options,
                            StageContext& context) {
   const AllRoadsResult all = drive_all_roads(map, drive_options(options, false), context.threads, context.monitor);
@@ -126,12 +143,8 @@ StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& ma
   return outcome;
 }
 
-}  // namespace
-
-StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& options, StageContext& context) {
-  roadquery::RoadMap map = roadquery::read_opendrive(files.network.string());
-  roadquery::load_crgs(map, files.network.string());
-  if (options.flat) map = flattened(std::move(map));
+StageOutcome drive_map(const DriveFiles& files, const roadquery::RoadMap& map, const RunDriveOptions& options,
+                       StageContext& context) {
   if (options.all_roads) return run_all_roads(files, map, options, context);
   const Route route = find_route(map, options.route);
   const bool racing =
@@ -142,6 +155,18 @@ StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& options, 
   write_drive(files, map, drive, context);
   StageOutcome outcome{.numbers = numbers_of(drive), .findings = drive.findings};
   for (const auto& [label, value] : lap_numbers(drive)) outcome.summary.push_back(fmt::format("{}: {}", label, value));
+  return outcome;
+}
+
+}  // namespace
+
+StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& options, StageContext& context) {
+  roadquery::RoadMap map = roadquery::read_opendrive(files.network.string());
+  roadquery::load_crgs(map, files.network.string());
+  const Findings of_crgs = crg_findings(map);
+  if (options.flat) map = flattened(std::move(map));
+  StageOutcome outcome = drive_map(files, map, options, context);
+  outcome.findings.insert(outcome.findings.begin(), of_crgs.begin(), of_crgs.end());
   return outcome;
 }
 

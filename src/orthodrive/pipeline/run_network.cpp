@@ -48,6 +48,15 @@ std::string junction_line(const network::JunctionSurfaceSummary& s, const std::s
       s.max_road_off_before_m);
 }
 
+nlohmann::json junction_numbers(const network::JunctionSurfaceSummary& s) {
+  return {{"surfaces", s.junctions},
+          {"area_m2", s.area_m2},
+          {"heights", s.grid_nodes},
+          {"max_disagreement_m", s.max_disagreement_m},
+          {"max_road_off_before_m", s.max_road_off_before_m},
+          {"max_road_off_after_m", s.max_road_off_after_m}};
+}
+
 StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg, const std::string& file) {
   const std::vector<roadquery::Road>& roads = network.map.roads;
   double length_m = 0.0;
@@ -66,7 +75,8 @@ StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg,
                       {"surface_km", std::move(surface_km)},
                       {"crg_files", crg.files},
                       {"max_plan_deviation_m", network.max_plan_deviation_m},
-                      {"max_elevation_error_m", network.max_elevation_error_m}},
+                      {"max_elevation_error_m", network.max_elevation_error_m},
+                      {"junction_surfaces", junction_numbers(network.junction_surfaces)}},
           .findings = network.findings,
           .summary = {
               fmt::format("{}: chains of {:.3f} km fitted with {} elements", file, network.chain_length_m / 1e3,
@@ -104,7 +114,9 @@ StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& opt
     context.info(fmt::format("{}: {} OpenCRG surfaces of {:.2f} km of road", crg_folder(files.network).string(),
                              crg.files, crg.length_m / 1e3));
   io::write_opendrive(files.network, network.map,
-                      {.minor_version = options.opendrive_minor_version, .absolute = options.absolute});
+                      {.minor_version = options.opendrive_minor_version,
+                       .absolute = options.absolute,
+                       .junction_grids = options.junction_grids});
   if (options.check) context.info(check_file(files.network, network.map));
   if (!files.layers.empty()) io::write_network_layers(files.layers, network.map);
   if (!files.geojson.empty()) io::write_network_geojson(files.geojson, network.map);
@@ -120,7 +132,7 @@ BuildStage network_stage(SiteBuild& build) {
   return {.name = "network",
           // The route counts where surfaces are made of it.
           .options = {site.name, to_string(site.driving_side), site.crg, site.opendrive, to_string(site.weather),
-                      surfaces ? site.route : ""},
+                      surfaces ? site.route : "", site.junction_grids ? "junction grids" : ""},
           .outputs =
               surfaces ? std::vector<std::string>{"roads.xodr", "roads_crg"} : std::vector<std::string>{"roads.xodr"},
           .run = [&build, &site] {
@@ -130,6 +142,7 @@ BuildStage network_stage(SiteBuild& build) {
                  .crg = {.roads = site.crg, .route = site.route},
                  .old_surfaces = OldSurfaces::remove,
                  .opendrive_minor_version = site.opendrive == "1.8" ? 8 : 7,
+                 .junction_grids = site.junction_grids,
                  .judge = true},
                 build.context);
           }};

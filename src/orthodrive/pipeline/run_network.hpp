@@ -22,9 +22,9 @@ struct RunNetworkOptions {
   CrgFilesOptions crg;          ///< its relief is set here, from the roughness of the roads
   OldSurfaces old_surfaces = OldSurfaces::keep;
   int opendrive_minor_version = 7;
-  bool absolute = false;  ///< as WriteOpenDriveOptions
-  bool judge = false;     ///< follow every lane and say whether it can be driven: `verdict` and its findings
-  bool check = false;     ///< read the file back: Error when its surface is not the same within 1 mm
+  bool absolute = false, junction_grids = false;  ///< as WriteOpenDriveOptions
+  bool judge = false;  ///< follow every lane and say whether it can be driven: `verdict` and its findings
+  bool check = false;  ///< read the file back: Error when its surface is not the same within 1 mm
 };
 
 StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context);

@@ -10,6 +10,7 @@
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/pipeline/refine_files.hpp"
+#include "orthodrive/refine/kerb_radius.hpp"
 #include "orthodrive/refine/photo_surface.hpp"
 #include "orthodrive/roads/dense_nodes.hpp"
 
@@ -62,6 +63,7 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
           : refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor,
                          gpx.traces);
   classify_by_photo(result.roads, labels);
+  measure_kerb_radii(result.roads, labels);
   Findings findings = osm.findings;
   append(findings, gpx.findings);
   append(findings, result.findings);

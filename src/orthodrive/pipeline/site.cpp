@@ -52,7 +52,7 @@ void check_keys(const toml::table& table, const std::string& where) {
       {"segment", {"model", "crf"}},
       {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
-      {"network", {"crg", "opendrive", "weather"}},
+      {"network", {"crg", "junction_grids", "opendrive", "weather"}},
       {"drive", {"route"}},
       {"attribution", {"text"}},
       {"truth", {"dir"}}};
@@ -184,6 +184,9 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.opendrive = text(table, path, "network", "opendrive", site.opendrive);
   if (site.opendrive != "1.7" && site.opendrive != "1.8")
     throw OptionError(path.string() + ": network.opendrive must be \"1.7\" or \"1.8\"");
+  site.junction_grids = flag(table, path, "network", "junction_grids", site.junction_grids);
+  if (site.junction_grids && site.opendrive != "1.8")
+    throw OptionError(path.string() + ": network.junction_grids needs network.opendrive = \"1.8\"");
   try {
     site.weather = weather_of(text(table, path, "network", "weather", "dry"));
   } catch (const OptionError& error) {

@@ -28,6 +28,7 @@ struct Site {
   std::string dtm_sampling = "cubic";  ///< bilinear | cubic
   std::vector<std::string> crg;        ///< roads to write OpenCRG surfaces of, as CrgFilesOptions::roads; none
   std::string opendrive = "1.7";       ///< version of roads.xodr: 1.7 | 1.8
+  bool junction_grids = false;         ///< surfaces of junctions as OpenDRIVE 1.8 has them, too; needs 1.8
   Weather weather = Weather::dry;      ///< of the friction that roads.xodr states
   std::string route = "auto";          ///< closed way to drive: its name, or "auto"
 };

@@ -19,6 +19,7 @@ RoadNetwork with_nodes_every(RoadNetwork roads, double step_m) {
         RoadNode& node = dense.emplace_back(a);
         const auto between = [&](auto member) { node.*member = a.*member + (b.*member - a.*member) * f; };
         node.osm_node = 0;
+        node.kerb_radius_m = 0.0;
         node.p = a.p + (b.p - a.p) * f;
         for (double RoadNode::*const member :
              {&RoadNode::s_m, &RoadNode::offset_m, &RoadNode::width_m, &RoadNode::sigma_offset_m,

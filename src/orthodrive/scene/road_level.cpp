@@ -68,7 +68,8 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
       is_on_level_[static_cast<std::size_t>(road - query_->map().roads.data())] = true;
   std::vector<MultiPolygon> unions(roads_.size());
   parallel_for(roads_.size(), options.threads, [&](std::size_t i) {
-    strips_[i] = cross_sections(*roads_[i], options.strip);
+    const std::size_t index = options.query ? static_cast<std::size_t>(roads_[i] - query_->map().roads.data()) : i;
+    strips_[i] = cross_sections(*query_, index, options.strip);
     unions[i] = strip_union(*roads_[i], strips_[i]);
   });
   std::vector<Polygon> all;

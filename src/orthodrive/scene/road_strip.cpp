@@ -1,9 +1,9 @@
 #include "orthodrive/scene/road_strip.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-
-#include "roadquery/road_surface.hpp"
+#include <limits>
 
 namespace orthodrive::scene {
 namespace {
@@ -30,13 +30,13 @@ std::vector<double> breaks(const roadquery::Road& road) {
   return s;
 }
 
-CrossSection cut_at(const roadquery::Road& road, double s) {
-  const auto edges = roadquery::road_edges(road, s);
-  const auto at = [&](double t) {
-    const auto p = roadquery::surface_point(road, s, t);
-    return Vec3{p.x, p.y, p.z};
-  };
-  return {s, at(edges.left_t), at(edges.right_t), at(0.0)};
+/// With heights that are not finite where the road has no surface.
+CrossSection cut_at(const roadquery::RoadQuery& query, std::size_t road, double s) {
+  constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+  const auto cut = query.section(road, s);
+  if (!cut) return {s, {}, {}, {0.0, 0.0, missing}};
+  const auto point = [](const std::array<double, 3>& p) { return Vec3{p[0], p[1], p[2]}; };
+  return {s, point(cut->left), point(cut->right), point(cut->reference)};
 }
 
 double deviation_m(const CrossSection& a, const CrossSection& b, const CrossSection& m) {
@@ -75,20 +75,28 @@ bool is_finite(const CrossSection& c) {
 
 }  // namespace
 
-std::vector<CrossSection> cross_sections(const roadquery::Road& road, const StripOptions& options) {
-  if (!(road.length > lane_jump_m) || road.plan.empty() || road.sections.empty() || road.elevation.empty()) return {};
+bool has_sections(const roadquery::RoadQuery& query, std::size_t index) {
+  const roadquery::Road& road = query.map().roads[index];
+  if (!(road.length > lane_jump_m) || road.plan.empty() || road.sections.empty() || road.elevation.empty())
+    return false;
   const std::vector<double> fixed = breaks(road);
+  return std::all_of(fixed.begin(), fixed.end(), [&](double s) { return is_finite(cut_at(query, index, s)); });
+}
+
+std::vector<CrossSection> cross_sections(const roadquery::RoadQuery& query, std::size_t index,
+                                         const StripOptions& options) {
+  if (!has_sections(query, index)) return {};
+  const std::vector<double> fixed = breaks(query.map().roads[index]);
   std::vector<CrossSection> samples;
   std::vector<std::size_t> fixed_at;
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     fixed_at.push_back(samples.size());
-    samples.push_back(cut_at(road, fixed[i]));
+    samples.push_back(cut_at(query, index, fixed[i]));
     if (i + 1 == fixed.size()) break;
     const double gap_m = fixed[i + 1] - fixed[i];
     const int parts = std::max(1, static_cast<int>(std::ceil(gap_m / sample_step_m)));
-    for (int k = 1; k < parts; ++k) samples.push_back(cut_at(road, fixed[i] + gap_m * k / parts));
+    for (int k = 1; k < parts; ++k) samples.push_back(cut_at(query, index, fixed[i] + gap_m * k / parts));
   }
-  if (!std::all_of(samples.begin(), samples.end(), is_finite)) return {};
   std::vector<bool> keep(samples.size(), false);
   for (std::size_t i = 0; i < fixed_at.size(); ++i) {
     keep[fixed_at[i]] = true;

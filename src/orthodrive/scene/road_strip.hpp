@@ -1,10 +1,10 @@
 #pragma once
-// A road as a strip of cross sections: where the mesh follows the exact surface of roadquery/road_surface.hpp.
+// A road as a strip of cross sections, evaluated in the tables of the road query.
 
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
-#include "roadquery/road_map.hpp"
+#include "roadquery/road_query.hpp"
 
 namespace orthodrive::scene {
 
@@ -20,7 +20,10 @@ struct StripOptions {
 
 /// Sections at every start of a geometry, profile, shape or lane element and as many between as the tolerance asks for.
 /// Where the lanes change abruptly there are two sections a tenth of a millimetre apart.
-/// Empty for roads without length, lanes or finite heights.
-[[nodiscard]] std::vector<CrossSection> cross_sections(const roadquery::Road& road, const StripOptions& options);
+/// Empty for roads without length, lanes or finite heights. `road`: index into the query's map.
+[[nodiscard]] std::vector<CrossSection> cross_sections(const roadquery::RoadQuery& query, std::size_t road,
+                                                       const StripOptions& options);
+/// Whether cross_sections() has any for the road.
+[[nodiscard]] bool has_sections(const roadquery::RoadQuery& query, std::size_t road);
 
 }  // namespace orthodrive::scene

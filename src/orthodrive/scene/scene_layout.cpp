@@ -151,11 +151,12 @@ struct SortedRoads {
   std::map<int, std::vector<const roadquery::Road*>> decks;
 };
 
-SortedRoads sort_roads(const roadquery::RoadMap& map, Findings& findings) {
+SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
   SortedRoads sorted;
-  for (const roadquery::Road& road : map.roads) {
+  for (std::size_t i = 0; i < query.map().roads.size(); ++i) {
+    const roadquery::Road& road = query.map().roads[i];
     if (road.tunnel || !(road.length > 0.0)) continue;
-    if (cross_sections(road, {.max_step_m = road.length}).empty()) {
+    if (!has_sections(query, i)) {
       const auto at = roadquery::reference_point(road, 0.0);
       findings.push_back({Severity::warning, "scene.road_without_surface",
                           fmt::format("road {} has no lanes or no finite heights and is not drawn", road.id), at.x,
@@ -207,7 +208,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
       .reach_m = options.verge_m + 1.0,
       .threads = options.threads,
       .query = std::make_shared<const roadquery::RoadQuery>(input.roads)};
-  const SortedRoads sorted = sort_roads(level_options.query->map(), findings);
+  const SortedRoads sorted = sort_roads(*level_options.query, findings);
   roads = RoadLevel(sorted.ground, site_area, level_options);
   for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, site_area, level_options);
   ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,

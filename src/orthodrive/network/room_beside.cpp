@@ -1,0 +1,148 @@
+#include "orthodrive/network/room_beside.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "orthodrive/geo/spatial_index.hpp"
+#include "roadquery/blend.hpp"
+
+namespace orthodrive::network {
+namespace {
+
+constexpr double step_m = 1.0, margin_m = 0.1;  // the second: widths are fitted within 5 cm, on both roads
+constexpr double side_by_side_sin = 0.5, deepest_m = 1.5;
+constexpr double least_lane_m = 1.85;
+constexpr double taper = 0.06;  // the middle of a lane moves by a quarter of that: below 1 degree
+constexpr double taper_reach_m = 2.0 * deepest_m / taper;
+constexpr double shortest_road_m = 4.0;  // shorter ones lie inside the surfaces of their junctions
+
+/// A cross section of a road outside junctions.
+struct Section {
+  ChainIndex chain;
+  std::size_t stretch = 0;
+  double s = 0.0, half_m = 0.0, least_half_m = 0.0, z = 0.0;
+  int rank = 0;
+  Vec2 p, direction;
+};
+
+double height_at(const ChainGeometry& geometry, double s) {
+  const auto after = std::upper_bound(geometry.elevation.begin(), geometry.elevation.end(), s,
+                                      [](double v, const roadquery::Cubic& c) { return v < c.s; });
+  return geometry.elevation.empty() ? 0.0 : value_at(after == geometry.elevation.begin() ? *after : *(after - 1), s);
+}
+
+std::vector<Section> sections_of(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
+                                 const ChainGeometries& geometry) {
+  std::vector<Section> sections;
+  for (std::size_t i = 0; i < junctions.stretches.size(); ++i) {
+    const Stretch& stretch = junctions.stretches[i];
+    if (stretch.inside) continue;
+    const ChainGeometry& chain = geometry[stretch.chain];
+    const double from = stretch.s0 + stretch.trim0_m, to = stretch.s1 - stretch.trim1_m;
+    if (to - from < shortest_road_m) continue;
+    const int steps = static_cast<int>(std::ceil((to - from) / step_m));
+    for (int k = 0; k <= steps; ++k) {
+      const double s = from + (to - from) * k / steps;
+      const Pose pose = pose_at(chain.plan, s);
+      const DirectedPiece piece = topology.chains[stretch.chain].pieces[piece_at(chain, s)];
+      const RoadPath& path = roads.paths[topology.pieces[piece.piece].path];
+      const double half = 0.5 * width_at(chain, s);
+      const double least = 0.5 * least_lane_m * (path.oneway == Oneway::no ? 2.0 : 1.0);
+      sections.push_back({stretch.chain, i, s, half, std::min(half, least), height_at(chain, s),
+                          road_rank(path.highway), pose.p, pose.direction});
+    }
+  }
+  return sections;
+}
+
+bool gives_way(const Section& a, const Section& b) {
+  if (a.rank != b.rank) return a.rank < b.rank;
+  return a.half_m != b.half_m ? a.half_m < b.half_m : a.stretch > b.stretch;
+}
+
+/// By how much the two lie on each other; not positive where they do not, or where they are no neighbours.
+double overlap_m(const Section& a, const Section& b) {
+  const Vec2 d = b.p - a.p;
+  if (a.stretch == b.stretch || std::abs(dot(d, a.direction)) > step_m) return 0.0;
+  if (std::abs(cross(a.direction, b.direction)) > side_by_side_sin || !roadquery::is_same_level(a.z, b.z)) return 0.0;
+  const double overlap = a.half_m + b.half_m + margin_m - std::abs(cross(a.direction, d));
+  return overlap <= deepest_m ? overlap : 0.0;
+}
+
+/// Half widths that are left, by section.
+std::vector<double> room_of(const std::vector<Section>& sections) {
+  double widest = 0.0;
+  std::vector<Box2> boxes;
+  for (const Section& q : sections) {
+    widest = std::max(widest, q.half_m);
+    boxes.push_back({q.p.x, q.p.y, q.p.x, q.p.y});
+  }
+  const SpatialIndex index(boxes);
+  std::vector<double> room;
+  for (const Section& q : sections) {
+    double half = q.half_m;
+    for (const std::uint32_t k : index.near(q.p, q.half_m + widest + step_m)) {
+      const Section& other = sections[k];
+      const double overlap = overlap_m(q, other);
+      if (overlap <= margin_m) continue;
+      // What the one that gives way has not got falls to the other.
+      const bool yields = gives_way(q, other);
+      const Section& lesser = yields ? q : other;
+      const double given = std::min(overlap, lesser.half_m - lesser.least_half_m);
+      half = std::min(half, q.half_m - (yields ? given : overlap - given));
+    }
+    room.push_back(std::max(half, q.least_half_m));
+  }
+  return room;
+}
+
+struct Limit {
+  double s = 0.0, width_m = 0.0;
+};
+
+/// Widths of a piece under the limits, which taper.
+std::vector<ProfileSample> narrowed(const std::vector<ProfileSample>& widths, const std::vector<Limit>& limits) {
+  std::vector<double> places;
+  for (const ProfileSample& sample : widths) places.push_back(sample.s);
+  const double from = widths.front().s, to = widths.back().s;
+  for (const Limit& limit : limits)
+    if (limit.s > from && limit.s < to) places.push_back(limit.s);
+  // Where the taper ends, too, there must be places: a metre apart it is near enough.
+  for (double s = std::max(from, limits.front().s - taper_reach_m); s < std::min(to, limits.back().s + taper_reach_m);
+       s += step_m)
+    places.push_back(s);
+  std::sort(places.begin(), places.end());
+  std::vector<ProfileSample> result;
+  for (const double s : places) {
+    if (!result.empty() && s - result.back().s < 1e-3 && s < to) continue;
+    const auto after = std::lower_bound(widths.begin(), widths.end(), s,
+                                        [](const ProfileSample& sample, double x) { return sample.s < x; });
+    double width = after == widths.begin() ? widths.front().value : after == widths.end() ? widths.back().value : 0.0;
+    if (after != widths.begin() && after != widths.end()) {
+      const ProfileSample &a = *(after - 1), &b = *after;
+      width = b.s > a.s ? a.value + (b.value - a.value) * (s - a.s) / (b.s - a.s) : b.value;
+    }
+    for (const Limit& limit : limits) width = std::min(width, limit.width_m + taper * std::abs(s - limit.s));
+    result.push_back({s, width});
+  }
+  return result;
+}
+
+}  // namespace
+
+void leave_room_beside(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
+                       ChainGeometries& geometry) {
+  const std::vector<Section> sections = sections_of(roads, topology, junctions, geometry);
+  const std::vector<double> room = room_of(sections);
+  std::map<std::size_t, std::vector<Limit>> limits;  // by the stretch
+  for (std::size_t i = 0; i < sections.size(); ++i)
+    if (room[i] < sections[i].half_m) limits[sections[i].stretch].push_back({sections[i].s, 2.0 * room[i]});
+  for (const auto& [stretch, of_stretch] : limits) {
+    ChainGeometry& chain = geometry[junctions.stretches[stretch].chain];
+    const std::size_t first = piece_at(chain, of_stretch.front().s), last = piece_at(chain, of_stretch.back().s);
+    for (std::size_t k = first; k <= last; ++k) chain.widths[k] = narrowed(chain.widths[k], of_stretch);
+  }
+}
+
+}  // namespace orthodrive::network

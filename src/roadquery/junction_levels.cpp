@@ -1,0 +1,114 @@
+#include "roadquery/junction_levels.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "roadquery/baked_surface.hpp"
+#include "roadquery/blend.hpp"
+#include "roadquery/junction_surface.hpp"
+#include "roadquery/overlaps.hpp"
+
+namespace roadquery {
+namespace {
+
+// Heights are compared at corners and nodes: between them surfaces differ by less than the rest of same_level_m.
+constexpr double widest_band_m = 0.6 * same_level_m;
+
+/// Heights over the plane of a station's middle, so that a gradient counts for nothing.
+class Band {
+ public:
+  explicit Band(const Station& q) : q_(q), slope_(q.rise[0]), tilt_(std::tan(static_cast<double>(q.bank[0]))) {}
+
+  void add(double x, double y, double z) {
+    const FramePoint p = in_frame(q_, x, y);
+    const double over = z - q_.z - slope_ * p.along - tilt_ * p.left;
+    low_ = std::min(low_, over), high_ = std::max(high_, over);
+    finite_ = finite_ && std::isfinite(over);
+  }
+  void add(const BakedRoads& roads, const Station& other) {
+    const LaneStretch& lanes = roads.stretches[other.lanes];
+    for (const double u : {-static_cast<double>(other.half_m), static_cast<double>(other.half_m)}) {
+      const double ds = other.s + u - lanes.s;
+      const LinePolynomial line = line_at(other, u);
+      const double speed = std::hypot(line.tangent[0], line.tangent[1]);
+      for (const double t : {cubic_at(lanes.right_edge, ds), 0.0, cubic_at(lanes.left_edge, ds)}) {
+        SurfacePlace place;
+        surface_at_t(roads, other, u, t, place);
+        const double along = line.position[0] - t * line.tangent[1] / speed,
+                     left = line.position[1] + t * line.tangent[0] / speed;
+        add(other.x + along * other.cos_hdg - left * other.sin_hdg,
+            other.y + along * other.sin_hdg + left * other.cos_hdg, place.z);
+      }
+    }
+  }
+  /// The nodes of the field that count somewhere in the station's box, and the arms near it.
+  void add(const JunctionSurface& surface, const StationBox& box) {
+    const double beyond = 2.0 * surface.spacing_m;
+    const double reach =
+        beyond + std::max({-box.along_min, box.along_max, -box.left_min, box.left_max}) * std::sqrt(2.0);
+    const int stride = std::max(1, static_cast<int>(1.0 / surface.spacing_m));  // nodes are smooth: one a metre
+    const auto node = [&](double v, double origin, int count) {
+      return static_cast<int>(std::clamp((v - origin) / surface.spacing_m, 0.0, std::max(count - 1.0, 0.0)));
+    };
+    const int first_column = node(q_.x - reach, surface.x, surface.columns),
+              last_column = node(q_.x + reach, surface.x, surface.columns);
+    for (int row = node(q_.y - reach, surface.y, surface.rows); row <= node(q_.y + reach, surface.y, surface.rows);
+         row += stride) {
+      for (int column = first_column; column <= last_column; column += stride) {
+        const auto k = static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
+                       static_cast<std::size_t>(column);
+        if (k < surface.z.size())
+          add_near(box, beyond, surface.x + column * surface.spacing_m, surface.y + row * surface.spacing_m,
+                   surface.z[k]);
+      }
+    }
+    for (const JunctionArm& arm : surface.arms)
+      for (const double in_m : {-junction_transition_m, 0.0, junction_transition_m})
+        for (const JunctionArm::Place& place : arm.places)
+          add_near(box, beside_arm_m + junction_transition_m, arm.x + in_m * arm.in_x - place.left_m * arm.in_y,
+                   arm.y + in_m * arm.in_y + place.left_m * arm.in_x, arm_height(arm, in_m, place.left_m));
+  }
+  [[nodiscard]] bool is_one_level() const { return finite_ && high_ - low_ <= widest_band_m; }
+
+ private:
+  void add_near(const StationBox& box, double beyond, double x, double y, double z) {
+    const FramePoint p = in_frame(q_, x, y);
+    if (p.along >= box.along_min - beyond && p.along <= box.along_max + beyond && p.left >= box.left_min - beyond &&
+        p.left <= box.left_max + beyond)
+      add(x, y, z);
+  }
+
+  const Station& q_;
+  double slope_, tilt_, low_ = 1e30, high_ = -1e30;
+  bool finite_ = true;
+};
+
+bool is_one_level(const BakedRoads& roads, const RoadMap& map, std::uint32_t station, const StationBox& box,
+                  const std::vector<std::uint32_t>& junctions) {
+  const Station& q = roads.stations[station];
+  Band band(q);
+  band.add(roads, q);
+  for (std::uint32_t i = roads.companion_begin[station]; i < roads.companion_begin[station + 1]; ++i) {
+    const StationRange& range = roads.companions[i].range;
+    if (roads.road_of(roads.stations[range.first]) == roads.road_of(q)) return false;
+    for (std::uint32_t k = range.first; k <= range.last; ++k) band.add(roads, roads.stations[k]);
+  }
+  for (const std::uint32_t junction : junctions) band.add(*map.junctions[junction].surface, box);
+  return band.is_one_level();
+}
+
+}  // namespace
+
+void find_levels(BakedRoads& roads, const RoadMap& map, const CellIndex& cells) {
+  std::vector<std::uint32_t> junctions;
+  for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
+    if (roads.junction_decides[i] == 0) continue;
+    const Station& q = roads.stations[i];
+    const StationBox box = station_box(roads, q);
+    junctions.clear();
+    cells.append_junctions(q, box, junctions);
+    roads.junction_decides[i] = is_one_level(roads, map, i, box, junctions) ? 1 : 0;
+  }
+}
+
+}  // namespace roadquery

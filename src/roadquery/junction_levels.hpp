@@ -1,0 +1,11 @@
+#pragma once
+// Where a junction's own surface is the answer, whatever else lies there.
+
+#include "roadquery/cell_index.hpp"
+
+namespace roadquery {
+
+/// Clears BakedRoads::junction_decides where surfaces may be of more than one level. The companions are known.
+void find_levels(BakedRoads& roads, const RoadMap& map, const CellIndex& cells);
+
+}  // namespace roadquery
