@@ -180,5 +180,19 @@ TEST(EnvelopeOfTheCar, behaves_with_load_friction_and_speed) {
   }
 }
 
+TEST(Envelope, leaves_each_axle_its_side_force) {
+  // Under power the front axle grows light, and no more drive is left than it can stand.
+  for (const std::string& name : test::presets) {
+    const CarParameters p = preset(name);
+    const double most = envelope(p, {.speed_mps = 20.0}).max_lateral_mps2;
+    const Envelope half = envelope(p, {.speed_mps = 20.0, .lateral_mps2 = 0.5 * most}),
+                   near = envelope(p, {.speed_mps = 20.0, .lateral_mps2 = 0.97 * most}),
+                   full = envelope(p, {.speed_mps = 20.0, .lateral_mps2 = most});
+    EXPECT_GT(half.max_drive_mps2, near.max_drive_mps2) << name;
+    EXPECT_LE(full.max_drive_mps2, 0.0) << name;  // air and rolling resistance are left
+    EXPECT_GT(full.max_drive_mps2, -0.7) << name;
+  }
+}
+
 }  // namespace
 }  // namespace vehicle

@@ -15,12 +15,13 @@ struct Driver {
   double grip_share = 0.85;        ///< of what the car can do (vehicle/envelope.hpp), at most
   double exit_share = 0.75;        ///< share of the lateral limit from which on there is no drive left
   double stop_s = 2.0;             ///< stands so long where it has to stop
+  double speed_memory_s = 120.0;   ///< so long counts what was missing to the planned speed
 };
 
 /// Drives as fast as the car can.
 [[nodiscard]] constexpr Driver racing_driver() {
   constexpr double no_limit = 1e3;
-  return {no_limit, no_limit, no_limit, no_limit, no_limit, 120.0, 0.95, 0.92, 0.0};
+  return {no_limit, no_limit, no_limit, no_limit, no_limit, 120.0, 0.95, 0.92, 0.0, 30.0};
 }
 
 }  // namespace orthodrive

@@ -18,7 +18,7 @@ constexpr double stanley_gain_1ps = 2.5;   // Hoffmann et al. 2007 used 2.5 as w
 constexpr double stanley_speed_mps = 1.0;  // keeps the correction finite at rest, ibid.
 constexpr double speed_gain_1ps = 1.5;     // of the speed controller
 constexpr double speed_gain_1ps2 = 0.3;    // its integral
-constexpr double integral_memory_s = 120.0, integral_reach_mps = 1.0;
+constexpr double integral_reach_mps = 1.0;
 constexpr double launch_m = 1.5,
                  launch_mps = 1.5;  // the plan so far ahead counts while it is that slow: at rest it says 0
 constexpr double crawl_mps = 0.8;   // never slower on the way
@@ -190,7 +190,7 @@ double DriverModel::wanted_force_n(const State& state, double dt_s) {
                                                most_drive_here_mps2(p, std::max(state.speed_mps, 0.0))),
                                       -1.5 * driver_.max_brake_mps2);
   // Far from the plan, as on full throttle, the integral would only wind up; what it holds fades.
-  integral_mps2_ *= 1.0 - dt_s / integral_memory_s;
+  integral_mps2_ *= 1.0 - dt_s / driver_.speed_memory_s;
   if (std::abs(error_mps) < integral_reach_mps) integral_mps2_ += speed_gain_1ps2 * error_mps * dt_s;
   // The side force of the steered wheels points backwards in part; a part of that turns the way of the c.g., which lies
   // before the rear axle and so runs inwards.
