@@ -47,9 +47,22 @@ def drive(tool, network, folder, *options):
             "times_real_time": float(shown["Simulation"].split()[0])}
 
 
+def outermost_svgs(page):
+    """Pictures may hold others."""
+    depth, begin = 0, 0
+    for mark in re.finditer(r"<svg\b|</svg>", page):
+        if mark[0] == "</svg>":
+            depth -= 1
+            if depth == 0:
+                yield page[begin:mark.end()]
+            continue
+        if depth == 0:
+            begin = mark.start()
+        depth += 1
+
+
 def keep_pictures(folder):
-    page = (folder / "report.html").read_text()
-    for svg in re.findall(r"<svg.*?</svg>", page, re.S):
+    for svg in outermost_svgs((folder / "report.html").read_text()):
         for title, name in PICTURES.items():
             if f">{title}<" in svg:
                 (IMAGES / name).write_text((svg if "xmlns" in svg else svg.replace("<svg", '<svg xmlns="http://www.w3.org/2000/svg"', 1)) + "\n")

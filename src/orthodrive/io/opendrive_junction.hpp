@@ -22,8 +22,8 @@ struct JunctionBoundary {
 };
 
 /// One for each junction; without segments for those without a surface. Roads, junctions and their arms (join_arms) as
-/// written. Kerbs get ids after those of roads and junctions. An arm that the ring does not run along has no joint. Of several
-/// pieces along one arm the longest is its joint.
+/// written. Kerbs get ids after those of roads and junctions. An arm that the ring does not run along has no joint. Of
+/// several pieces along one arm the longest is its joint.
 [[nodiscard]] std::vector<JunctionBoundary> junction_boundaries(const roadquery::RoadMap& map);
 
 }  // namespace orthodrive::io
