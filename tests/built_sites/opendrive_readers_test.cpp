@@ -71,7 +71,9 @@ TEST(AsamChecker, finds_the_error_of_a_broken_file) {
 
 TEST_P(Readers, asam_checker_finds_no_error_in_the_scenario_of_the_lap) {
   if (!fs::exists(peers / "qc_openscenario")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
-  const std::string lap = bytes_of(xodr.parent_path() / "drive" / "lap.xosc");
+  const fs::path scenario = xodr.parent_path() / "drive" / "lap.xosc";
+  if (!fs::exists(scenario)) GTEST_SKIP() << "SKIPPED: " << GetParam() << " was not driven";
+  const std::string lap = bytes_of(scenario);
   const auto check = [&](const std::string& text) {
     write_bytes(scratch / "lap.xosc", text);
     const ToolRun run = ask("asam_checker.py",
