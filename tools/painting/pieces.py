@@ -5,6 +5,7 @@ the photo (x to the right, y down; the file says `"coordinates": "pixels"` and `
 the photo has a position.
 """
 import json
+import math
 
 import numpy
 from osgeo import gdal
@@ -131,7 +132,7 @@ class Painted:
     def box_px(self):
         points = [p for _, ring in self.coats for p in ring]
         xs, ys = [p[0] for p in points], [p[1] for p in points]
-        return round(min(xs)), round(min(ys)), round(max(xs)), round(max(ys))
+        return round(min(xs)), round(min(ys)), math.floor(max(xs) + 0.1), math.floor(max(ys) + 0.1)
 
     def labels(self):
         x0, y0, x1, y1 = self.box_px()
