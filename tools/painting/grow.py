@@ -12,6 +12,7 @@ from painting.sheet import CLASSES
 SEED_RADIUS_M = 0.7
 PLACE_M = 25.0  # so far away counts like one standard deviation of a feature
 SMOOTH_M = 0.45
+ASK_EVERY_M = 0.4  # pixels between have the answer of the nearest: the search is what takes time
 SMALLEST_M2 = 3.0
 SIMPLIFY_M = 0.2
 
@@ -46,8 +47,12 @@ def grow(rgb, gsd_m, seeds, margin_px, taken):
         samples.append(f[disc])
         labels.append(numpy.full(int(disc.sum()), CLASSES.index(label)))
     samples, labels = numpy.concatenate(samples), numpy.concatenate(labels)
-    _, nearest = cKDTree(samples).query(f.reshape(-1, f.shape[2]), k=min(7, len(samples)), workers=1)
-    votes = labels[nearest].reshape(height, width, -1)
+    step = max(1, round(ASK_EVERY_M / gsd_m))
+    asked = f[step // 2::step, step // 2::step]
+    _, nearest = cKDTree(samples).query(asked.reshape(-1, f.shape[2]), k=min(7, len(samples)), workers=1)
+    votes = labels[nearest].reshape(*asked.shape[:2], -1)
+    votes = votes[numpy.minimum(numpy.arange(height) // step, len(votes) - 1)]
+    votes = votes[:, numpy.minimum(numpy.arange(width) // step, votes.shape[1] - 1)]
     share = [ndimage.gaussian_filter(((votes == c).mean(axis=2) * ~taken).astype(numpy.float32), SMOOTH_M / gsd_m)
              for c in range(len(CLASSES))]
     grown = numpy.argmax(numpy.stack(share), axis=0).astype(numpy.uint8)

@@ -9,6 +9,7 @@ import numpy
 from scipy import ndimage
 
 STEP_M = 0.1
+FAINT = 3.0**0.5  # root of the grey levels a pixel, summed over the colours
 PER_METRE = 0.10  # share of the best edge that a metre of way costs
 
 
@@ -60,9 +61,9 @@ def _best_shift(edges, a, b, normal, length, reach_m):
     strength = []
     for shift in shifts:
         change = edges.across(x + normal[0] * shift, y + normal[1] * shift, *normal)
-        strength.append(abs(numpy.mean(numpy.clip(change, -40, 40))))
+        strength.append(abs(numpy.mean(numpy.sign(change) * numpy.sqrt(abs(change)))))  # the root: no few pixels decide
     strength = ndimage.gaussian_filter1d(numpy.array(strength), 1.0)
-    if strength.max() < 3.0:  # nothing to be seen: the painter knows better
+    if strength.max() < FAINT:  # nothing to be seen: the painter knows better
         return 0.0
     return float(shifts[numpy.argmax(strength / strength.max() - PER_METRE * abs(shifts))])
 
