@@ -134,6 +134,7 @@ StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& ma
                                    {"bump_places", all.bump_places},
                                    {"too_tight_places", all.too_tight_places}},
                        .findings = all.findings};
+  write_text_file(files.folder / "all_roads.json", outcome.numbers.dump(1) + "\n");
   outcome.summary = {
       fmt::format("{} routes of {:.1f} km, {} driven to the end, {} too short to drive", all.routes,
                   1e-3 * all.routes_m, all.finished, all.too_short),
