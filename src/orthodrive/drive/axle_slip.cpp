@@ -35,7 +35,8 @@ AxleSlip::AxleSlip(const vehicle::CarParameters& car, bool front) {
   const double transfer = 2.0 * car.body.cg_height_m / (front ? car.front : car.rear).track_m;
   const auto share_at = [&](double angle_rad, double share) {
     const double moved = std::min(transfer * share, 0.95);
-    return 0.5 *
+    // Across the way of the axle: a tyre far out of its way pulls backwards instead.
+    return 0.5 * std::cos(angle_rad) *
            (SideForce(tyre, wheel_n * (1.0 + moved)).at(angle_rad) +
             SideForce(tyre, wheel_n * (1.0 - moved)).at(angle_rad)) /
            wheel_n;
