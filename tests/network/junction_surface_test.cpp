@@ -292,7 +292,7 @@ TEST(JunctionSurfaces, NodesThatNothingNeedsCostNearlyNothing) {
 TEST(JunctionSurfaces, TextIsTheBase64VlqOfSourceMaps) {
   JunctionSurface surface{.boundary = {{1.0, 2.0}, {1.001, 1.999}, {1.124, 123458.788}, {1.124, 2.0}}};
   const std::string text = roadquery::boundary_text(surface, 0.0, 0.0);
-  EXPECT_EQ(text, "1.000 2.000 CD2HqxmvrBApxmvrB");  // 1 -1, 123 123456789, 0 and back
+  EXPECT_EQ(text, "1.000 2.000 CD2HqxmvrHApxmvrH");  // 1 -1, 123 123456789, 0 and back
   JunctionSurface read;
   roadquery::read_boundary(text, read);
   ASSERT_EQ(read.boundary.size(), surface.boundary.size());

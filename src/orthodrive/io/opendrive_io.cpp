@@ -23,7 +23,7 @@ using roadquery::Cubic;
 using roadquery::Lane;
 using roadquery::Road;
 
-/// "12.50000000" becomes "12.5", "-0.00000000" becomes "0", "1.50e-07" becomes "1.5e-7".
+/// "12.50000000" becomes "12.5", "-0.50" becomes "-.5", "-0.00000000" becomes "0", "1.50e-07" becomes "1.5e-7".
 std::string trimmed(std::string text) {
   std::string exponent;
   if (const auto e = text.find('e'); e != std::string::npos) {
@@ -34,7 +34,10 @@ std::string trimmed(std::string text) {
     while (text.back() == '0') text.pop_back();
     if (text.back() == '.') text.pop_back();
   }
-  return text == "-0" || text == "0" ? "0" : text + exponent;
+  if (text == "-0" || text == "0") return "0";
+  if (text.starts_with("0.")) text.erase(0, 1);
+  if (text.starts_with("-0.")) text.erase(1, 1);
+  return text + exponent;
 }
 
 /// Rounded to `decimals` places, in the shorter of both notations.
@@ -46,16 +49,19 @@ std::string rounded(double v, int decimals) {
   return scientific.size() < fixed.size() ? scientific : fixed;
 }
 
-/// Decimal places more by which a factor of the `power` of lengths up to this one moves the product by less; ten metres
-/// at least, for the slopes of short pieces.
+/// Decimal places more by which a factor of the `power` of lengths up to this one moves the product by less; one at
+/// least, for the slopes of short pieces.
 int more_decimals(double length_m, int power) {
-  return static_cast<int>(std::ceil(power * std::log10(std::max(length_m, 10.0)) - 1e-6));
+  return std::max(1, static_cast<int>(std::ceil(power * std::log10(length_m) - 1e-6)));
 }
 
-constexpr int metre_decimals = 8, height_decimals = 7, width_decimals = 10, superelevation_decimals = 8,
-              heading_decimals = 8, end_decimals = 7;  ///< the last: of the place where a curvature leads
+constexpr int metre_decimals = 8, place_decimals = 7, height_decimals = 7, width_decimals = 10,
+              superelevation_decimals = 8, heading_decimals = 7, curvature_decimals = 8,
+              end_decimals = 6;  ///< the last: of the place where a curvature leads
 
 std::string metres(double v) { return trimmed(fmt::format("{:.{}f}", v, metre_decimals)); }
+/// Of a plan element's start.
+std::string coordinate(double v) { return trimmed(fmt::format("{:.{}f}", v, place_decimals)); }
 std::string radians(double v) { return trimmed(fmt::format("{:.12f}", v)); }
 std::string coefficient(double v) { return v == 0.0 ? "0" : trimmed(fmt::format("{:.13g}", v)); }
 
@@ -85,8 +91,10 @@ void add_cubics(pugi::xml_node parent, const char* name, const std::vector<Cubic
 struct AddShape {
   pugi::xml_node geometry;
   double length_m = 0.0;
-  /// The end moves by less than 1e-7 m.
-  [[nodiscard]] std::string curvature(double v) const { return rounded(v, end_decimals + more_decimals(length_m, 2)); }
+  /// The end moves by less than 1e-6 m, and 1e-8 1/m is none that a wheel feels.
+  [[nodiscard]] std::string curvature(double v) const {
+    return rounded(v, std::max(curvature_decimals, end_decimals + more_decimals(length_m, 2)));
+  }
   void operator()(const roadquery::Line&) { geometry.append_child("line"); }
   void operator()(const roadquery::Arc& arc) {
     set(geometry.append_child("arc"), "curvature", curvature(arc.curvature));
@@ -293,8 +301,8 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
     set(geometry, "s", metres(e.s));
-    set(geometry, "x", metres(e.x - offset.x));
-    set(geometry, "y", metres(e.y - offset.y));
+    set(geometry, "x", coordinate(e.x - offset.x));
+    set(geometry, "y", coordinate(e.y - offset.y));
     set(geometry, "hdg", rounded(e.hdg, heading_decimals + more_decimals(e.length, 1)));
     set(geometry, "length", metres(e.length));
     std::visit(AddShape{geometry, e.length}, e.shape);
@@ -421,7 +429,7 @@ std::size_t width_of(pugi::xml_node node) {
 /// A line for each element with all in it where that is not too long, else one for each child. No indentation: it is a
 /// tenth of a file whose elements stand side by side.
 void break_lines(pugi::xml_node node) {
-  constexpr std::size_t longest_line = 400;
+  constexpr std::size_t longest_line = 1000;
   if (!node.first_child() || width_of(node) <= longest_line) return;
   for (pugi::xml_node child = node.first_child(); child; child = child.next_sibling()) {
     node.insert_child_before(pugi::node_pcdata, child).set_value("\n");

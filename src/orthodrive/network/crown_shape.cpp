@@ -14,7 +14,7 @@ namespace {
 using roadquery::Cubic;
 
 constexpr double reach_m = 30.0;  // to the right; wider than any road. The left half has no end
-constexpr double fall_unit = 1e-6;
+constexpr double fall_unit = 1e-5;
 constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-3;
 constexpr double banking_share = 0.125;  // of the tolerance of heights
 
