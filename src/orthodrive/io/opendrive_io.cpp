@@ -13,6 +13,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/opendrive_junction.hpp"
+#include "roadquery/connecting_road.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
 
@@ -276,16 +277,6 @@ void add_objects(pugi::xml_node road_node, const Road& road) {
   set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
 }
 
-/// A connecting road that is of the class of the road before it does not repeat it: the reader takes it from there.
-bool says_highway(const roadquery::RoadMap& map, const Road& road) {
-  if (road.highway.empty()) return false;
-  if (road.junction < 0 || road.predecessor.kind != roadquery::LinkKind::road) return true;
-  const auto before = std::lower_bound(map.roads.begin(), map.roads.end(), road.predecessor.id,
-                                       [](const Road& other, int id) { return other.id < id; });
-  const bool found = before != map.roads.end() && before->id == road.predecessor.id;
-  return !found || before->junction >= 0 || before->highway != road.highway;
-}
-
 void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& road, const Offset& offset) {
   pugi::xml_node node = root.append_child("road");
   if (!road.name.empty()) set(node, "name", road.name);
@@ -296,7 +287,9 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   pugi::xml_node link = node.append_child("link");
   add_link(link, "predecessor", road.predecessor);
   add_link(link, "successor", road.successor);
-  add_type(node, road);
+  // What a connecting road has from the roads that it connects is not repeated: the reader takes it from there.
+  const roadquery::Inherited from = roadquery::inherited(map, road);
+  if (road.junction < 0 || road.speed_limit_mps != from.speed_limit_mps) add_type(node, road);
   pugi::xml_node plan = node.append_child("planView");
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
@@ -315,8 +308,8 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   add_lanes(node, road);
   add_objects(node, road);
   add_surface(node, road);
-  if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
-  if (says_highway(map, road)) add_user_data(node, "highway", road.highway);
+  if (!road.osm_id.empty() && road.osm_id != from.osm_id) add_user_data(node, "osm_id", road.osm_id);
+  if (!road.highway.empty() && road.highway != from.highway) add_user_data(node, "highway", road.highway);
   if (road.layer != 0) add_user_data(node, "layer", std::to_string(road.layer));
   if (road.bridge) add_user_data(node, "bridge", "yes");
   if (road.tunnel) add_user_data(node, "tunnel", "yes");

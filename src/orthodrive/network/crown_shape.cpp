@@ -15,8 +15,8 @@ using roadquery::Cubic;
 
 constexpr double reach_m = 30.0;  // to the right; wider than any road. The left half has no end
 constexpr double fall_unit = 1e-5;
-constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-3;
-constexpr double banking_share = 0.125;  // of the tolerance of heights
+constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-2;
+constexpr double crown_share = 0.5, banking_share = 0.3, elevation_share = 0.2;  // of the tolerance of heights
 
 /// Fall and its slope at a place where an entry may stand.
 struct Station {
@@ -78,24 +78,21 @@ std::vector<Chord> chords_of(const std::vector<Station>& all, double tolerance) 
 std::vector<Station> fewest(const std::vector<Station>& all, const CrownShapeOptions& options) {
   constexpr double too_sharp = 1e3, share_of_kinks = 1e-3;  // in chords: where nothing keeps the largest jump
   std::vector<Chord> chords = chords_of(all, 0.875 * options.fall_tolerance);
-  const auto kink = [&](double jump, double largest, double shortest_m) {
-    const double share = std::abs(jump) / (largest + fall_unit / shortest_m);
+  const auto kink = [&](double jump, double largest) {
+    const double share = std::abs(jump) / largest;
     return (share > 1.0 ? too_sharp : 0.0) + share_of_kinks * share * share;
   };
-  const auto length = [&](const Chord& c) { return all[c.to].s - all[c.from].s; };
   std::vector<std::vector<std::size_t>> ending(all.size());
   const double half = 0.5 * options.max_rate_jump;
   for (std::size_t k = 0; k < chords.size(); ++k) {
     Chord& chord = chords[k];
-    if (chord.from == 0) chord.cost = 1.0 + kink(chord.slope - all.front().rate, half, length(chord));
+    if (chord.from == 0) chord.cost = 1.0 + kink(chord.slope - all.front().rate, half);
     for (const std::size_t i : ending[chord.from]) {
       if (chords[i].cost + 1.0 >= chord.cost) continue;
-      const double cost =
-          chords[i].cost + 1.0 +
-          kink(chord.slope - chords[i].slope, options.max_rate_jump, std::min(length(chord), length(chords[i])));
+      const double cost = chords[i].cost + 1.0 + kink(chord.slope - chords[i].slope, options.max_rate_jump);
       if (cost < chord.cost) chord.cost = cost, chord.before = i;
     }
-    if (chord.to + 1 == all.size()) chord.cost += kink(chord.slope - all.back().rate, half, length(chord));
+    if (chord.to + 1 == all.size()) chord.cost += kink(chord.slope - all.back().rate, half);
     ending[chord.to].push_back(k);
   }
   std::size_t last = ending.back().front();
@@ -144,10 +141,11 @@ std::vector<roadquery::ShapeCubic> crown_shape(std::span<const Cubic> fall, doub
 
 void add_crown(roadquery::Road& road, std::span<const Cubic> fall, double tolerance_m, double max_rate_jump) {
   const double reach = widest_reach_m(road);
-  road.shape =
-      crown_shape(fall, road.length,
-                  {.fall_tolerance = tolerance_m / reach, .max_rate_jump = max_rate_jump, .halves = halves_of(road)});
+  road.shape = crown_shape(
+      fall, road.length,
+      {.fall_tolerance = crown_share * tolerance_m / reach, .max_rate_jump = max_rate_jump, .halves = halves_of(road)});
   road.superelevation = simplify_profile(road.superelevation, road.length, banking_share * tolerance_m / reach);
+  road.elevation = simplify_profile(road.elevation, road.length, elevation_share * tolerance_m);
 }
 
 }  // namespace orthodrive::network
