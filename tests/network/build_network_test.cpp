@@ -350,6 +350,37 @@ TEST(BuildNetwork, bridge_over_a_road_is_no_junction) {
   EXPECT_NEAR(roadquery::elevation(result.map.roads[1], 50.0), 16.0, 1e-9);
 }
 
+TEST(BuildNetwork, WaysThatCrossOnOneLevelWithoutANodeGetAJunctionWithoutTurns) {
+  const auto across = [](double z, int layer, bool bridge) {
+    RoadNetwork roads =
+        network_of({make_path({{-60, 0}, {60, 0}}, {1, 3}, {.osm_id = 1}),
+                    make_path({{-0.7, -60}, {-0.7, 60}}, {4, 5}, {.osm_id = 2, .height = [z](Vec2) { return z; }})});
+    for (RoadNode& node : roads.paths[0].nodes) node.z_m = 0.0;
+    roads.paths[1].layer = layer, roads.paths[1].bridge = bridge;
+    return build_network(roads);
+  };
+  const NetworkResult level = across(0.1, 0, false);
+  expect_sound(level.map);
+  ASSERT_EQ(level.map.junctions.size(), 1u);
+  EXPECT_EQ(level.map.junctions[0].connections.size(), 4u) << "straight on in both directions of both, no turns";
+  EXPECT_TRUE(level.map.junctions[0].surface);
+  const auto told = std::find_if(level.findings.begin(), level.findings.end(),
+                                 [](const Finding& f) { return f.code == "network.crossing_without_node"; });
+  ASSERT_NE(told, level.findings.end());
+  EXPECT_LT(distance({told->x_m, told->y_m}, site_origin + Vec2{-0.7, 0.0}), 1e-9);
+  EXPECT_TRUE(across(0.1, 1, false).map.junctions.empty()) << "the layer says otherwise";
+  EXPECT_TRUE(across(0.1, 0, true).map.junctions.empty()) << "a bridge";
+  EXPECT_TRUE(across(4.0, 0, false).map.junctions.empty()) << "4 m above the other";
+}
+
+TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {
+  const NetworkResult result =
+      build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1}),
+                                make_path({{0, 0}, {6, 1}, {12, -1}, {20, -60}}, {2, 0, 0, 4}, {.osm_id = 2})}));
+  EXPECT_EQ(result.map.junctions.size(), 1u);
+  for (const Finding& finding : result.findings) EXPECT_NE(finding.code, "network.crossing_without_node");
+}
+
 TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
   const NetworkResult result = build_network(network_of({make_path({{-60, 0}, {0, 0}, {3, 0}, {60, 0}}, {1, 2, 3, 4}),
                                                          make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),

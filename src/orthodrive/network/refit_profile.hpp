@@ -8,10 +8,20 @@ namespace orthodrive::network {
 /// Largest vertical distance of a road's lanes from the surface.
 [[nodiscard]] double distance_from_surface_m(const roadquery::Road& road, const roadquery::JunctionSurface& surface);
 
+/// What a profile has at one end of a road, along s.
+struct ProfileEnd {
+  double z = 0.0, gradient = 0.0, banking = 0.0;  ///< m, 1, rad
+};
+struct ProfileEnds {
+  ProfileEnd start, end;
+};
+/// What lies on the surface there, over the lanes: the same for all roads with these lanes, whatever their direction.
+[[nodiscard]] ProfileEnd end_on(const roadquery::Road& road, const roadquery::JunctionSurface& surface, bool at_end);
+
 /// Elevation and superelevation of least squares across the lanes of each cross section, C2 along the road, in pieces
-/// of at least 1.5 m, as few as keep within 5 mm; height, gradient and banking at both ends stay,
-/// which are the arms'. The lateral shape stays: the superelevation takes up what the surface does not share of a
-/// crown.
-[[nodiscard]] roadquery::Road refitted(const roadquery::Road& road, const roadquery::JunctionSurface& surface);
+/// of at least 1.5 m, as few as keep within 5 mm, with the ends given: the arms'. The lateral shape stays: the
+/// superelevation takes up what the surface does not share of a crown.
+[[nodiscard]] roadquery::Road refitted(const roadquery::Road& road, const roadquery::JunctionSurface& surface,
+                                       const ProfileEnds& ends);
 
 }  // namespace orthodrive::network
