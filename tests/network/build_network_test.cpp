@@ -373,6 +373,29 @@ TEST(BuildNetwork, WaysThatCrossOnOneLevelWithoutANodeGetAJunctionWithoutTurns) 
   EXPECT_TRUE(across(4.0, 0, false).map.junctions.empty()) << "4 m above the other";
 }
 
+TEST(BuildNetwork, LanesOfTightTurnsDoNotFold) {
+  // A side road leaves backwards at 40 degrees: its cut lies so near to the main road's that the right turn into it is
+  // sharper than the lane is wide.
+  for (const double width : {6.0, 8.0, 12.0})
+    for (const double angle : {0.6, 0.8, 1.0}) {
+      const Vec2 back{-60.0 * std::cos(angle), -60.0 * std::sin(angle)};
+      const roadquery::RoadMap map =
+          build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1, .width_m = width}),
+                                    make_path({{0, 0}, back}, {2, 4}, {.osm_id = 2, .width_m = width}),
+                                    make_path({{0, 0}, {back.x, -back.y}}, {2, 5}, {.osm_id = 3, .width_m = width})}))
+              .map;
+      for (const roadquery::Road* road : connecting_roads(map))
+        for (int i = 0; i <= 100; ++i) {
+          const double s = road->length * i / 100.0;
+          const roadquery::Edges edges = roadquery::road_edges(*road, s);
+          const double k = roadquery::reference_point(*road, s).curvature;
+          const double inset = 0.25 * (edges.left_t - edges.right_t);
+          EXPECT_GT(1.0 - k * (edges.left_t - inset), 0.0) << width << " " << angle << ": road " << road->id;
+          EXPECT_GT(1.0 - k * (edges.right_t + inset), 0.0) << width << " " << angle << ": road " << road->id;
+        }
+    }
+}
+
 TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {
   const NetworkResult result =
       build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1}),

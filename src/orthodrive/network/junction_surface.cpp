@@ -372,8 +372,14 @@ ProfileEnd linked_end(const RoadMap& map, const std::map<int, std::size_t>& inne
   const Road& other = map.roads[found->second];
   const bool other_end = link.contact == roadquery::ContactPoint::end;
   const double at = other_end ? other.length : 0.0, sign = other_end != at_end ? 1.0 : -1.0;
-  return {roadquery::elevation(other, at), sign * roadquery::gradient(other, at),
-          sign * roadquery::superelevation(other, at)};
+  const roadquery::PlanPoint p = roadquery::reference_point(road, s), q = roadquery::reference_point(other, at);
+  const double t = -std::sin(p.hdg) * (p.x - q.x) + std::cos(p.hdg) * (p.y - q.y);
+  constexpr double moved_m = 1e-3;
+  if (std::abs(t) < moved_m)
+    return {roadquery::elevation(other, at), sign * roadquery::gradient(other, at),
+            sign * roadquery::superelevation(other, at)};
+  const roadquery::Edges lanes = carriageway_edges(road, s);
+  return end_beside(other, other_end, sign, t, {lanes.left_t + t, lanes.right_t + t});
 }
 
 std::vector<Off> lay_connecting_roads(RoadMap& map, const std::vector<JunctionMembers>& members,

@@ -1,7 +1,7 @@
 #pragma once
 // The profile of a connecting road that lies on its junction's surface, for readers that know roads alone.
 
-#include "roadquery/road_map.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
 
@@ -12,6 +12,12 @@ namespace orthodrive::network {
 struct ProfileEnd {
   double z = 0.0, gradient = 0.0, banking = 0.0;  ///< m, 1, rad
 };
+/// Of a road that goes on from one end of `other` with its reference line at t and its lanes between left and right, t
+/// counted on `other` to the left of the direction in which the road runs; `sign`: -1 where that is against other's s.
+/// Height and gradient are other's there, the banking is that of the plane through the edges of the lanes.
+[[nodiscard]] ProfileEnd end_beside(const roadquery::Road& other, bool at_end, double sign, double t,
+                                    const roadquery::Edges& lanes);
+
 struct ProfileEnds {
   ProfileEnd start, end;
 };
