@@ -452,6 +452,23 @@ TEST(BuildNetwork, hairpin_is_eased_to_what_the_carriageway_allows) {
   EXPECT_EQ(count_findings(corner, "network.bend_too_sharp"), 0);
 }
 
+TEST(BuildNetwork, HairpinThatHasNoRoomForAWideBendGetsANarrowOne) {
+  // Two legs 40 degrees apart, 5 m wide: an inner radius of 2.5 m would move the tip by 9.6 m, one of 1.5 m by 7.7 m.
+  const double half = 20.0 * M_PI / 180.0;
+  const Vec2 leg{-60.0 * std::cos(half), 60.0 * std::sin(half)};
+  const NetworkResult result =
+      build_network(network_of({make_path({leg, {0, 0}, {leg.x, -leg.y}}, {1, 0, 2}, {.width_m = 5.0})}));
+  expect_sound(result.map);
+  for (const Finding& finding : result.findings) EXPECT_NE(finding.code, "network.bend_too_sharp");
+  const roadquery::Road& road = result.map.roads.front();
+  for (double s = 0.0; s <= road.length; s += 0.1) {
+    const roadquery::Edges edges = roadquery::road_edges(road, s);
+    const double k = roadquery::reference_point(road, s).curvature;
+    EXPECT_GT(1.0 - k * edges.left_t, 0.1) << s;
+    EXPECT_GT(1.0 - k * edges.right_t, 0.1) << s;
+  }
+}
+
 TEST(BuildNetwork, sharp_corner_where_two_ways_meet_is_eased_to_the_end) {
   // 120 degrees, as where a service road leaves a street backwards.
   const NetworkResult result =
