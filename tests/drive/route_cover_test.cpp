@@ -39,8 +39,8 @@ TEST(RoutesOverAllRoads, every_direction_of_the_largest_part_is_driven_and_nothi
   EXPECT_TRUE(routes_over_all_roads(RoadMap{}).empty());
 }
 
-/// Three arms of 20 m at a junction of turning roads, each arm 9 m from its middle; a car length of road lies between
-/// the southern arm and a further road.
+/// Three arms of 20 m at a junction of connecting roads, each arm 9 m from its middle; a car length of road lies
+/// between the southern arm and a further road.
 RoadMap junction_of_three() {
   const double pi = std::numbers::pi;
   std::vector<Road> roads;

@@ -86,7 +86,7 @@ class Cover {
   }
 
  private:
-  /// First roads that nothing leads to, because no other route comes by them; turning roads last.
+  /// First roads that nothing leads to, because no other route comes by them; connecting roads last.
   [[nodiscard]] int choose_start() const {
     int best = -1;
     const auto rank = [&](int n) {
@@ -97,7 +97,7 @@ class Cover {
     return best;
   }
 
-  /// Metres of a road that count as straight: a car that begins or ends its way on a turning road stands askew.
+  /// Metres of a road that count as straight: a car that begins or ends its way on a connecting road stands askew.
   [[nodiscard]] double straight_on(int node) const {
     const roadquery::Road& road = graph_.road(node);
     return road.junction >= 0 ? 0.0 : road.length;
