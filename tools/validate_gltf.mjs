@@ -3,7 +3,7 @@
 //   npm ci --prefix viewer && node tools/validate_gltf.mjs DIR/scene [more files or folders]
 import {readdirSync, readFileSync, statSync} from 'node:fs';
 import {createRequire} from 'node:module';
-import {join} from 'node:path';
+import {dirname, join} from 'node:path';
 
 // The package is the viewer's; ORTHODRIVE_NODE_MODULES names another folder that has it.
 const packages = process.env.ORTHODRIVE_NODE_MODULES ?? new URL('../viewer/node_modules', import.meta.url).pathname;
@@ -19,7 +19,10 @@ if (files.length === 0) {
 }
 let failed = 0;
 for (const file of files) {
-  const report = await validator.validateBytes(new Uint8Array(readFileSync(file)), {uri: file});
+  const report = await validator.validateBytes(new Uint8Array(readFileSync(file)), {
+    uri: file,
+    externalResourceFunction: async (uri) => new Uint8Array(readFileSync(join(dirname(file), decodeURIComponent(uri)))),
+  });
   const {numErrors, numWarnings} = report.issues;
   console.log(`${file}: ${numErrors} errors, ${numWarnings} warnings, ${report.info.totalTriangleCount} triangles`);
   for (const issue of report.issues.messages.filter((m) => m.severity <= 1))

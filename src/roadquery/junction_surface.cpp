@@ -10,6 +10,7 @@
 
 #include "roadquery/blend.hpp"
 #include "roadquery/road_surface.hpp"
+#include "roadquery/short_ways.hpp"
 
 namespace roadquery {
 namespace {
@@ -204,32 +205,37 @@ struct RoadEnd {
   int junction = 0;
 };
 
-/// Both ends of all roads that are linked to junctions with a surface, by x.
+/// Both ends of all roads that are linked to junctions with a surface, but for ways that two surfaces cover.
 std::vector<RoadEnd> ends_at_junctions(const RoadMap& map, const std::unordered_set<int>& with_surface) {
   std::vector<RoadEnd> ends;
+  std::unordered_set<int> covered;
+  for (const ShortWay& way : short_ways(map))
+    if (with_surface.contains(way.junctions[0]) && with_surface.contains(way.junctions[1]))
+      for (const std::size_t i : way.roads) covered.insert(map.roads[i].id);
   const auto add = [&](const Road& road, const RoadLink& link, ContactPoint end) {
     if (link.kind == LinkKind::junction && with_surface.contains(link.id))
       ends.push_back({junction_arm(road, end), link.id});
   };
   for (const Road& road : map.roads) {
-    if (road.junction >= 0 || road.sections.empty()) continue;
+    if (road.junction >= 0 || road.sections.empty() || covered.contains(road.id)) continue;
     add(road, road.predecessor, ContactPoint::start);
     add(road, road.successor, ContactPoint::end);
   }
   return ends;
 }
 
-/// Whether some place of the end's line lies inside the surface, on its level.
-bool ends_on(const JunctionArm& arm, const JunctionSurface& surface) {
-  constexpr int across = 4;
+/// Whether some place where the arm counts lies inside the surface, on its level.
+bool reaches_into(const JunctionArm& arm, const JunctionSurface& surface) {
+  constexpr int across = 8, along = 4;
   if (arm.places.size() < 2) return false;
-  const double right = arm.places.front().left_m, left = arm.places.back().left_m;
-  for (int i = 0; i <= across; ++i) {
-    const double left_m = right + (left - right) * i / across;
-    const double x = arm.x - arm.in_y * left_m, y = arm.y + arm.in_x * left_m;
-    if (contains(surface, x, y) && is_same_level(field_at(field_of(surface), x, y).z, arm_height(arm, 0.0, left_m)))
-      return true;
-  }
+  const double right = arm.places.front().left_m - beside_arm_m, left = arm.places.back().left_m + beside_arm_m;
+  for (int k = 0; k <= along; ++k)
+    for (int i = 0; i <= across; ++i) {
+      const double left_m = right + (left - right) * i / across, in_m = junction_transition_m * k / along;
+      const double x = arm.x + arm.in_x * in_m - arm.in_y * left_m, y = arm.y + arm.in_y * in_m + arm.in_x * left_m;
+      if (contains(surface, x, y) && is_same_level(field_at(field_of(surface), x, y).z, arm_height(arm, in_m, left_m)))
+        return true;
+    }
   return false;
 }
 
@@ -259,7 +265,7 @@ void join_arms(RoadMap& map) {
     for (; at != by_x.end() && ends[*at].arm.x <= east + reach_m; ++at) {
       const RoadEnd& end = ends[*at];
       if (end.junction == junction.id || end.arm.y < south - reach_m || end.arm.y > north + reach_m) continue;
-      if (ends_on(end.arm, surface)) own.push_back(*at);
+      if (reaches_into(end.arm, surface)) own.push_back(*at);
     }
     std::sort(own.begin(), own.end());
     for (const std::size_t i : own) surface.arms.push_back(ends[i].arm);

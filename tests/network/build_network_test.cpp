@@ -350,6 +350,60 @@ TEST(BuildNetwork, bridge_over_a_road_is_no_junction) {
   EXPECT_NEAR(roadquery::elevation(result.map.roads[1], 50.0), 16.0, 1e-9);
 }
 
+TEST(BuildNetwork, WaysThatCrossOnOneLevelWithoutANodeGetAJunctionWithoutTurns) {
+  const auto across = [](double z, int layer, bool bridge) {
+    RoadNetwork roads =
+        network_of({make_path({{-60, 0}, {60, 0}}, {1, 3}, {.osm_id = 1}),
+                    make_path({{-0.7, -60}, {-0.7, 60}}, {4, 5}, {.osm_id = 2, .height = [z](Vec2) { return z; }})});
+    for (RoadNode& node : roads.paths[0].nodes) node.z_m = 0.0;
+    roads.paths[1].layer = layer, roads.paths[1].bridge = bridge;
+    return build_network(roads);
+  };
+  const NetworkResult level = across(0.1, 0, false);
+  expect_sound(level.map);
+  ASSERT_EQ(level.map.junctions.size(), 1u);
+  EXPECT_EQ(level.map.junctions[0].connections.size(), 4u) << "straight on in both directions of both, no turns";
+  EXPECT_TRUE(level.map.junctions[0].surface);
+  const auto told = std::find_if(level.findings.begin(), level.findings.end(),
+                                 [](const Finding& f) { return f.code == "network.crossing_without_node"; });
+  ASSERT_NE(told, level.findings.end());
+  EXPECT_LT(distance({told->x_m, told->y_m}, site_origin + Vec2{-0.7, 0.0}), 1e-9);
+  EXPECT_TRUE(across(0.1, 1, false).map.junctions.empty()) << "the layer says otherwise";
+  EXPECT_TRUE(across(0.1, 0, true).map.junctions.empty()) << "a bridge";
+  EXPECT_TRUE(across(4.0, 0, false).map.junctions.empty()) << "4 m above the other";
+}
+
+TEST(BuildNetwork, LanesOfTightTurnsDoNotFold) {
+  // A side road leaves backwards at 40 degrees: its cut lies so near to the main road's that the right turn into it is
+  // sharper than the lane is wide.
+  for (const double width : {6.0, 8.0, 12.0})
+    for (const double angle : {0.6, 0.8, 1.0}) {
+      const Vec2 back{-60.0 * std::cos(angle), -60.0 * std::sin(angle)};
+      const roadquery::RoadMap map =
+          build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1, .width_m = width}),
+                                    make_path({{0, 0}, back}, {2, 4}, {.osm_id = 2, .width_m = width}),
+                                    make_path({{0, 0}, {back.x, -back.y}}, {2, 5}, {.osm_id = 3, .width_m = width})}))
+              .map;
+      for (const roadquery::Road* road : connecting_roads(map))
+        for (int i = 0; i <= 100; ++i) {
+          const double s = road->length * i / 100.0;
+          const roadquery::Edges edges = roadquery::road_edges(*road, s);
+          const double k = roadquery::reference_point(*road, s).curvature;
+          const double inset = 0.25 * (edges.left_t - edges.right_t);
+          EXPECT_GT(1.0 - k * (edges.left_t - inset), 0.0) << width << " " << angle << ": road " << road->id;
+          EXPECT_GT(1.0 - k * (edges.right_t + inset), 0.0) << width << " " << angle << ": road " << road->id;
+        }
+    }
+}
+
+TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {
+  const NetworkResult result =
+      build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1}),
+                                make_path({{0, 0}, {6, 1}, {12, -1}, {20, -60}}, {2, 0, 0, 4}, {.osm_id = 2})}));
+  EXPECT_EQ(result.map.junctions.size(), 1u);
+  for (const Finding& finding : result.findings) EXPECT_NE(finding.code, "network.crossing_without_node");
+}
+
 TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
   const NetworkResult result = build_network(network_of({make_path({{-60, 0}, {0, 0}, {3, 0}, {60, 0}}, {1, 2, 3, 4}),
                                                          make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),
@@ -396,6 +450,23 @@ TEST(BuildNetwork, hairpin_is_eased_to_what_the_carriageway_allows) {
     if (const Arc* arc = std::get_if<Arc>(&e.shape)) sharpest = std::max(sharpest, std::abs(arc->curvature));
   EXPECT_LT(sharpest, 1.0 / 3.0) << "the inner edge of a 6 m road folds over";
   EXPECT_EQ(count_findings(corner, "network.bend_too_sharp"), 0);
+}
+
+TEST(BuildNetwork, HairpinThatHasNoRoomForAWideBendGetsANarrowOne) {
+  // Two legs 40 degrees apart, 5 m wide: an inner radius of 2.5 m would move the tip by 9.6 m, one of 1.5 m by 7.7 m.
+  const double half = 20.0 * M_PI / 180.0;
+  const Vec2 leg{-60.0 * std::cos(half), 60.0 * std::sin(half)};
+  const NetworkResult result =
+      build_network(network_of({make_path({leg, {0, 0}, {leg.x, -leg.y}}, {1, 0, 2}, {.width_m = 5.0})}));
+  expect_sound(result.map);
+  for (const Finding& finding : result.findings) EXPECT_NE(finding.code, "network.bend_too_sharp");
+  const roadquery::Road& road = result.map.roads.front();
+  for (double s = 0.0; s <= road.length; s += 0.1) {
+    const roadquery::Edges edges = roadquery::road_edges(road, s);
+    const double k = roadquery::reference_point(road, s).curvature;
+    EXPECT_GT(1.0 - k * edges.left_t, 0.1) << s;
+    EXPECT_GT(1.0 - k * edges.right_t, 0.1) << s;
+  }
 }
 
 TEST(BuildNetwork, sharp_corner_where_two_ways_meet_is_eased_to_the_end) {

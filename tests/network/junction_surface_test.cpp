@@ -15,6 +15,7 @@
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
 #include "roadquery/make_road.hpp"
+#include "roadquery/road_query.hpp"
 
 namespace orthodrive {
 namespace {
@@ -383,6 +384,62 @@ TEST(JunctionSurfaces, SideRoadsTurnIntoThePlaneOfTheMainRoad) {
   for (double s = 0.0; s < 20.0; s += 0.5)
     EXPECT_LT(std::abs(roadquery::derivative(side->superelevation, s)), 0.005) << "RAS-L: 0.5 %/m at 50 km/h";
   EXPECT_NEAR(roadquery::elevation(*side, 25.0), 10.0 + 0.06 * (25.0 - y), 0.03) << "as it was behind 20 m";
+}
+
+TEST(JunctionSurfaces, RoadsThatCrossTurnIntoThePlaneOfTheMainRoadOnBothSides) {
+  // A level main road with a crown of 2.5 % and 7 m: its edges lie 8.8 cm below the axis, where the level side road
+  // crosses.
+  RoadNetwork roads = crossing([](Vec2) { return 10.0; });
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes) node.crown = std::atan(0.025);
+  const RoadMap map = build_network(roads).map;
+  int sides = 0;
+  for (const roadquery::Road& road : map.roads) {
+    if (road.junction >= 0 || road.osm_id != "2") continue;
+    const bool at_end = road.successor.kind == roadquery::LinkKind::junction;
+    const double s = at_end ? road.length : 0.0;
+    const double y = roadquery::reference_point(road, s).y - site_origin.y;
+    EXPECT_NEAR(roadquery::elevation(road, s), 10.0 - 0.025 * std::abs(y), 0.03) << y;
+    EXPECT_NEAR(roadquery::shape(road, s, 1.0).h, 0.0, 1e-4) << "the crown has faded out at the crossing";
+    EXPECT_NEAR(roadquery::shape(road, at_end ? 0.0 : road.length, 1.0).h, -0.025, 1e-3) << "and is there before";
+    ++sides;
+  }
+  EXPECT_EQ(sides, 2);
+  const JunctionSurface& surface = only_surface(map);
+  for (const double y : {3.0, 4.0, 5.0, -3.0, -4.0, -5.0})
+    EXPECT_NEAR(at(surface, {0.0, y}).z, 10.0 - 0.025 * std::abs(y), 0.02) << y;
+}
+
+TEST(JunctionSurfaces, RoadsOfHalfAMetreBetweenTwoJunctionsMakeNoStep) {
+  // A dual carriageway whose halves, 7 m apart, are crossed: the way between the two junctions changes its id half way.
+  const auto height = [](Vec2 p) { return 30.0 + 0.05 * p.x + 0.002 * p.x * p.y - 0.06 * p.y; };
+  for (const double gap : {9.0, 10.0, 11.0, 12.0, 13.0}) {
+    RoadNetwork roads = staggered(gap, height);
+    RoadPath& main = roads.paths.front();
+    const auto middle = std::find_if(main.nodes.begin(), main.nodes.end(), [&](const RoadNode& node) {
+      return std::abs(node.p.x - site_origin.x - 0.5 * gap) < 1.01;
+    });
+    ASSERT_NE(middle, main.nodes.end());
+    middle->osm_node = 77;
+    RoadPath rest = main;
+    rest.osm_id = 9;
+    rest.nodes.erase(rest.nodes.begin(), rest.nodes.begin() + (middle - main.nodes.begin()));
+    for (RoadNode& node : rest.nodes) node.banking = 0.06;  // of its own
+    main.nodes.erase(middle + 1, main.nodes.end());
+    roads.paths.push_back(rest);
+    const RoadMap map = build_network(roads).map;
+    const roadquery::RoadQuery query(map);
+    for (const double y : {-2.0, -0.5, 0.5, 2.0}) {
+      double last = NAN;
+      roadquery::Cursor cursor;
+      for (double x = -10.0; x < 10.0 + gap; x += 0.02) {
+        const auto found = query.find(site_origin.x + x, site_origin.y + y, height({x, y}), cursor);
+        ASSERT_TRUE(found) << gap << ": " << x << " " << y;
+        if (!std::isnan(last)) EXPECT_NEAR(found->z, last, 0.01) << gap << ": " << x << " " << y;
+        last = found->z;
+      }
+    }
+  }
 }
 
 // ---- the field alone

@@ -132,6 +132,24 @@ inline void measure_surface(const roadquery::Road& from, roadquery::ContactPoint
   }
 }
 
+/// A connecting road may have its reference line beside that of the road that it goes on from, where its lanes would
+/// fold: then it must lie on that road's surface at the same places, in position, heading and height.
+inline void measure_beside(const roadquery::Road& from, roadquery::ContactPoint from_contact, const roadquery::Road& to,
+                           roadquery::ContactPoint to_contact, double t_m, JointGaps& gaps) {
+  const EndPose a = end_pose(from, from_contact, true), b = end_pose(to, to_contact, false);
+  gaps.heading_rad = std::max(gaps.heading_rad, std::abs(std::remainder(a.heading - b.heading, 2.0 * M_PI)));
+  const auto point = [](const roadquery::Road& road, roadquery::ContactPoint contact, bool leaving, double t) {
+    const bool at_end = contact == roadquery::ContactPoint::end;
+    return roadquery::surface_point(road, at_end ? road.length : 0.0, at_end == leaving ? t : -t);
+  };
+  for (const double t : {a.left_t, a.right_t}) {
+    const roadquery::SurfacePoint p = point(from, from_contact, true, t), q = point(to, to_contact, false, t + t_m);
+    gaps.position_m = std::max(gaps.position_m, std::hypot(p.x - q.x, p.y - q.y));
+    gaps.z_m = std::max(gaps.z_m, std::abs(p.z - q.z));
+  }
+  ++gaps.joints;
+}
+
 /// Over all road links. Edges and curvature are compared for links outside junctions: a connecting road holds one
 /// direction only and may be made of biarcs.
 inline JointGaps joint_gaps(const roadquery::RoadMap& map) {
@@ -142,7 +160,13 @@ inline JointGaps joint_gaps(const roadquery::RoadMap& map) {
       if (link.kind != roadquery::LinkKind::road) return;
       const roadquery::Road* other = road_by_id(map, link.id);
       ASSERT_NE(other, nullptr) << "road " << road.id << " is linked to road " << link.id;
-      measure(end_pose(road, own, true), end_pose(*other, link.contact, false), road.junction < 0, gaps);
+      const EndPose a = end_pose(road, own, true), b = end_pose(*other, link.contact, false);
+      const double beside = -std::sin(a.heading) * (a.x - b.x) + std::cos(a.heading) * (a.y - b.y);
+      if (road.junction >= 0 && std::abs(beside) > 0.1) {
+        measure_beside(road, own, *other, link.contact, beside, gaps);
+        return;
+      }
+      measure(a, b, road.junction < 0, gaps);
       measure_surface(road, own, *other, link.contact, gaps);
     };
     check(road.successor, ContactPoint::end);

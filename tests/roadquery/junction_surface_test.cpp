@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "roadquery/make_road.hpp"
+#include "roadquery/short_ways.hpp"
 
 namespace roadquery {
 namespace {
@@ -87,6 +88,46 @@ TEST(JunctionSurface, ArmsSideBySideAreEachExactOnTheirEnd) {
       const SurfacePoint end = surface_point(road, road.length, t);
       EXPECT_NEAR(evaluate(*map.junctions.front().surface, end.x, end.y).z, end.z, 1e-6) << road.id << " " << t;
     }
+}
+
+/// Two roads of `length_m` one after the other from junction 7, at the origin, to junction 8; the second runs
+/// backwards.
+RoadMap short_way(double length_m) {
+  RoadMap map;
+  map.roads = {make_road(1, {.length = length_m}, 5.0),
+               make_road(2, {.x = 2.0 * length_m, .hdg = M_PI, .length = length_m}, 5.3),
+               make_road(3, {.x = 2.0 * length_m + 20.0, .length = 20.0}, 5.3)};
+  map.roads[0].predecessor = {LinkKind::junction, 7}, map.roads[0].successor = {LinkKind::road, 2, ContactPoint::end};
+  map.roads[1].predecessor = {LinkKind::junction, 8}, map.roads[1].successor = {LinkKind::road, 1, ContactPoint::end};
+  map.roads[2].predecessor = {LinkKind::junction, 8};
+  const auto level = field_of([](double, double) { return 5.1; });
+  map.junctions = {{.id = 7, .surface = level}, {.id = 8, .surface = level}};
+  return map;
+}
+
+TEST(JunctionSurface, WaysTooShortForTwoTransitionsAreNoArms) {
+  RoadMap map = short_way(1.9);
+  const std::vector<ShortWay> ways = short_ways(map);
+  ASSERT_EQ(ways.size(), 1u);
+  EXPECT_EQ(ways[0].roads, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(ways[0].junctions, (std::array{7, 8}));
+  join_arms(map);
+  EXPECT_TRUE(map.junctions[0].surface->arms.empty()) << "road 3 is too far away";
+  ASSERT_EQ(map.junctions[1].surface->arms.size(), 1u);
+  for (double x = 0.0; x < 3.8; x += 0.1) EXPECT_NEAR(evaluate(*map.junctions[0].surface, x, 0.0).z, 5.1, 1e-9) << x;
+  EXPECT_TRUE(short_ways(short_way(2.1)).empty());
+  map.junctions[1].surface.reset();
+  join_arms(map);
+  EXPECT_EQ(map.junctions[0].surface->arms.size(), 1u) << "the other junction has no surface that covers the way";
+}
+
+TEST(JunctionSurface, WaysOfOneRoadAreFoundOnce) {
+  RoadMap map;
+  map.roads = {make_road(1, {.length = 1.0}), make_road(2, {.length = 1.0}), make_road(3, {.length = 1.0})};
+  map.roads[0].predecessor = {LinkKind::junction, 7}, map.roads[0].successor = {LinkKind::junction, 8};
+  map.roads[1].predecessor = {LinkKind::junction, 7};
+  map.roads[2].predecessor = map.roads[2].successor = {LinkKind::road, 3, ContactPoint::start};  // a ring of its own
+  EXPECT_EQ(short_ways(map).size(), 1u);
 }
 
 TEST(JunctionSurface, SlopesAreTheDerivativesAndHaveNoJump) {

@@ -422,6 +422,67 @@ TEST(BuildScene, labels_of_the_tile_are_those_of_the_map) {
   EXPECT_EQ(tile.classes.classes.size(), labels.classes.classes.size());
 }
 
+TEST(BuildScene, paint_lies_on_the_road_and_crosses_tile_borders) {
+  Site site = make_site(960.0, {{.start = {west_m + 400.0, south_m + 240.0}, .length_m = 160.0, .gradient = 0.05}});
+  site.roads.roads[0].sections[0].center.marks = {{0.0, "solid", 0.2}};
+  const auto layout = lay_out_scene(site.input());
+  double area = 0.0;
+  for (const TileAddress address : {TileAddress{1000, 13000}, TileAddress{1001, 13000}}) {
+    const SceneTile tile = build_scene_tile(*layout, address);
+    const TriMesh* marking = find_mesh(tile, MeshKind::marking);
+    ASSERT_NE(marking, nullptr);
+    area += plan_area_m2(marking);
+    for (const auto& p : marking->positions) {
+      const Vec3 at = world(tile, p);
+      EXPECT_NEAR(at.z, 10.0 + 0.05 * (at.x - west_m - 400.0) + 0.006, 2e-4);
+    }
+    ASSERT_EQ(marking->parts.size(), 1U);
+    EXPECT_EQ(marking->parts[0].material, SurfaceMaterial::paint);
+  }
+  EXPECT_NEAR(area, 160.0 * 0.2, 1e-3);
+}
+
+TEST(BuildScene, road_has_the_material_of_its_lanes_and_the_photos_tint) {
+  Site site = make_site(480.0, {{.start = {west_m + 100.0, south_m + 240.0}, .length_m = 200.0}});
+  for (auto* side : {&site.roads.roads[0].sections[0].left, &site.roads.roads[0].sections[0].right})
+    side->front().materials = {{0.0, roadquery::SurfaceClass::asphalt}, {100.0, roadquery::SurfaceClass::setts}};
+  const SceneTile tile = build_scene_tile(*lay_out_scene(site.input()), {1000, 13000});
+  const TriMesh* road = find_mesh(tile, MeshKind::road);
+  ASSERT_NE(road, nullptr);
+  ASSERT_EQ(road->parts.size(), 2U);
+  EXPECT_EQ(road->parts[0].material, SurfaceMaterial::asphalt);
+  EXPECT_EQ(road->parts[1].material, SurfaceMaterial::setts);
+  EXPECT_EQ(road->parts[1].first_index, road->parts[0].index_count);
+  EXPECT_EQ(road->parts[1].first_index + road->parts[1].index_count, road->indices.size());
+  for (const MeshPart& part : road->parts) {
+    for (std::size_t i = part.first_index; i < part.first_index + part.index_count; i += 3) {
+      double x = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) x += world(tile, road->positions[road->indices[i + k]]).x / 3.0;
+      EXPECT_EQ(x > west_m + 200.0, part.material == SurfaceMaterial::setts) << x;
+    }
+  }
+  // The photo is grey 90, linear 0.1022; textures have a mean of 0.6.
+  for (const auto& color : road->colors) EXPECT_NEAR(color[1] / 65535.0 * 0.6, 0.1022, 1e-3);
+  // Textures go on from tile to tile: their sides divide a tile's.
+  for (std::size_t i = 0; i < road->positions.size(); ++i)
+    EXPECT_NEAR(road->tile_uv[i][0] * 4.0, road->positions[i][0], 1e-4);
+}
+
+TEST(BuildScene, verge_lies_on_the_terrain_and_fades_away_from_the_road) {
+  const Site site = make_site(480.0, {{.start = {west_m + 100.0, south_m + 240.0}, .length_m = 200.0}});
+  const SceneTile tile = build_scene_tile(*lay_out_scene(site.input()), {1000, 13000});
+  const TriMesh *verge = find_mesh(tile, MeshKind::verge), *terrain = find_mesh(tile, MeshKind::terrain);
+  ASSERT_NE(verge, nullptr);
+  const std::set<std::array<float, 3>> ground(terrain->positions.begin(), terrain->positions.end());
+  for (std::size_t i = 0; i < verge->positions.size(); ++i) {
+    EXPECT_TRUE(ground.contains(verge->positions[i]));
+    const Vec3 at = world(tile, verge->positions[i]);
+    const double beside =
+        std::max({std::abs(at.y - south_m - 240.0) - 3.0, west_m + 100.0 - at.x, at.x - west_m - 300.0});
+    EXPECT_EQ(verge->colors[i][3], beside < 0.01 ? 65535 : 0) << beside;
+  }
+}
+
 TEST(BuildScene, thread_count_does_not_change_a_byte) {
   const auto hills = [](Vec2 p) { return 20.0 + 3.0 * std::sin(p.x / 41.0) * std::cos(p.y / 29.0); };
   std::vector<RoadShape> shapes;
@@ -455,6 +516,8 @@ TEST(BuildScene, thread_count_does_not_change_a_byte) {
       EXPECT_EQ(tile.meshes[m].normals, other.meshes[m].normals);
       EXPECT_EQ(tile.meshes[m].uv, other.meshes[m].uv);
       EXPECT_EQ(tile.meshes[m].indices, other.meshes[m].indices);
+      EXPECT_EQ(tile.meshes[m].colors, other.meshes[m].colors);
+      EXPECT_EQ(tile.meshes[m].tile_uv, other.meshes[m].tile_uv);
     }
     EXPECT_EQ(tile.texture_rgb.data, other.texture_rgb.data);
   }

@@ -93,6 +93,36 @@ TEST(SceneIo, labels_become_feature_ids_with_a_table) {
   for (const Json& view : glb.json["bufferViews"]) EXPECT_EQ(view.value("byteOffset", 0) % 8, 0);
 }
 
+/// A tile whose road has two tileable materials.
+SceneTile tile_with_materials() {
+  SceneTile tile = small_tile();
+  TriMesh& road = tile.meshes[1];
+  road.indices = {0, 1, 2, 0, 1, 2};
+  road.parts = {{SurfaceMaterial::asphalt, 0, 3}, {SurfaceMaterial::verge, 3, 3}};
+  road.tile_uv.assign(3, {0.5F, 0.25F});
+  road.tangents.assign(3, {1.0F, 0.0F, 0.0F, 1.0F});
+  road.colors.assign(3, {65535, 32768, 0, 65535});
+  return tile;
+}
+
+TEST(SceneIo, parts_share_vertices_and_name_pictures_beside_the_file) {
+  const fs::path own = folder / "materials";
+  const Glb glb = read_glb(own / io::write_tile_glb(own, tile_with_materials(), {}).uri);
+  const Json& parts = glb.json["meshes"][1]["primitives"];
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_EQ(parts[0]["attributes"], parts[1]["attributes"]);
+  const auto material = [&](int part) { return glb.json["materials"][parts[part]["material"].get<int>()]; };
+  EXPECT_EQ(material(0)["name"], "asphalt");
+  EXPECT_EQ(material(1)["alphaMode"], "BLEND");
+  const Json color = material(0)["pbrMetallicRoughness"]["baseColorTexture"];
+  EXPECT_EQ(color["texCoord"], 1);
+  const Json& image = glb.json["images"][glb.json["textures"][color["index"].get<int>()]["source"].get<int>()];
+  EXPECT_EQ(image["uri"], "materials/asphalt_color.jpg");
+  const Json& colors = glb.json["accessors"][parts[0]["attributes"]["COLOR_0"].get<int>()];
+  EXPECT_EQ(colors["normalized"], true);
+  EXPECT_EQ(glb.json["materials"][0]["name"], "photo");
+}
+
 TEST(SceneIo, same_tile_gives_the_same_bytes) {
   (void)io::write_tile_glb(folder, small_tile(), {});
   const std::string first = read(folder / "tile_5_7.glb");
@@ -109,6 +139,13 @@ TEST(SceneIo, khronos_validator_finds_no_error) {
   labelled.labels = Raster<std::uint8_t>(16, 16, 1, 1);
   labelled.classes = default_class_table();
   const auto entry = io::write_tile_glb(own, labelled, {500000.0, 5400000.0, 190.0});
+  SceneTile with_materials = tile_with_materials();
+  with_materials.row = 9;
+  (void)io::write_tile_glb(own, with_materials, {});
+  const SurfaceTexture grey{Raster<std::uint8_t>(64, 64, 3, 128), Raster<std::uint8_t>(64, 64, 3, 128),
+                            Raster<std::uint8_t>(64, 64, 3, 128)};
+  for (const SurfaceMaterial material : {SurfaceMaterial::asphalt, SurfaceMaterial::verge})
+    io::write_material(own, material, grey);
   SceneTile untextured = small_tile();
   untextured.row = 8;
   untextured.texture_rgb = {};

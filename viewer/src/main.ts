@@ -102,6 +102,7 @@ function start(site: Site): Api {
   const addLayer = (layer: LayerName, label: string, on: boolean) =>
     switches.set(layer, panel.addSwitch(layer, label, on, (checked) => setLayer(layer, checked)));
   addLayer('photo', 'Orthophoto', true);
+  addLayer('materials', 'Road materials', true);
   addLayer('terrain', 'Terrain', true);
   addLayer('roads', 'Roads', true);
   addLayer('wireframe', 'Wireframe', false);

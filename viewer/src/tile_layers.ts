@@ -7,37 +7,46 @@ import {
 } from 'three';
 
 import {tilesetUrl} from './site';
+import {SurfaceMaterials} from './surface_materials';
 
 export interface Layers {
   terrain: boolean;
   roads: boolean;
   photo: boolean;
+  materials: boolean; // of roads and beside them; without: the photo there as well
   wireframe: boolean;
 }
 
-type SurfaceKind = 'terrain' | 'road';
+const kinds = ['road', 'verge', 'marking', 'terrain'] as const;
+type SurfaceKind = (typeof kinds)[number];
 
-/** Meshes are named "terrain" or "road" (model/scene.hpp); the glTF loader may append a number to keep names apart. */
+/** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
 function kindOf(mesh: Mesh): SurfaceKind {
-  return mesh.name.startsWith('road') ? 'road' : 'terrain';
+  return kinds.find((kind) => mesh.name.startsWith(kind)) ?? 'terrain';
 }
 
 export class TileLayers {
   /** In the site's local frame: the tileset's root transform (local to ECEF) is undone. */
   readonly group = new Group();
-  readonly layers: Layers = {terrain: true, roads: true, photo: true, wireframe: false};
+  readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, wireframe: false};
   loaded = 0;
   readonly failures: string[] = [];
   onChange: () => void = () => {};
 
   private readonly tiles = new TilesRenderer(tilesetUrl);
-  private readonly photoMaterials = new Map<Mesh, MeshLambertMaterial>();
+  private readonly surfaceMaterials: SurfaceMaterials;
+  private readonly looks = new Map<Mesh, {photo: MeshLambertMaterial; surface?: string}>();
   private readonly reliefMaterials: Record<SurfaceKind, MeshLambertMaterial> = {
     terrain: new MeshLambertMaterial({color: 0xd3d4ce}),
+    verge: new MeshLambertMaterial({color: 0xd3d4ce}),
     road: new MeshLambertMaterial({color: 0x6b7078}),
+    marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
 
   constructor(localFromEcef: Matrix4, private readonly anisotropy: number) {
+    this.surfaceMaterials = new SurfaceMaterials(anisotropy);
+    this.surfaceMaterials.onChange = () => this.onChange();
+    this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.surfaceMaterials.gltfLoader(this.tiles.manager));
     this.group.matrixAutoUpdate = false;
     this.group.matrix.copy(localFromEcef);
     this.group.add(this.tiles.group);
@@ -89,22 +98,41 @@ export class TileLayers {
 
   private adopt(model: Object3D): void {
     ++this.loaded;
-    for (const mesh of meshesOf(model)) {
-      const map: Texture | null = (mesh.material as MeshStandardMaterial).map;
-      if (map) map.anisotropy = this.anisotropy;
-      this.photoMaterials.set(mesh, new MeshLambertMaterial({map}));
+    const meshes = meshesOf(model);
+    const photos = meshes.map((mesh) => (mesh.material as MeshStandardMaterial).map).filter((map) => map !== null);
+    const map: Texture | null = photos[0] ?? null;
+    if (map) map.anisotropy = this.anisotropy;
+    for (const mesh of meshes) {
+      const own = mesh.material as MeshStandardMaterial;
+      this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});
     }
     this.apply(model);
     this.onChange();
   }
 
+  private materialOf(mesh: Mesh): Material {
+    const {photo, surface} = this.looks.get(mesh)!;
+    const {layers} = this;
+    const material = !layers.photo ? this.reliefMaterials[kindOf(mesh)] :
+                     surface !== undefined && layers.materials ? this.surfaceMaterials.get(surface) : photo;
+    material.wireframe = layers.wireframe;
+    return material;
+  }
+
+  private isShown(kind: SurfaceKind): boolean {
+    const {terrain, roads, photo, materials} = this.layers;
+    switch (kind) {
+      case 'terrain': return terrain;
+      case 'road': return roads;
+      case 'verge': return terrain && roads && photo && materials;
+      case 'marking': return roads && materials;
+    }
+  }
+
   private apply(model: Object3D): void {
     for (const mesh of meshesOf(model)) {
-      const kind = kindOf(mesh);
-      const material = this.layers.photo ? this.photoMaterials.get(mesh)! : this.reliefMaterials[kind];
-      material.wireframe = this.layers.wireframe;
-      mesh.material = material as Material;
-      mesh.visible = kind === 'road' ? this.layers.roads : this.layers.terrain;
+      mesh.material = this.materialOf(mesh);
+      mesh.visible = this.isShown(kindOf(mesh));
     }
   }
 
@@ -112,8 +140,8 @@ export class TileLayers {
   private release(model: Object3D): void {
     --this.loaded;
     for (const mesh of meshesOf(model)) {
-      this.photoMaterials.get(mesh)?.dispose();
-      this.photoMaterials.delete(mesh);
+      this.looks.get(mesh)?.photo.dispose();
+      this.looks.delete(mesh);
     }
   }
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -57,10 +58,14 @@ class GltfBuffer {
   tinygltf::Model& model_;
 };
 
-tinygltf::Primitive add_primitive(GltfBuffer& buffer, const TriMesh& mesh, int material) {
-  tinygltf::Primitive primitive;
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = material;
+/// The vertices of a mesh, as the primitives of its parts share them.
+std::map<std::string, int> add_vertices(GltfBuffer& buffer, const TriMesh& mesh) {
+  std::map<std::string, int> attributes;
+  const auto add = [&](const char* name, const auto& values, int component_type, int type) -> tinygltf::Accessor& {
+    auto& accessor = buffer.add_accessor(values, TINYGLTF_TARGET_ARRAY_BUFFER, component_type, type);
+    attributes[name] = buffer.last_accessor();
+    return accessor;
+  };
   std::vector<std::array<float, 3>> positions, normals;
   std::array<float, 3> low, high;
   low.fill(std::numeric_limits<float>::max());
@@ -73,16 +78,32 @@ tinygltf::Primitive add_primitive(GltfBuffer& buffer, const TriMesh& mesh, int m
     }
   }
   for (const auto& n : mesh.normals) normals.push_back(y_up(n));
-  auto& accessor =
-      buffer.add_accessor(positions, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
+  auto& accessor = add("POSITION", positions, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
   accessor.minValues.assign(low.begin(), low.end());
   accessor.maxValues.assign(high.begin(), high.end());
-  primitive.attributes["POSITION"] = buffer.last_accessor();
-  buffer.add_accessor(normals, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
-  primitive.attributes["NORMAL"] = buffer.last_accessor();
-  buffer.add_accessor(mesh.uv, TINYGLTF_TARGET_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
-  primitive.attributes["TEXCOORD_0"] = buffer.last_accessor();
-  buffer.add_accessor(mesh.indices, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
+  add("NORMAL", normals, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
+  add("TEXCOORD_0", mesh.uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
+  if (!mesh.tile_uv.empty()) add("TEXCOORD_1", mesh.tile_uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
+  if (!mesh.tangents.empty()) {
+    std::vector<std::array<float, 4>> tangents;
+    for (const auto& t : mesh.tangents) tangents.push_back({t[0], t[2], -t[1], t[3]});
+    add("TANGENT", tangents, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4);
+  }
+  if (!mesh.colors.empty()) {
+    add("COLOR_0", mesh.colors, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4).normalized = true;
+  }
+  return attributes;
+}
+
+tinygltf::Primitive add_part(GltfBuffer& buffer, const TriMesh& mesh, const MeshPart& part,
+                             const std::map<std::string, int>& vertices, int material) {
+  tinygltf::Primitive primitive;
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  primitive.material = material;
+  primitive.attributes = vertices;
+  const auto first = mesh.indices.begin() + static_cast<std::ptrdiff_t>(part.first_index);
+  const std::vector<std::uint32_t> indices(first, first + static_cast<std::ptrdiff_t>(part.index_count));
+  buffer.add_accessor(indices, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                       TINYGLTF_TYPE_SCALAR);
   primitive.indices = buffer.last_accessor();
   return primitive;
@@ -90,22 +111,34 @@ tinygltf::Primitive add_primitive(GltfBuffer& buffer, const TriMesh& mesh, int m
 
 using Value = tinygltf::Value;
 
-/// Returns the index of the new texture.
-int add_texture(tinygltf::Model& model, int image_view, const char* mime_type, int min_filter, int mag_filter) {
-  tinygltf::Image image;
-  image.mimeType = mime_type;
-  image.bufferView = image_view;
-  model.images.push_back(image);
+int add_texture(tinygltf::Model& model, tinygltf::Image image, int min_filter, int mag_filter, int wrap) {
+  model.images.push_back(std::move(image));
   tinygltf::Sampler sampler;
   sampler.minFilter = min_filter;
   sampler.magFilter = mag_filter;
-  sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+  sampler.wrapS = sampler.wrapT = wrap;
   model.samplers.push_back(sampler);
   tinygltf::Texture texture;
   texture.source = static_cast<int>(model.images.size()) - 1;
   texture.sampler = static_cast<int>(model.samplers.size()) - 1;
   model.textures.push_back(texture);
   return static_cast<int>(model.textures.size()) - 1;
+}
+
+/// A picture of the whole tile, inside the file. Returns the index of the new texture.
+int add_tile_texture(tinygltf::Model& model, int image_view, const char* mime_type, int min_filter, int mag_filter) {
+  tinygltf::Image image;
+  image.mimeType = mime_type;
+  image.bufferView = image_view;
+  return add_texture(model, std::move(image), min_filter, mag_filter, TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE);
+}
+
+/// A tileable picture beside the file.
+int add_tileable_texture(tinygltf::Model& model, std::string uri) {
+  tinygltf::Image image;
+  image.uri = std::move(uri);
+  return add_texture(model, std::move(image), TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR,
+                     TINYGLTF_TEXTURE_FILTER_LINEAR, TINYGLTF_TEXTURE_WRAP_REPEAT);
 }
 
 /// The photo holds its own light, so the material is unlit where the viewer can do that.
@@ -119,12 +152,47 @@ int add_photo_material(tinygltf::Model& model, GltfBuffer& buffer, const Raster<
   if (!rgb.empty()) {
     const auto jpeg = encode_jpeg(rgb);
     material.pbrMetallicRoughness.baseColorTexture.index =
-        add_texture(model, buffer.add_view(jpeg.data(), jpeg.size(), 0), "image/jpeg",
-                    TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR, TINYGLTF_TEXTURE_FILTER_LINEAR);
+        add_tile_texture(model, buffer.add_view(jpeg.data(), jpeg.size(), 0), "image/jpeg",
+                         TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR, TINYGLTF_TEXTURE_FILTER_LINEAR);
   }
   model.materials.push_back(material);
   return 0;
 }
+
+/// The mesh's colours times a tileable texture, both in the mesh's second set of coordinates.
+int add_tileable_material(tinygltf::Model& model, SurfaceMaterial of) {
+  tinygltf::Material material;
+  material.name = std::string(to_string(of));
+  const auto texture = [&](std::string_view picture) {
+    return add_tileable_texture(model, material_file(of, picture));
+  };
+  auto& pbr = material.pbrMetallicRoughness;
+  pbr.baseColorTexture.index = texture("color");
+  pbr.metallicRoughnessTexture.index = texture("roughness");
+  material.normalTexture.index = texture("normal");
+  pbr.baseColorTexture.texCoord = pbr.metallicRoughnessTexture.texCoord = material.normalTexture.texCoord = 1;
+  pbr.metallicFactor = 0.0;
+  if (of == SurfaceMaterial::verge) material.alphaMode = "BLEND";
+  model.materials.push_back(material);
+  return static_cast<int>(model.materials.size()) - 1;
+}
+
+/// The index of each material that the tile's meshes have.
+class TileMaterials {
+ public:
+  TileMaterials(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& photo) : model_(model) {
+    at_[SurfaceMaterial::photo] = add_photo_material(model, buffer, photo);
+  }
+  int index(SurfaceMaterial material) {
+    const auto [at, is_new] = at_.try_emplace(material, 0);
+    if (is_new) at->second = add_tileable_material(model_, material);
+    return at->second;
+  }
+
+ private:
+  tinygltf::Model& model_;
+  std::map<SurfaceMaterial, int> at_;
+};
 
 Value strings_property(GltfBuffer& buffer, const std::vector<std::string>& strings) {
   std::string text;
@@ -143,8 +211,8 @@ Value strings_property(GltfBuffer& buffer, const std::vector<std::string>& strin
 Value add_labels(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& labels,
                  const ClassTable& table) {
   const auto png = encode_png(labels);
-  const int texture = add_texture(model, buffer.add_view(png.data(), png.size(), 0), "image/png",
-                                  TINYGLTF_TEXTURE_FILTER_NEAREST, TINYGLTF_TEXTURE_FILTER_NEAREST);
+  const int texture = add_tile_texture(model, buffer.add_view(png.data(), png.size(), 0), "image/png",
+                                       TINYGLTF_TEXTURE_FILTER_NEAREST, TINYGLTF_TEXTURE_FILTER_NEAREST);
   std::vector<std::string> names, roles;
   for (const ClassInfo& info : table.classes) names.push_back(info.name), roles.push_back(to_string(info.role));
   const int count = static_cast<int>(names.size());
@@ -213,7 +281,7 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   model.asset.version = "2.0";
   model.asset.generator = "Orthodrive";
   GltfBuffer buffer(model);
-  const int material = add_photo_material(model, buffer, tile.texture_rgb);
+  TileMaterials materials(model, buffer, tile.texture_rgb);
   std::optional<Value> features;
   if (!tile.labels.empty()) features = add_labels(model, buffer, tile.labels, tile.classes);
   const Vec3 shift = tile.origin - site_origin;
@@ -223,8 +291,12 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   for (const TriMesh& mesh : tile.meshes) {
     tinygltf::Mesh gltf_mesh;
     gltf_mesh.name = std::string(to_string(mesh.kind));
-    gltf_mesh.primitives.push_back(add_primitive(buffer, mesh, material));
-    if (features) gltf_mesh.primitives[0].extensions["EXT_mesh_features"] = *features;
+    const auto vertices = add_vertices(buffer, mesh);
+    const std::vector<MeshPart> whole = {{SurfaceMaterial::photo, 0, mesh.indices.size()}};
+    for (const MeshPart& part : mesh.parts.empty() ? whole : mesh.parts) {
+      gltf_mesh.primitives.push_back(add_part(buffer, mesh, part, vertices, materials.index(part.material)));
+      if (features) gltf_mesh.primitives.back().extensions["EXT_mesh_features"] = *features;
+    }
     tinygltf::Node node;
     node.name = gltf_mesh.name;
     node.mesh = static_cast<int>(model.meshes.size());
@@ -248,12 +320,29 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   AtomicFile out(target);
   std::ofstream stream(out.path(), std::ios::binary);
   tinygltf::TinyGLTF writer;
+  writer.SetImageWriter(nullptr, nullptr);  // pictures are in the buffer or files of their own
   const bool written = writer.WriteGltfSceneToStream(&model, stream, false, true);
   stream.close();
   if (!written || !stream)
     throw Error(target.string() + ": cannot be written, is the disk full or the folder read-only?");
   out.commit();
   return entry;
+}
+
+std::string material_file(SurfaceMaterial material, std::string_view picture) {
+  return fmt::format("materials/{}_{}.jpg", to_string(material), picture);
+}
+
+void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const SurfaceTexture& texture) {
+  const auto write = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
+    const std::filesystem::path file = folder / material_file(material, picture);
+    std::filesystem::create_directories(file.parent_path());
+    const auto bytes = encode_jpeg(rgb);
+    write_text_file(file, std::string(bytes.begin(), bytes.end()));
+  };
+  write("color", texture.color_rgb);
+  write("normal", texture.normal_rgb);
+  write("roughness", texture.roughness);
 }
 
 void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs,

@@ -16,6 +16,8 @@ enum class MeshKind : std::uint8_t {
   terrain,
   road,       ///< carriageways, on the ground and on decks of bridges
   road_body,  ///< sides and undersides of bridge decks, facing outwards
+  verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
+  marking,    ///< paint, a few millimetres over the road
 };
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
@@ -25,10 +27,30 @@ enum class MeshKind : std::uint8_t {
     case MeshKind::road:
       return "road";
     case MeshKind::road_body:
+      return "road_body";
+    case MeshKind::verge:
+      return "verge";
+    case MeshKind::marking:
       break;
   }
-  return "road_body";
+  return "marking";
 }
+
+/// What a surface is drawn with: the tile's photo, or a tileable texture tinted by the mesh's colours.
+enum class SurfaceMaterial : std::uint8_t { photo, asphalt, concrete, setts, gravel, ground, verge, paint };
+constexpr std::size_t surface_material_count = 8;
+/// The name of the glTF material and of its pictures.
+[[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
+  constexpr std::array<std::string_view, surface_material_count> names = {"photo",  "asphalt", "concrete", "setts",
+                                                                          "gravel", "ground",  "verge",    "paint"};
+  return names[static_cast<std::size_t>(material)];
+}
+
+/// Triangles of a mesh that have one material.
+struct MeshPart {
+  SurfaceMaterial material = SurfaceMaterial::photo;
+  std::size_t first_index = 0, index_count = 0;  ///< into TriMesh::indices
+};
 
 /// Triangles, counter-clockwise seen from above; x east, y north, z up, float metres relative to SceneTile::origin.
 struct TriMesh {
@@ -37,6 +59,22 @@ struct TriMesh {
   std::vector<std::array<float, 3>> normals;
   std::vector<std::array<float, 2>> uv;  ///< glTF: (0,0) is the north-west corner of the texture
   std::vector<std::uint32_t> indices;
+  std::vector<MeshPart> parts;  ///< in the order of their materials, all triangles; empty: all show the photo
+  /// One a vertex, or empty where all show the photo: place in tileable textures, in their sides.
+  std::vector<std::array<float, 2>> tile_uv;
+  /// One a vertex, or empty: direction of tile_uv's first coordinate, at right angles to the normal; fourth: 1 where
+  /// normal x tangent points up in the picture, else -1.
+  std::vector<std::array<float, 4>> tangents;
+  /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
+  /// 65535: 1.
+  std::vector<std::array<std::uint16_t, 4>> colors;
+};
+
+/// Tileable pictures of a material, all of one size: x to the east, rows from the north.
+struct SurfaceTexture {
+  Raster<std::uint8_t> color_rgb;   ///< sRGB
+  Raster<std::uint8_t> normal_rgb;  ///< glTF: 0.5 (n + 1) of the unit normal, y to the north
+  Raster<std::uint8_t> roughness;   ///< 3 channels as glTF wants them: roughness in the green one, blue (metal) is 0
 };
 
 struct SceneTile {

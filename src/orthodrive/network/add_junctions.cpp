@@ -7,6 +7,7 @@
 
 #include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/refit_profile.hpp"
 #include "orthodrive/network/road_parts.hpp"
 #include "roadquery/road_surface.hpp"
 
@@ -28,6 +29,8 @@ constexpr double straight_turn_rad = 35.0 * std::numbers::pi / 180.0;
 // Jumps of the gradient on connecting roads that turn, driven at walking pace: 1 % 2 m off the reference line. At 4 m/s
 // a wheel gets 0.04 m/s from it, as from 0.1 % at 40 m/s.
 constexpr double max_crown_rate_jump_in_turns = 5e-3;  // 1/m
+
+constexpr double shortest_turn_m = 0.5;  // of a reference line that is moved to the inside of its bend
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -282,6 +285,72 @@ Geometry turn_geometry(const Gate& in, const Gate& out) {
   return result;
 }
 
+/// Lanes of a movement at a gate, from its reference line, in driving direction.
+struct LaneSpan {
+  double left_t = 0.0, right_t = 0.0;
+};
+LaneSpan span_of(const Gate& gate, std::size_t first, std::size_t count, DrivingSide driving_side) {
+  const double side = driving_side == DrivingSide::left ? 1.0 : -1.0;
+  const double inner = gate.inner_t_m + side * static_cast<double>(first) * gate.lane_width_m;
+  const double outer = inner + side * static_cast<double>(std::max<std::size_t>(count, 1)) * gate.lane_width_m;
+  return {std::max(inner, outer), std::min(inner, outer)};
+}
+
+/// Least 1 - k t of where cars drive on a road's lanes, a quarter of a lane off their edges: not positive where that
+/// folds, beyond the centre of curvature.
+double least_room(const std::vector<roadquery::PlanElement>& plan, const LaneSpan& in, const LaneSpan& out) {
+  double least = 1.0;
+  const double length = plan_length(plan);
+  for (const roadquery::PlanElement& e : plan)
+    for (const double ds : {0.0, 0.5 * e.length, e.length}) {
+      const double k = roadquery::evaluate(e, ds).curvature, share = (e.s + ds) / length;
+      for (const double t :
+           {in.left_t + (out.left_t - in.left_t) * share, in.right_t + (out.right_t - in.right_t) * share})
+        least = std::min(least, 1.0 - k * t);
+    }
+  return least;
+}
+
+/// The gate with its reference line moved to t, on the plane through the edges of the lanes there.
+Gate moved_to(Gate gate, double t, const LaneSpan& lanes, const Road& road, bool at_end, bool incoming) {
+  const double s = at_end ? road.length : 0.0, sign = at_end == incoming ? 1.0 : -1.0;
+  const ProfileEnd end = end_beside(road, at_end, sign, t, {lanes.left_t, lanes.right_t});
+  const roadquery::SurfacePoint p = roadquery::surface_point(road, s, sign * t);
+  gate.z_m = end.z, gate.gradient = end.gradient, gate.banking = end.banking;
+  gate.pose.p = {p.x, p.y};
+  gate.banking_rate = gate.crown = 0.0;
+  gate.inner_t_m -= t;
+  return gate;
+}
+
+/// Where the lanes of a turn would fold the reference line moves to their edge on the inside of the bend, so that all
+/// of them lie outside of it, or to their middle where it bends both ways. OpenDRIVE asks for lanes that meet, not for
+/// reference lines that do.
+void unfold(const Movement& m, const Road& incoming, bool from_end, const Road& outgoing, bool to_end,
+            DrivingSide driving_side, Gate& in, Gate& out, Geometry& geometry) {
+  constexpr double enough = 0.05;
+  const LaneSpan at_in = span_of(in, m.first_in, m.count_in, driving_side),
+                 at_out = span_of(out, m.first_out, m.count_out, driving_side);
+  const auto driven = [](const LaneSpan& lanes, const Gate& gate, double t) {
+    const double inset = 0.25 * gate.lane_width_m;
+    return LaneSpan{lanes.left_t - t - inset, lanes.right_t - t + inset};
+  };
+  double best = least_room(geometry.plan, driven(at_in, in, 0.0), driven(at_out, out, 0.0));
+  if (best >= enough) return;
+  const Gate in_before = in, out_before = out;
+  for (const double share : {0.0, 0.5, 1.0}) {  // from the left edge of the lanes to the right one
+    const double t0 = at_in.left_t + share * (at_in.right_t - at_in.left_t);
+    const double t1 = at_out.left_t + share * (at_out.right_t - at_out.left_t);
+    const Gate from = moved_to(in_before, t0, at_in, incoming, from_end, true),
+               to = moved_to(out_before, t1, at_out, outgoing, to_end, false);
+    if (distance(from.pose.p, to.pose.p) < shortest_turn_m) continue;
+    Geometry turned = turn_geometry(from, to);
+    const double room = least_room(turned.plan, driven(at_in, in_before, t0), driven(at_out, out_before, t1));
+    if (room <= best) continue;
+    best = room, in = from, out = to, geometry = std::move(turned);
+  }
+}
+
 void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const Gate& out) {
   const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
   const auto inner_t = [side](const Gate& gate, std::size_t first) {
@@ -306,7 +375,7 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
 }
 
 Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends,
-                     const Movement& m, const Gate& in, const Gate& out) {
+                     const Movement& m, Gate in, Gate out) {
   const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
   const Road &incoming = map.roads[at(from.road)], &outgoing = map.roads[at(to.road)];
   Road road;
@@ -319,6 +388,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   if (incoming.osm_id == outgoing.osm_id) road.osm_id = incoming.osm_id;
   const bool through = m.to == from.through;
   Geometry geometry = through ? chain_through(plan, from, to) : turn_geometry(in, out);
+  if (!through) unfold(m, incoming, from.at_end, outgoing, to.at_end, plan.options.driving_side, in, out, geometry);
   road.plan = std::move(geometry.plan);
   road.elevation = std::move(geometry.elevation);
   road.superelevation = std::move(geometry.superelevation);

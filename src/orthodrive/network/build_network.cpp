@@ -7,6 +7,7 @@
 #include <set>
 
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/network/crossing_nodes.hpp"
 #include "orthodrive/network/ease_arms.hpp"
 #include "orthodrive/network/junction_surface.hpp"
 #include "orthodrive/network/lanes.hpp"
@@ -77,7 +78,9 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   };
   progress(0.0);
   RoadNetwork roads = assume_roundabouts(
-      close_roundabouts(with_lane_room(with_heights(input, result.findings), result.findings), result.findings),
+      close_roundabouts(
+          with_lane_room(join_crossings(with_heights(input, result.findings), result.findings), result.findings),
+          result.findings),
       options.driving_side, result.findings);
   Topology topology = build_topology(roads, options.driving_side, result.findings);
   smooth_rings(topology.ring_of_piece, roads, topology);

@@ -13,8 +13,9 @@ namespace {
 constexpr double fade_m = 30.0;  // a height step of 0.3 m at a joint becomes a slope of 1 in 100 (1.5 in 100 at most)
 constexpr double notable_step_m = 0.5;  // steps between the ends of a vertex that deserve a finding
 constexpr double min_spacing_m = 0.25;
-constexpr double max_spacing_m = 3.0;   // refine resamples to 2 m; coarser lines are filled up along their chords
-constexpr double inner_radius_m = 2.5;  // the inner edge of a bend keeps at least this radius
+constexpr double max_spacing_m = 3.0;  // refine resamples to 2 m; coarser lines are filled up along their chords
+// The inner edge of a bend keeps this radius; a smaller one where nodes would have to move too far for it.
+constexpr std::array inner_radii_m{2.5, 1.5, 0.5};
 constexpr int easing_passes = 200, max_easing_rounds = 20;
 constexpr double eased_spacing_m = 1.5;  // nodes that easing drew nearer together are thinned out
 constexpr double max_easing_m = 8.0;     // a node moves no further; what is sharper then stays sharp (a finding)
@@ -136,7 +137,8 @@ double turn_at(Vec2 a, Vec2 b, Vec2 c) { return std::abs(std::atan2(cross(b - a,
 /// Nodes of a line whose bends are being eased, each with where it was.
 class BendEasing {
  public:
-  BendEasing(ChainLine& line, bool closed) : line_(line), closed_(closed) {
+  BendEasing(ChainLine& line, bool closed, double inner_radius_m)
+      : line_(line), closed_(closed), inner_radius_m_(inner_radius_m) {
     for (const ChainLineNode& node : line.nodes) original_.push_back(node.p);
   }
 
@@ -208,19 +210,34 @@ class BendEasing {
   [[nodiscard]] bool too_sharp(std::size_t before, std::size_t i, std::size_t after) const {
     const std::vector<ChainLineNode>& nodes = line_.nodes;
     const Vec2 a = nodes[before].p, b = nodes[i].p, c = nodes[after].p;
-    const double min_radius = 0.25 * (nodes[i].width_before_m + nodes[i].width_after_m) + inner_radius_m;
+    const double min_radius = 0.25 * (nodes[i].width_before_m + nodes[i].width_after_m) + inner_radius_m_;
     return turn_at(a, b, c) * min_radius > 0.5 * (distance(a, b) + distance(b, c));
   }
 
   ChainLine& line_;
   bool closed_;
+  double inner_radius_m_;
   std::vector<Vec2> original_;
 };
 
+/// False: some bends are still too sharp.
+bool ease_all(BendEasing& easing) {
+  for (int round = 0; round < max_easing_rounds; ++round) {
+    if (easing.ease()) return true;
+    if (!easing.thin_out()) break;
+  }
+  return !easing.sharp_node();
+}
+
 int ease_bends(ChainLine& line, bool closed, Findings& findings) {
   if (line.nodes.size() < 3) return 0;
-  BendEasing easing(line, closed);
-  for (int round = 0; round < max_easing_rounds && !easing.ease() && easing.thin_out();) ++round;
+  const ChainLine before = line;
+  std::optional<BendEasing> eased;
+  for (const double inner_radius_m : inner_radii_m) {
+    line = before;
+    if (ease_all(eased.emplace(line, closed, inner_radius_m))) break;
+  }
+  BendEasing& easing = *eased;
   const auto report = [&](Severity severity, const char* code, std::string message, Vec2 where) {
     findings.push_back({severity, code, std::move(message), where.x, where.y});
   };

@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace orthodrive::network {
 namespace {
 
 using roadquery::Cubic;
 
-constexpr double fade_m = 20.0, shortest_fade_m = 3.0;
+constexpr double fade_m = 20.0, longest_fade_m = 50.0, shortest_fade_m = 2.0;
 constexpr double gradient_break = 0.03, banking_break = 0.02;
 constexpr double longest_corner_m = 8.0;  // from the edge of the main road to the cut
 constexpr double same_level_m = 1.5;
 // What a change may be for each metre over which it fades out.
 constexpr double height_per_m = 0.03, gradient_per_m = 0.006, banking_per_m = 0.0033;
+constexpr double walking_pace = 2.0;  // roads too short for 20 m are driven slowly: banking may change by so many times
 
 const Cubic* cubic_at(const std::vector<Cubic>& cubics, double s) {
   if (cubics.empty()) return nullptr;
@@ -80,8 +82,8 @@ MainSurface surface_at(const ChainGeometry& chain, double s, Vec2 p) {
           std::abs(t) - 0.5 * width_at(chain, s)};
 }
 
-/// Adds change, slope and value at `cut`, that fade out towards `end`; beyond the cut it goes on straight.
-void add_change(std::vector<Cubic>& cubics, double cut, double end, double value, double slope) {
+/// Adds the cubic `change` from its s to `end`.
+void add_cubic(std::vector<Cubic>& cubics, const Cubic& change, double end) {
   if (cubics.empty()) cubics.push_back({});
   const auto split = [&](double s) {
     const auto after =
@@ -93,31 +95,38 @@ void add_change(std::vector<Cubic>& cubics, double cut, double end, double value
     const double ds = s - before.s;
     cubics.insert(after, {s, value_at(before, s), slope_at(before, s), before.c + 3.0 * before.d * ds, before.d});
   };
-  split(cut), split(end);
-  const bool forth = end > cut;  // the road lies beyond the cut
-  const Cubic fade = forth ? hermite(cut, end, value, 0.0, slope, 0.0) : hermite(end, cut, 0.0, value, 0.0, slope);
+  split(change.s), split(end);
   for (std::size_t i = 0; i < cubics.size(); ++i) {
     Cubic& c = cubics[i];
     const double middle = i + 1 < cubics.size() ? 0.5 * (c.s + cubics[i + 1].s) : c.s + 1e-6;
-    if (forth ? middle > end : middle < end) continue;
-    if (forth ? middle < cut : middle > cut) {
-      c.a += value + slope * (c.s - cut), c.b += slope;
-      continue;
-    }
-    const double ds = c.s - fade.s;
-    c.a += value_at(fade, c.s), c.b += slope_at(fade, c.s), c.c += fade.c + 3.0 * fade.d * ds, c.d += fade.d;
+    if (middle < change.s || middle > end) continue;
+    const double ds = c.s - change.s;
+    c.a += value_at(change, c.s), c.b += slope_at(change, c.s), c.c += change.c + 3.0 * change.d * ds, c.d += change.d;
   }
 }
 
 double limited(double value, double limit) { return std::clamp(value, -limit, limit); }
 
 struct Change {
-  double z = 0.0, gradient = 0.0, banking = 0.0;  ///< along the chain
+  double z = 0.0, gradient = 0.0, banking = 0.0, crown = 0.0;  ///< along the chain
 };
 
-/// What is to be added at the cut `s` of a chain that ends at the main road; nothing where it lies well.
-std::optional<Change> change_at(const ChainGeometry& side, double s, bool at_s1, const ChainGeometry& main,
-                                double main_s, double fade) {
+/// The length over which a change may fade out.
+double fade_of(const Change& change) {
+  return std::max({std::abs(change.z) / height_per_m, std::abs(change.gradient) / gradient_per_m,
+                   std::abs(change.banking) / banking_per_m, std::abs(change.crown) / banking_per_m});
+}
+
+/// What of a change may fade out over a length that there is.
+Change within(const Change& change, double fade) {
+  const double slow = fade < fade_m ? walking_pace : 1.0;
+  return {limited(change.z, height_per_m * fade), limited(change.gradient, gradient_per_m * fade),
+          limited(change.banking, slow * banking_per_m * fade), limited(change.crown, slow * banking_per_m * fade)};
+}
+
+/// What is to be added at the cut `s` of a chain that ends at the main road or crosses it; nothing where it lies well.
+std::optional<Change> wanted_change(const ChainGeometry& side, double s, bool at_s1, const ChainGeometry& main,
+                                    double main_s) {
   const Pose pose = pose_at(side.plan, s);
   const Vec2 in = at_s1 ? pose.direction : pose.direction * -1.0;
   const MainSurface surface = surface_at(main, main_s, pose.p);
@@ -130,13 +139,66 @@ std::optional<Change> change_at(const ChainGeometry& side, double s, bool at_s1,
   const double wanted_banking = across + limited(banking - across, banking_break);
   const double corner = std::clamp(surface.beyond_m, 0.0, longest_corner_m);
   const double wanted_z = surface.z - 0.5 * corner * (wanted_gradient - along);
-  const Change change{limited(wanted_z - z, height_per_m * fade),
-                      sign * limited(wanted_gradient - gradient, gradient_per_m * fade),
-                      sign * limited(std::atan(wanted_banking) - std::atan(banking), banking_per_m * fade)};
+  const Change change{wanted_z - z, sign * (wanted_gradient - gradient),
+                      sign * (std::atan(wanted_banking) - std::atan(banking)), -value_of(side.crown, s)};
   constexpr double no_height_m = 0.01, no_slope = 0.005;
-  if (std::abs(change.z) < no_height_m && std::abs(change.gradient) < no_slope && std::abs(change.banking) < no_slope)
+  if (std::abs(change.z) < no_height_m && std::abs(change.gradient) < no_slope && std::abs(change.banking) < no_slope &&
+      std::abs(change.crown) < no_slope)
     return std::nullopt;
   return change;
+}
+
+/// The change at one end of a stretch.
+struct Eased {
+  double cut = 0.0;
+  double fade_end = 0.0;  ///< where on the stretch it has faded out; at the cut where nothing changes
+  Change change;
+};
+struct EasedEnds {
+  Eased begin, end;
+};
+
+/// Adds to a profile what `part` of the changes says (value, slope), fading out along the stretch.
+template <typename Part>
+void add_fading(std::vector<Cubic>& cubics, const Eased& eased, const Part& part) {
+  const auto [value, slope] = part(eased.change);
+  if (value == 0.0 && slope == 0.0) return;
+  const double end = eased.fade_end;
+  if (end > eased.cut)
+    add_cubic(cubics, hermite(eased.cut, end, value, 0.0, slope, 0.0), end);
+  else
+    add_cubic(cubics, hermite(end, eased.cut, 0.0, value, 0.0, slope), eased.cut);
+}
+
+/// Through a junction from the changes at one cut to those at the other.
+template <typename Part>
+void add_between(std::vector<Cubic>& cubics, const Eased& from, const Eased& to, const Part& part) {
+  const auto [value0, slope0] = part(from.change);
+  const auto [value1, slope1] = part(to.change);
+  if (value0 == 0.0 && slope0 == 0.0 && value1 == 0.0 && slope1 == 0.0) return;
+  add_cubic(cubics, hermite(from.cut, to.cut, value0, value1, slope0, slope1), to.cut);
+}
+
+/// At an end of the chain the change goes on straight beyond the cut, for what the junction sees of it.
+template <typename Part>
+void add_beyond(std::vector<Cubic>& cubics, const Eased& eased, double chain_end, const Part& part) {
+  const auto [value, slope] = part(eased.change);
+  if (value == 0.0 && slope == 0.0) return;
+  const double low = std::min(eased.cut, chain_end), high = std::max(eased.cut, chain_end);
+  add_cubic(cubics, {low, value + slope * (low - eased.cut), slope, 0.0, 0.0}, high);
+}
+
+/// Of one profile of a chain, whose stretches outside junctions have these ends.
+template <typename Part>
+void change_profile(std::vector<Cubic>& cubics, const std::vector<EasedEnds>& stretches, double length_m,
+                    const Part& part) {
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    add_fading(cubics, stretches[i].begin, part);
+    add_fading(cubics, stretches[i].end, part);
+    if (i > 0) add_between(cubics, stretches[i - 1].end, stretches[i].begin, part);
+  }
+  add_beyond(cubics, stretches.front().begin, 0.0, part);
+  add_beyond(cubics, stretches.back().end, length_m, part);
 }
 
 }  // namespace
@@ -144,38 +206,35 @@ std::optional<Change> change_at(const ChainGeometry& side, double s, bool at_s1,
 void ease_arms(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                const std::vector<std::vector<double>>& cuts, ChainGeometries& geometry) {
   const Table<VertexIndex, std::optional<Main>> through = chains_through(roads, topology, geometry);
-  struct Eased {
-    std::size_t stretch = 0;
-    bool at_s1 = false;
-    double s = 0.0, fade_m = 0.0;
-    Change change;
-  };
-  std::vector<Eased> all;
+  Table<ChainIndex, std::vector<EasedEnds>> eased(geometry.size());
   for (std::size_t i = 0; i < junctions.stretches.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
     const ChainGeometry& side = geometry[stretch.chain];
     if (stretch.inside || side.closed) continue;
-    const auto ends_here = [&](bool at_s1) -> const Main* {
-      const VertexIndex vertex = at_s1 ? stretch.vertex1 : stretch.vertex0;
-      if (!vertex || (at_s1 ? stretch.s1 < side.vertex_s.back() : stretch.s0 > side.vertex_s.front())) return nullptr;
-      return through[vertex] && through[vertex]->chain != stretch.chain ? &*through[vertex] : nullptr;
+    const auto main_at = [&](VertexIndex vertex) -> const Main* {
+      return vertex && through[vertex] && through[vertex]->chain != stretch.chain ? &*through[vertex] : nullptr;
     };
-    const double length = cuts[i].back() - cuts[i].front();
-    const double fade = std::min(fade_m, ends_here(false) && ends_here(true) ? 0.5 * length : length);
-    if (fade < shortest_fade_m) continue;
-    for (const bool at_s1 : {false, true}) {
-      const Main* main = ends_here(at_s1);
-      if (!main) continue;
-      const double s = at_s1 ? cuts[i].back() : cuts[i].front();
-      if (const auto change = change_at(side, s, at_s1, geometry[main->chain], main->s, fade))
-        all.push_back({i, at_s1, s, fade, *change});
-    }
+    const double begin = cuts[i].front(), end = cuts[i].back(), length = end - begin;
+    const Main *main0 = main_at(stretch.vertex0), *main1 = main_at(stretch.vertex1);
+    const double room = main0 && main1 ? 0.5 * length : length;
+    EasedEnds ends{{begin, begin, {}}, {end, end, {}}};
+    const auto ease = [&](Eased& at, bool at_s1, const Main* main) {
+      if (!main || room < shortest_fade_m) return;
+      const auto wanted = wanted_change(side, at.cut, at_s1, geometry[main->chain], main->s);
+      if (!wanted) return;
+      const double fade = std::min(room, std::clamp(fade_of(*wanted), fade_m, longest_fade_m));
+      at = {at.cut, at.cut + (at_s1 ? -fade : fade), within(*wanted, fade)};
+    };
+    ease(ends.begin, false, main0), ease(ends.end, true, main1);
+    eased[stretch.chain].push_back(ends);
   }
-  for (const Eased& eased : all) {
-    ChainGeometry& side = geometry[junctions.stretches[eased.stretch].chain];
-    const double end = eased.at_s1 ? eased.s - eased.fade_m : eased.s + eased.fade_m;
-    add_change(side.elevation, eased.s, end, eased.change.z, eased.change.gradient);
-    add_change(side.superelevation, eased.s, end, eased.change.banking, 0.0);
+  for (const ChainIndex c : eased.indices()) {
+    if (eased[c].empty()) continue;
+    ChainGeometry& side = geometry[c];
+    using Part = std::pair<double, double>;
+    change_profile(side.elevation, eased[c], side.length_m, [](const Change& x) { return Part{x.z, x.gradient}; });
+    change_profile(side.superelevation, eased[c], side.length_m, [](const Change& x) { return Part{x.banking, 0.0}; });
+    change_profile(side.crown, eased[c], side.length_m, [](const Change& x) { return Part{x.crown, 0.0}; });
   }
 }
 

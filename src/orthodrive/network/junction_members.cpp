@@ -8,7 +8,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "roadquery/blend.hpp"
-#include "roadquery/junction_surface.hpp"
+#include "roadquery/short_ways.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -19,8 +19,6 @@ using roadquery::RoadMap;
 
 constexpr double near_level_m = 2.5;  // other roads nearer in height share the ground
 constexpr double reach_m = 12.0;      // the largest kerb radius
-// On a shorter road the surfaces at its two ends, which turn into it over 2 m, would both have to end.
-constexpr double inner_road_m = 2.0 * roadquery::junction_transition_m;
 constexpr double boundary_step_m = 1.0, height_step_m = 2.0;
 
 Box2 box_of(const Road& road) { return RoadCover(road, {}, 0.0, road.length).bounds(); }
@@ -53,30 +51,27 @@ std::vector<JunctionMembers> linked_roads(const RoadMap& map) {
   return members;
 }
 
-/// The roads from an arm to the next junction, if they are so short together.
-std::vector<std::size_t> short_way(const RoadMap& map, const std::map<int, std::size_t>& place, std::size_t arm,
-                                   bool at_end) {
-  std::vector<std::size_t> way;
-  double length_m = 0.0;
-  for (std::size_t i = arm;;) {
-    const Road& road = map.roads[i];
-    way.push_back(i), length_m += road.length;
-    if (length_m > inner_road_m) return {};
-    const roadquery::RoadLink& link = at_end ? road.predecessor : road.successor;
-    if (link.kind == LinkKind::junction) return way;
-    const auto next = link.kind == LinkKind::road ? place.find(link.id) : place.end();
-    if (next == place.end() || next->second == arm || map.roads[next->second].junction >= 0) return {};
-    i = next->second, at_end = link.contact == roadquery::ContactPoint::start;
-  }
-}
-
+/// Short ways lie inside: they are no arms.
 void find_inner_roads(const RoadMap& map, std::vector<JunctionMembers>& members) {
   std::map<int, std::size_t> place;
-  for (std::size_t i = 0; i < map.roads.size(); ++i) place[map.roads[i].id] = i;
-  for (JunctionMembers& m : members)
-    for (std::size_t k = 0; k < m.arms.size(); ++k)
-      for (const std::size_t i : short_way(map, place, m.arms[k], m.at_end[k]))
+  for (std::size_t j = 0; j < map.junctions.size(); ++j) place[map.junctions[j].id] = j;
+  for (const roadquery::ShortWay& way : roadquery::short_ways(map))
+    for (const int id : way.junctions) {
+      const auto found = place.find(id);
+      if (found == place.end()) continue;
+      JunctionMembers& m = members[found->second];
+      for (const std::size_t i : way.roads)
         if (!is_among(m.inner, i)) m.inner.push_back(i);
+    }
+  for (JunctionMembers& m : members) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < m.arms.size(); ++k) {
+      if (is_among(m.inner, m.arms[k])) continue;
+      m.arms[kept] = m.arms[k], m.at_end[kept] = m.at_end[k];
+      ++kept;
+    }
+    m.arms.resize(kept), m.at_end.resize(kept);
+  }
 }
 
 void find_others(const RoadMap& map, std::vector<JunctionMembers>& members, int threads) {
@@ -161,7 +156,6 @@ JunctionRoads roads_of(const RoadMap& map, const JunctionMembers& members) {
   for (const std::size_t i : members.connecting) roads.connecting.push_back(&map.roads[i]);
   for (const std::size_t i : members.inner) roads.connecting.push_back(&map.roads[i]);
   for (std::size_t k = 0; k < members.arms.size(); ++k) {
-    if (is_among(members.inner, members.arms[k])) continue;
     roads.arms.push_back(&map.roads[members.arms[k]]), roads.at_end.push_back(members.at_end[k]);
   }
   for (const std::size_t i : members.others) roads.others.push_back(&map.roads[i]);

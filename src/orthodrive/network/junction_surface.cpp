@@ -89,7 +89,8 @@ JunctionMembers together(const std::vector<JunctionMembers>& members, const Grou
     all.connecting.insert(all.connecting.end(), m.connecting.begin(), m.connecting.end());
     all.arms.insert(all.arms.end(), m.arms.begin(), m.arms.end());
     all.at_end.insert(all.at_end.end(), m.at_end.begin(), m.at_end.end());
-    all.inner.insert(all.inner.end(), m.inner.begin(), m.inner.end());
+    for (const std::size_t i : m.inner)
+      if (std::find(all.inner.begin(), all.inner.end(), i) == all.inner.end()) all.inner.push_back(i);
   }
   std::set<std::size_t> own(all.connecting.begin(), all.connecting.end()), others;
   own.insert(all.arms.begin(), all.arms.end());
@@ -145,8 +146,8 @@ FieldRoad under_connecting_roads(const FieldRoad& beside, const std::vector<Fiel
   return result;
 }
 
-/// Roads with their roles: of the ways straight on, the first by class, then width, then id keep their shape; those
-/// that they cross give way.
+/// Roads with their roles: of the ways straight on, to which short roads between two junctions belong, the first by
+/// class, then width, then id keep their shape; those that they cross give way.
 std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& members, const std::vector<int>& straight,
                                    const FieldGrid& grid, const std::vector<char>& asked, Vec2 origin) {
   std::vector<FieldRoad> roads;
@@ -156,12 +157,11 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& me
     const double reach = std::min(reach_m, road.length), s0 = members.at_end[k] ? road.length - reach : 0.0;
     roads.push_back(over_grid(grid, RoadCover(road, origin, s0, s0 + reach), RoadRole::arm, asked));
   }
-  for (const std::size_t i : members.inner)
-    roads.push_back(over_grid(grid, RoadCover(map.roads[i], origin, 0.0, map.roads[i].length), RoadRole::arm, asked));
   std::vector<const Road*> ways;
   for (const std::size_t i : members.connecting) ways.push_back(&map.roads[i]);
+  for (const std::size_t i : members.inner) ways.push_back(&map.roads[i]);
   const auto is_straight = [&](const Road& road) {
-    return std::binary_search(straight.begin(), straight.end(), road.id);
+    return road.junction < 0 || std::binary_search(straight.begin(), straight.end(), road.id);
   };
   std::stable_sort(ways.begin(), ways.end(), [&](const Road* a, const Road* b) {
     if (is_straight(*a) != is_straight(*b)) return is_straight(*a);
@@ -262,6 +262,23 @@ bool reproduces(const JunctionSurface& coarse, const JunctionSurface& fine, cons
   return true;
 }
 
+/// The coarsest grid that has the heights of all parts: where they overlap they stay one surface.
+void thin_out(std::vector<JunctionSurface>& parts, const Group& group) {
+  std::vector<std::vector<char>> inside;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    inside.push_back(nodes_inside(grid_of(parts[k], group.origin), group.boundaries[k]));
+  for (const int step : {4, 2}) {
+    std::vector<JunctionSurface> coarse;
+    for (const JunctionSurface& part : parts) coarse.push_back(thinned(part, step));
+    bool same = true;
+    for (std::size_t k = 0; k < parts.size() && same; ++k)
+      same = coarse[k].spacing_m <= 2.0 && reproduces(coarse[k], parts[k], inside[k]);
+    if (!same) continue;
+    parts = std::move(coarse);
+    return;
+  }
+}
+
 /// Nodes that no place inside the boundary needs get what the file's text predicts for them: they cost two characters.
 void predict_the_rest(JunctionSurface& surface, const std::vector<char>& needed) {
   for (int r = 0; r < surface.rows; ++r)
@@ -284,6 +301,7 @@ JunctionGround ground_of(const RoadMap& map, const JunctionMembers& members, std
   ground.origin = origin_of(map.roads[members.connecting.front()]);
   std::vector<std::string> classes;
   for (const std::size_t i : members.arms) classes.push_back(map.roads[i].highway);
+  for (const std::size_t i : members.inner) classes.push_back(map.roads[i].highway);
   const MultiPolygon area =
       junction_area(roads_of(map, members), seen_radius_m.value_or(kerb_radius_m(classes)), ground.origin);
   ground.boundary = woven_ring(area);
@@ -312,21 +330,85 @@ std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<Junction
   extend(grid, asked, z);
   for (double& height : z) height = rounded(height, height_step_m);
   const double disagreement = disagreement_m(grid, roads);
-  std::vector<Built> built(group.junctions.size());
-  for (std::size_t k = 0; k < built.size(); ++k) {
-    JunctionSurface surface = part_of(grid, z, group, k);
-    const std::vector<char> inside = nodes_inside(grid_of(surface, group.origin), group.boundaries[k]);
-    for (const int step : {4, 2}) {
-      JunctionSurface coarse = thinned(surface, step);
-      if (coarse.spacing_m > 2.0 || !reproduces(coarse, surface, inside)) continue;
-      surface = std::move(coarse);
-      break;
-    }
-    const FieldGrid own = grid_of(surface, group.origin);
-    predict_the_rest(surface, grown(own, nodes_for(own, group.boundaries[k]), kept_beyond));
-    built[k] = {std::move(surface), disagreement};
+  std::vector<JunctionSurface> parts;
+  for (std::size_t k = 0; k < group.junctions.size(); ++k) parts.push_back(part_of(grid, z, group, k));
+  thin_out(parts, group);
+  std::vector<Built> built;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const FieldGrid own = grid_of(parts[k], group.origin);
+    predict_the_rest(parts[k], grown(own, nodes_for(own, group.boundaries[k]), kept_beyond));
+    built.push_back({std::move(parts[k]), disagreement});
   }
   return built;
+}
+
+/// Roads between two junctions that lie under the surfaces of both get the profile of the surface, ends included.
+void lay_inner_roads(RoadMap& map, const std::vector<JunctionMembers>& members) {
+  std::set<std::size_t> laid;
+  for (std::size_t j = 0; j < members.size(); ++j) {
+    if (!map.junctions[j].surface) continue;
+    for (const std::size_t i : members[j].inner) {
+      if (!laid.insert(i).second) continue;
+      Road& road = map.roads[i];
+      const JunctionSurface& surface = *map.junctions[j].surface;
+      road = refitted(road, surface, {end_on(road, surface, false), end_on(road, surface, true)});
+    }
+  }
+}
+
+/// How far the roads of a junction lie from its surface.
+struct Off {
+  double before_m = 0.0, after_m = 0.0;
+};
+
+/// What a connecting road has at one end: its own profile, or that of the road that it is linked to where that one was
+/// laid on the surface.
+ProfileEnd linked_end(const RoadMap& map, const std::map<int, std::size_t>& inner, const Road& road, bool at_end) {
+  const double s = at_end ? road.length : 0.0;
+  const roadquery::RoadLink& link = at_end ? road.successor : road.predecessor;
+  const auto found = link.kind == roadquery::LinkKind::road ? inner.find(link.id) : inner.end();
+  if (found == inner.end())
+    return {roadquery::elevation(road, s), roadquery::gradient(road, s), roadquery::superelevation(road, s)};
+  const Road& other = map.roads[found->second];
+  const bool other_end = link.contact == roadquery::ContactPoint::end;
+  const double at = other_end ? other.length : 0.0, sign = other_end != at_end ? 1.0 : -1.0;
+  const roadquery::PlanPoint p = roadquery::reference_point(road, s), q = roadquery::reference_point(other, at);
+  const double t = -std::sin(p.hdg) * (p.x - q.x) + std::cos(p.hdg) * (p.y - q.y);
+  constexpr double moved_m = 1e-3;
+  if (std::abs(t) < moved_m)
+    return {roadquery::elevation(other, at), sign * roadquery::gradient(other, at),
+            sign * roadquery::superelevation(other, at)};
+  const roadquery::Edges lanes = carriageway_edges(road, s);
+  return end_beside(other, other_end, sign, t, {lanes.left_t + t, lanes.right_t + t});
+}
+
+std::vector<Off> lay_connecting_roads(RoadMap& map, const std::vector<JunctionMembers>& members,
+                                      const std::vector<int>& straight, int threads) {
+  std::map<int, std::size_t> inner;
+  for (const JunctionMembers& m : members)
+    for (const std::size_t i : m.inner) inner[map.roads[i].id] = i;
+  std::vector<Off> off(members.size());
+  parallel_for(members.size(), threads, [&](std::size_t j) {
+    if (!map.junctions[j].surface) return;
+    const JunctionSurface& surface = *map.junctions[j].surface;
+    for (const std::size_t i : members[j].connecting) {
+      Road& road = map.roads[i];
+      const double before = distance_from_surface_m(road, surface);
+      const bool beside_inner = inner.contains(road.predecessor.id) || inner.contains(road.successor.id);
+      const bool stays =
+          !beside_inner && std::binary_search(straight.begin(), straight.end(), road.id) && before <= unchanged_m;
+      double after = before;
+      if (!stays) {
+        Road fitted =
+            refitted(road, surface, {linked_end(map, inner, road, false), linked_end(map, inner, road, true)});
+        after = distance_from_surface_m(fitted, surface);
+        if (after <= before || beside_inner) road = std::move(fitted);
+        after = beside_inner ? after : std::min(after, before);
+      }
+      off[j] = {std::max(off[j].before_m, before), std::max(off[j].after_m, after)};
+    }
+  });
+  return off;
 }
 
 }  // namespace
@@ -354,27 +436,8 @@ JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int
       map.junctions[j].surface = std::move(built[g][k].surface);
     }
   roadquery::join_arms(map);
-  struct Off {
-    double before_m = 0.0, after_m = 0.0;
-  };
-  std::vector<Off> off(members.size());
-  parallel_for(members.size(), options.threads, [&](std::size_t j) {
-    if (!map.junctions[j].surface) return;
-    const JunctionSurface& surface = *map.junctions[j].surface;
-    for (const std::size_t i : members[j].connecting) {
-      Road& road = map.roads[i];
-      const double before = distance_from_surface_m(road, surface);
-      const bool stays = std::binary_search(straight.begin(), straight.end(), road.id) && before <= unchanged_m;
-      double after = before;
-      if (!stays) {
-        Road fitted = refitted(road, surface);
-        after = distance_from_surface_m(fitted, surface);
-        if (after <= before) road = std::move(fitted);
-        after = std::min(after, before);
-      }
-      off[j] = {std::max(off[j].before_m, before), std::max(off[j].after_m, after)};
-    }
-  });
+  lay_inner_roads(map, members);
+  const std::vector<Off> off = lay_connecting_roads(map, members, straight, options.threads);
   for (const Off& o : off) {
     summary.max_road_off_before_m = std::max(summary.max_road_off_before_m, o.before_m);
     summary.max_road_off_after_m = std::max(summary.max_road_off_after_m, o.after_m);

@@ -73,16 +73,15 @@ struct Wanted {
   [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
 };
 
-/// At the ends height, gradient and banking stay those of `road`, which meets its arms.
-Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface) {
+Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface, const ProfileEnds& ends) {
   Wanted wanted;
   const auto count = static_cast<std::size_t>(std::max(2.0, std::ceil(road.length / step_m)));
   wanted.step_m = road.length / static_cast<double>(count);
   for (std::size_t i = 0; i <= count; ++i) {
     const double s = i == count ? road.length : wanted.s(i);
-    wanted.sections.push_back(i == 0 || i == count
-                                  ? Section{roadquery::elevation(road, s), roadquery::superelevation(road, s)}
-                                  : section_at(road, surface, s));
+    wanted.sections.push_back(i == 0       ? Section{ends.start.z, ends.start.banking}
+                              : i == count ? Section{ends.end.z, ends.end.banking}
+                                           : section_at(road, surface, s));
     const roadquery::Edges edges = lanes_at(road, s);
     wanted.half_m = std::max({wanted.half_m, std::abs(edges.left_t), std::abs(edges.right_t)});
   }
@@ -232,16 +231,40 @@ double distance_from_surface_m(const Road& road, const roadquery::JunctionSurfac
   return largest;
 }
 
-Road refitted(const Road& road, const roadquery::JunctionSurface& surface) {
+ProfileEnd end_beside(const Road& other, bool at_end, double sign, double t, const roadquery::Edges& lanes) {
+  const double s = at_end ? other.length : 0.0;
+  const auto z = [&](double at_t) { return roadquery::surface_height(other, s, sign * at_t); };
+  const roadquery::SurfacePoint p = roadquery::surface_point(other, s, sign * t);
+  const double hdg = roadquery::reference_point(other, s).hdg;
+  const double gradient = -(std::cos(hdg) * p.normal[0] + std::sin(hdg) * p.normal[1]) / p.normal[2];
+  const double slope = (z(lanes.left_t) - z(lanes.right_t)) / (lanes.left_t - lanes.right_t);
+  return {z(t), sign * gradient, std::asin(slope)};
+}
+
+ProfileEnd end_on(const Road& road, const roadquery::JunctionSurface& surface, bool at_end) {
+  const double s = at_end ? road.length : 0.0;
+  const roadquery::PlanPoint p = roadquery::reference_point(road, s);
+  const roadquery::Edges edges = lanes_at(road, s);
+  const double middle = 0.5 * (edges.left_t + edges.right_t);
+  const double half = 0.5 * std::max(edges.left_t - edges.right_t, least_width_m);
+  // The slope along the road of the line of least squares (section_at), where it passes the reference line.
+  double sum = 0.0, moment = 0.0, square = 0.0;
+  for (int i = 0; i < across; ++i) {
+    const double off = half * (2.0 * i / (across - 1) - 1.0), t = middle + off;
+    const roadquery::JunctionHeight h =
+        roadquery::evaluate(surface, p.x - t * std::sin(p.hdg), p.y + t * std::cos(p.hdg));
+    const double slope = (h.dz_dx * std::cos(p.hdg) + h.dz_dy * std::sin(p.hdg)) * (1.0 - p.curvature * t);
+    sum += slope, moment += off * slope, square += off * off;
+  }
+  const Section section = section_at(road, surface, s);
+  return {section.z, sum / across - middle * moment / square, section.bank};
+}
+
+Road refitted(const Road& road, const roadquery::JunctionSurface& surface, const ProfileEnds& ends) {
   constexpr double shortest_m = 0.1;
   if (road.length < shortest_m) return road;
-  const Wanted wanted = wanted_of(road, surface);
-  Course z{{},
-           wanted.step_m,
-           roadquery::gradient(road, 0.0),
-           roadquery::gradient(road, road.length),
-           share * tolerance_m,
-           height_unit_m};
+  const Wanted wanted = wanted_of(road, surface, ends);
+  Course z{{}, wanted.step_m, ends.start.gradient, ends.end.gradient, share * tolerance_m, height_unit_m};
   Course edge{{},
               wanted.step_m,
               wanted.start_rate * wanted.half_m,

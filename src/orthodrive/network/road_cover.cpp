@@ -51,8 +51,28 @@ roadquery::Edges carriageway_edges(const roadquery::Road& road, double s) {
   return edges;
 }
 
-RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double s1) : road_(&road), origin_(origin) {
+namespace {
+
+/// Cross sections so many that neither the reference line nor an edge runs further than a metre between two: where the
+/// line turns within less than that, at the inner edge of a tight turn, the outer edge still goes round in an arc.
+int sections_of(const roadquery::Road& road, double s0, double s1) {
+  constexpr int most = 64;  // times as many: a turn on the spot
   const int steps = std::max(1, static_cast<int>(std::ceil((s1 - s0) / step_m)));
+  double longest = 1.0;
+  for (int i = 0; i <= 4 * steps; ++i) {
+    const double s = s0 + (s1 - s0) * i / (4.0 * steps);
+    const double k = roadquery::reference_point(road, s).curvature;
+    const roadquery::Edges all = roadquery::road_edges(road, s);
+    longest = std::max({longest, 1.0 - k * all.left_t, 1.0 - k * all.right_t});
+  }
+  constexpr double usual = 2.5;  // bends of which the arcs keep near enough to their chords
+  return longest > usual ? steps * std::min(most, static_cast<int>(std::ceil(longest))) : steps;
+}
+
+}  // namespace
+
+RoadCover::RoadCover(const roadquery::Road& road, Vec2 origin, double s0, double s1) : road_(&road), origin_(origin) {
+  const int steps = sections_of(road, s0, s1);
   std::vector<Vec2> corners;
   for (int i = 0; i <= steps; ++i) {
     const double s = s0 + (s1 - s0) * i / steps;

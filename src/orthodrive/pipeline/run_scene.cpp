@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <mutex>
+#include <set>
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
 #include "orthodrive/io/terrain_grid_io.hpp"
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/surface_texture.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -105,11 +108,18 @@ class TileFolder {
     io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, site_origin);
     const std::lock_guard lock(mutex_);
     entries_.push_back(std::move(entry));
+    for (const TriMesh& mesh : tile.meshes)
+      for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
     origin_ = site_origin;
     if (!picture_file_.empty()) picture_.offer(tile);
   }
   [[nodiscard]] bool empty() const { return entries_.empty(); }
-  void finish(const Crs& crs) {
+  void finish(const Crs& crs, int threads) {
+    materials_.erase(SurfaceMaterial::photo);
+    const std::vector<SurfaceMaterial> materials(materials_.begin(), materials_.end());
+    parallel_for(materials.size(), threads, [&](std::size_t i) {
+      io::write_material(folder_.path(), materials[i], scene::make_surface_texture(materials[i]));
+    });
     io::write_tileset(folder_.path(), entries_, crs, origin_);
     folder_.commit();
     if (!picture_file_.empty()) io::write_png(picture_file_, picture_of_tile(picture_.best(), scene_tile_m, 900).rgb);
@@ -120,6 +130,7 @@ class TileFolder {
   fs::path picture_file_;
   std::mutex mutex_;
   std::vector<io::TileEntry> entries_;
+  std::set<SurfaceMaterial> materials_;
   Vec3 origin_;
   TilePicture picture_;
 };
@@ -141,7 +152,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   if (folder.empty())
     throw InputError(files.photo.string(),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
-  folder.finish(site.crs);
+  folder.finish(site.crs, context.threads);
   if (!files.terrain_grid.empty()) {
     HeightGrid filled = terrain;
     scene::fill_holes(filled.height_m);

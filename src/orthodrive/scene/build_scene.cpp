@@ -10,7 +10,9 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/scene/drape.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tile_materials.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
 #include "orthodrive/scene/triangulate.hpp"
 
@@ -23,6 +25,8 @@ constexpr double border_clearance_m = 1.0;  // of raster points from lines that 
 constexpr double axis_clearance_m = 0.3;    // of points on reference lines from the road's border
 constexpr double point_distance_m = 2.0;    // of terrain points from each other
 constexpr double axis_distance_m = 0.5;
+constexpr double marking_lift_m = 0.006;
+constexpr LinearColor deck_concrete = {0.33F, 0.32F, 0.30F}, white_paint = {0.62F, 0.62F, 0.60F};
 constexpr double jitter = 0.3;  // of raster points, in steps: a square raster has no unique triangulation
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 
@@ -279,6 +283,15 @@ void add_deck(const SceneLayout& layout, std::size_t deck, TileAddress address, 
   add_deck_body(road.mesh, first_index, layout.options.deck_thickness_m, body);
 }
 
+std::vector<MarkingPiece> markings_of(const LevelLines& lines, TileAddress address, Vec2 center) {
+  const auto found = lines.markings.find(address);
+  if (found == lines.markings.end()) return {};
+  std::vector<MarkingPiece> local = found->second;
+  for (MarkingPiece& piece : local)
+    for (Vec2& p : piece) p = p - center;
+  return local;
+}
+
 double plan_area_m2(const TriMesh& mesh) {
   double twice = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -325,14 +338,24 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
   MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
+  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking};
   add_ground(layout, address, terrain, road);
-  for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) add_deck(layout, deck, address, road, body);
+  add_verge(layout, terrain.mesh, center, verge);
+  drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
+  for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
+    const std::size_t first_index = road.mesh.indices.size();
+    add_deck(layout, deck, address, road, body);
+    drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
+  }
+  add_road_materials(layout, center, road.mesh);
+  add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
+  add_plain_material(SurfaceMaterial::paint, white_paint, marking);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (MeshBuilder* builder : {&terrain, &road, &body}) {
-    if (builder->mesh.indices.empty()) continue;
-    for (const auto& p : builder->mesh.positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
-    tile.meshes.push_back(std::move(builder->mesh));
+  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking}) {
+    if (mesh->indices.empty()) continue;
+    for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
+    tile.meshes.push_back(std::move(*mesh));
   }
   if (tile.meshes.empty()) return tile;
   tile.min_z_m = tile.origin.z + static_cast<double>(low);

@@ -118,6 +118,18 @@ void add_axis_points(const RoadLevel& level, LevelLines& lines) {
   }
 }
 
+void add_markings(const RoadLevel& level, LevelLines& lines) {
+  for (const roadquery::Road* road : level.roads()) {
+    for (const MarkingPiece& piece : road_markings(*road)) {
+      const auto [west, east] = std::minmax({piece[0].x, piece[1].x, piece[2].x, piece[3].x});
+      const auto [south, north] = std::minmax({piece[0].y, piece[1].y, piece[2].y, piece[3].y});
+      const TileAddress first = tile_at({west, south}), last = tile_at({east, north});
+      for (int c = first.column; c <= last.column; ++c)
+        for (int r = first.row; r <= last.row; ++r) lines.markings[{c, r}].push_back(piece);
+    }
+  }
+}
+
 /// Calls visit(p, outwards) every `step_m` along the borders.
 template <typename Visit>
 void walk_borders(const Outline& outline, double step_m, const Visit& visit) {
@@ -203,12 +215,13 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   area = Outline(area_polygons, area_reach_m);
   const Box2 bounds = bounds_of(input.area.outer);
 
+  query = std::make_shared<const roadquery::RoadQuery>(input.roads);
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
       .reach_m = options.verge_m + 1.0,
       .threads = options.threads,
-      .query = std::make_shared<const roadquery::RoadQuery>(input.roads)};
-  const SortedRoads sorted = sort_roads(*level_options.query, findings);
+      .query = query};
+  const SortedRoads sorted = sort_roads(*query, findings);
   roads = RoadLevel(sorted.ground, site_area, level_options);
   for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, site_area, level_options);
   ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
@@ -221,11 +234,16 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   append_rings(roads.polygons(), lines);
   ground_lines = cut_at_tiles(std::move(lines), bounds);
   add_axis_points(roads, ground_lines);
+  add_markings(roads, ground_lines);
   for (const RoadLevel& deck : decks) {
     lines.clear();
     append_rings(deck.polygons(), lines);
     add_axis_points(deck, deck_lines.emplace_back(cut_at_tiles(std::move(lines), bounds)));
+    add_markings(deck, deck_lines.back());
   }
+  std::vector<const RoadLevel*> levels = {&roads};
+  for (const RoadLevel& deck : decks) levels.push_back(&deck);
+  tint = RoadTint(levels, input.photo);
 
   // Tiles: those that the area's border passes through, and those whose middle lies inside.
   std::set<TileAddress> inside;
@@ -238,7 +256,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
 
   const auto add_terrain_point = [&](Vec2 p) { terrain_points[tile_at(p)].push_back(snap_to_grid(p)); };
   walk_borders(roads.outline(), verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
-    for (const double share : {0.5, 1.0}) {
+    for (const double share : {0.25, 0.6, 1.0}) {
       const Vec2 q = p + outwards * (share * options.verge_m);
       if (roads.outline().nearest(q).distance_m > 0.95 * share * options.verge_m) add_terrain_point(q);
     }

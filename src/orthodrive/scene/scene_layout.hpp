@@ -2,6 +2,7 @@
 // What the tiles of a scene share.
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_level.hpp"
+#include "orthodrive/scene/road_markings.hpp"
+#include "orthodrive/scene/road_tint.hpp"
 
 namespace orthodrive {
 namespace scene {
@@ -25,6 +28,8 @@ struct LevelLines {
   /// Where lines meet a tile border: northings on the west side of a column, eastings on the south side of a row.
   std::map<int, std::vector<double>> on_west, on_south;
   std::map<TileAddress, std::vector<Vec2>> axis_points;  ///< on the reference lines of the roads
+  /// Paint on the roads; pieces over a tile border stand in both tiles.
+  std::map<TileAddress, std::vector<MarkingPiece>> markings;
 };
 
 }  // namespace scene
@@ -46,6 +51,8 @@ class SceneLayout {
   std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer
   std::vector<scene::LevelLines> deck_lines;
   std::optional<scene::Ground> ground;
+  std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads
+  scene::RoadTint tint;
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
 };

@@ -1,0 +1,35 @@
+#pragma once
+// What colour the photo gives a road, without the cars and shadows on it.
+
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/scene/road_level.hpp"
+
+namespace orthodrive::scene {
+
+/// Linear red, green and blue, 0 to 1.
+using LinearColor = std::array<float, 3>;
+
+/// A smooth field of colours: the photo's pixels on roads are gathered in cells of 8 m; a cell's colour is that of the
+/// pixel of median brightness in it and its eight neighbours, places between cells are bilinear. A car or a tree's
+/// shadow that covers less than half of the road within 24 m does not show.
+class RoadTint {
+ public:
+  RoadTint() = default;
+  /// Samples every 2 m along the roads and 1 m across them.
+  RoadTint(std::span<const RoadLevel* const> levels, const Photo& photo);
+  /// A dark grey where no road with a photo is near.
+  [[nodiscard]] LinearColor at(Vec2 p) const;
+
+ private:
+  std::map<std::array<int, 2>, LinearColor> cells_;
+};
+
+/// Mean of the photo's pixels in a square of size_m around p; a dark grey where there are none.
+[[nodiscard]] LinearColor photo_mean(const Photo& photo, Vec2 p, double size_m);
+
+}  // namespace orthodrive::scene

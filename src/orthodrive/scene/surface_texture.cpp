@@ -1,0 +1,254 @@
+#include "orthodrive/scene/surface_texture.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "orthodrive/core/random.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+double unit_hash(std::uint64_t seed, std::uint64_t part) {
+  return static_cast<double>(derive_seed(seed, part) >> 11) * 0x1.0p-53;
+}
+
+/// Value noise on a torus of cells x cells: uniform values at the corners, smooth in between.
+class ValueNoise {
+ public:
+  ValueNoise(int cells, std::uint64_t seed) : cells_(cells), values_(static_cast<std::size_t>(cells) * cells) {
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = 2.0 * unit_hash(seed, i) - 1.0;
+  }
+  [[nodiscard]] double corner(int x, int y) const { return values_[index(x, y)]; }
+  /// u and v in sides of the texture; between -1 and 1.
+  [[nodiscard]] double at(double u, double v) const {
+    const double x = u * cells_, y = v * cells_;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    const auto ease = [](double w) { return w * w * (3.0 - 2.0 * w); };
+    const double wx = ease(x - x0), wy = ease(y - y0);
+    return std::lerp(std::lerp(corner(x0, y0), corner(x0 + 1, y0), wx),
+                     std::lerp(corner(x0, y0 + 1), corner(x0 + 1, y0 + 1), wx), wy);
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    const auto wrap = [&](int i) { return static_cast<std::size_t>(((i % cells_) + cells_) % cells_); };
+    return wrap(y) * static_cast<std::size_t>(cells_) + wrap(x);
+  }
+  int cells_;
+  std::vector<double> values_;
+};
+
+/// Sum of value noises, each of half the size and strength of the one before; between -1 and 1.
+class Fractal {
+ public:
+  Fractal(int cells, int octaves, std::uint64_t seed) {
+    for (int i = 0; i < octaves; ++i) octaves_.emplace_back(cells << i, seed + static_cast<std::uint64_t>(i));
+  }
+  [[nodiscard]] double at(double u, double v) const {
+    double sum = 0.0, strength = 1.0, total = 0.0;
+    for (const ValueNoise& octave : octaves_) {
+      sum += strength * octave.at(u, v);
+      total += strength;
+      strength *= 0.5;
+    }
+    return sum / total;
+  }
+
+ private:
+  std::vector<ValueNoise> octaves_;
+};
+
+/// What a place of the surface is: brightness and hue as relative differences, height in m, roughness.
+struct Texel {
+  double shade = 0.0, warmth = 0.0, height_m = 0.0, roughness = 0.9;
+};
+
+/// Rounded stones in a bed, one a cell at a random place (Worley, A Cellular Texture Basis Function, 1996).
+class Stones {
+ public:
+  Stones(double size_m, double contrast, double height_m, std::uint64_t seed)
+      : cells_(static_cast<int>(std::lround(surface_texture_m / size_m))), contrast_(contrast), height_m_(height_m) {
+    stones_.resize(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_));
+    for (std::size_t i = 0; i < stones_.size(); ++i)
+      stones_[i] = {unit_hash(seed, 3 * i), unit_hash(seed, 3 * i + 1), unit_hash(seed, 3 * i + 2)};
+  }
+  [[nodiscard]] Texel at(double u, double v) const {
+    const double x = u * cells_, y = v * cells_;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    double nearest = 16.0, second = 16.0, shade = 0.0;
+    for (int cy = y0 - 1; cy <= y0 + 1; ++cy) {
+      for (int cx = x0 - 1; cx <= x0 + 1; ++cx) {
+        const Stone& stone = stones_[index(cx, cy)];
+        const double dx = cx + stone.x - x, dy = cy + stone.y - y, d = dx * dx + dy * dy;
+        if (d < nearest) {
+          second = nearest, nearest = d, shade = stone.shade;
+        } else {
+          second = std::min(second, d);
+        }
+      }
+    }
+    const double edge = std::clamp((std::sqrt(second) - std::sqrt(nearest)) / 0.35, 0.0, 1.0);
+    return {.shade = contrast_ * (2.0 * shade - 1.0) - 0.6 * contrast_ * (1.0 - edge),
+            .warmth = 0.15 * contrast_ * (2.0 * shade - 1.0),
+            .height_m = height_m_ * edge * (0.7 + 0.3 * shade)};
+  }
+
+ private:
+  struct Stone {
+    double x, y, shade;
+  };
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    const auto wrap = [&](int i) { return static_cast<std::size_t>((i + cells_) % cells_); };
+    return wrap(y) * static_cast<std::size_t>(cells_) + wrap(x);
+  }
+  int cells_;
+  double contrast_, height_m_;
+  std::vector<Stone> stones_;
+};
+
+using TexelAt = std::function<Texel(double u, double v)>;
+
+TexelAt asphalt() {
+  return [aggregate = Stones(0.012, 0.26, 0.0025, 11), patches = Fractal(8, 4, 21), gloss = Fractal(16, 3, 31)](
+             double u, double v) {
+    Texel texel = aggregate.at(u, v);
+    texel.shade += 0.05 * patches.at(u, v);
+    texel.roughness = 0.88 + 0.08 * gloss.at(u, v);
+    return texel;
+  };
+}
+
+TexelAt concrete() {
+  return [grain = Fractal(128, 3, 41), stains = Fractal(8, 5, 42)](double u, double v) {
+    const double g = grain.at(u, v);
+    return Texel{.shade = 0.07 * stains.at(u, v) + 0.06 * g, .warmth = 0.01, .height_m = 0.0008 * g, .roughness = 0.85};
+  };
+}
+
+/// Rows of stones of a decimetre, each row moved by half a stone (running bond).
+TexelAt setts() {
+  constexpr int rows = 40;
+  return [shades = ValueNoise(rows, 51), hues = ValueNoise(rows, 52), wobble = Fractal(64, 2, 53),
+          grain = Fractal(256, 2, 54)](double u, double v) {
+    const int row = static_cast<int>(std::floor(v * rows));
+    const double x = u * rows + 0.5 * (row % 2), y = v * rows;
+    const int column = static_cast<int>(std::floor(x));
+    const double to_edge = 0.5 - std::max(std::abs(x - column - 0.5), std::abs(y - row - 0.5)) + 0.05 * wobble.at(u, v);
+    const double stone = std::clamp((to_edge - 0.05) / 0.12, 0.0, 1.0);
+    return Texel{.shade = stone * (0.16 * shades.corner(column, row) + 0.06 * grain.at(u, v)) - 0.45 * (1.0 - stone),
+                 .warmth = 0.03 * hues.corner(column, row),
+                 .height_m = 0.012 * stone * (2.0 - stone),
+                 .roughness = 0.95 - 0.2 * stone};
+  };
+}
+
+TexelAt gravel() {
+  return [coarse = Stones(0.025, 0.32, 0.012, 61), grit = Stones(0.01, 0.2, 0.004, 62), patches = Fractal(4, 4, 63)](
+             double u, double v) {
+    Texel texel = coarse.at(u, v);
+    const Texel fine = grit.at(u, v);
+    texel.shade += 0.5 * fine.shade + 0.08 * patches.at(u, v);
+    texel.height_m += fine.height_m;
+    texel.roughness = 0.97;
+    return texel;
+  };
+}
+
+TexelAt bare_ground() {
+  return [soil = Fractal(8, 7, 71), pebbles = Stones(0.03, 0.12, 0.006, 72)](double u, double v) {
+    const double s = soil.at(u, v);
+    const Texel stones = pebbles.at(u, v);
+    return Texel{.shade = 0.3 * s + 0.5 * stones.shade,
+                 .warmth = 0.05,
+                 .height_m = stones.height_m + 0.02 * s,
+                 .roughness = 0.98};
+  };
+}
+
+/// Soil and low grass in tufts.
+TexelAt verge() {
+  return [tufts = Fractal(16, 3, 81), blades = Fractal(200, 2, 82)](double u, double v) {
+    const double t = tufts.at(u, v), b = blades.at(u + 0.02 * t, v);
+    return Texel{
+        .shade = 0.22 * t + 0.4 * b, .warmth = -0.08 * t, .height_m = 0.015 * t + 0.012 * b, .roughness = 0.99};
+  };
+}
+
+/// Paint on asphalt, worn in places.
+TexelAt paint() {
+  return [below = asphalt(), wear = Fractal(24, 5, 91)](double u, double v) {
+    const Texel road = below(u, v);
+    const double worn = std::max(0.0, wear.at(u, v) - 0.25);
+    return Texel{.shade = 0.15 * road.shade - 0.5 * worn, .height_m = 0.5 * road.height_m, .roughness = 0.7};
+  };
+}
+
+TexelAt texels_of(SurfaceMaterial material) {
+  switch (material) {
+    case SurfaceMaterial::concrete:
+      return concrete();
+    case SurfaceMaterial::setts:
+      return setts();
+    case SurfaceMaterial::gravel:
+      return gravel();
+    case SurfaceMaterial::ground:
+      return bare_ground();
+    case SurfaceMaterial::verge:
+      return verge();
+    case SurfaceMaterial::paint:
+      return paint();
+    case SurfaceMaterial::photo:
+    case SurfaceMaterial::asphalt:
+      break;
+  }
+  return asphalt();
+}
+
+std::uint8_t byte_of(double unit) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(unit, 0.0, 1.0))); }
+
+double srgb_from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
+
+}  // namespace
+
+SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
+  assert(material != SurfaceMaterial::photo && size_px >= 64);
+  const TexelAt texel_at = texels_of(material);
+  Raster<Texel> texels(size_px, size_px);
+  double sum = 0.0;
+  for (int row = 0; row < size_px; ++row) {
+    for (int col = 0; col < size_px; ++col) {
+      texels.at(col, row) = texel_at((col + 0.5) / size_px, (row + 0.5) / size_px);
+      sum += texels.at(col, row).shade;
+    }
+  }
+  const double mean = sum / (static_cast<double>(size_px) * size_px);
+  SurfaceTexture texture{Raster<std::uint8_t>(size_px, size_px, 3), Raster<std::uint8_t>(size_px, size_px, 3),
+                         Raster<std::uint8_t>(size_px, size_px, 3)};
+  const double step_m = 2.0 * surface_texture_m / size_px;
+  const auto height_m = [&](int col, int row) {
+    return texels.at((col + size_px) % size_px, (row + size_px) % size_px).height_m;
+  };
+  for (int row = 0; row < size_px; ++row) {
+    for (int col = 0; col < size_px; ++col) {
+      const Texel& texel = texels.at(col, row);
+      const double value = surface_texture_mean * (1.0 + texel.shade - mean);
+      for (int channel = 0; channel < 3; ++channel) {
+        const double hue = 1.0 + (1 - channel) * texel.warmth;
+        texture.color_rgb.at(col, row, channel) = byte_of(srgb_from_linear(std::clamp(value * hue, 0.0, 1.0)));
+      }
+      const double slope_x = (height_m(col + 1, row) - height_m(col - 1, row)) / step_m;
+      const double slope_y = (height_m(col, row - 1) - height_m(col, row + 1)) / step_m;
+      const double n = 1.0 / std::sqrt(1.0 + slope_x * slope_x + slope_y * slope_y);
+      texture.normal_rgb.at(col, row, 0) = byte_of(0.5 * (1.0 - slope_x * n));
+      texture.normal_rgb.at(col, row, 1) = byte_of(0.5 * (1.0 - slope_y * n));
+      texture.normal_rgb.at(col, row, 2) = byte_of(0.5 * (1.0 + n));
+      texture.roughness.at(col, row, 1) = byte_of(texel.roughness);
+    }
+  }
+  return texture;
+}
+
+}  // namespace orthodrive::scene

@@ -1,0 +1,123 @@
+#include "orthodrive/scene/tile_materials.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/surface_texture.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+constexpr double verge_photo_m = 2.0;  // square of the photo that tints a vertex of the verge
+constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
+
+bool is_on_road_border(const SceneLayout& layout, Vec2 p) {
+  return layout.roads.outline().nearest(p).distance_m <= 2.0 * plan_grid_m;
+}
+
+std::array<std::uint16_t, 4> mesh_color(const LinearColor& color, double opacity = 1.0) {
+  const auto word = [](double v) { return static_cast<std::uint16_t>(std::lround(65535.0 * std::clamp(v, 0.0, 1.0))); };
+  const auto over_texture = [&](float v) { return word(static_cast<double>(v) / surface_texture_mean); };
+  return {over_texture(color[0]), over_texture(color[1]), over_texture(color[2]), word(opacity)};
+}
+
+std::array<float, 2> tile_uv(double x_m, double y_m) {
+  return {static_cast<float>(x_m / surface_texture_m), static_cast<float>(-y_m / surface_texture_m)};
+}
+
+/// Adds texture coordinates and tangent of a vertex whose place and normal are there. Textures lie flat on what looks
+/// up or down, upright on sides.
+void add_tile_place(std::size_t vertex, TriMesh& mesh) {
+  const auto &p = mesh.positions[vertex], &n = mesh.normals[vertex];
+  if (std::abs(n[2]) > 0.5F) {
+    mesh.tile_uv.push_back(tile_uv(p[0], p[1]));
+    const float length = std::hypot(n[0], n[2]);
+    mesh.tangents.push_back(
+        {std::abs(n[2]) / length, 0.0F, -n[0] * std::copysign(1.0F, n[2]) / length, std::copysign(1.0F, n[2])});
+    return;
+  }
+  const float length = std::hypot(n[0], n[1]);
+  mesh.tile_uv.push_back(tile_uv((n[0] * p[1] - n[1] * p[0]) / length, p[2]));
+  mesh.tangents.push_back({-n[1] / length, n[0] / length, 0.0F, 1.0F});
+}
+
+SurfaceMaterial material_of(roadquery::SurfaceClass surface) {
+  switch (surface) {
+    case roadquery::SurfaceClass::concrete:
+      return SurfaceMaterial::concrete;
+    case roadquery::SurfaceClass::setts:
+      return SurfaceMaterial::setts;
+    case roadquery::SurfaceClass::gravel:
+      return SurfaceMaterial::gravel;
+    case roadquery::SurfaceClass::ground:
+      return SurfaceMaterial::ground;
+    case roadquery::SurfaceClass::asphalt:
+      break;
+  }
+  return SurfaceMaterial::asphalt;
+}
+
+}  // namespace
+
+void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, TriMesh& verge) {
+  std::vector<char> on_border(terrain.positions.size());
+  const auto world = [&](std::uint32_t v) { return center + Vec2{terrain.positions[v][0], terrain.positions[v][1]}; };
+  for (std::uint32_t v = 0; v < terrain.positions.size(); ++v) on_border[v] = is_on_road_border(layout, world(v));
+  std::vector<std::uint32_t> slots(terrain.positions.size(), no_vertex);
+  for (std::size_t i = 0; i < terrain.indices.size(); i += 3) {
+    const auto corners = std::span(terrain.indices).subspan(i, 3);
+    if (std::ranges::none_of(corners, [&](std::uint32_t v) { return on_border[v] != 0; })) continue;
+    for (const std::uint32_t v : corners) {
+      if (slots[v] == no_vertex) {
+        slots[v] = static_cast<std::uint32_t>(verge.positions.size());
+        verge.positions.push_back(terrain.positions[v]);
+        verge.normals.push_back(terrain.normals[v]);
+        verge.uv.push_back(terrain.uv[v]);
+        add_tile_place(slots[v], verge);
+        verge.colors.push_back(
+            mesh_color(photo_mean(*layout.photo, world(v), verge_photo_m), on_border[v] != 0 ? 1.0 : 0.0));
+      }
+      verge.indices.push_back(slots[v]);
+    }
+  }
+  verge.parts = {{SurfaceMaterial::verge, 0, verge.indices.size()}};
+}
+
+void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
+  std::array<std::vector<std::uint32_t>, surface_material_count> by_material;
+  for (std::size_t i = 0; i < road.indices.size(); i += 3) {
+    Vec3 middle{center.x, center.y, layout.origin.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& p = road.positions[road.indices[i + k]];
+      middle = middle + Vec3{p[0], p[1], p[2]} * (1.0 / 3.0);
+    }
+    roadquery::Cursor cursor;
+    const auto hit = layout.query->find(middle.x, middle.y, middle.z, cursor, roadquery::hit_material);
+    auto& triangles = by_material[static_cast<std::size_t>(hit ? material_of(hit->surface) : SurfaceMaterial::asphalt)];
+    for (std::size_t k = 0; k < 3; ++k) triangles.push_back(road.indices[i + k]);
+  }
+  road.indices.clear();
+  for (std::size_t m = 0; m < by_material.size(); ++m) {
+    if (by_material[m].empty()) continue;
+    road.parts.push_back({static_cast<SurfaceMaterial>(m), road.indices.size(), by_material[m].size()});
+    road.indices.insert(road.indices.end(), by_material[m].begin(), by_material[m].end());
+  }
+  for (std::size_t i = 0; i < road.positions.size(); ++i) {
+    const auto& p = road.positions[i];
+    add_tile_place(i, road);
+    road.colors.push_back(mesh_color(layout.tint.at(center + Vec2{p[0], p[1]})));
+  }
+}
+
+void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh) {
+  mesh.parts = {{material, 0, mesh.indices.size()}};
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    add_tile_place(i, mesh);
+    mesh.colors.push_back(mesh_color(color));
+  }
+}
+
+}  // namespace orthodrive::scene

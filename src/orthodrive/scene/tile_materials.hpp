@@ -1,0 +1,19 @@
+#pragma once
+// What the meshes of a tile are drawn with besides the photo. Positions are relative to the tile's centre.
+
+#include "orthodrive/model/scene.hpp"
+#include "orthodrive/scene/build_scene.hpp"
+#include "orthodrive/scene/road_tint.hpp"
+
+namespace orthodrive::scene {
+
+/// The terrain's triangles at the roads once more, opaque at the road and clear at the vertices beside it.
+void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, TriMesh& verge);
+
+/// Sorts the triangles by what the road is made of under their middle, and tints the vertices as the photo has it.
+void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road);
+
+/// One colour; textures lie flat on what looks up or down, and upright on sides.
+void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh);
+
+}  // namespace orthodrive::scene

@@ -1,0 +1,70 @@
+#include "orthodrive/scene/surface_texture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace orthodrive::scene {
+namespace {
+
+double linear(std::uint8_t byte) {
+  const double v = byte / 255.0;
+  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+class EverySurfaceTexture : public testing::TestWithParam<SurfaceMaterial> {};
+
+TEST_P(EverySurfaceTexture, has_the_mean_that_tints_count_on) {
+  const SurfaceTexture texture = make_surface_texture(GetParam(), 256);
+  for (int channel = 0; channel < 3; ++channel) {
+    double sum = 0.0;
+    for (int row = 0; row < 256; ++row)
+      for (int col = 0; col < 256; ++col) sum += linear(texture.color_rgb.at(col, row, channel));
+    EXPECT_NEAR(sum / (256.0 * 256.0), surface_texture_mean, 0.1 * (channel == 1 ? 0.1 : 1.0)) << channel;
+  }
+}
+
+TEST_P(EverySurfaceTexture, goes_on_across_its_edges) {
+  const SurfaceTexture texture = make_surface_texture(GetParam(), 256);
+  const auto mean_step = [&](int col, int next) {
+    double sum = 0.0;
+    for (int i = 0; i < 256; ++i) {
+      sum += std::abs(texture.color_rgb.at(col, i, 1) - texture.color_rgb.at(next, i, 1));
+      sum += std::abs(texture.color_rgb.at(i, col, 1) - texture.color_rgb.at(i, next, 1));
+    }
+    return sum / 512.0;
+  };
+  double inside = 0.0;
+  for (int col = 0; col < 255; ++col) inside = std::max(inside, mean_step(col, col + 1));
+  EXPECT_LE(mean_step(255, 0), inside);
+}
+
+TEST_P(EverySurfaceTexture, has_unit_normals_that_look_up_on_average_and_no_metal) {
+  const SurfaceTexture texture = make_surface_texture(GetParam(), 256);
+  double sum_x = 0.0, sum_y = 0.0;
+  for (int row = 0; row < 256; ++row) {
+    for (int col = 0; col < 256; ++col) {
+      const auto part = [&](int c) { return texture.normal_rgb.at(col, row, c) / 127.5 - 1.0; };
+      ASSERT_NEAR(std::hypot(part(0), part(1), part(2)), 1.0, 0.02);
+      ASSERT_GT(part(2), 0.0);
+      sum_x += part(0), sum_y += part(1);
+      ASSERT_EQ(texture.roughness.at(col, row, 2), 0);
+    }
+  }
+  EXPECT_NEAR(sum_x / 65536.0, 0.0, 0.01);
+  EXPECT_NEAR(sum_y / 65536.0, 0.0, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(SurfaceTexture, EverySurfaceTexture,
+                         testing::Values(SurfaceMaterial::asphalt, SurfaceMaterial::concrete, SurfaceMaterial::setts,
+                                         SurfaceMaterial::gravel, SurfaceMaterial::ground, SurfaceMaterial::verge,
+                                         SurfaceMaterial::paint),
+                         [](const auto& info) { return std::string(to_string(info.param)); });
+
+TEST(SurfaceTexture, is_the_same_each_time) {
+  EXPECT_EQ(make_surface_texture(SurfaceMaterial::gravel, 128).color_rgb.data,
+            make_surface_texture(SurfaceMaterial::gravel, 128).color_rgb.data);
+}
+
+}  // namespace
+}  // namespace orthodrive::scene

@@ -1,0 +1,66 @@
+// Tileable materials of roads, verges and paint, shared by all tiles: their pictures lie in scene/materials once.
+
+import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
+import {
+  LoadingManager, Material, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
+} from 'three';
+
+import {tilesetUrl} from './site';
+
+/** What the file says about its materials, as far as it is used here. */
+interface GltfJson {
+  materials: {name?: string; pbrMetallicRoughness?: {baseColorTexture?: {index: number}}}[];
+  textures: {source: number}[];
+  images: {uri?: string}[];
+}
+
+export class SurfaceMaterials {
+  onChange: () => void = () => {};
+  private readonly textures = new TextureLoader();
+  private readonly byName = new Map<string, MeshStandardMaterial>();
+
+  constructor(private readonly anisotropy: number) {}
+
+  /** A loader that leaves materials with tileable pictures to this class: it gives them by name, without textures. */
+  gltfLoader(manager: LoadingManager): GLTFLoader {
+    return new GLTFLoader(manager).register((parser) => ({
+      name: 'shared_surface_materials',
+      loadMaterial(index: number): Promise<Material> | null {
+        const json = parser.json as GltfJson;
+        const {name, pbrMetallicRoughness} = json.materials[index];
+        const texture = pbrMetallicRoughness?.baseColorTexture?.index;
+        if (texture === undefined || json.images[json.textures[texture].source].uri === undefined) return null;
+        return Promise.resolve(new MeshBasicMaterial({name}));
+      },
+    }));
+  }
+
+  /** The material of that name; pictures follow when they are loaded. */
+  get(name: string): MeshStandardMaterial {
+    let material = this.byName.get(name);
+    if (!material) this.byName.set(name, (material = this.make(name)));
+    return material;
+  }
+
+  private make(name: string): MeshStandardMaterial {
+    const color = this.texture(`${name}_color.jpg`);
+    color.colorSpace = SRGBColorSpace;
+    const material = new MeshStandardMaterial({
+      name, map: color, normalMap: this.texture(`${name}_normal.jpg`), roughnessMap: this.texture(`${name}_roughness.jpg`),
+      metalness: 0, vertexColors: true,
+    });
+    // Verge and paint lie on other triangles: they are drawn a little nearer, and after them.
+    if (name === 'verge') Object.assign(material, {transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1});
+    if (name === 'paint') Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4});
+    return material;
+  }
+
+  private texture(file: string): Texture {
+    const texture = this.textures.load(new URL(`materials/${file}`, new URL(tilesetUrl, location.href)).href, () => this.onChange());
+    texture.wrapS = texture.wrapT = RepeatWrapping;
+    texture.flipY = false;
+    texture.channel = 1;
+    texture.anisotropy = this.anisotropy;
+    return texture;
+  }
+}
