@@ -99,6 +99,7 @@ TEST_F(OpenDrive, reading_back_gives_the_same_map) {
     EXPECT_EQ(a.junction, b.junction);
     EXPECT_EQ(a.osm_id, b.osm_id);
     EXPECT_EQ(a.highway, b.highway);
+    EXPECT_NEAR(a.speed_limit_mps, b.speed_limit_mps, 1e-3);
     EXPECT_EQ(a.layer, b.layer);
     EXPECT_EQ(a.bridge, b.bridge);
     EXPECT_EQ(a.driving_side, b.driving_side);
@@ -133,6 +134,29 @@ TEST_F(OpenDrive, reading_back_gives_the_same_map) {
   }
   for (std::size_t j = 0; j < map.junctions.size(); ++j)
     EXPECT_EQ(read.junctions[j].connections.size(), map.junctions[j].connections.size());
+}
+
+TEST_F(OpenDrive, connecting_roads_repeat_nothing_of_the_roads_they_connect_but_say_what_differs) {
+  roadquery::RoadMap map = build_network(mixed_network()).map;
+  std::size_t connecting = 0;
+  for (const Road& road : map.roads) connecting += road.junction >= 0;
+  ASSERT_GT(connecting, 2u);
+  const auto types = [&] {
+    io::write_opendrive(file("a.xodr"), map);
+    const std::string text = bytes_of(file("a.xodr"));
+    std::size_t count = 0;
+    for (std::size_t at = text.find("<type "); at != std::string::npos; at = text.find("<type ", at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(types(), map.roads.size() - connecting);
+  Road& slow = *std::find_if(map.roads.begin(), map.roads.end(), [](const Road& road) { return road.junction >= 0; });
+  slow.speed_limit_mps = 10.0 / 3.6, slow.highway = "path", slow.osm_id = "77";
+  EXPECT_EQ(types(), map.roads.size() - connecting + 1);
+  const roadquery::RoadMap read = roadquery::read_opendrive(file("a.xodr").string());
+  const Road& again = *road_by_id(read, slow.id);
+  EXPECT_NEAR(again.speed_limit_mps, slow.speed_limit_mps, 1e-9);
+  EXPECT_EQ(again.highway, "path");
+  EXPECT_EQ(again.osm_id, "77");
 }
 
 TEST_F(OpenDrive, same_roads_give_the_same_bytes_for_any_thread_count) {

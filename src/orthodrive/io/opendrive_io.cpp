@@ -422,7 +422,7 @@ std::size_t width_of(pugi::xml_node node) {
 /// A line for each element with all in it where that is not too long, else one for each child. No indentation: it is a
 /// tenth of a file whose elements stand side by side.
 void break_lines(pugi::xml_node node) {
-  constexpr std::size_t longest_line = 1000;
+  constexpr std::size_t longest_line = 2000;
   if (!node.first_child() || width_of(node) <= longest_line) return;
   for (pugi::xml_node child = node.first_child(); child; child = child.next_sibling()) {
     node.insert_child_before(pugi::node_pcdata, child).set_value("\n");

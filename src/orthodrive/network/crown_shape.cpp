@@ -16,7 +16,7 @@ using roadquery::Cubic;
 constexpr double reach_m = 30.0;  // to the right; wider than any road. The left half has no end
 constexpr double fall_unit = 1e-5;
 constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-2;
-constexpr double crown_share = 0.5, banking_share = 0.3, elevation_share = 0.2;  // of the tolerance of heights
+constexpr double crown_share = 0.4, banking_share = 0.35, elevation_share = 0.25;  // of the tolerance of heights
 
 /// Fall and its slope at a place where an entry may stand.
 struct Station {

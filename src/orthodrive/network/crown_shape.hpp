@@ -20,14 +20,14 @@ struct CrownShapeOptions {
 
 /// Two straight halves that fall away from the reference line by `fall` (m/m, cubics of s that join C1): h(t) =
 /// -fall |t|. Shapes are linear in s between their entries (1.7, 9.4.3): the fewest entries on the cubics (rounded to
-/// 1e-6) between which the straight line keeps both tolerances and leaves each entry by at most half the largest jump
-/// from the cubic's own slope. So roads that follow each other keep it, too, and both have the cubic's fall at their
-/// joint. Empty for no fall, one place for a constant one.
+/// 1e-5) between which the straight line keeps the tolerance and the slope jumps by at most the largest jump. At both
+/// ends of the road it leaves the cubic's own slope by at most half of that, so roads that follow each other keep it,
+/// too, and both have the cubic's fall at their joint. Empty for no fall, one place for a constant one.
 [[nodiscard]] std::vector<roadquery::ShapeCubic> crown_shape(std::span<const roadquery::Cubic> fall, double length_m,
                                                              const CrownShapeOptions& options = {});
 
-/// Gives a road that has its lanes a crown as lateral shapes, where it has lanes. Heights miss `fall` by `tolerance_m`
-/// at most; joints of the superelevation that move heights by less than an eighth of that are left out.
+/// Gives a road that has its lanes a crown as lateral shapes, where it has lanes, and leaves out joints of its
+/// superelevation and elevation. Each takes its share of `tolerance_m`, by which heights move at most.
 void add_crown(roadquery::Road& road, std::span<const roadquery::Cubic> fall, double tolerance_m,
                double max_rate_jump = CrownShapeOptions{}.max_rate_jump);
 
