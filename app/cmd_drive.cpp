@@ -52,7 +52,7 @@ void add_route_options(CLI::App& cmd, Arguments& arguments) {
                  "x,y in metres of the site CRS; several: past these in order and back to the first");
   cmd.add_flag("--all-roads", arguments.drive.all_roads,
                "drives every road of the largest connected part at its speed limit and lists the places that fail; "
-               "writes DIR/all_roads.csv");
+               "writes DIR/all_roads.csv, all_roads.json");
 }
 
 void add_car_options(CLI::App& cmd, RunDriveOptions& drive) {

@@ -14,24 +14,45 @@ constexpr double mm_per_m = 1e3, height_steps_per_m = 1e4;
 constexpr double largest_m = 1e8;               // of a coordinate or a height
 constexpr std::int64_t most_nodes = 4'000'000;  // 2 km by 2 km at 1 m
 constexpr std::size_t most_points = 1'000'000;
-constexpr std::int64_t most_zeros = 99, most_nodes_a_character = 32;  // 0*99 and a space are five characters
+constexpr std::int64_t most_zeros = 96, most_nodes_a_character = 32;  // a run of zeros is up to three characters
+
+constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr unsigned digit_bits = 5, more_bit = 1U << digit_bits, most_bits = 60;
 
 std::int64_t steps(double metres, double per_m) { return std::llround(metres * per_m); }
 
-void append(std::string& text, std::int64_t value) {
+void append_decimal(std::string& text, std::int64_t value) {
   std::array<char, 24> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  if (!text.empty()) text += ' ';
   text.append(digits.data(), end);
+  text += ' ';
 }
 void append_metres(std::string& text, double value) {
   std::array<char, 40> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::fixed, 3).ptr;
-  if (!text.empty()) text += ' ';
   text.append(digits.data(), end);
+  text += ' ';
+}
+void append_vlq(std::string& text, std::int64_t value) {
+  std::uint64_t bits =
+      value < 0 ? (static_cast<std::uint64_t>(-value) << 1U) | 1U : static_cast<std::uint64_t>(value) << 1U;
+  do {
+    const auto digit = static_cast<unsigned>(bits % more_bit);
+    bits >>= digit_bits;
+    text += alphabet[digit | (bits > 0 ? more_bit : 0U)];
+  } while (bits > 0);
 }
 
-/// Numbers between white space.
+/// Value of each character as a digit, 255 for those that are none.
+constexpr std::array<std::uint8_t, 256> digit_values = [] {
+  std::array<std::uint8_t, 256> values{};
+  values.fill(255);
+  for (std::size_t i = 0; i < alphabet.size(); ++i)
+    values[static_cast<unsigned char>(alphabet[i])] = static_cast<std::uint8_t>(i);
+  return values;
+}();
+
+/// Decimal numbers between white space, then digits of base 64.
 class Numbers {
  public:
   Numbers(const char* code, std::string_view text) : code_(code), text_(text) {}
@@ -47,22 +68,33 @@ class Numbers {
     T value{};
     if (!more()) fail("ends too early");
     const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
-    if (error != std::errc{} || !(std::abs(static_cast<double>(value)) <= largest))
-      fail("has \"" + std::string(text_.substr(0, 20)) + "\" where a number should stand");
+    if (error != std::errc{} || !(std::abs(static_cast<double>(value)) <= largest)) fail_here();
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
     return value;
   }
-  /// How many times the number just read stands there: "0*12".
-  [[nodiscard]] std::int64_t times() {
-    if (text_.empty() || text_.front() != '*') return 1;
-    text_.remove_prefix(1);
-    return next<std::int64_t>(static_cast<double>(most_zeros));
+  [[nodiscard]] std::int64_t next_vlq(double largest) {
+    if (!more()) fail("ends too early");
+    std::uint64_t bits = 0;
+    for (unsigned shift = 0;; shift += digit_bits) {
+      const unsigned digit = text_.empty() ? 255U : digit_values[static_cast<unsigned char>(text_.front())];
+      if (digit == 255U || shift >= most_bits) fail_here();
+      text_.remove_prefix(1);
+      bits |= std::uint64_t{digit % more_bit} << shift;
+      if (digit < more_bit) break;
+    }
+    const auto size = static_cast<std::int64_t>(bits >> 1U);
+    if (!(static_cast<double>(size) <= largest)) fail_here();
+    return bits % 2 == 1 ? -size : size;
   }
   [[noreturn]] void fail(const std::string& what) const {
     throw std::runtime_error("userData " + std::string(code_) + " " + what);
   }
 
  private:
+  [[noreturn]] void fail_here() const {
+    fail("has \"" + std::string(text_.substr(0, 20)) + "\" where a number should stand");
+  }
+
   const char* code_;
   std::string_view text_;
 };
@@ -85,7 +117,7 @@ std::string boundary_text(const JunctionSurface& surface, double offset_x, doubl
     if (i == 0) {
       append_metres(text, px), append_metres(text, py);
     } else {
-      append(text, at_x - x), append(text, at_y - y);
+      append_vlq(text, at_x - x), append_vlq(text, at_y - y);
     }
     x = at_x, y = at_y;
   }
@@ -96,14 +128,12 @@ std::string heights_text(const JunctionSurface& surface, double offset_x, double
   std::string text;
   append_metres(text, surface.x - offset_x), append_metres(text, surface.y - offset_y);
   append_metres(text, surface.spacing_m);
-  append(text, surface.columns), append(text, surface.rows);
+  append_decimal(text, surface.columns), append_decimal(text, surface.rows);
   std::vector<std::int64_t> z;
   for (const double height : surface.z) z.push_back(steps(height, height_steps_per_m));
   std::int64_t zeros = 0;
   const auto write_zeros = [&] {
-    if (zeros > 0) append(text, 0);
-    if (zeros == 2) append(text, 0);
-    if (zeros > 2) text += '*' + std::to_string(zeros);
+    if (zeros > 0) append_vlq(text, 0), append_vlq(text, zeros - 1);
     zeros = 0;
   };
   for (std::size_t i = 0; i < z.size(); ++i) {
@@ -112,7 +142,7 @@ std::string heights_text(const JunctionSurface& surface, double offset_x, double
     if (off == 0)
       ++zeros;
     else
-      append(text, off);
+      append_vlq(text, off);
   }
   write_zeros();
   return text;
@@ -133,8 +163,8 @@ void read_boundary(std::string_view text, JunctionSurface& surface) {
   };
   add();
   while (numbers.more()) {
-    x += numbers.next<std::int64_t>(largest);
-    y += numbers.next<std::int64_t>(largest);
+    x += numbers.next_vlq(largest);
+    y += numbers.next_vlq(largest);
     add();
   }
   if (surface.boundary.size() < 3) numbers.fail("has fewer than three points");
@@ -154,8 +184,12 @@ void read_heights(std::string_view text, JunctionSurface& surface) {
   std::vector<std::int64_t> z;
   z.reserve(static_cast<std::size_t>(count));
   surface.z.clear();
-  for (std::int64_t times = 0, off = 0; z.size() < static_cast<std::size_t>(count); --times) {
-    if (times <= 0) off = numbers.next<std::int64_t>(largest), times = numbers.times();
+  for (std::int64_t off = 0, zeros = 0; z.size() < static_cast<std::size_t>(count); --zeros) {
+    if (zeros <= 0) {
+      off = numbers.next_vlq(largest);
+      zeros = off == 0 ? 1 + numbers.next_vlq(static_cast<double>(most_zeros - 1)) : 1;
+      if (zeros < 1) numbers.fail("has a run of fewer than one zero");
+    }
     z.push_back(prediction(z, z.size(), static_cast<std::size_t>(surface.columns)) + off);
     if (std::abs(static_cast<double>(z.back())) > largest) numbers.fail("has heights beyond all bounds");
     surface.z.push_back(static_cast<double>(z.back()) / height_steps_per_m);

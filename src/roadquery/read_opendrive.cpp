@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "roadquery/connecting_road.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
 #include "roadquery/road_map.hpp"
@@ -168,18 +169,17 @@ class Builder {
     const std::size_t last = map.geo_reference.find_last_not_of(" \t\r\n");
     map.geo_reference = begin == std::string::npos ? "" : map.geo_reference.substr(begin, last - begin + 1);
     apply_offset(offset);
-    for (Road& road : map.roads) take_highway(road);
+    for (Road& road : map.roads) inherit(road);
     join_arms(map);
   }
 
  private:
-  /// A connecting road that does not say its highway class has that of the road before it.
-  void take_highway(Road& road) const {
-    if (road.junction < 0 || !road.highway.empty() || road.predecessor.kind != LinkKind::road) return;
-    const auto before = std::lower_bound(map.roads.begin(), map.roads.end(), road.predecessor.id,
-                                         [](const Road& other, int id) { return other.id < id; });
-    if (before != map.roads.end() && before->id == road.predecessor.id && before->junction < 0)
-      road.highway = before->highway;
+  /// What a connecting road does not say.
+  void inherit(Road& road) const {
+    Inherited from = inherited(map, road);
+    if (road.osm_id.empty()) road.osm_id = std::move(from.osm_id);
+    if (road.highway.empty()) road.highway = std::move(from.highway);
+    if (road.speed_limit_mps == 0.0) road.speed_limit_mps = from.speed_limit_mps;
   }
 
   void start_top(std::string_view name, const Attributes& a) {

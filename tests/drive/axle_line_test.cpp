@@ -42,6 +42,17 @@ TEST(AxleLine, on_a_circle_the_rear_axle_runs_within_and_the_front_axle_without)
   }
 }
 
+TEST(AxleLine, strays_on_a_circle_are_what_the_axles_run_within_and_without) {
+  const double radius_m = 8.0;
+  const DrivingLine line = circle(radius_m);
+  const AxleStrays stray = axle_strays(line, wheelbase_m, car_headings(line, wheelbase_m));
+  const double rear_m = std::sqrt(radius_m * radius_m - 0.25 * wheelbase_m * wheelbase_m);
+  for (std::size_t i = 10; i + 10 < line.points.size(); ++i) {
+    ASSERT_NEAR(stray.rear_m[i], radius_m - rear_m, 5e-3);
+    ASSERT_NEAR(stray.front_m[i], radius_m - std::hypot(rear_m, wheelbase_m), 5e-3);
+  }
+}
+
 TEST(AxleLine, slip_of_the_rear_tyres_turns_the_car_inwards_by_as_much) {
   const DrivingLine line = circle(50.0);
   const std::vector<double> rolling = car_headings(line, wheelbase_m);

@@ -185,11 +185,14 @@ TEST(SimulateLap, sidewalks_and_shoulders_are_no_room_to_drive_in) {
     ASSERT_NEAR(with.samples[i].y_m, without.samples[i].y_m, 1e-5) << i;  // what the line's solver leaves
 }
 
-TEST(SimulateLap, hairpin_below_the_turning_circle_ends_with_a_finding_not_in_a_loop) {
+TEST(SimulateLap, stops_before_a_hairpin_below_the_turning_circle_and_says_so) {
   // A radius of 1 m: with lanes of 3.5 m the asphalt ends at 4.5 m, and the outer front wheel runs at 5.4 m at least.
-  // The car cannot steer that much. It must say so or drive wide, never hang.
   const DriveResult lap = simulate_lap(map_of(make_stadium(1, 0.0, 0.0, 80.0, 1.0)), family());
-  EXPECT_TRUE(has_finding(lap, "drive.not_finished") || has_finding(lap, "drive.off_road"));
+  EXPECT_FALSE(lap.finished);
+  EXPECT_TRUE(has_finding(lap, "drive.too_tight"));
+  EXPECT_FALSE(has_finding(lap, "drive.not_finished"));
+  EXPECT_EQ(lap.tyre_misses, 0u);
+  EXPECT_NEAR(lap.length_m, 80.0, 10.0);
 }
 
 TEST(SimulateLap, hairpin_as_narrow_as_the_turning_circle_is_driven_on_the_asphalt) {

@@ -269,7 +269,7 @@ TEST(JunctionSurfaces, NodesThatNothingNeedsCostNearlyNothing) {
   JunctionSurface surface{.boundary = {{0, 0}, {1, 0}, {1, 1}}, .spacing_m = 1.0, .columns = 20, .rows = 20};
   for (int i = 0; i < 400; ++i) surface.z.push_back(5.0 + (i == 217 ? 0.03 : 0.0));
   const std::string text = roadquery::heights_text(surface, 0.0, 0.0);
-  EXPECT_NE(text.find(" 0*99 "), std::string::npos) << text;
+  EXPECT_NE(text.find("A+F"), std::string::npos) << text;  // 0, and 95 zeros more
   EXPECT_LT(text.size(), 100u);
   JunctionSurface read;
   roadquery::read_heights(text, read);
@@ -279,10 +279,26 @@ TEST(JunctionSurfaces, NodesThatNothingNeedsCostNearlyNothing) {
     JunctionSurface any;
     EXPECT_THROW(roadquery::read_heights(wrong, any), std::runtime_error) << wrong;
   };
-  refused("0 0 1 20 20 0*100 0*100 0*100 0*100");  // no writer makes such runs: a bound on what a text can ask for
-  refused("0 0 1 20 20 0*99 0*99 0*99");           // ends too early
-  refused("0 0 1 20 20 0* 0");
-  refused("0 0 1 1000 1000 0*99");
+  EXPECT_NO_THROW(roadquery::read_heights("0 0 1 20 20 A+FA+FA+FA+FAe", read));
+  refused("0 0 1 20 20 AgGAgGAgGAgGAgG");  // 97 zeros, no writer makes such runs: a bound on what a text can ask for
+  refused("0 0 1 20 20 A+FA+FA+F");        // ends too early
+  refused("0 0 1 20 20 A+FA+FA+FA+FAg");   // in the middle of a number
+  refused("0 0 1 20 20 A+FA+FA+FA+FAeC");  // more than nodes
+  refused("0 0 1 20 20 AD");               // fewer zeros than none
+  refused("0 0 1 20 20 0*99");             // a character that is no digit
+  refused("0 0 1 20 20 gggggggggggggggggB");
+  refused("0 0 1 1000 1000 A+F");
+}
+
+TEST(JunctionSurfaces, TextIsTheBase64VlqOfSourceMaps) {
+  JunctionSurface surface{.boundary = {{1.0, 2.0}, {1.001, 1.999}, {1.124, 123458.788}, {1.124, 2.0}}};
+  const std::string text = roadquery::boundary_text(surface, 0.0, 0.0);
+  EXPECT_EQ(text, "1.000 2.000 CD2HqxmvrHApxmvrH");  // 1 -1, 123 123456789, 0 and back
+  JunctionSurface read;
+  roadquery::read_boundary(text, read);
+  ASSERT_EQ(read.boundary.size(), surface.boundary.size());
+  for (std::size_t i = 0; i < read.boundary.size(); ++i)
+    for (const int axis : {0, 1}) EXPECT_NEAR(read.boundary[i][axis], surface.boundary[i][axis], 1e-9) << i;
 }
 
 /// Side roads that leave a main road on both sides, `gap` apart, on ground that is no plane.

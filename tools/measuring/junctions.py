@@ -19,6 +19,19 @@ def add_arguments(parser):
     parser.add_argument("--sites", nargs="+", default=[], metavar="NAME=FOLDER", help="built sites; the others keep their last values")
 
 
+def vlq(text):
+    """Whole numbers as Base64 VLQ of source maps."""
+    digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+    values, bits, shift = [], 0, 0
+    for character in text:
+        digit = digits.index(character)
+        bits, shift = bits | (digit % 32) << shift, shift + 5
+        if digit < 32:
+            values.append(-(bits >> 1) if bits % 2 else bits >> 1)
+            bits = shift = 0
+    return values
+
+
 def extents(xodr):
     """The longer side of the box of each boundary, m, and the bytes of all surfaces."""
     sizes, size_bytes = [], 0
@@ -26,11 +39,11 @@ def extents(xodr):
         if node.tag == "userData" and node.get("code", "").startswith("junction"):
             size_bytes += len(node.get("value"))
         if node.tag == "userData" and node.get("code") == "junctionBoundary":
-            values = [float(v) for v in node.get("value").split()]
+            steps = vlq(node.get("value").split()[2])
             side = 0.0
             for axis in (0, 1):
                 low = high = place = 0.0
-                for step in values[2 + axis::2]:
+                for step in steps[axis::2]:
                     place += step / 1000
                     low, high = min(low, place), max(high, place)
                 side = max(side, high - low)

@@ -1,5 +1,6 @@
 #include "orthodrive/drive/axle_line.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -22,7 +23,37 @@ double follow(double heading_rad, const LinePoint& a, const LinePoint& b, double
   return heading_rad;
 }
 
+/// How far an axle so far ahead of the middle is to the left of the line when it passes each of its points.
+std::vector<double> stray(const DrivingLine& line, double ahead_m, const std::vector<double>& car_heading_rad) {
+  constexpr int newton_steps = 3;  // the line is nearly straight over one
+  const std::size_t n = line.points.size();
+  std::vector<double> s_m(n), left_m(n), result(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const LinePoint& p = line.points[i];
+    const double x = p.x_m + ahead_m * std::cos(car_heading_rad[i]), y = p.y_m + ahead_m * std::sin(car_heading_rad[i]);
+    s_m[i] = p.s_m + ahead_m;
+    for (int k = 0; k < newton_steps; ++k) {
+      const LinePoint q = line.at(s_m[i]);
+      const double c = std::cos(q.heading_rad), s = std::sin(q.heading_rad), dx = x - q.x_m, dy = y - q.y_m;
+      left_m[i] = dy * c - dx * s;
+      s_m[i] += dx * c + dy * s;
+    }
+  }
+  std::size_t after = 1;
+  for (std::size_t i = 0; i < n && n > 1; ++i) {
+    while (after + 1 < n && s_m[after] < line.points[i].s_m) ++after;
+    const double way_m = s_m[after] - s_m[after - 1];
+    const double u = way_m > 0.0 ? std::clamp((line.points[i].s_m - s_m[after - 1]) / way_m, 0.0, 1.0) : 0.0;
+    result[i] = left_m[after - 1] + u * (left_m[after] - left_m[after - 1]);
+  }
+  return result;
+}
+
 }  // namespace
+
+AxleStrays axle_strays(const DrivingLine& line, double wheelbase_m, const std::vector<double>& car_heading_rad) {
+  return {stray(line, 0.5 * wheelbase_m, car_heading_rad), stray(line, -0.5 * wheelbase_m, car_heading_rad)};
+}
 
 std::vector<double> car_headings(const DrivingLine& line, double wheelbase_m,
                                  const std::vector<double>& rear_slip_rad) {

@@ -17,6 +17,13 @@ namespace orthodrive {
 [[nodiscard]] DrivingLine front_axle_line(const DrivingLine& line, double wheelbase_m,
                                           const std::vector<double>& car_heading_rad);
 
+/// How far to the left of the line each axle is when it passes the line's points.
+struct AxleStrays {
+  std::vector<double> front_m, rear_m;
+};
+[[nodiscard]] AxleStrays axle_strays(const DrivingLine& line, double wheelbase_m,
+                                     const std::vector<double>& car_heading_rad);
+
 /// Angle of the front wheels at every point, without slip of their tyres.
 [[nodiscard]] std::vector<double> steering_angles(const DrivingLine& front, const std::vector<double>& car_heading_rad);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -32,7 +31,6 @@ int count(const Findings& findings, const char* code) {
 }
 
 void add(const DriveResult& drive, AllRoadsResult& result) {
-  result.finished += drive.finished ? 1 : 0;
   result.length_m += drive.length_m;
   result.driven_s += drive.driven_s, result.wall_s += drive.wall_s;
   result.max_vertical_mps2 = std::max(result.max_vertical_mps2, drive.max_vertical_mps2);
@@ -40,6 +38,30 @@ void add(const DriveResult& drive, AllRoadsResult& result) {
   result.max_line_error_m = std::max(result.max_line_error_m, drive.max_line_error_m);
   result.tyre_queries += drive.tyre_queries, result.tyre_misses += drive.tyre_misses;
   add_distinct(drive.findings, result.findings);
+}
+
+/// What is left of a route after a step, from the next road outside junctions on.
+Route rest_of(const roadquery::RoadMap& map, const Route& route, int step) {
+  const auto road_of = [&](const RouteStep& s) -> const roadquery::Road& {
+    return map.roads[static_cast<std::size_t>(s.road)];
+  };
+  auto first = route.steps.begin() + step + 1;
+  while (first != route.steps.end() && road_of(*first).junction >= 0) ++first;
+  Route rest{{first, route.steps.end()}, false, route.name, 0.0};
+  for (const RouteStep& s : rest.steps) rest.length_m += road_of(s).length;
+  return rest;
+}
+
+/// Drives a route; after a bend that the car cannot take it begins anew.
+std::vector<DriveResult> drive_parts(const roadquery::RoadQuery& query, Route route, const DriveOptions& options,
+                                     const EnvelopeTable& envelope) {
+  std::vector<DriveResult> parts;
+  while (route.length_m >= least_route_m) {
+    parts.push_back(drive_route(query, route, options, envelope));
+    if (parts.back().finished_before_step < 0) break;
+    route = rest_of(query.map(), route, parts.back().finished_before_step);
+  }
+  return parts;
 }
 
 }  // namespace
@@ -52,12 +74,9 @@ AllRoadsResult drive_all_roads(const roadquery::RoadMap& map, const DriveOptions
   const EnvelopeTable envelope(options.car);
   DriveOptions each = options;
   each.racing = false, each.laps = 1, each.keep_samples = false;
-  std::vector<std::optional<DriveResult>> drives(routes.size());
+  std::vector<std::vector<DriveResult>> drives(routes.size());
   parallel_for(
-      routes.size(), threads,
-      [&](std::size_t i) {
-        if (routes[i].length_m >= least_route_m) drives[i] = drive_route(query, routes[i], each, envelope);
-      },
+      routes.size(), threads, [&](std::size_t i) { drives[i] = drive_parts(query, routes[i], each, envelope); },
       [&](std::size_t done) {
         if (monitor != nullptr)
           monitor->progress(static_cast<double>(done) / static_cast<double>(routes.size()), "drive all roads");
@@ -66,13 +85,14 @@ AllRoadsResult drive_all_roads(const roadquery::RoadMap& map, const DriveOptions
   result.routes = static_cast<int>(routes.size());
   for (std::size_t i = 0; i < routes.size(); ++i) {
     result.routes_m += routes[i].length_m;
-    if (drives[i])
-      add(*drives[i], result);
-    else
-      ++result.too_short;
+    if (drives[i].empty()) ++result.too_short;
+    // A route that goes on behind a bend that is too tight counts as finished when its last part does.
+    if (!drives[i].empty() && drives[i].back().finished) ++result.finished;
+    for (const DriveResult& part : drives[i]) add(part, result);
   }
   result.off_road_places = count(result.findings, "drive.off_road");
   result.jolt_places = count(result.findings, "drive.jolt");
+  result.too_tight_places = count(result.findings, "drive.too_tight");
   result.bump_places = count(result.findings, "drive.bump");
   return result;
 }

@@ -6,14 +6,15 @@
 namespace orthodrive {
 
 struct AllRoadsResult {
-  int routes = 0, finished = 0;
+  int routes = 0, finished = 0;           ///< finished: driven to the end
   int too_short = 0;                      ///< routes below 10 m or shorter than the car needs: not driven
   double length_m = 0.0, routes_m = 0.0;  ///< driven; of all routes together
   double driven_s = 0.0, wall_s = 0.0;    ///< simulated; of the loop, which differs from run to run
   double max_vertical_mps2 = 0.0, max_height_step_m = 0.0, max_line_error_m = 0.0;
   std::uint64_t tyre_queries = 0, tyre_misses = 0;
   int off_road_places = 0, jolt_places = 0, bump_places = 0;
-  Findings findings;  ///< of all routes, those within 10 m of one of the same kind left out; sorted by route
+  int too_tight_places = 0;  ///< bends that the car cannot take in one go: it stopped before and began anew behind
+  Findings findings;         ///< of all routes, those within 10 m of one of the same kind left out; sorted by route
 };
 
 /// Routes over every road of the largest connected part (route_cover.hpp), each driven from rest at the speed limits.

@@ -28,22 +28,6 @@ constexpr double wide_enough_m = 0.6, lift_1ps2 = 5.0, lift_only_mps2 = 0.2;
 constexpr double hold_brake = 0.4;
 constexpr double rotating_share = 1.05;  // wheels and engine have to be spun up as well
 
-/// Side force of a tyre at a small camber-free slip angle, Magic Formula (Pacejka 2012, 4.E19 - 4.E30) at load F_z.
-struct SideForce {
-  double b = 0.0, c = 0.0, d = 0.0, e = 0.0;
-  SideForce(const vehicle::Tyre& tyre, double load_n) {
-    const double df = (load_n - tyre.nominal_load_n) / tyre.nominal_load_n;
-    const double stiffness = std::abs(tyre.p_ky1) * tyre.nominal_load_n *
-                             std::sin(2.0 * std::atan(load_n / (std::abs(tyre.p_ky2) * tyre.nominal_load_n)));
-    c = tyre.p_cy1, d = std::abs(tyre.p_dy1 + tyre.p_dy2 * df) * load_n, e = tyre.p_ey1;
-    b = stiffness / (c * d);
-  }
-  [[nodiscard]] double at(double angle_rad) const {
-    const double x = b * angle_rad;
-    return d * std::sin(c * std::atan(x - e * (x - std::atan(x))));
-  }
-};
-
 /// Force of the brakes at full pedal, with grip to spare.
 double full_brake_n(const CarParameters& car) {
   return 2.0 * (car.brakes.front_nm / car.front_tyre.radius_m + car.brakes.rear_nm / car.rear_tyre.radius_m);
@@ -56,42 +40,6 @@ double resistance_n(const CarParameters& car, double speed_mps) {
 }
 
 }  // namespace
-
-AxleSlip::AxleSlip(const CarParameters& car, bool front) {
-  constexpr double most_rad = 0.35, step_rad = 2e-4;
-  const vehicle::Tyre& tyre = front ? car.front_tyre : car.rear_tyre;
-  const double axle_share = front ? car.body.front_share : 1.0 - car.body.front_share;
-  const double wheel_n = 0.5 * car.body.mass_kg * axle_share * vehicle::gravity_mps2;
-  // A bend moves load from the inner to the outer wheel, and the outer gains less than the inner loses.
-  const double transfer = 2.0 * car.body.cg_height_m / (front ? car.front : car.rear).track_m;
-  const auto share_at = [&](double angle_rad, double share) {
-    const double moved = std::min(transfer * share, 0.95);
-    return 0.5 *
-           (SideForce(tyre, wheel_n * (1.0 + moved)).at(angle_rad) +
-            SideForce(tyre, wheel_n * (1.0 - moved)).at(angle_rad)) /
-           wheel_n;
-  };
-  const auto angle_for = [&](double share) {
-    double angle = 0.0;
-    while (angle < most_rad && share_at(angle, share) < share) angle += step_rad;
-    return angle;
-  };
-  double able = 0.0, too_much = 5.0;
-  for (int i = 0; i < 30; ++i) {
-    const double middle = 0.5 * (able + too_much);
-    (angle_for(middle) < most_rad ? able : too_much) = middle;
-  }
-  peak_share_ = able, peak_rad_ = angle_for(able);
-  for (std::size_t i = 0; i < entries; ++i)
-    angle_rad_[i] = angle_for(peak_share_ * static_cast<double>(i) / static_cast<double>(entries - 1));
-}
-
-double AxleSlip::angle_rad(double force_share) const {
-  const double place = std::min(std::abs(force_share) / peak_share_, 1.0) * static_cast<double>(entries - 1);
-  const auto i = std::min(static_cast<std::size_t>(place), entries - 2);
-  const double u = place - static_cast<double>(i);
-  return std::copysign(angle_rad_[i] + u * (angle_rad_[i + 1] - angle_rad_[i]), force_share);
-}
 
 void Progress::update(const DrivingLine& line, Vec2 place) {
   for (int i = 0; i < 3; ++i) {  // the line is nearly straight over one step: Newton converges at once
@@ -111,7 +59,6 @@ DriverModel::DriverModel(const CarParameters& car, const EnvelopeTable& envelope
       line_(line),
       plan_(plan),
       stops_m_(std::move(stops_m)),
-      slip_(car, true),
       front_line_(way_of_front_axle()) {}
 
 void DriverModel::begin(double s_m) {
@@ -131,7 +78,7 @@ double DriverModel::side_share(const LinePoint& p, double speed_mps) const {
 }
 
 DrivingLine DriverModel::way_of_front_axle() const {
-  const AxleSlip rear(car_, false);
+  const AxleSlip& rear = envelope_.rear_slip();
   std::vector<double> slip_rad;
   for (const LinePoint& p : line_.points) {
     slip_rad.push_back(rear.angle_rad(side_share(p, plan_.at(p.s_m).speed_mps)));
@@ -147,12 +94,12 @@ double DriverModel::steering_rad(const State& state) const {
   const double heading =
       std::remainder(way.heading_rad - state.heading_rad - state.rates_radps[2] * look_ahead_s, 2.0 * std::numbers::pi);
   const LinePoint ahead = line_.at(middle_.s_m + 0.5 * wheelbase + speed * look_ahead_s);
-  const double slip = slip_.angle_rad(side_share(ahead, speed));
+  const double slip = envelope_.front_slip().angle_rad(side_share(ahead, speed));
   const double wanted_rad = heading + slip - std::atan(stanley_gain_1ps * front_.error_m / (stanley_speed_mps + speed));
   if (speed < slip_matters_mps) return wanted_rad;
   // Beyond the peak of the tyres more steering gives less force: not further than that from where the axle goes.
   const double going_rad = std::atan2(sideways_mps, speed);
-  const double most_rad = past_peak * slip_.peak_rad();
+  const double most_rad = past_peak * envelope_.front_slip().peak_rad();
   return std::clamp(wanted_rad, going_rad - most_rad, going_rad + most_rad);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 // Follows a line at a planned speed with steering wheel and pedals.
 
-#include <array>
 #include <vector>
 
 #include "orthodrive/drive/driver.hpp"
@@ -10,20 +9,6 @@
 #include "vehicle/car.hpp"
 
 namespace orthodrive {
-
-/// Slip angle of an axle's tyres for a side force, both as shares: force over load and friction. From the Magic Formula
-/// at the static load.
-class AxleSlip {
- public:
-  AxleSlip(const vehicle::CarParameters& car, bool front);
-  [[nodiscard]] double angle_rad(double force_share) const;  ///< both with the same sign; beyond the peak: its angle
-  [[nodiscard]] double peak_rad() const { return peak_rad_; }
-
- private:
-  static constexpr std::size_t entries = 65;
-  std::array<double, entries> angle_rad_{};  ///< at even shares from 0 to the peak
-  double peak_share_ = 1.0, peak_rad_ = 0.0;
-};
 
 /// Where a place of the car is along its line; moves on from call to call.
 struct Progress {
@@ -69,7 +54,6 @@ class DriverModel {
   const DrivingLine& line_;
   const SpeedPlan& plan_;
   std::vector<double> stops_m_;
-  AxleSlip slip_;
   DrivingLine front_line_;
   Progress front_, middle_;  // each along its own line
   std::size_t next_stop_ = 0;

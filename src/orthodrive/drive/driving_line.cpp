@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "orthodrive/drive/axle_line.hpp"
 #include "orthodrive/drive/bounded_line.hpp"
+#include "orthodrive/drive/lane_bounds.hpp"
 #include "orthodrive/drive/lane_path.hpp"
 #include "orthodrive/drive/room_beside.hpp"
 #include "orthodrive/math/cholesky.hpp"
@@ -16,7 +16,7 @@ namespace orthodrive {
 namespace {
 
 constexpr double shortest_wave_m = 15.0;
-constexpr int wheel_rounds = 4;
+constexpr int axle_rounds = 3, wheel_rounds = 4;
 constexpr double profile_reach_m = 2.5;  // a car feels the road over about its wheelbase
 // What lines cost (bounded_line.hpp). Racing: curvature, and its change over less than 5 m so that it can be steered.
 constexpr LineCosts racing_costs{.curvature_m4 = 1e4, .curvature_rate_m6 = 25e4};
@@ -101,27 +101,6 @@ double start_z(const roadquery::RoadMap& map, const Route& route) {
   return roadquery::elevation(road, first.forward ? 0.0 : road.length);
 }
 
-/// Half the car with what its wheels stray from the line in a bend, inwards and outwards: with the middle of the
-/// wheelbase on a circle, the rear axle runs wheelbase^2 / 8 R within and the front axle three times that without.
-struct CarRoom {
-  double inner_m = 0.0, outer_m = 0.0;
-};
-CarRoom car_room(const LineOptions& options, double curvature_1pm) {
-  const double stray_m = std::min(options.wheelbase_m * options.wheelbase_m * std::abs(curvature_1pm) / 8.0, 0.4);
-  const double half_m = 0.5 * options.car_width_m + options.margin_m;
-  return {half_m + stray_m, half_m + 3.0 * stray_m};
-}
-
-/// Bounds of the line where there is asphalt from `right_m` right of the reference to `left_m` left of it.
-void bound(LineBetweenEdges& task, double right_m, double left_m, const LineOptions& options, double curvature_1pm) {
-  const CarRoom room = car_room(options, curvature_1pm);
-  const double to_left = curvature_1pm > 0.0 ? room.inner_m : room.outer_m;
-  const double to_right = curvature_1pm > 0.0 ? room.outer_m : room.inner_m;
-  double lower = to_right - right_m, upper = left_m - to_left;
-  if (lower > upper) lower = upper = 0.5 * (left_m - right_m);  // narrower than the car: its middle
-  task.lower_m.push_back(lower), task.upper_m.push_back(upper);
-}
-
 LineBetweenEdges racing_task(const LanePath& path, const Polyline& smooth, const DrivingLine& reference,
                              const LineOptions& options) {
   LineBetweenEdges task{.closed = path.closed, .reference = smooth};
@@ -135,69 +114,12 @@ LineBetweenEdges racing_task(const LanePath& path, const Polyline& smooth, const
   return task;
 }
 
-LineBetweenEdges lane_task(const LanePath& path, const Polyline& smooth, const DrivingLine& reference,
-                           const roadquery::RoadQuery& query, const LineOptions& options) {
+/// Without bounds yet.
+LineBetweenEdges lane_task(const LanePath& path, const Polyline& smooth) {
   LineBetweenEdges task{.closed = path.closed, .reference = smooth};
   const std::vector<Vec2> normals = left_normals(smooth, path.closed);
-  const std::vector<Room> rooms = room_beside(query, reference);
-  for (std::size_t i = 0; i < smooth.size(); ++i) {
-    bound(task, rooms[i].right_m, rooms[i].left_m, options, reference.points[i].curvature_1pm);
-    task.wanted_m.push_back(dot(path.points[i] - smooth[i], normals[i]));
-  }
+  for (std::size_t i = 0; i < smooth.size(); ++i) task.wanted_m.push_back(dot(path.points[i] - smooth[i], normals[i]));
   return task;
-}
-
-/// How far a wheel beside a place of its axle stands from the road, towards the axle; 0: on it.
-double off_road_m(const roadquery::RoadQuery& query, Vec2 axle, Vec2 to_wheel, double z_m) {
-  constexpr double step_m = 0.05;
-  roadquery::Cursor cursor;
-  const double half_m = length(to_wheel);
-  for (double off_m = 0.0; off_m < half_m; off_m += step_m) {
-    const Vec2 at = axle + (1.0 - off_m / half_m) * to_wheel;
-    const auto hit = query.find(at.x, at.y, z_m, cursor);
-    if (hit && is_for_driving(query.map(), *hit)) return off_m;
-  }
-  return 0.0;  // the axle itself is beside the road: nothing to be told from
-}
-
-/// Narrows the bounds of the line where a wheel of a car on it would leave the road. False: all wheels stay on it.
-bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offset, const roadquery::RoadQuery& query,
-                         const DrivingLine& line, const LineOptions& options) {
-  constexpr std::ptrdiff_t around = 2;  // points to both sides that move along
-  const std::vector<double> heading = car_headings(line, options.wheelbase_m);
-  const auto n = static_cast<std::ptrdiff_t>(offset.size());
-  const double half_base_m = 0.5 * options.wheelbase_m;
-  const double half_car_m = 0.5 * (options.car_width_m + options.margin_m);
-  std::vector<double> push(offset.size(), 0.0);  // to the left, m
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const LinePoint& p = line.points[static_cast<std::size_t>(i)];
-    const double psi = heading[static_cast<std::size_t>(i)];
-    const Vec2 ahead{std::cos(psi), std::sin(psi)}, left = left_normal(ahead);
-    for (const double axle_m : {half_base_m, -half_base_m}) {
-      const Vec2 axle = Vec2{p.x_m, p.y_m} + axle_m * ahead;
-      const double z_m = p.z_m + axle_m * p.gradient;
-      const double need =
-          off_road_m(query, axle, -half_car_m * left, z_m) - off_road_m(query, axle, half_car_m * left, z_m);
-      if (need == 0.0) continue;
-      const auto middle = i + static_cast<std::ptrdiff_t>(std::lround(axle_m));
-      for (std::ptrdiff_t k = middle - around; k <= middle + around; ++k) {
-        if (!task.closed && (k < 0 || k >= n)) continue;
-        double& most = push[static_cast<std::size_t>(((k % n) + n) % n)];
-        if (std::abs(need) > std::abs(most)) most = need;
-      }
-    }
-  }
-  bool moves = false;
-  for (std::size_t i = 0; i < push.size(); ++i) {
-    if (push[i] == 0.0) continue;
-    moves = true;
-    const double wanted = offset[i] + push[i];
-    (push[i] > 0.0 ? task.lower_m[i] : task.upper_m[i]) = wanted;
-    // Narrower than the car: as near as the other side lets it.
-    if (task.lower_m[i] > task.upper_m[i])
-      task.lower_m[i] = task.upper_m[i] = 0.5 * (task.lower_m[i] + task.upper_m[i]);
-  }
-  return moves;
 }
 
 /// Every point moved along its normal.
@@ -277,15 +199,24 @@ DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& ro
   Polyline smoothed = path.points;
   smooth(smoothed, path.closed, spacing_of(path));
   const DrivingLine reference = line_through(query, smoothed, path.closed, z_m);
-  LineBetweenEdges task = options.racing ? racing_task(path, smoothed, reference, options)
-                                         : lane_task(path, smoothed, reference, query, options);
-  std::vector<double> offset = best_offsets(task, options.racing ? racing_costs : lane_costs(options));
-  DrivingLine line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
-  for (int round = 0; round < wheel_rounds && !options.racing; ++round) {
-    if (!keep_wheels_on_road(task, offset, query, line, options)) break;
-    offset = best_offsets(task, lane_costs(options));
-    line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
+  if (options.racing) {
+    const LineBetweenEdges task = racing_task(path, smoothed, reference, options);
+    return line_through(query, moved(task, best_offsets(task, racing_costs)), path.closed, z_m, path.step);
   }
+  LineBetweenEdges task = lane_task(path, smoothed);
+  const std::vector<Room> rooms = room_beside(query, reference, task.wanted_m);
+  for (std::size_t i = 0; i < rooms.size(); ++i)
+    bound(task, rooms[i].right_m, rooms[i].left_m, options, reference.points[i].curvature_1pm);
+  const LineCosts costs = lane_costs(options);
+  std::vector<double> offset = best_offsets(task, costs);
+  DrivingLine line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
+  const auto improve = [&] {
+    offset = best_offsets(task, costs);
+    line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
+  };
+  for (int round = 0; round < axle_rounds; ++round) bound_by_axles(task, rooms, line, options), improve();
+  for (int round = 0; round < wheel_rounds && keep_wheels_on_road(task, offset, query, line, options); ++round)
+    improve();
   return line;
 }
 

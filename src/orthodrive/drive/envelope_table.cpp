@@ -22,7 +22,8 @@ Between between(double place, std::size_t nodes, bool goes_on) {
 
 }  // namespace
 
-EnvelopeTable::EnvelopeTable(const vehicle::CarParameters& car) : car_(car) {
+EnvelopeTable::EnvelopeTable(const vehicle::CarParameters& car)
+    : car_(car), front_slip_(car, true), rear_slip_(car, false) {
   constexpr std::size_t nodes = speeds * normals * frictions;
   lateral_mps2_.resize(nodes), grip_.resize(nodes * shares);
   for (std::size_t v = 0; v < speeds; ++v)

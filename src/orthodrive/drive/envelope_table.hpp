@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "orthodrive/drive/axle_slip.hpp"
 #include "vehicle/envelope.hpp"
 
 namespace orthodrive {
@@ -21,6 +22,8 @@ class EnvelopeTable {
   [[nodiscard]] double max_lateral_mps2(const vehicle::EnvelopeQuery& query) const;
   [[nodiscard]] double max_drive_mps2(const vehicle::EnvelopeQuery& query) const;
   [[nodiscard]] double max_brake_mps2(const vehicle::EnvelopeQuery& query) const;
+  [[nodiscard]] const AxleSlip& front_slip() const { return front_slip_; }
+  [[nodiscard]] const AxleSlip& rear_slip() const { return rear_slip_; }
 
  private:
   static constexpr std::size_t speeds = 34, normals = 9, frictions = 5, shares = 17;
@@ -39,6 +42,7 @@ class EnvelopeTable {
   [[nodiscard]] vehicle::Grip look_up(const vehicle::EnvelopeQuery& query) const;
 
   vehicle::CarParameters car_;
+  AxleSlip front_slip_, rear_slip_;
   std::vector<double> lateral_mps2_;  ///< a node each
   std::vector<vehicle::Grip> grip_;   ///< a node and share each
 };

@@ -8,8 +8,8 @@ namespace {
 
 constexpr double reach_m = 4.0, step_m = 0.25, tolerance_m = 0.01;
 
-/// Distance to the edge in one direction from a point that is on the road.
-double room(const roadquery::RoadQuery& query, const LinePoint& from, Vec2 direction) {
+/// Distance to the edge in one direction from a place so far along it that is on the road.
+double room(const roadquery::RoadQuery& query, const LinePoint& from, Vec2 direction, double begin_m) {
   roadquery::Cursor cursor;
   double z = from.z_m;
   const auto on_road = [&](double at_m) {
@@ -18,9 +18,10 @@ double room(const roadquery::RoadQuery& query, const LinePoint& from, Vec2 direc
     z = hit->z;
     return true;
   };
-  double inside = 0.0;
-  while (inside + step_m <= reach_m && on_road(inside + step_m)) inside += step_m;
-  if (inside + step_m > reach_m) return reach_m;
+  const double most_m = begin_m + reach_m;
+  double inside = begin_m;
+  while (inside + step_m <= most_m && on_road(inside + step_m)) inside += step_m;
+  if (inside + step_m > most_m) return most_m;
   double outside = inside + step_m;
   while (outside - inside > tolerance_m) {
     const double middle = 0.5 * (inside + outside);
@@ -40,16 +41,20 @@ bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit) {
   return index == 0 || index > lanes.size() || lanes[index - 1].type == roadquery::LaneType::driving;
 }
 
-std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line) {
+std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line,
+                              const std::vector<double>& lane_m) {
   const std::size_t count = line.points.size() - (line.closed ? 1 : 0);
-  std::vector<Room> rooms(count);
+  std::vector<Room> rooms(count, {reach_m, reach_m});
   roadquery::Cursor cursor;
   for (std::size_t i = 0; i < count; ++i) {
     const LinePoint& p = line.points[i];
-    const auto hit = query.find(p.x_m, p.y_m, p.z_m, cursor);
-    if (!hit || !is_for_driving(query.map(), *hit)) continue;
     const Vec2 left = {-std::sin(p.heading_rad), std::cos(p.heading_rad)};
-    rooms[i] = {room(query, p, -1.0 * left), room(query, p, left)};
+    for (const double from_m : {0.0, lane_m[i]}) {
+      const auto hit = query.find(p.x_m + from_m * left.x, p.y_m + from_m * left.y, p.z_m, cursor);
+      if (!hit || !is_for_driving(query.map(), *hit)) continue;
+      rooms[i] = {room(query, p, -1.0 * left, -from_m), room(query, p, left, from_m)};
+      break;
+    }
   }
   return rooms;
 }

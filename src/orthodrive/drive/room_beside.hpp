@@ -7,16 +7,18 @@
 
 namespace orthodrive {
 
-/// Distance from a point of the line to where no driving lane is any more, at most 4 m; 0 where the point itself is off
-/// the road.
+/// Distance from a point of the line to where no driving lane is any more, at most 4 m; below 0 where all road is on
+/// the other side.
 struct Room {
   double right_m = 0.0, left_m = 0.0;
 };
 
 /// One a point of the line (without the repeated last one of a closed line). Every road counts that a wheel would stand
 /// on there: other lanes, and in junctions what connecting roads cover together. Within 1 cm where a gap is wider than
-/// 0.25 m.
-[[nodiscard]] std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line);
+/// 0.25 m. Where a point is off the road one looks from the lane, which is `lane_m` to the left of it, one a point;
+/// where that is no road either nothing is known and the room is 4 m.
+[[nodiscard]] std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line,
+                                            const std::vector<double>& lane_m);
 
 /// Whether a car may stand there: a driving lane, or the paved area of a junction.
 [[nodiscard]] bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit);

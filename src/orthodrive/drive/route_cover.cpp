@@ -14,6 +14,7 @@ using Nodes = std::vector<int>;
 
 constexpr double route_m = 3000.0;  // a route ends with the road that makes it longer
 constexpr double most_detour_m = 1500.0;
+constexpr double straight_m = 12.0;  // a route begins and ends with at least so much road outside junctions
 
 /// Which part of the graph every node belongs to, as the lowest node of that part (union-find).
 Nodes parts_of(const RoadGraph& graph) {
@@ -58,9 +59,9 @@ class Cover {
   explicit Cover(const RoadGraph& graph) : graph_(graph), to_drive_(largest_part(graph)) {
     costs_.resize(to_drive_.size());
     for (int n = 0; n < graph.node_count(); ++n) costs_[static_cast<std::size_t>(n)] = graph.road(n).length;
-    entries_.assign(to_drive_.size(), 0);
+    before_.resize(to_drive_.size());
     for (int n = 0; n < graph.node_count(); ++n)
-      for (const int next : graph.next(n)) ++entries_[static_cast<std::size_t>(next)];
+      for (const int next : graph.next(n)) before_[static_cast<std::size_t>(next)].push_back(n);
   }
 
   /// The nodes of the next route; empty when every road has been driven.
@@ -74,32 +75,67 @@ class Cover {
       to_drive_[static_cast<std::size_t>(node)] = false;
       length_m += graph_.road(node).length;
     };
-    take(start);
+    for (const int node : run_up(start)) take(node);
     while (length_m < route_m) {
       const Nodes more = way_to_nearest(route.back());
       if (more.empty()) break;
       for (const int node : more) take(node);
     }
+    for (const int node : run_out(route.back())) take(node);
     return route;
   }
 
  private:
-  /// First roads that nothing leads to, because no other route comes by them; turning roads last: a route that begins
-  /// in a junction has no run-up.
+  /// First roads that nothing leads to, because no other route comes by them; turning roads last.
   [[nodiscard]] int choose_start() const {
     int best = -1;
     const auto rank = [&](int n) {
-      return (graph_.road(n).junction >= 0 ? 2 : 0) + (entries_[static_cast<std::size_t>(n)] > 0 ? 1 : 0);
+      return (graph_.road(n).junction >= 0 ? 2 : 0) + (before_[static_cast<std::size_t>(n)].empty() ? 0 : 1);
     };
     for (int n = 0; n < graph_.node_count(); ++n)
       if (to_drive_[static_cast<std::size_t>(n)] && (best < 0 || rank(n) < rank(best))) best = n;
-    if (best < 0 || graph_.road(best).junction < 0) return best;
-    // A turning road is left over: begin on a road that leads into it.
-    for (int n = 0; n < graph_.node_count(); ++n) {
-      const auto& next = graph_.next(n);
-      if (graph_.is_open(n) && std::find(next.begin(), next.end(), best) != next.end()) return n;
+    return best;
+  }
+
+  /// Metres of a road that count as straight: a car that begins or ends its way on a turning road stands askew.
+  [[nodiscard]] double straight_on(int node) const {
+    const roadquery::Road& road = graph_.road(node);
+    return road.junction >= 0 ? 0.0 : road.length;
+  }
+
+  /// One of these, rather one that is to be driven anyway, but none of `taken`; -1: there is none.
+  [[nodiscard]] int choose(const Nodes& nodes, const Nodes& taken) const {
+    int best = -1;
+    for (const int n : nodes) {
+      if (std::find(taken.begin(), taken.end(), n) != taken.end()) continue;
+      if (best < 0 || (to_drive_[static_cast<std::size_t>(n)] && !to_drive_[static_cast<std::size_t>(best)])) best = n;
     }
     return best;
+  }
+
+  /// The start, with the roads before it that the car needs to stand straight.
+  [[nodiscard]] Nodes run_up(int start) const {
+    Nodes way = {start};
+    for (double straight = straight_on(start); straight < straight_m;) {
+      const int node = choose(before_[static_cast<std::size_t>(way.front())], way);
+      if (node < 0) break;
+      way.insert(way.begin(), node);
+      straight += straight_on(node);
+    }
+    return way;
+  }
+
+  /// The roads after the last one that the car needs to stand straight.
+  [[nodiscard]] Nodes run_out(int last) const {
+    Nodes way = {last};
+    for (double straight = straight_on(last); straight < straight_m;) {
+      const int node = choose(graph_.next(way.back()), way);
+      if (node < 0) break;
+      way.push_back(node);
+      straight += straight_on(node);
+    }
+    way.erase(way.begin());
+    return way;
   }
 
   /// Nodes after `from` to the nearest one that is to be driven, which is the last of them. Empty: there is none.
@@ -120,7 +156,7 @@ class Cover {
   const RoadGraph& graph_;
   std::vector<bool> to_drive_;
   NodeCosts costs_;
-  std::vector<int> entries_;
+  std::vector<Nodes> before_;  ///< from where one comes to a node
 };
 
 }  // namespace

@@ -6,12 +6,12 @@
 #include <chrono>
 #include <cmath>
 
-#include "orthodrive/drive/axle_line.hpp"
 #include "orthodrive/drive/driver_model.hpp"
 #include "orthodrive/drive/heave.hpp"
 #include "orthodrive/drive/lap_recorder.hpp"
 #include "orthodrive/drive/monitored_road.hpp"
 #include "orthodrive/drive/speed_profile.hpp"
+#include "orthodrive/drive/steering_limits.hpp"
 #include "roadquery/road_query.hpp"
 
 namespace orthodrive {
@@ -24,10 +24,12 @@ constexpr double tyre_width_m = 0.25;  // of both halves that stand beyond the t
 constexpr double axle_room_m = 0.5;    // an open line is driven until the front axle is so far before its end
 constexpr double racing_margin_m = 0.5, road_margin_m = 0.2;
 constexpr double reach_before_line_m = 1e-9;
+constexpr double before_bend_m = 6.0,
+                 least_way_m = 12.0;  // ends so far before a bend that is too tight; drives no less
 constexpr int bump_rounds = 4;
 constexpr std::size_t bump_run_up = 5;  // points, about metres
 constexpr double slowest_over_bumps_mps = 1.5;
-constexpr double steering_share = 0.5, full_lock_share = 0.9;  // the rest is left to correct with
+constexpr double full_lock_share = 0.9;  // the rest is left to correct with
 
 /// From where to where a run is timed, along its line (lap after lap).
 struct Timing {
@@ -127,10 +129,20 @@ void report_unfinished(const Run& run, const Timing& timing, DriveResult& result
        run.state().x_m, run.state().y_m});
 }
 
-/// Of the middle of the wheelbase with the steering nearly at its stop.
-double most_curvature_1pm(const vehicle::CarParameters& car) {
-  const double wheelbase_m = car.body.wheelbase_m;
-  return full_lock_share / std::hypot(wheelbase_m / std::tan(car.steering.max_wheel_rad), 0.5 * wheelbase_m);
+/// Ends the line before the first bend that the car cannot take. False: nothing is left of it to drive on.
+bool stop_before_tight_bend(DriveResult& result) {
+  const auto bend = first_too_tight(result.car, result.line);
+  if (!bend) return true;
+  result.finished_before_step = bend->step;
+  result.findings.push_back(
+      {Severity::warning, "drive.too_tight",
+       fmt::format("the way bends tighter than the car can turn: to a radius of {:.1f} m, the car needs {:.1f} m",
+                   1.0 / bend->curvature_1pm, 1.0 / full_lock_curvature_1pm(result.car)),
+       bend->x_m, bend->y_m});
+  auto& points = result.line.points;
+  while (points.size() > 1 && points.back().s_m > bend->s_m - before_bend_m) points.pop_back();
+  result.line.closed = result.route.closed = false;
+  return result.line.length_m() >= least_way_m;
 }
 
 /// Stops of every lap of a closed line; those of an open one as they are.
@@ -139,18 +151,6 @@ std::vector<double> stops_of_laps(const std::vector<double>& stops_m, const Driv
   for (double from_m = line.length_m(); line.closed && from_m < to_m; from_m += line.length_m())
     for (const double stop_m : stops_m) all.push_back(from_m + stop_m);
   return all;
-}
-
-/// Slower than the law allows where the front wheels could not be turned as fast as the line bends.
-void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, std::vector<double>& legal_mps) {
-  const std::vector<double> heading = car_headings(line, car.body.wheelbase_m);
-  const std::vector<double> angle = steering_angles(front_axle_line(line, car.body.wheelbase_m, heading), heading);
-  const double rate_radps = steering_share * car.steering.max_wheel_rate_radps;
-  for (std::size_t i = 1; i < angle.size(); ++i) {
-    const double turn_1pm = std::abs(angle[i] - angle[i - 1]) / (line.points[i].s_m - line.points[i - 1].s_m);
-    for (double* legal : {&legal_mps[i - 1], &legal_mps[i]})
-      if (turn_1pm * *legal > rate_radps) *legal = rate_radps / turn_1pm;
-  }
 }
 
 SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result) {
@@ -210,7 +210,7 @@ void summarize(DriveResult& result, const Run& run, const Timing& timing) {
   result.lap_time_s = laps.empty() ? run.clock_s() : *std::min_element(laps.begin(), laps.end());
   double timed_s = 0.0;
   for (const double lap_s : laps) timed_s += lap_s;
-  if (!result.finished) timed_s = run.clock_s();
+  if (laps.empty()) timed_s = run.clock_s();
   if (timed_s > 0.0) result.mean_speed_mps = result.length_m / timed_s;
   if (result.tyre_queries > 0)
     result.off_road_share = static_cast<double>(result.tyre_misses) / static_cast<double>(result.tyre_queries);
@@ -228,22 +228,24 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
                                    .car_width_m = track_m + tyre_width_m,
                                    .wheelbase_m = options.car.body.wheelbase_m,
                                    .margin_m = options.racing ? racing_margin_m : road_margin_m,
-                                   .most_curvature_1pm = most_curvature_1pm(options.car)});
+                                   .most_curvature_1pm = full_lock_share * full_lock_curvature_1pm(options.car)});
+  if (!options.racing && !stop_before_tight_bend(result)) return result;
   const SpeedCaps caps = caps_of(query.map(), options, result);
   const SpeedPlan plan(result.line, plan_over_bumps(options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
-  if (!route.closed) report_open_route(result);
+  if (!result.route.closed) report_open_route(result);
 
   const Timing timing = timing_of(options, result.line, result.plan_time_s,
                                   static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
   Run run(query, options, envelope, plan, result, stops_of_laps(caps.stops_m, result.line, timing.to_m));
-  const bool rolling = route.closed && !options.standing_start;
-  const double start_m = route.closed ? 0.0 : timing.from_m;
+  const bool rolling = result.route.closed && !options.standing_start;
+  const double start_m = result.route.closed ? 0.0 : timing.from_m;
   run.place(start_m, rolling ? plan.at(start_m).speed_mps : 0.0);
   const auto clock_start = std::chrono::steady_clock::now();
-  result.finished = run.drive(timing, monitor);
+  const bool at_end = run.drive(timing, monitor);
+  result.finished = at_end && result.finished_before_step < 0;
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock_start).count();
-  if (!result.finished) report_unfinished(run, timing, result);
+  if (!at_end) report_unfinished(run, timing, result);
   summarize(result, run, timing);
   if (monitor != nullptr) monitor->progress(1.0, "drive");
   return result;

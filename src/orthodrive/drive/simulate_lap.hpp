@@ -64,7 +64,8 @@ struct DriveResult {
   vehicle::CarParameters car;
   DrivingLine line;
   std::vector<DriveSample> samples;  ///< every 10 ms, first at t = 0
-  bool finished = false;             ///< came to the end of the line
+  bool finished = false;             ///< came to the end of the route
+  int finished_before_step = -1;     ///< the step with a bend too tight for the car, before which it stopped; -1: none
   double lap_time_s = 0.0;           ///< of the fastest lap, or of the whole way of an open route
   std::vector<double> lap_times_s;   ///< of every timed lap
   double length_m = 0.0;             ///< of what was timed

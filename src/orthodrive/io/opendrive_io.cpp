@@ -13,6 +13,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/opendrive_junction.hpp"
+#include "roadquery/connecting_road.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
 
@@ -23,7 +24,7 @@ using roadquery::Cubic;
 using roadquery::Lane;
 using roadquery::Road;
 
-/// "12.50000000" becomes "12.5", "-0.00000000" becomes "0", "1.50e-07" becomes "1.5e-7".
+/// "12.50000000" becomes "12.5", "-0.50" becomes "-.5", "-0.00000000" becomes "0", "1.50e-07" becomes "1.5e-7".
 std::string trimmed(std::string text) {
   std::string exponent;
   if (const auto e = text.find('e'); e != std::string::npos) {
@@ -34,7 +35,10 @@ std::string trimmed(std::string text) {
     while (text.back() == '0') text.pop_back();
     if (text.back() == '.') text.pop_back();
   }
-  return text == "-0" || text == "0" ? "0" : text + exponent;
+  if (text == "-0" || text == "0") return "0";
+  if (text.starts_with("0.")) text.erase(0, 1);
+  if (text.starts_with("-0.")) text.erase(1, 1);
+  return text + exponent;
 }
 
 /// Rounded to `decimals` places, in the shorter of both notations.
@@ -46,16 +50,19 @@ std::string rounded(double v, int decimals) {
   return scientific.size() < fixed.size() ? scientific : fixed;
 }
 
-/// Decimal places more by which a factor of the `power` of lengths up to this one moves the product by less; ten metres
-/// at least, for the slopes of short pieces.
+/// Decimal places more by which a factor of the `power` of lengths up to this one moves the product by less; one at
+/// least, for the slopes of short pieces.
 int more_decimals(double length_m, int power) {
-  return static_cast<int>(std::ceil(power * std::log10(std::max(length_m, 10.0)) - 1e-6));
+  return std::max(1, static_cast<int>(std::ceil(power * std::log10(length_m) - 1e-6)));
 }
 
-constexpr int metre_decimals = 8, height_decimals = 7, width_decimals = 10, superelevation_decimals = 8,
-              heading_decimals = 8, end_decimals = 7;  ///< the last: of the place where a curvature leads
+constexpr int metre_decimals = 8, place_decimals = 7, height_decimals = 7, width_decimals = 10,
+              superelevation_decimals = 8, heading_decimals = 7, curvature_decimals = 8,
+              end_decimals = 6;  ///< the last: of the place where a curvature leads
 
 std::string metres(double v) { return trimmed(fmt::format("{:.{}f}", v, metre_decimals)); }
+/// Of a plan element's start.
+std::string coordinate(double v) { return trimmed(fmt::format("{:.{}f}", v, place_decimals)); }
 std::string radians(double v) { return trimmed(fmt::format("{:.12f}", v)); }
 std::string coefficient(double v) { return v == 0.0 ? "0" : trimmed(fmt::format("{:.13g}", v)); }
 
@@ -85,8 +92,10 @@ void add_cubics(pugi::xml_node parent, const char* name, const std::vector<Cubic
 struct AddShape {
   pugi::xml_node geometry;
   double length_m = 0.0;
-  /// The end moves by less than 1e-7 m.
-  [[nodiscard]] std::string curvature(double v) const { return rounded(v, end_decimals + more_decimals(length_m, 2)); }
+  /// The end moves by less than 1e-6 m, and 1e-8 1/m is none that a wheel feels.
+  [[nodiscard]] std::string curvature(double v) const {
+    return rounded(v, std::max(curvature_decimals, end_decimals + more_decimals(length_m, 2)));
+  }
   void operator()(const roadquery::Line&) { geometry.append_child("line"); }
   void operator()(const roadquery::Arc& arc) {
     set(geometry.append_child("arc"), "curvature", curvature(arc.curvature));
@@ -268,16 +277,6 @@ void add_objects(pugi::xml_node road_node, const Road& road) {
   set(node, "type", road.bridge ? "concrete" : "standard");  // OSM does not say what it is made of
 }
 
-/// A connecting road that is of the class of the road before it does not repeat it: the reader takes it from there.
-bool says_highway(const roadquery::RoadMap& map, const Road& road) {
-  if (road.highway.empty()) return false;
-  if (road.junction < 0 || road.predecessor.kind != roadquery::LinkKind::road) return true;
-  const auto before = std::lower_bound(map.roads.begin(), map.roads.end(), road.predecessor.id,
-                                       [](const Road& other, int id) { return other.id < id; });
-  const bool found = before != map.roads.end() && before->id == road.predecessor.id;
-  return !found || before->junction >= 0 || before->highway != road.highway;
-}
-
 void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& road, const Offset& offset) {
   pugi::xml_node node = root.append_child("road");
   if (!road.name.empty()) set(node, "name", road.name);
@@ -288,13 +287,15 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   pugi::xml_node link = node.append_child("link");
   add_link(link, "predecessor", road.predecessor);
   add_link(link, "successor", road.successor);
-  add_type(node, road);
+  // What a connecting road has from the roads that it connects is not repeated: the reader takes it from there.
+  const roadquery::Inherited from = roadquery::inherited(map, road);
+  if (road.junction < 0 || road.speed_limit_mps != from.speed_limit_mps) add_type(node, road);
   pugi::xml_node plan = node.append_child("planView");
   for (const roadquery::PlanElement& e : road.plan) {
     pugi::xml_node geometry = plan.append_child("geometry");
     set(geometry, "s", metres(e.s));
-    set(geometry, "x", metres(e.x - offset.x));
-    set(geometry, "y", metres(e.y - offset.y));
+    set(geometry, "x", coordinate(e.x - offset.x));
+    set(geometry, "y", coordinate(e.y - offset.y));
     set(geometry, "hdg", rounded(e.hdg, heading_decimals + more_decimals(e.length, 1)));
     set(geometry, "length", metres(e.length));
     std::visit(AddShape{geometry, e.length}, e.shape);
@@ -307,8 +308,8 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
   add_lanes(node, road);
   add_objects(node, road);
   add_surface(node, road);
-  if (!road.osm_id.empty()) add_user_data(node, "osm_id", road.osm_id);
-  if (says_highway(map, road)) add_user_data(node, "highway", road.highway);
+  if (!road.osm_id.empty() && road.osm_id != from.osm_id) add_user_data(node, "osm_id", road.osm_id);
+  if (!road.highway.empty() && road.highway != from.highway) add_user_data(node, "highway", road.highway);
   if (road.layer != 0) add_user_data(node, "layer", std::to_string(road.layer));
   if (road.bridge) add_user_data(node, "bridge", "yes");
   if (road.tunnel) add_user_data(node, "tunnel", "yes");
@@ -421,7 +422,7 @@ std::size_t width_of(pugi::xml_node node) {
 /// A line for each element with all in it where that is not too long, else one for each child. No indentation: it is a
 /// tenth of a file whose elements stand side by side.
 void break_lines(pugi::xml_node node) {
-  constexpr std::size_t longest_line = 400;
+  constexpr std::size_t longest_line = 1000;
   if (!node.first_child() || width_of(node) <= longest_line) return;
   for (pugi::xml_node child = node.first_child(); child; child = child.next_sibling()) {
     node.insert_child_before(pugi::node_pcdata, child).set_value("\n");

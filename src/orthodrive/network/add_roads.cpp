@@ -22,11 +22,14 @@ constexpr double kmh_per_mps = 3.6;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// In multiples of a centimetre: nobody measures more, and lanes that keep their width are written as such.
 std::vector<ProfileSample> widths_between(const ChainGeometry& geometry, std::size_t piece, double s0, double s1) {
-  std::vector<ProfileSample> samples{{0.0, width_at(geometry, s0 + 1e-6)}};
+  constexpr double unit_m = 0.01;
+  std::vector<ProfileSample> samples{{0.0, width_at(geometry, s0)}};
   for (const ProfileSample& sample : geometry.widths[piece])
     if (sample.s > s0 + 1e-3 && sample.s < s1 - 1e-3) samples.push_back({sample.s - s0, sample.value});
-  samples.push_back({s1 - s0, width_at(geometry, s1 - 1e-6)});
+  samples.push_back({s1 - s0, width_at(geometry, s1)});
+  for (ProfileSample& sample : samples) sample.value = std::round(sample.value / unit_m) * unit_m;
   return samples;
 }
 

@@ -14,9 +14,9 @@ namespace {
 using roadquery::Cubic;
 
 constexpr double reach_m = 30.0;  // to the right; wider than any road. The left half has no end
-constexpr double fall_unit = 1e-6;
-constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-3;
-constexpr double banking_share = 0.125;  // of the tolerance of heights
+constexpr double fall_unit = 1e-5;
+constexpr double min_knot_distance_m = 0.01, place_unit_m = 1e-2;
+constexpr double crown_share = 0.5, banking_share = 0.3, elevation_share = 0.2;  // of the tolerance of heights
 
 /// Fall and its slope at a place where an entry may stand.
 struct Station {
@@ -48,28 +48,58 @@ std::vector<Station> stations(std::span<const Cubic> fall, double length_m, cons
   return result;
 }
 
-/// The fewest stations with the first and the last between which chords keep the tolerances: a shortest path.
-std::vector<Station> fewest(const std::vector<Station>& all, const CrownShapeOptions& options) {
-  const std::size_t n = all.size();
-  const double tolerance = 0.875 * options.fall_tolerance;
-  std::vector<std::size_t> chords(n, std::numeric_limits<std::size_t>::max()), before(n, 0);
-  chords[0] = 0;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    // Slopes of the chords from i that pass all stations up to j closely enough.
+/// A straight stretch of the fall between two stations.
+struct Chord {
+  std::size_t from = 0, to = 0;
+  double slope = 0.0;
+  double cost = std::numeric_limits<double>::infinity();  ///< least of a way that ends with it
+  std::size_t before = none;                              ///< the chord before it on that way
+
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+};
+
+/// Chords that pass all stations between closely enough, by their first station; those to the next station always.
+std::vector<Chord> chords_of(const std::vector<Station>& all, double tolerance) {
+  std::vector<Chord> chords;
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     double lowest = -std::numeric_limits<double>::infinity(), highest = -lowest;
-    for (std::size_t j = i + 1; j < n && lowest <= highest; ++j) {
+    for (std::size_t j = i + 1; j < all.size() && lowest <= highest; ++j) {
       const double ds = all[j].s - all[i].s, slope = (all[j].fall - all[i].fall) / ds;
-      const bool smooth = std::max(std::abs(slope - all[i].rate), std::abs(slope - all[j].rate)) <=
-                          0.5 * options.max_rate_jump + fall_unit / ds;
-      if ((j == i + 1 || (smooth && slope >= lowest && slope <= highest)) && chords[i] + 1 < chords[j])
-        chords[j] = chords[i] + 1, before[j] = i;
+      if (j == i + 1 || (slope >= lowest && slope <= highest)) chords.push_back({i, j, slope});
       lowest = std::max(lowest, slope - tolerance / ds);
       highest = std::min(highest, slope + tolerance / ds);
     }
   }
-  std::vector<Station> kept;
-  for (std::size_t i = n - 1; i > 0; i = before[i]) kept.push_back(all[i]);
-  kept.push_back(all[0]);
+  return chords;
+}
+
+/// The fewest stations with the first and the last between which chords keep the tolerances: a shortest path whose
+/// steps are chords. Of equal ones that with the smallest kinks.
+std::vector<Station> fewest(const std::vector<Station>& all, const CrownShapeOptions& options) {
+  constexpr double too_sharp = 1e3, share_of_kinks = 1e-3;  // in chords: where nothing keeps the largest jump
+  std::vector<Chord> chords = chords_of(all, 0.875 * options.fall_tolerance);
+  const auto kink = [&](double jump, double largest) {
+    const double share = std::abs(jump) / largest;
+    return (share > 1.0 ? too_sharp : 0.0) + share_of_kinks * share * share;
+  };
+  std::vector<std::vector<std::size_t>> ending(all.size());
+  const double half = 0.5 * options.max_rate_jump;
+  for (std::size_t k = 0; k < chords.size(); ++k) {
+    Chord& chord = chords[k];
+    if (chord.from == 0) chord.cost = 1.0 + kink(chord.slope - all.front().rate, half);
+    for (const std::size_t i : ending[chord.from]) {
+      if (chords[i].cost + 1.0 >= chord.cost) continue;
+      const double cost = chords[i].cost + 1.0 + kink(chord.slope - chords[i].slope, options.max_rate_jump);
+      if (cost < chord.cost) chord.cost = cost, chord.before = i;
+    }
+    if (chord.to + 1 == all.size()) chord.cost += kink(chord.slope - all.back().rate, half);
+    ending[chord.to].push_back(k);
+  }
+  std::size_t last = ending.back().front();
+  for (const std::size_t i : ending.back())
+    if (chords[i].cost < chords[last].cost) last = i;
+  std::vector<Station> kept{all.back()};
+  for (std::size_t i = last; i != Chord::none; i = chords[i].before) kept.push_back(all[chords[i].from]);
   std::reverse(kept.begin(), kept.end());
   return kept;
 }
@@ -111,10 +141,11 @@ std::vector<roadquery::ShapeCubic> crown_shape(std::span<const Cubic> fall, doub
 
 void add_crown(roadquery::Road& road, std::span<const Cubic> fall, double tolerance_m, double max_rate_jump) {
   const double reach = widest_reach_m(road);
-  road.shape =
-      crown_shape(fall, road.length,
-                  {.fall_tolerance = tolerance_m / reach, .max_rate_jump = max_rate_jump, .halves = halves_of(road)});
+  road.shape = crown_shape(
+      fall, road.length,
+      {.fall_tolerance = crown_share * tolerance_m / reach, .max_rate_jump = max_rate_jump, .halves = halves_of(road)});
   road.superelevation = simplify_profile(road.superelevation, road.length, banking_share * tolerance_m / reach);
+  road.elevation = simplify_profile(road.elevation, road.length, elevation_share * tolerance_m);
 }
 
 }  // namespace orthodrive::network

@@ -1,8 +1,10 @@
 #include "orthodrive/network/refit_profile.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "orthodrive/math/cholesky.hpp"
 #include "orthodrive/math/cubic_spline.hpp"
 #include "orthodrive/network/road_cover.hpp"
 #include "roadquery/junction_surface.hpp"
@@ -16,8 +18,11 @@ using roadquery::Road;
 constexpr double least_knot_m = 2.5, step_m = 0.5;
 constexpr double least_rough_m = 1.5, rough = 4.0;  // pieces of which the tolerance is missed by that factor
 constexpr double tolerance_m = 0.005;               // more pieces until the lanes lie so near to what the surface wants
-constexpr double share = 0.5;                       // of the heights in that, the rest is the banking's
-constexpr int across = 5;                           // places of a cross section
+constexpr double lanes_m = 0.015;  // fewer pieces while the lanes lie so near, or no further than before
+constexpr double knot_unit_m = 0.01, height_unit_m = 1e-4,
+                 banking_unit = 1e-5;  // between the ends: numbers of few digits
+constexpr double share = 0.5;          // of the heights in that, the rest is the banking's
+constexpr int across = 5;              // places of a cross section
 constexpr double rate_step_m = 0.1;
 constexpr double least_width_m = 0.5;
 
@@ -45,12 +50,15 @@ Section section_at(const Road& road, const roadquery::JunctionSurface& surface, 
   return {sum / across - middle * slope, std::atan(slope)};
 }
 
-std::vector<Cubic> cubics_of(const CubicSpline& spline) {
+double rounded(double v, double unit) { return std::round(v / unit) * unit; }
+
+/// A spline of values in multiples of `unit`.
+std::vector<Cubic> cubics_of(const CubicSpline& spline, double unit) {
   std::vector<Cubic> cubics;
   for (std::size_t i = 0; i + 1 < spline.knots.size(); ++i) {
     const double s = spline.knots[i], length = spline.knots[i + 1] - s;
-    cubics.push_back({s, spline.values[i], spline.slope(s), 0.5 * spline.second[i],
-                      (spline.second[i + 1] - spline.second[i]) / (6.0 * length)});
+    cubics.push_back({s, spline.values[i] / unit, spline.slope(s) / unit, 0.5 * spline.second[i] / unit,
+                      (spline.second[i + 1] - spline.second[i]) / (6.0 * length * unit)});
   }
   return cubics;
 }
@@ -86,32 +94,124 @@ Wanted wanted_of(const Road& road, const roadquery::JunctionSurface& surface, co
   return wanted;
 }
 
-/// What a spline goes through: the values at all places of the wanted sections, and the slopes at the ends.
+/// What a spline follows: the values at all places of the wanted sections, and the slopes at the ends.
 struct Course {
   std::vector<double> values;
-  double first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
+  double step_m = 0.0, first_slope = 0.0, last_slope = 0.0, tolerance = 0.0;
+  double unit = 0.0;  ///< a spline has multiples of it between the ends
+
+  [[nodiscard]] double s(std::size_t i) const { return step_m * static_cast<double>(i); }
+  /// Where a spline has a knot that stands for a place.
+  [[nodiscard]] double knot_s(std::size_t i) const {
+    return i == 0 || i + 1 == values.size() ? s(i) : rounded(s(i), knot_unit_m);
+  }
 };
 
-/// A spline of few pieces through the first value, the last one and some between: pieces are split until all values lie
-/// within the tolerance or pieces are short.
-CubicSpline through(const Course& course, double step_m) {
-  std::vector<std::size_t> knots{0, course.values.size() - 1};
-  for (;;) {
-    std::vector<double> s, values;
-    for (const std::size_t i : knots) s.push_back(step_m * static_cast<double>(i)), values.push_back(course.values[i]);
-    CubicSpline spline = clamped_spline(s, std::move(values), course.first_slope, course.last_slope);
-    std::vector<std::size_t> finer{0};
-    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-      double off = 0.0;
-      for (std::size_t i = knots[k] + 1; i < knots[k + 1]; ++i)
-        off = std::max(off, std::abs(spline.at(step_m * static_cast<double>(i)) - course.values[i]));
-      const double length_m = step_m * static_cast<double>(knots[k + 1] - knots[k]);
-      const double least_m = off > rough * course.tolerance ? least_rough_m : least_knot_m;
-      if (off > course.tolerance && length_m >= 2.0 * least_m) finer.push_back((knots[k] + knots[k + 1]) / 2);
-      finer.push_back(knots[k + 1]);
+/// Places of a course, the first and the last among them.
+using Knots = std::vector<std::size_t>;
+
+/// Values of a spline at all places of its course.
+std::vector<double> sampled(const CubicSpline& spline, const Course& course) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < course.values.size(); ++i) values.push_back(spline.at(course.s(i)));
+  return values;
+}
+
+/// The clamped spline of least squares that has the first and the last value.
+CubicSpline least_squares_spline(const Course& course, const Knots& knots) {
+  const std::size_t free = knots.size() - 2;
+  std::vector<double> s, values(knots.size(), 0.0);
+  for (const std::size_t i : knots) s.push_back(course.knot_s(i));
+  values.front() = course.values.front(), values.back() = course.values.back();
+  const std::vector<double> rest = sampled(clamped_spline(s, values, course.first_slope, course.last_slope), course);
+  std::vector<std::vector<double>> shares;  // of each free value in all places
+  for (std::size_t k = 0; k < free; ++k) {
+    std::vector<double> unit(knots.size(), 0.0);
+    unit[k + 1] = 1.0;
+    shares.push_back(sampled(clamped_spline(s, std::move(unit), 0.0, 0.0), course));
+  }
+  std::vector<double> normal(free * free), right(free, 0.0);
+  for (std::size_t k = 0; k < free; ++k)
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      right[k] += shares[k][i] * (course.values[i] - rest[i]);
+      for (std::size_t m = 0; m <= k; ++m) normal[k * free + m] += shares[k][i] * shares[m][i];
     }
-    if (finer.size() == knots.size()) return spline;
+  if (free > 0) {
+    const SymmetricMatrix matrix = SymmetricMatrix::dense(normal.data(), free, free);
+    if (factorize(matrix))
+      solve_factored(matrix, right);
+    else
+      for (std::size_t k = 0; k < free; ++k) right[k] = course.values[knots[k + 1]];
+  }
+  for (std::size_t k = 0; k < free; ++k) values[k + 1] = rounded(right[k], course.unit);
+  return clamped_spline(std::move(s), std::move(values), course.first_slope, course.last_slope);
+}
+
+/// Distances of the values from the spline of these knots.
+std::vector<double> distances(const Course& course, const Knots& knots) {
+  std::vector<double> off = sampled(least_squares_spline(course, knots), course);
+  for (std::size_t i = 0; i < off.size(); ++i) off[i] = std::abs(off[i] - course.values[i]);
+  return off;
+}
+
+/// Pieces are halved until all values lie within the tolerance or pieces are short.
+Knots halved(const Course& course) {
+  Knots knots{0, course.values.size() - 1};
+  for (;;) {
+    const std::vector<double> off = distances(course, knots);
+    Knots finer{0};
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      const std::size_t from = knots[k], to = knots[k + 1];
+      const double worst = *std::max_element(off.begin() + static_cast<std::ptrdiff_t>(from),
+                                             off.begin() + static_cast<std::ptrdiff_t>(to) + 1);
+      const double least_m = worst > rough * course.tolerance ? least_rough_m : least_knot_m;
+      if (worst > course.tolerance && course.s(to - from) >= 2.0 * least_m) finer.push_back((from + to) / 2);
+      finer.push_back(to);
+    }
+    if (finer.size() == knots.size()) return knots;
     knots = std::move(finer);
+  }
+}
+
+/// Heights along the road and the heights of the edges of the lanes over it.
+struct Profile {
+  std::array<Course, 2> courses;
+  std::array<Knots, 2> knots;
+
+  [[nodiscard]] std::array<std::vector<double>, 2> off() const {
+    return {distances(courses[0], knots[0]), distances(courses[1], knots[1])};
+  }
+};
+
+/// Of a candidate that has `here` instead of what the other half of `off` goes with: the worst share of what is
+/// allowed.
+double worst_share(const std::vector<double>& here, const std::vector<double>& other,
+                   const std::vector<double>& allowed) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < here.size(); ++i) worst = std::max(worst, (here[i] + other[i]) / allowed[i]);
+  return worst;
+}
+
+/// Takes knots out, the least needed first, as long as the lanes lie everywhere within the tolerance or as near as
+/// before.
+void thin(Profile& profile) {
+  auto off = profile.off();
+  std::vector<double> allowed;
+  for (std::size_t i = 0; i < off[0].size(); ++i) allowed.push_back(std::max(lanes_m, off[0][i] + off[1][i]));
+  for (;;) {
+    double least = 1.0 + 1e-9;
+    std::size_t which = 0;
+    Knots fewer;
+    for (const std::size_t p : {0U, 1U})
+      for (std::size_t k = 1; k + 1 < profile.knots[p].size(); ++k) {
+        Knots without = profile.knots[p];
+        without.erase(without.begin() + static_cast<std::ptrdiff_t>(k));
+        const double worst = worst_share(distances(profile.courses[p], without), off[1 - p], allowed);
+        if (worst < least) least = worst, which = p, fewer = std::move(without);
+      }
+    if (fewer.empty()) return;
+    profile.knots[which] = std::move(fewer);
+    off[which] = distances(profile.courses[which], profile.knots[which]);
   }
 }
 
@@ -164,12 +264,21 @@ Road refitted(const Road& road, const roadquery::JunctionSurface& surface, const
   constexpr double shortest_m = 0.1;
   if (road.length < shortest_m) return road;
   const Wanted wanted = wanted_of(road, surface, ends);
-  Course z{{}, ends.start.gradient, ends.end.gradient, share * tolerance_m};
-  Course bank{{}, wanted.start_rate, wanted.end_rate, (1.0 - share) * tolerance_m / wanted.half_m};
-  for (const Section& section : wanted.sections) z.values.push_back(section.z), bank.values.push_back(section.bank);
+  Course z{{}, wanted.step_m, ends.start.gradient, ends.end.gradient, share * tolerance_m, height_unit_m};
+  Course edge{{},
+              wanted.step_m,
+              wanted.start_rate * wanted.half_m,
+              wanted.end_rate * wanted.half_m,
+              (1.0 - share) * tolerance_m,
+              banking_unit * wanted.half_m};
+  for (const Section& section : wanted.sections)
+    z.values.push_back(section.z), edge.values.push_back(section.bank * wanted.half_m);
+  Profile profile{{std::move(z), std::move(edge)}, {}};
+  for (const std::size_t p : {0U, 1U}) profile.knots[p] = halved(profile.courses[p]);
+  thin(profile);
   Road fitted = road;
-  fitted.elevation = cubics_of(through(z, wanted.step_m));
-  fitted.superelevation = cubics_of(through(bank, wanted.step_m));
+  fitted.elevation = cubics_of(least_squares_spline(profile.courses[0], profile.knots[0]), 1.0);
+  fitted.superelevation = cubics_of(least_squares_spline(profile.courses[1], profile.knots[1]), wanted.half_m);
   const auto level = [](const Cubic& c) { return c.a == 0.0 && c.b == 0.0 && c.c == 0.0 && c.d == 0.0; };
   if (std::all_of(fitted.superelevation.begin(), fitted.superelevation.end(), level)) fitted.superelevation.clear();
   return fitted;

@@ -131,13 +131,16 @@ StageOutcome run_all_roads(const DriveFiles& files, const roadquery::RoadMap& ma
                                    {"tyre_misses", all.tyre_misses},
                                    {"off_road_places", all.off_road_places},
                                    {"jolt_places", all.jolt_places},
-                                   {"bump_places", all.bump_places}},
+                                   {"bump_places", all.bump_places},
+                                   {"too_tight_places", all.too_tight_places}},
                        .findings = all.findings};
+  write_text_file(files.folder / "all_roads.json", outcome.numbers.dump(1) + "\n");
   outcome.summary = {
       fmt::format("{} routes of {:.1f} km, {} driven to the end, {} too short to drive", all.routes,
                   1e-3 * all.routes_m, all.finished, all.too_short),
       fmt::format("places: {} off the road, {} above 5 m/s2 vertically (most {:.1f}), {} with a step (most {:.3f} m)",
                   all.off_road_places, all.jolt_places, all.max_vertical_mps2, all.bump_places, all.max_height_step_m),
+      fmt::format("bends too tight for the car: {}", all.too_tight_places),
       fmt::format("{:.0f} s simulated, {:.0f} times real time", all.driven_s,
                   all.wall_s > 0.0 ? all.driven_s / all.wall_s : 0.0)};
   return outcome;

@@ -1,0 +1,49 @@
+#include "orthodrive/drive/steering_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/drive/axle_line.hpp"
+
+namespace orthodrive {
+namespace {
+
+constexpr double steering_share = 0.5;  // of its rate; the rest is left to correct with
+constexpr double runs_wide = 1.03;      // so much over full lock a bend of a radius of 4 m is left by less than 0.2 m
+
+}  // namespace
+
+double full_lock_curvature_1pm(const vehicle::CarParameters& car) {
+  const double wheelbase_m = car.body.wheelbase_m;
+  return 1.0 / std::hypot(wheelbase_m / std::tan(car.steering.max_wheel_rad), 0.5 * wheelbase_m);
+}
+
+void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, std::vector<double>& legal_mps) {
+  const std::vector<double> heading = car_headings(line, car.body.wheelbase_m);
+  const std::vector<double> angle = steering_angles(front_axle_line(line, car.body.wheelbase_m, heading), heading);
+  const double rate_radps = steering_share * car.steering.max_wheel_rate_radps;
+  for (std::size_t i = 1; i < angle.size(); ++i) {
+    const double turn_1pm = std::abs(angle[i] - angle[i - 1]) / (line.points[i].s_m - line.points[i - 1].s_m);
+    for (double* legal : {&legal_mps[i - 1], &legal_mps[i]})
+      if (turn_1pm * *legal > rate_radps) *legal = rate_radps / turn_1pm;
+  }
+}
+
+std::optional<TightBend> first_too_tight(const vehicle::CarParameters& car, const DrivingLine& line) {
+  const double half_m = 0.5 * car.body.wheelbase_m, most_1pm = runs_wide * full_lock_curvature_1pm(car);
+  std::optional<TightBend> bend;
+  for (const LinePoint& p : line.points) {
+    if (!line.closed && (p.s_m < half_m || p.s_m > line.length_m() - half_m)) continue;
+    const double turn_rad = line.at(p.s_m + half_m).heading_rad - line.at(p.s_m - half_m).heading_rad;
+    const double mean_1pm = std::abs(turn_rad) / (2.0 * half_m);
+    if (mean_1pm > most_1pm) {
+      if (!bend) bend = TightBend{p.s_m, p.x_m, p.y_m};
+      bend->curvature_1pm = std::max(bend->curvature_1pm, mean_1pm), bend->step = p.step;
+    } else if (bend) {
+      break;
+    }
+  }
+  return bend;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,1 @@
+"""Modules of tools/paint: painting pieces of photos by hand."""
