@@ -60,8 +60,8 @@ struct JunctionField {
 [[nodiscard]] double arm_height(const JunctionArm& arm, double in_m, double left_m);
 
 /// Sets the arms of every junction that has a surface: all road ends that are linked to it or, linked to another
-/// junction, count somewhere inside its boundary on its level (where two surfaces overlap both turn into the same arms),
-/// but for those of short_ways() between two surfaces; by road id, start before end. To be called when roads or
+/// junction, count somewhere inside its boundary on its level (where two surfaces overlap both turn into the same
+/// arms), but for those of short_ways() between two surfaces; by road id, start before end. To be called when roads or
 /// surfaces have changed; read_opendrive() and the network stage do.
 void join_arms(RoadMap& map);
 
