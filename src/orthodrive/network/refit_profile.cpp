@@ -18,7 +18,6 @@ using roadquery::Road;
 constexpr double least_knot_m = 2.5, step_m = 0.5;
 constexpr double least_rough_m = 1.5, rough = 4.0;  // pieces of which the tolerance is missed by that factor
 constexpr double tolerance_m = 0.005;               // more pieces until the lanes lie so near to what the surface wants
-constexpr double lanes_m = 0.02;  // fewer pieces while the lanes lie so near, or no further than before
 constexpr double knot_unit_m = 0.01, height_unit_m = 1e-4,
                  banking_unit = 1e-5;  // between the ends: numbers of few digits
 constexpr double share = 0.5;          // of the heights in that, the rest is the banking's
@@ -197,7 +196,7 @@ double worst_share(const std::vector<double>& here, const std::vector<double>& o
 void thin(Profile& profile) {
   auto off = profile.off();
   std::vector<double> allowed;
-  for (std::size_t i = 0; i < off[0].size(); ++i) allowed.push_back(std::max(lanes_m, off[0][i] + off[1][i]));
+  for (std::size_t i = 0; i < off[0].size(); ++i) allowed.push_back(std::max(tolerance_m, off[0][i] + off[1][i]));
   for (;;) {
     double least = 1.0 + 1e-9;
     std::size_t which = 0;
