@@ -108,21 +108,30 @@ void measure_plan(const Road& road, NetworkScores& scores) {
   }
 }
 
-/// Heading, gradient and curvature of a car that goes from one road to the other.
+/// Gradient along the heading of the reference line at t of a road's end: of the reference line itself where t is 0.
+double gradient_beside(const RoadEnd& end, const roadquery::PlanPoint& p, double t) {
+  constexpr double on_line_m = 1e-3;
+  if (std::abs(t) < on_line_m) return roadquery::gradient(*end.road, end.s());
+  const roadquery::SurfacePoint at = roadquery::surface_point(*end.road, end.s(), t);
+  return -(std::cos(p.hdg) * at.normal[0] + std::sin(p.hdg) * at.normal[1]) / at.normal[2];
+}
+
+/// Heading, gradient and curvature of a car that goes along the reference line of the one road into the other. The
+/// reference line of a connecting road may lie beside that of the road.
 void measure_link(const RoadEnd& from, const RoadEnd& to, NetworkScores& scores) {
-  const auto pose = [](const RoadEnd& end, bool leaving) {
-    const bool along = (end.contact == ContactPoint::end) == leaving;
-    const double sign = along ? 1.0 : -1.0;
-    const roadquery::PlanPoint p = roadquery::reference_point(*end.road, end.s());
-    return std::tuple{p.hdg + (along ? 0.0 : std::numbers::pi), sign * roadquery::gradient(*end.road, end.s()),
-                      sign * p.curvature};
-  };
-  const auto [heading_a, gradient_a, curvature_a] = pose(from, true);
-  const auto [heading_b, gradient_b, curvature_b] = pose(to, false);
+  const roadquery::PlanPoint a = roadquery::reference_point(*from.road, from.s());
+  const roadquery::PlanPoint b = roadquery::reference_point(*to.road, to.s());
+  const bool a_along = from.contact == ContactPoint::end, b_along = to.contact == ContactPoint::start;
+  const double a_sign = a_along ? 1.0 : -1.0, b_sign = b_along ? 1.0 : -1.0;
+  const double heading_a = a.hdg + (a_along ? 0.0 : std::numbers::pi);
+  const double heading_b = b.hdg + (b_along ? 0.0 : std::numbers::pi);
+  const double t = std::cos(b.hdg) * (a.y - b.y) - std::sin(b.hdg) * (a.x - b.x);
+  const double gradient_a = a_sign * gradient_beside(from, a, 0.0), gradient_b = b_sign * gradient_beside(to, b, t);
   scores.max_heading_jump_rad = std::max(scores.max_heading_jump_rad, std::abs(wrapped(heading_a - heading_b)));
   scores.max_gradient_kink = std::max(scores.max_gradient_kink, std::abs(gradient_a - gradient_b));
   if (from.road->junction < 0 && to.road->junction < 0)
-    scores.max_curvature_jump = std::max(scores.max_curvature_jump, std::abs(curvature_a - curvature_b));
+    scores.max_curvature_jump =
+        std::max(scores.max_curvature_jump, std::abs(a_sign * a.curvature - b_sign * b.curvature));
 }
 
 void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& scores) {

@@ -9,6 +9,7 @@
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/refit_profile.hpp"
 #include "orthodrive/network/road_parts.hpp"
+#include "roadquery/junction_surface.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
@@ -319,7 +320,11 @@ Gate moved_to(Gate gate, double t, const LaneSpan& lanes, const Road& road, bool
   gate.z_m = end.z, gate.gradient = end.gradient, gate.banking = end.banking;
   gate.pose.p = {p.x, p.y};
   gate.banking_rate = gate.crown = 0.0;
-  gate.inner_t_m -= t;
+  // Across a crown the lanes' edges lie further apart than their widths say, which count along its slopes.
+  const double stretch =
+      distance_across_m(road, s, sign, {lanes.left_t, lanes.right_t}) / (lanes.left_t - lanes.right_t);
+  gate.inner_t_m = (gate.inner_t_m - t) * stretch;
+  gate.lane_width_m *= stretch;
   return gate;
 }
 
@@ -329,6 +334,8 @@ Gate moved_to(Gate gate, double t, const LaneSpan& lanes, const Road& road, bool
 void unfold(const Movement& m, const Road& incoming, bool from_end, const Road& outgoing, bool to_end,
             DrivingSide driving_side, Gate& in, Gate& out, Geometry& geometry) {
   constexpr double enough = 0.05;
+  // The surface lifts ways too short for two transitions afterwards; beside them the reference lines meet.
+  if (std::min(incoming.length, outgoing.length) < 2.0 * roadquery::junction_transition_m) return;
   const LaneSpan at_in = span_of(in, m.first_in, m.count_in, driving_side),
                  at_out = span_of(out, m.first_out, m.count_out, driving_side);
   const auto driven = [](const LaneSpan& lanes, const Gate& gate, double t) {

@@ -230,13 +230,19 @@ double distance_from_surface_m(const Road& road, const roadquery::JunctionSurfac
   return largest;
 }
 
+double distance_across_m(const Road& road, double s, double sign, const roadquery::Edges& lanes) {
+  const roadquery::SurfacePoint a = roadquery::surface_point(road, s, sign * lanes.left_t);
+  const roadquery::SurfacePoint b = roadquery::surface_point(road, s, sign * lanes.right_t);
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
 ProfileEnd end_beside(const Road& other, bool at_end, double sign, double t, const roadquery::Edges& lanes) {
   const double s = at_end ? other.length : 0.0;
   const auto z = [&](double at_t) { return roadquery::surface_height(other, s, sign * at_t); };
   const roadquery::SurfacePoint p = roadquery::surface_point(other, s, sign * t);
   const double hdg = roadquery::reference_point(other, s).hdg;
   const double gradient = -(std::cos(hdg) * p.normal[0] + std::sin(hdg) * p.normal[1]) / p.normal[2];
-  const double slope = (z(lanes.left_t) - z(lanes.right_t)) / (lanes.left_t - lanes.right_t);
+  const double slope = (z(lanes.left_t) - z(lanes.right_t)) / distance_across_m(other, s, sign, lanes);
   return {z(t), sign * gradient, std::asin(slope)};
 }
 

@@ -8,6 +8,11 @@ namespace orthodrive::network {
 /// Largest vertical distance of a road's lanes from the surface.
 [[nodiscard]] double distance_from_surface_m(const roadquery::Road& road, const roadquery::JunctionSurface& surface);
 
+/// Between the edges of lanes at s, straight through the air: a little more than their widths say across a crown.
+/// `sign`: -1 where the lanes are counted against the road's direction.
+[[nodiscard]] double distance_across_m(const roadquery::Road& road, double s, double sign,
+                                       const roadquery::Edges& lanes);
+
 /// What a profile has at one end of a road, along s.
 struct ProfileEnd {
   double z = 0.0, gradient = 0.0, banking = 0.0;  ///< m, 1, rad
