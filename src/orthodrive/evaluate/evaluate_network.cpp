@@ -125,7 +125,8 @@ void measure_link(const RoadEnd& from, const RoadEnd& to, NetworkScores& scores)
   const double a_sign = a_along ? 1.0 : -1.0, b_sign = b_along ? 1.0 : -1.0;
   const double heading_a = a.hdg + (a_along ? 0.0 : std::numbers::pi);
   const double heading_b = b.hdg + (b_along ? 0.0 : std::numbers::pi);
-  const double t = std::cos(b.hdg) * (a.y - b.y) - std::sin(b.hdg) * (a.x - b.x);
+  const double left_m = std::cos(b.hdg) * (a.y - b.y) - std::sin(b.hdg) * (a.x - b.x);
+  const double t = roadquery::t_at(*to.road, to.s(), left_m);
   const double gradient_a = a_sign * gradient_beside(from, a, 0.0), gradient_b = b_sign * gradient_beside(to, b, t);
   scores.max_heading_jump_rad = std::max(scores.max_heading_jump_rad, std::abs(wrapped(heading_a - heading_b)));
   scores.max_gradient_kink = std::max(scores.max_gradient_kink, std::abs(gradient_a - gradient_b));
