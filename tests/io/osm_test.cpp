@@ -360,6 +360,21 @@ TEST(OsmFeatures, polygons_lines_and_multipolygons_with_their_tags) {
   EXPECT_EQ(lines, 2) << "stream and ring road";
 }
 
+TEST(OsmFeatures, ways_without_nodes_are_passed_over) {
+  const Scratch scratch;
+  const fs::path file = scratch / "a.osm";
+  write_bytes(file, OsmText()
+                        .node(1, 0, 0)
+                        .node(2, 10, 0)
+                        .way(1, {}, {{"highway", "residential"}})
+                        .way(2, {}, {{"building", "yes"}})
+                        .way(3, {1, 2}, {{"highway", "service"}})
+                        .text());
+  const std::vector<io::Feature> features = io::read_osm_features(file, utm33);
+  ASSERT_EQ(features.size(), 1U);
+  EXPECT_EQ(features[0].tags.at("highway"), "service");
+}
+
 TEST(RealOsm, kvarnbyn) {
   const fs::path file = paths::in_source("../shared/data/kvarnbyn/roads.osm");
   if (!fs::exists(file)) GTEST_SKIP() << "REAL DATA MISSING: " << file;

@@ -529,9 +529,12 @@ TEST(BuildNetwork, CarriagewaysDoNotLieOnEachOther) {
       const double x = roadquery::reference_point(road, s).x - site_origin.x;
       if (x < 40.0 || x > 160.0) continue;  // the main road tapers to its width beyond the ends of the service road
       const roadquery::Edges edges = roadquery::road_edges(road, s);
-      if (road.osm_id == "1")
+      if (road.osm_id == "1") {
         EXPECT_NEAR(edges.left_t - edges.right_t, 7.0 - 2.0 * 0.45, 0.1) << "gives what is missing";
-      if (road.osm_id == "2") EXPECT_NEAR(edges.left_t - edges.right_t, 3.7, 0.06) << "a lane of 1.85 m each way stays";
+      }
+      if (road.osm_id == "2") {
+        EXPECT_NEAR(edges.left_t - edges.right_t, 3.7, 0.06) << "a lane of 1.85 m each way stays";
+      }
     }
 }
 

@@ -435,7 +435,9 @@ TEST(JunctionSurfaces, RoadsOfHalfAMetreBetweenTwoJunctionsMakeNoStep) {
       for (double x = -10.0; x < 10.0 + gap; x += 0.02) {
         const auto found = query.find(site_origin.x + x, site_origin.y + y, height({x, y}), cursor);
         ASSERT_TRUE(found) << gap << ": " << x << " " << y;
-        if (!std::isnan(last)) EXPECT_NEAR(found->z, last, 0.01) << gap << ": " << x << " " << y;
+        if (!std::isnan(last)) {
+          EXPECT_NEAR(found->z, last, 0.01) << gap << ": " << x << " " << y;
+        }
         last = found->z;
       }
     }

@@ -131,8 +131,12 @@ TEST(CrossProfiles, show_the_road_where_it_is_painted) {
     const double t = (k + 0.5) * s.profiles.step_m - s.profiles.half_m;
     const double outside = s.profiles.positive_row(row)[static_cast<std::size_t>(k)],
                  inside = s.profiles.negative_row(row)[static_cast<std::size_t>(k)];
-    if (std::abs(t + 1.0) < 2.4) EXPECT_TRUE(outside > 0.9 && inside < 0.1) << t;
-    if (std::abs(t + 1.0) > 3.6) EXPECT_TRUE(outside < 0.1 && inside > 0.5) << t;
+    if (std::abs(t + 1.0) < 2.4) {
+      EXPECT_TRUE(outside > 0.9 && inside < 0.1) << t;
+    }
+    if (std::abs(t + 1.0) > 3.6) {
+      EXPECT_TRUE(outside < 0.1 && inside > 0.5) << t;
+    }
   }
 }
 

@@ -40,7 +40,7 @@ class LineHandler : public osmium::handler::Handler {
   LineHandler(std::vector<Feature>& features, const CoordinateTransform& transform)
       : features_(features), transform_(transform) {}
   void way(const osmium::Way& way) {
-    if (way.tags().empty() || (way.is_closed() && !is_linear(way.tags()))) return;
+    if (way.tags().empty() || way.nodes().empty() || (way.is_closed() && !is_linear(way.tags()))) return;
     Polyline line = line_of(way.nodes(), transform_);
     if (line.size() >= 2) features_.push_back({.lines = {std::move(line)}, .tags = tags_of(way.tags())});
   }
