@@ -11,6 +11,7 @@
 #include "roadquery/blend.hpp"
 #include "roadquery/road_surface.hpp"
 #include "roadquery/short_ways.hpp"
+#include "roadquery/surface_gradient.hpp"
 
 namespace roadquery {
 namespace {
@@ -208,9 +209,7 @@ JunctionArm junction_arm(const Road& road, ContactPoint end) {
     const SurfacePoint point = surface_point(road, s, t, reference);
     const double left =
         std::cos(reference.hdg) * (point.y - reference.y) - std::sin(reference.hdg) * (point.x - reference.x);
-    // The normal holds both slopes; the one along the road is what is left of it in the direction of the heading.
-    const double along = -(std::cos(reference.hdg) * point.normal[0] + std::sin(reference.hdg) * point.normal[1]);
-    arm.places.push_back({sign * left, point.z, sign * along / point.normal[2]});
+    arm.places.push_back({sign * left, point.z, sign * gradient_towards(point, reference.hdg)});
   }
   if (!at_end) std::reverse(arm.places.begin(), arm.places.end());
   const auto same = [](const auto& p, const auto& q) { return q.left_m - p.left_m < 1e-6; };
