@@ -74,7 +74,7 @@ void bound_by_axles(LineBetweenEdges& task, const std::vector<Room>& rooms, cons
 }
 
 bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offset, const roadquery::RoadQuery& query,
-                         const DrivingLine& line, const LineOptions& options) {
+                         const DrivingLine& line, LineEnds ends, const LineOptions& options) {
   constexpr std::ptrdiff_t around = 2;  // points to both sides that move along
   const std::vector<double> heading = car_headings(line, options.wheelbase_m);
   const auto n = static_cast<std::ptrdiff_t>(offset.size());
@@ -83,6 +83,7 @@ bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offs
   std::vector<double> push(offset.size(), 0.0);  // to the left, m
   for (std::ptrdiff_t i = 0; i < n; ++i) {
     const LinePoint& p = line.points[static_cast<std::size_t>(i)];
+    if (!task.closed && (p.s_m < ends.from_m || p.s_m > ends.to_m)) continue;
     const double psi = heading[static_cast<std::size_t>(i)];
     const Vec2 ahead{std::cos(psi), std::sin(psi)}, left = left_normal(ahead);
     const double half_car_m = 0.5 * (options.car_width_m + margin_m[static_cast<std::size_t>(i)]);

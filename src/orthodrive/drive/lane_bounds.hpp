@@ -5,6 +5,7 @@
 
 #include "orthodrive/drive/bounded_line.hpp"
 #include "orthodrive/drive/driving_line.hpp"
+#include "orthodrive/drive/line_ends.hpp"
 #include "orthodrive/drive/room_beside.hpp"
 
 namespace orthodrive {
@@ -18,9 +19,10 @@ void bound(LineBetweenEdges& task, double right_m, double left_m, const LineOpti
 void bound_by_axles(LineBetweenEdges& task, const std::vector<Room>& rooms, const DrivingLine& line,
                     const LineOptions& options);
 
-/// Narrows the bounds of the line where a wheel of a car on it would leave the road. False: all wheels stay on it.
+/// Narrows the bounds of the line where a wheel of a car on it would leave the road; an open line counts from where to
+/// where the car can stand. False: all wheels stay on it.
 [[nodiscard]] bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offset,
-                                       const roadquery::RoadQuery& query, const DrivingLine& line,
+                                       const roadquery::RoadQuery& query, const DrivingLine& line, LineEnds ends,
                                        const LineOptions& options);
 
 }  // namespace orthodrive
