@@ -217,7 +217,7 @@ DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& ro
   for (int round = 0; round < axle_rounds; ++round) bound_by_axles(task, rooms, line, options), improve();
   for (int round = 0; round < wheel_rounds; ++round) {
     const LineEnds ends = room_for_wheels(query.map(), route, line, options);
-    if (!keep_wheels_on_road(task, offset, query, line, ends, options)) break;
+    if (!keep_wheels_on_road(task, offset, query, rooms, line, ends, options)) break;
     improve();
   }
   return line;
