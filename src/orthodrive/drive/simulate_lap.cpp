@@ -173,11 +173,13 @@ SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, co
 
 /// Speeds for every point of the line, slower where the body would be thrown up and down: what comes shortly before a
 /// bump throws it as well, so the places before count with it.
-std::vector<double> plan_over_bumps(const DriveOptions& options, const DrivingLine& line, const EnvelopeTable& envelope,
-                                    SpeedCaps caps) {
+std::vector<double> plan_over_bumps(const roadquery::RoadQuery& query, const DriveOptions& options,
+                                    const DrivingLine& line, const EnvelopeTable& envelope, SpeedCaps caps) {
   std::vector<double> speed = plan_speed(line, envelope, options.driver, caps);
-  for (int round = 0; round < bump_rounds && !options.racing; ++round) {
-    const std::vector<double> heave = heave_mps2(line, speed, options.car);
+  if (options.racing) return speed;
+  const AxleHeights heights = axle_heights(query, line, options.car);
+  for (int round = 0; round < bump_rounds; ++round) {
+    const std::vector<double> heave = heave_mps2(line, heights, speed, options.car);
     std::vector<double> slower(speed.size(), 1.0);
     for (std::size_t i = 0; i < heave.size(); ++i) {
       const double share = options.driver.max_heave_mps2 / std::max(heave[i], 1e-6);
@@ -234,7 +236,7 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   result.line = make_driving_line(query, route, line_options(options));
   if (!options.racing && !stop_before_tight_bend(result)) return result;
   const SpeedCaps caps = caps_of(query.map(), options, result);
-  const SpeedPlan plan(result.line, plan_over_bumps(options, result.line, envelope, caps));
+  const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
   if (!result.route.closed) report_open_route(result);
 
