@@ -5,11 +5,13 @@
 #include <compare>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/model/building.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "roadquery/road_map.hpp"
@@ -23,6 +25,7 @@ struct SceneInput {
   const Photo& photo;
   Polygon area;                      ///< the scene ends here
   const LabelMap* labels = nullptr;  ///< if given, tiles carry the classes, for simulators and viewers
+  std::span<const Building> buildings = {};
 };
 
 struct SceneOptions {
@@ -64,6 +67,7 @@ class SceneLayout;
 struct SceneResult {
   std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
+  std::size_t buildings = 0;
   Findings findings;
 };
 

@@ -72,10 +72,12 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
     strips_[i] = cross_sections(*query_, index, options.strip);
     unions[i] = strip_union(*roads_[i], strips_[i]);
   });
-  std::vector<Polygon> all;
-  for (const MultiPolygon& part : unions) all.insert(all.end(), part.begin(), part.end());
-  add_junction_areas(all);
-  MultiPolygon joined = all.empty() ? MultiPolygon{} : union_of(all, plan_grid_m);
+  for (const MultiPolygon& part : unions) pieces_.insert(pieces_.end(), part.begin(), part.end());
+  add_junction_areas(pieces_);
+  std::vector<Box2> boxes;
+  for (const Polygon& piece : pieces_) boxes.push_back(bounds_of(piece.outer));
+  piece_index_ = SpatialIndex(boxes);
+  MultiPolygon joined = pieces_.empty() ? MultiPolygon{} : union_of(pieces_, plan_grid_m);
   for (Polygon& polygon : joined) std::erase_if(polygon.holes, is_sliver);
   polygons_ = joined.empty() ? MultiPolygon{} : intersection_of(joined, {area}, plan_grid_m);
   outline_ = Outline(
@@ -85,6 +87,12 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
         return on ? on->z_m : 0.0;
       },
       options.threads);
+}
+
+MultiPolygon RoadLevel::paved_near(const Box2& box, Vec2 from) const {
+  MultiPolygon near;
+  for (const std::uint32_t i : piece_index_.touching(box)) near.push_back(moved(pieces_[i], from * -1.0));
+  return near.empty() ? near : union_of(near, plan_grid_m);
 }
 
 void RoadLevel::add_junction_areas(std::vector<Polygon>& all) const {

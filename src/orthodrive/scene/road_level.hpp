@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/outline.hpp"
 #include "orthodrive/scene/road_strip.hpp"
 #include "roadquery/road_query.hpp"
@@ -42,7 +43,10 @@ class RoadLevel {
   [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p, double reach_m) const;
   [[nodiscard]] const std::vector<const roadquery::Road*>& roads() const { return roads_; }
   [[nodiscard]] const MultiPolygon& polygons() const { return polygons_; }  ///< union of the carriageways, in the area
-  [[nodiscard]] const Outline& outline() const { return outline_; }         ///< of polygons(), heights of the surface
+  /// Union of the carriageways and junctions whose boxes touch the given one, also outside the area; relative to
+  /// `from`.
+  [[nodiscard]] MultiPolygon paved_near(const Box2& box, Vec2 from) const;
+  [[nodiscard]] const Outline& outline() const { return outline_; }  ///< of polygons(), heights of the surface
   [[nodiscard]] const std::vector<std::vector<CrossSection>>& strips() const { return strips_; }  ///< one a road
 
   static constexpr double sample_reach_m = 1.0;
@@ -54,6 +58,8 @@ class RoadLevel {
   std::shared_ptr<const roadquery::RoadQuery> query_;
   std::vector<bool> is_on_level_;  // of the query's roads
   std::vector<std::vector<CrossSection>> strips_;
+  std::vector<Polygon> pieces_;  // of single roads and junctions
+  SpatialIndex piece_index_;
   MultiPolygon polygons_;
   Outline outline_;
 };

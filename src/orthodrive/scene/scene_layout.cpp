@@ -244,6 +244,8 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   tint = RoadTint(levels, input.photo);
+  buildings = place_buildings(input.buildings, roads, area, *ground, input.photo, options.threads, findings);
+  for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
 
   // Tiles: those that the area's border passes through, and those whose middle lies inside.
   std::set<TileAddress> inside;
