@@ -23,9 +23,9 @@ struct SceneInput {
   const roadquery::RoadMap& roads;
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
-  Polygon area;                      ///< the scene ends here
-  const LabelMap* labels = nullptr;  ///< if given, tiles carry the classes, for simulators and viewers
-  std::span<const Building> buildings = {};
+  Polygon area;                              ///< the scene ends here
+  const LabelMap* labels = nullptr;          ///< if given, tiles carry the classes, for simulators and viewers
+  std::span<const Building> buildings = {};  ///< of maps; labels show what they lack
 };
 
 struct SceneOptions {

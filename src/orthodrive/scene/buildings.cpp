@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <utility>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
@@ -20,10 +20,14 @@ namespace orthodrive::scene {
 namespace {
 
 constexpr double min_area_m2 = 4.0;     // of a building
-constexpr double min_overlap_m2 = 0.2;  // maps are drawn by hand: neighbours may touch
-constexpr double foot_depth_m = 0.5;    // of walls below the lowest ground
-constexpr double bay_m = 3.2;           // distance of windows
-constexpr double house_pitch = 0.7;     // 35 degrees
+constexpr double min_shared_m2 = 0.01;  // less is touching
+constexpr double min_told_m2 = 1.0;     // smaller cuts are no finding: maps are drawn by hand
+constexpr double straight_m = 0.02;     // corners that are less than this off a straight wall are none
+constexpr double road_clearance_m = 0.1;
+constexpr double foot_depth_m = 0.5;  // of walls below the lowest ground
+constexpr double bay_m = 3.2;         // distance of windows
+constexpr double min_bay_m = 1.6;     // shorter walls have none
+constexpr double house_pitch = 0.7;   // 35 degrees
 constexpr double small_m2 = 60.0, house_m2 = 300.0;
 constexpr double max_rise_share = 0.5;  // of a building's height
 
@@ -91,60 +95,67 @@ Polygon largest(const MultiPolygon& polygons) {
   return found == polygons.end() ? Polygon{} : *found;
 }
 
+/// Begins with the point furthest in the west, which is a corner: simplification keeps where a ring begins.
+void begin_at_corner(Ring& ring) {
+  std::ranges::rotate(ring, std::ranges::min_element(ring, {}, [](Vec2 p) { return std::pair(p.x, p.y); }));
+}
+
 /// Without points that lie on the line between their neighbours: they would be corners of roofs.
 Polygon without_straight_corners(Polygon polygon) {
-  const auto clean = [](Ring& ring) {
-    for (std::size_t i = 0; i < ring.size() && ring.size() > 3;) {
-      const Vec2 before = ring[(i + ring.size() - 1) % ring.size()], after = ring[(i + 1) % ring.size()];
-      const double off_m = std::abs(cross(normalized(after - before), ring[i] - before));
-      if (off_m < 0.02) {
-        ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
-      } else {
-        ++i;
-      }
-    }
-  };
-  clean(polygon.outer);
-  for (Ring& hole : polygon.holes) clean(hole);
   std::erase_if(polygon.holes, [](const Ring& hole) { return std::abs(signed_area_m2(hole)) < min_area_m2; });
-  return polygon;
+  if (polygon.outer.size() < 3) return polygon;
+  begin_at_corner(polygon.outer);
+  for (Ring& hole : polygon.holes) begin_at_corner(hole);
+  return largest(simplified({polygon}, straight_m));
 }
 
-/// What is left of a footprint; nothing when less than half.
-std::optional<Polygon> without(const Polygon& footprint, const MultiPolygon& taken) {
-  if (taken.empty()) return footprint;
-  double overlap = 0.0;
-  for (const Polygon& part : intersection_of({footprint}, taken, plan_grid_m)) overlap += area_m2(part);
-  if (overlap < min_overlap_m2) return footprint;
+double shared_m2(const Polygon& footprint, const MultiPolygon& taken) {
+  double shared = 0.0;
+  for (const Polygon& part : intersection_of({footprint}, taken, plan_grid_m)) shared += area_m2(part);
+  return shared;
+}
+
+/// A building before it is dressed, and what its cuts say.
+struct Outlined {
+  PlacedBuilding building;
+  bool stands = false;
+  Findings findings;
+};
+
+/// Takes off the footprint what others have of it. It no longer stands when less than half is left.
+void cut(const MultiPolygon& taken, const char* code, const char* who, Outlined& at) {
+  Polygon& footprint = at.building.footprint;
+  const double shared = shared_m2(footprint, taken);
+  if (shared < min_shared_m2) return;
   const double before = area_m2(footprint);
-  Polygon left = without_straight_corners(largest(difference_of({footprint}, taken, plan_grid_m)));
-  if (left.outer.size() < 3 || area_m2(left) < 0.5 * before) return std::nullopt;
-  return left;
+  footprint = largest(difference_of({footprint}, taken, plan_grid_m));
+  at.stands = footprint.outer.size() >= 3 && area_m2(footprint) >= std::max(0.5 * before, min_area_m2);
+  if (at.stands && shared < min_told_m2) return;
+  at.findings.push_back({Severity::info, code,
+                         fmt::format("a building of {:.0f} m2 shares {:.1f} m2 with {} and is {}", before, shared, who,
+                                     at.stands ? "cut" : "left out"),
+                         at.building.middle.x, at.building.middle.y});
 }
 
-Finding finding(const char* code, const char* text, const PlacedBuilding& building) {
-  return {Severity::info, code,
-          fmt::format("a building of {:.0f} m2 {} and is left out", area_m2(building.footprint), text),
-          building.middle.x, building.middle.y};
-}
-
-/// Footprint relative to its middle, clean and beside roads; nothing when none is left.
-std::optional<PlacedBuilding> outline_of(const Building& building, const RoadLevel& roads, const Outline& area,
-                                         Findings& findings) {
+/// Footprint relative to its middle, clean and beside the roads.
+Outlined outline_of(const Building& building, std::span<const RoadLevel* const> levels, const Outline& area) {
+  Outlined at;
+  if (building.footprint.outer.size() < 3) return at;
   const Box2 box = bounds_of(building.footprint.outer);
-  PlacedBuilding placed;
+  PlacedBuilding& placed = at.building;
   placed.middle = snap_to_grid({0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
-  if (!area.contains(placed.middle)) return std::nullopt;
+  if (!area.contains(placed.middle)) return at;
   const Polygon local = moved(building.footprint, placed.middle * -1.0);
   placed.footprint = without_straight_corners(largest(union_of(std::span(&local, 1), plan_grid_m)));
-  if (placed.footprint.outer.size() < 3 || area_m2(placed.footprint) < min_area_m2) return std::nullopt;
-  const auto left = without(placed.footprint, roads.paved_near(box, placed.middle));
-  if (!left) {
-    findings.push_back(finding("scene.building_on_road", "lies on a road", placed));
-    return std::nullopt;
-  }
-  placed.footprint = *left;
-  return placed;
+  at.stands = placed.footprint.outer.size() >= 3 && area_m2(placed.footprint) >= min_area_m2;
+  MultiPolygon paved;
+  for (const RoadLevel* level : levels)
+    for (Polygon& piece : level->paved_near(box.grown(road_clearance_m), placed.middle))
+      paved.push_back(std::move(piece));
+  if (!at.stands || paved.empty()) return at;
+  cut(buffer_of(paved, road_clearance_m, 2), "scene.building_on_road", "roads", at);
+  if (at.stands) placed.footprint = without_straight_corners(std::move(placed.footprint));
+  return at;
 }
 
 void dress(const Building& building, const Ground& ground, const Photo& photo, PlacedBuilding& placed) {
@@ -167,29 +178,26 @@ void dress(const Building& building, const Ground& ground, const Photo& photo, P
 }
 
 /// Buildings one after the other: each loses what it shares with those before it.
-std::vector<bool> apart(std::vector<std::optional<PlacedBuilding>>& placed, Findings& findings) {
+void cut_apart(std::vector<Outlined>& buildings) {
   std::vector<Box2> boxes;
-  for (const auto& building : placed) {
-    const Box2 local = building ? bounds_of(building->footprint.outer) : Box2{};
-    const Vec2 m = building ? building->middle : Vec2{};
+  for (const Outlined& at : buildings) {
+    const Ring& outer = at.building.footprint.outer;
+    const Vec2 m = at.building.middle;
+    const Box2 local = at.stands ? bounds_of(outer) : Box2{};
     boxes.push_back({local.min_x + m.x, local.min_y + m.y, local.max_x + m.x, local.max_y + m.y});
   }
   const SpatialIndex index(boxes);
-  std::vector<bool> kept(placed.size(), false);
-  for (std::size_t i = 0; i < placed.size(); ++i) {
-    if (!placed[i]) continue;
+  for (std::size_t i = 0; i < buildings.size(); ++i) {
+    if (!buildings[i].stands) continue;
     MultiPolygon before;
     for (const std::uint32_t k : index.touching(boxes[i]))
-      if (k < i && kept[k]) before.push_back(moved(placed[k]->footprint, placed[k]->middle - placed[i]->middle));
-    const auto left = without(placed[i]->footprint, before);
-    if (left) {
-      placed[i]->footprint = *left;
-      kept[i] = true;
-    } else {
-      findings.push_back(finding("scene.building_overlap", "overlaps others", *placed[i]));
-    }
+      if (k < i && buildings[k].stands)
+        before.push_back(
+            moved(buildings[k].building.footprint, buildings[k].building.middle - buildings[i].building.middle));
+    if (before.empty()) continue;
+    // One set: walls that neighbours share would make it invalid.
+    cut(union_of(before, plan_grid_m), "scene.building_overlap", "others", buildings[i]);
   }
-  return kept;
 }
 
 /// Adds flat shaded faces to the mesh.
@@ -234,18 +242,18 @@ class FaceBuilder {
 };
 
 void add_walls(const PlacedBuilding& building, FaceBuilder& faces) {
-  const SurfaceMaterial material = building.windows ? SurfaceMaterial::facade : SurfaceMaterial::concrete;
   const double storey_m = (building.eaves_z_m - building.base_z_m) / building.storeys;
   const auto add = [&](const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Vec2 a = building.middle + ring[i], b = building.middle + ring[(i + 1) % ring.size()];
       const double length_m = distance(a, b);
       const double bays = std::max(1.0, std::round(length_m / bay_m));
-      const Vec2 texture_m =
-          building.windows ? Vec2{length_m / bays, storey_m} : Vec2{surface_texture_m, surface_texture_m};
+      const bool windows = building.windows && length_m >= min_bay_m;
+      const Vec2 texture_m = windows ? Vec2{length_m / bays, storey_m} : Vec2{surface_texture_m, surface_texture_m};
       const std::array<Vec3, 4> wall = {Vec3{a.x, a.y, building.foot_z_m}, Vec3{b.x, b.y, building.foot_z_m},
                                         Vec3{b.x, b.y, building.eaves_z_m}, Vec3{a.x, a.y, building.eaves_z_m}};
-      faces.add(material, wall, building.wall_color, {a.x, a.y, building.base_z_m}, texture_m);
+      faces.add(windows ? SurfaceMaterial::facade : SurfaceMaterial::concrete, wall, building.wall_color,
+                {a.x, a.y, building.base_z_m}, texture_m);
     }
   };
   add(building.footprint.outer);
@@ -266,22 +274,21 @@ void add_roof(const PlacedBuilding& building, FaceBuilder& faces) {
 
 }  // namespace
 
-std::vector<PlacedBuilding> place_buildings(std::span<const Building> buildings, const RoadLevel& roads,
-                                            const Outline& area, const Ground& ground, const Photo& photo, int threads,
-                                            Findings& findings) {
-  std::vector<std::optional<PlacedBuilding>> placed(buildings.size());
-  std::vector<Findings> found(buildings.size());
-  parallel_for(buildings.size(), threads,
-               [&](std::size_t i) { placed[i] = outline_of(buildings[i], roads, area, found[i]); });
-  for (const Findings& own : found) findings.insert(findings.end(), own.begin(), own.end());
-  const std::vector<bool> kept = apart(placed, findings);
+std::vector<PlacedBuilding> place_buildings(std::span<const Building> buildings,
+                                            std::span<const RoadLevel* const> levels, const Outline& area,
+                                            const Ground& ground, const Photo& photo, int threads, Findings& findings) {
+  std::vector<Outlined> outlined(buildings.size());
+  parallel_for(buildings.size(), threads, [&](std::size_t i) { outlined[i] = outline_of(buildings[i], levels, area); });
+  cut_apart(outlined);
   parallel_for(buildings.size(), threads, [&](std::size_t i) {
-    if (kept[i]) dress(buildings[i], ground, photo, *placed[i]);
+    if (outlined[i].stands) dress(buildings[i], ground, photo, outlined[i].building);
   });
-  std::vector<PlacedBuilding> result;
-  for (std::size_t i = 0; i < placed.size(); ++i)
-    if (kept[i]) result.push_back(std::move(*placed[i]));
-  return result;
+  std::vector<PlacedBuilding> placed;
+  for (Outlined& at : outlined) {
+    findings.insert(findings.end(), at.findings.begin(), at.findings.end());
+    if (at.stands) placed.push_back(std::move(at.building));
+  }
+  return placed;
 }
 
 TriMesh building_mesh(std::span<const PlacedBuilding* const> buildings, Vec3 origin) {

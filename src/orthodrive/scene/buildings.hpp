@@ -29,12 +29,14 @@ struct PlacedBuilding {
 
 /// Dresses buildings and puts them on the ground, in the order given. Heights, storeys and roofs come from the tags,
 /// else from use and area: garages and sheds (and all below 60 m2) one storey of 2.6 m, houses up to 300 m2 two storeys
-/// of 2.8 m and a gabled roof of 35 degrees, halls 8 m, others three storeys of 3 m, flat. What a footprint has on
-/// roads and on buildings before it is cut off; a building of which less than half is left is left out: findings
-/// "scene.building_on_road", "scene.building_overlap". Only buildings whose middle lies in the area count.
-[[nodiscard]] std::vector<PlacedBuilding> place_buildings(std::span<const Building> buildings, const RoadLevel& roads,
-                                                          const Outline& area, const Ground& ground, const Photo& photo,
-                                                          int threads, Findings& findings);
+/// of 2.8 m and a gabled roof of 35 degrees, halls 8 m, others three storeys of 3 m, flat. What a footprint has within
+/// 0.1 m of roads (decks of bridges count) and on buildings before it is cut off; a building of which less than half is
+/// left is left out. Findings tell of cuts of 1 m2 and more: "scene.building_on_road", "scene.building_overlap". Only
+/// buildings whose middle lies in the area count.
+[[nodiscard]] std::vector<PlacedBuilding> place_buildings(std::span<const Building> buildings,
+                                                          std::span<const RoadLevel* const> levels, const Outline& area,
+                                                          const Ground& ground, const Photo& photo, int threads,
+                                                          Findings& findings);
 
 /// All of them in one mesh; positions relative to `origin`.
 [[nodiscard]] TriMesh building_mesh(std::span<const PlacedBuilding* const> buildings, Vec3 origin);

@@ -7,16 +7,32 @@
 #include <cmath>
 #include <map>
 
+#include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/triangulate.hpp"
 
 namespace orthodrive::scene {
 namespace {
 
 constexpr std::size_t max_corners = 40;
+constexpr double join_m = 0.02;
 constexpr double right_angle_cosine = 0.21;  // 12 degrees off
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Skeleton = CGAL::Straight_skeleton_2<Kernel>;
+
+/// Whether rings neither cross nor touch themselves or each other. Overlays give polygons that may touch in points, of
+/// which there is no skeleton.
+bool is_strictly_simple(const Polygon& footprint) {
+  std::vector<std::array<double, 2>> corners;
+  const auto add = [&](const Ring& ring) {
+    for (const Vec2 p : ring) corners.push_back({p.x, p.y});
+    return is_simple(ring);
+  };
+  if (!add(footprint.outer) || !std::ranges::all_of(footprint.holes, add)) return false;
+  std::ranges::sort(corners);
+  return std::ranges::adjacent_find(corners) == corners.end();
+}
 
 std::size_t corners_of(const Polygon& footprint) {
   std::size_t count = footprint.outer.size();
@@ -95,6 +111,23 @@ Roof gabled_roof(const Polygon& footprint, double pitch, double max_rise_m) {
   return {RoofShape::gabled, rise_m, {{a, b, bc}, {a, bc, da}, {c, d, da}, {c, da, bc}}, {{b, c, bc}, {d, a, da}}};
 }
 
+/// Of each node the one that stands for it: nodes at both ends of a very short line become one, because triangles
+/// between them would be slivers.
+std::map<int, int> joined_nodes(const Skeleton& skeleton) {
+  std::map<int, int> joined;
+  for (auto v = skeleton.vertices_begin(); v != skeleton.vertices_end(); ++v) joined[v->id()] = v->id();
+  for (auto h = skeleton.halfedges_begin(); h != skeleton.halfedges_end(); ++h) {
+    const auto from = h->opposite()->vertex(), to = h->vertex();
+    if (from->is_contour() || to->is_contour()) continue;
+    const double length_m = std::hypot(from->point().x() - to->point().x(), from->point().y() - to->point().y());
+    const int a = joined[from->id()], b = joined[to->id()];
+    if (length_m >= join_m || a == b) continue;
+    for (auto& [node, stands] : joined)
+      if (stands == std::max(a, b)) stands = std::min(a, b);
+  }
+  return joined;
+}
+
 Roof hipped_roof(const Polygon& footprint, double pitch, double max_rise_m) {
   const auto cgal_ring = [](const Ring& ring) {
     std::vector<Kernel::Point_2> points;
@@ -109,19 +142,21 @@ Roof hipped_roof(const Polygon& footprint, double pitch, double max_rise_m) {
   if (!skeleton) return flat_roof(footprint);
   double rise_m = 0.0;
   for (auto v = skeleton->vertices_begin(); v != skeleton->vertices_end(); ++v)
-    rise_m = std::max(rise_m, CGAL::to_double(v->time()) * pitch);
+    rise_m = std::max(rise_m, v->time() * pitch);
   const double factor = rise_m > max_rise_m ? max_rise_m / rise_m : 1.0;
+  const std::map<int, int> joined = joined_nodes(*skeleton);
+  std::map<int, std::uint32_t> points;
   Raised raised;
-  const auto add = [&](const Skeleton::Vertex& v) {
-    return raised.add({CGAL::to_double(v.point().x()), CGAL::to_double(v.point().y())},
-                      CGAL::to_double(v.time()) * pitch * factor);
-  };
+  for (auto v = skeleton->vertices_begin(); v != skeleton->vertices_end(); ++v)
+    if (joined.at(v->id()) == v->id())
+      points[v->id()] = raised.add(snap_to_grid({v->point().x(), v->point().y()}), v->time() * pitch * factor);
   for (auto h = skeleton->halfedges_begin(); h != skeleton->halfedges_end(); ++h) {
     if (h->id() > h->opposite()->id()) continue;
-    const std::uint32_t from = add(*h->opposite()->vertex()), to = add(*h->vertex());
+    const std::uint32_t from = points.at(joined.at(h->opposite()->vertex()->id()));
+    const std::uint32_t to = points.at(joined.at(h->vertex()->id()));
     if (from != to) raised.lines.push_back({from, to});
   }
-  Roof roof{RoofShape::hipped, rise_m * factor, slopes_between(raised, footprint), {}};
+  Roof roof{RoofShape::hipped, *std::ranges::max_element(raised.heights_m), slopes_between(raised, footprint), {}};
   return roof.slopes.empty() ? flat_roof(footprint) : roof;
 }
 
@@ -130,7 +165,7 @@ Roof hipped_roof(const Polygon& footprint, double pitch, double max_rise_m) {
 Roof make_roof(const Polygon& footprint, RoofShape wanted, double pitch, double max_rise_m) {
   if (wanted == RoofShape::flat || corners_of(footprint) > max_corners) return flat_roof(footprint);
   if (wanted == RoofShape::gabled && is_rectangle(footprint)) return gabled_roof(footprint, pitch, max_rise_m);
-  return hipped_roof(footprint, pitch, max_rise_m);
+  return is_strictly_simple(footprint) ? hipped_roof(footprint, pitch, max_rise_m) : flat_roof(footprint);
 }
 
 }  // namespace orthodrive::scene

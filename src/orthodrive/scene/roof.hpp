@@ -19,11 +19,12 @@ struct Roof {
   std::vector<std::array<Vec3, 3>> gables;  ///< upright, over walls
 };
 
-/// A roof of the shape asked for over a valid footprint (outer counter-clockwise, holes clockwise), with slopes of
+/// A roof of the shape asked for over a footprint as overlays give them (outer counter-clockwise, holes clockwise, on
+/// the plan grid), with slopes of
 /// `pitch` (tangent) that rise by at most max_rise_m. Gabled: over rectangles (four corners within 12 degrees of a
 /// right angle) only, the ridge along the longer side; others become hipped. Hipped: every edge of the footprint is an
 /// eave, by the straight skeleton (Aichholzer et al., A novel type of skeleton for polygons, 1995; CGAL). Footprints of
-/// more than 40 corners, or with a skeleton that fails, are flat.
+/// more than 40 corners, that touch themselves, or whose skeleton fails or crosses itself, are flat.
 [[nodiscard]] Roof make_roof(const Polygon& footprint, RoofShape wanted, double pitch, double max_rise_m);
 
 }  // namespace orthodrive::scene

@@ -209,7 +209,7 @@ TexelAt roof_tiles() {
     const double edge = down > 0.93 || across > 0.46 ? 1.0 : 0.0;
     return Texel{.shade = 0.12 * shades.corner(column, row) + 0.1 * dirt.at(u, v) - 0.35 * edge,
                  .warmth = 0.02 * shades.corner(row, column),
-                 .height_m = 0.03 * down + 0.02 * (1.0 - 4.0 * across * across),
+                 .height_m = 0.012 * down + 0.02 * (1.0 - 4.0 * across * across),
                  .roughness = 0.85};
   };
 }
