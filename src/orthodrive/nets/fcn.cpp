@@ -1,5 +1,6 @@
 #include "orthodrive/nets/fcn.hpp"
 
+#include <ATen/core/grad_mode.h>
 #include <fmt/format.h>
 
 #include <algorithm>

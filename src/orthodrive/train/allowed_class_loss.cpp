@@ -1,5 +1,6 @@
 #include "orthodrive/train/allowed_class_loss.hpp"
 
+#include <ATen/core/grad_mode.h>
 namespace orthodrive {
 namespace {
 

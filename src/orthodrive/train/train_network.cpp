@@ -1,6 +1,7 @@
 #include "orthodrive/train/train_network.hpp"
 
 #include <ATen/Parallel.h>
+#include <ATen/core/grad_mode.h>
 #include <fmt/format.h>
 
 #include <algorithm>
