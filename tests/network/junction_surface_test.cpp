@@ -446,6 +446,49 @@ TEST(JunctionSurfaces, RoadsOfHalfAMetreBetweenTwoJunctionsMakeNoStep) {
 
 // ---- the field alone
 
+/// Largest twist of a car of 2.7 m that goes along a line in steps of 10 cm, as docs/evaluate.md has it.
+double largest_twist(const RoadMap& map, Vec2 from, Vec2 to, double z) {
+  const roadquery::RoadQuery query(map);
+  const Vec2 along = (to - from) * (1.0 / distance(from, to)), left = left_normal(along);
+  const auto roll = [&](double way_m) {
+    const auto z_at = [&](double left_m) {
+      const Vec2 p = site_origin + from + along * way_m + left * left_m;
+      roadquery::Cursor cursor;
+      const auto hit = query.find(p.x, p.y, z, cursor);
+      EXPECT_TRUE(hit) << way_m << " " << left_m;
+      return hit ? hit->z : 0.0;
+    };
+    return (z_at(0.75) - z_at(-0.75)) / 1.5;
+  };
+  double largest = 0.0;
+  for (double way_m = 0.0; way_m + 2.7 <= distance(from, to); way_m += 0.1)
+    largest = std::max(largest, std::abs(roll(way_m + 2.7) - roll(way_m)));
+  return largest;
+}
+
+TEST(JunctionSurfaces, ShortSideRoadsBetweenTwoJunctionsGiveWayToTheMainRoad) {
+  // The main road climbs by 8 %, the road behind it is level; 3 m of the side road stay between their junctions.
+  const auto level = [](Vec2) { return 10.0; };
+  RoadNetwork roads = network_of(
+      {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
+                 {.osm_id = 1, .highway = "primary", .width_m = 7, .height = [](Vec2 p) { return 10.0 + 0.08 * p.x; }}),
+       make_path({{0, 0}, {0, 13}}, {2, 4}, {.osm_id = 2, .height = level}),
+       make_path({{-60, 13}, {0, 13}, {60, 13}}, {5, 4, 6}, {.osm_id = 3, .height = level})});
+  const RoadMap map = build_network(roads).map;
+  ASSERT_EQ(map.junctions.size(), 2u);
+  EXPECT_LT(largest_twist(map, {-1.5, -1.0}, {-1.5, 14.0}, 10.0), 0.05) << "of 8 % over 7 m";
+}
+
+TEST(JunctionSurfaces, CarsTurnAcrossARidgeWithoutTwist) {
+  // Both roads have crowns of 2.5 %: turning across one of them a car stands on both its sides.
+  RoadNetwork roads = network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1, .width_m = 6.0}),
+                                  make_path({{0, 0}, {0, -60}}, {2, 4}, {.osm_id = 2, .width_m = 6.0})});
+  for (RoadPath& path : roads.paths)
+    for (RoadNode& node : path.nodes) node.z_m = 10.0, node.crown = std::atan(0.025);
+  const RoadMap map = build_network(roads).map;
+  EXPECT_LT(largest_twist(map, {-1.5, -4.5}, {4.5, 1.5}, 10.0), 0.034);
+}
+
 TEST(JunctionField, IsExactForPlanesAndKeepsFixedNodes) {
   network::FieldGrid grid{{3.0, -2.0}, 0.5, 13, 9};
   std::vector<network::NodeTarget> targets(grid.size());
