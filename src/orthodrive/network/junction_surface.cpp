@@ -175,7 +175,8 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& me
     if (is_straight(*way)) {
       const bool crosses =
           std::any_of(main.begin(), main.end(), [&](std::size_t m) { return disagree(roads[m], road); });
-      road.role = crosses ? RoadRole::straight : RoadRole::main;
+      const bool slow = road_rank(way->highway) <= road_rank("service");  // a ridge is rounded further there
+      road.role = crosses || slow ? RoadRole::straight : RoadRole::main;
       if (!crosses) main.push_back(roads.size());
     }
     roads.push_back(std::move(road));
