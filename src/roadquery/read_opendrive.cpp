@@ -180,6 +180,11 @@ class Builder {
     if (road.osm_id.empty()) road.osm_id = std::move(from.osm_id);
     if (road.highway.empty()) road.highway = std::move(from.highway);
     if (road.speed_limit_mps == 0.0) road.speed_limit_mps = from.speed_limit_mps;
+    if (!from.material) return;
+    for (LaneSection& section : road.sections)
+      for (auto* side : {&section.left, &section.right})
+        for (Lane& lane : *side)
+          if (lane.type == LaneType::driving && lane.materials.empty()) lane.materials = {*from.material};
   }
 
   void start_top(std::string_view name, const Attributes& a) {

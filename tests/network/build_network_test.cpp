@@ -473,6 +473,41 @@ TEST(BuildNetwork, RoadsEndWhereTheyHaveLeftWaysInsideTheirJunction) {
   EXPECT_EQ(ends, 2);
 }
 
+/// By how much the edges of a road reach into the carriageway of another one, at most.
+double overlap_m(const roadquery::Road& road, const roadquery::Road& other) {
+  double deepest = 0.0;
+  for (double s = 0.0; s <= road.length; s += 0.25) {
+    const roadquery::Edges edges = roadquery::road_edges(road, s);
+    for (const double t : {edges.left_t, edges.right_t}) {
+      const roadquery::SurfacePoint p = roadquery::surface_point(road, s, t);
+      for (double u = 0.0; u <= other.length; u += 0.25) {
+        const roadquery::PlanPoint q = roadquery::reference_point(other, u);
+        const double half = roadquery::road_edges(other, u).left_t;
+        deepest = std::max(deepest, half - std::hypot(p.x - q.x, p.y - q.y));
+      }
+    }
+  }
+  return deepest;
+}
+
+TEST(BuildNetwork, JunctionsOfWhichTheRoadsForkAreOne) {
+  // Beside the lane to the west a second one leaves the main road, forks after 10 m and turns away: between the cuts of
+  // the two junctions its continuation would lie on the first lane.
+  const roadquery::RoadMap map =
+      build_network(network_of({make_path({{0, -60}, {0, -6}, {0, 0}, {0, 60}}, {1, 2, 3, 4}, {.osm_id = 1}),
+                                make_path({{0, 0}, {-60, 0}}, {3, 5}, {.osm_id = 2, .width_m = 4}),
+                                make_path({{0, -6}, {-10, -4}, {-16, -3.2}, {-22, -5}, {-30, -15}, {-40, -40}},
+                                          {2, 6, 0, 0, 0, 7}, {.osm_id = 3, .width_m = 4}),
+                                make_path({{-10, -4}, {-13, -30}}, {6, 8}, {.osm_id = 4, .width_m = 4})}))
+          .map;
+  EXPECT_EQ(map.junctions.size(), 1u);
+  for (const roadquery::Road* a : plain_roads(map))
+    for (const roadquery::Road* b : plain_roads(map))
+      if (a != b) {
+        EXPECT_LT(overlap_m(*a, *b), 0.05) << a->osm_id << " on " << b->osm_id;
+      }
+}
+
 TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {
   const NetworkResult result =
       build_network(network_of({make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3}, {.osm_id = 1}),

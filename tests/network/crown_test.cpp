@@ -3,6 +3,7 @@
 #include "network_support.hpp"
 #include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/fit_profile.hpp"
+#include "roadquery/make_road.hpp"
 
 namespace orthodrive {
 namespace {
@@ -63,6 +64,38 @@ TEST(Crown, takes_few_entries_within_its_tolerances) {
   EXPECT_NEAR(fall_at(road, 0.0, 3.0), 0.025, 1e-12) << "the ends are exact: another road follows";
   EXPECT_NEAR(fall_at(road, road.length, 3.0), 0.0, 1e-12);
   EXPECT_EQ(road.shape.at(2).s, 100.0) << "the waves need none";
+}
+
+TEST(Crown, takes_as_few_entries_as_the_kinks_allow) {
+  // A fall of a s^2: chords of h metres meet with a kink of 2 a h and leave its slope at the ends by half of that.
+  const double a = 1.5e-5;
+  for (const double length : {7.0, 15.0, 23.0, 38.0}) {
+    const std::vector<Cubic> fall{{.s = 0.0, .c = a}};
+    const network::CrownShapeOptions options{.fall_tolerance = 1.0};
+    const double longest_m = options.max_rate_jump / (2.0 * a);  // 8.3 m
+    const auto chords = static_cast<std::size_t>(std::ceil(length / longest_m));
+    EXPECT_EQ(network::crown_shape(fall, length, options).size(), 2 * (chords + 1)) << length;
+  }
+}
+
+TEST(Crown, kinks_are_the_smaller_the_faster_the_road) {
+  // What a wheel 4 m off gets from a kink: 0.04 m/s whatever the speed limit, from 0.1 % at 40 m/s.
+  const std::vector<Cubic> fall{network::hermite(0.0, 40.0, 0.025, 0.0, 0.0, 0.0)};
+  roadquery::Road road = roadquery::test::make_road(1, {0.0, 0.0, 0.0, 0.0, 40.0, roadquery::Line{}});
+  std::size_t fewer = 1000;
+  for (const double speed : {0.0, 36.0, 14.0, 8.0}) {
+    road.speed_limit_mps = speed;
+    network::add_crown(road, fall, 0.1, network::max_rate_jump_of(road));
+    EXPECT_LE(road.shape.size(), fewer);
+    fewer = road.shape.size();
+    double before = roadquery::shape(road, 0.0, 4.0).dh_ds;
+    for (double s = 0.0; s <= road.length; s += 0.05) {
+      const double gradient = roadquery::shape(road, s, 4.0).dh_ds;
+      EXPECT_LE(std::abs(gradient - before) * (speed > 0.0 ? speed : 40.0), 0.0401) << speed << " at " << s;
+      before = gradient;
+    }
+  }
+  EXPECT_LE(fewer, 10u);
 }
 
 TEST(Crown, of_one_half_takes_one_entry_a_place) {

@@ -468,6 +468,22 @@ TEST(LaneLayout, a_car_fits_into_every_lane) {
         EXPECT_NEAR(roadquery::lane_width(lane, 10.0), road->osm_id == "3" ? 2.0 : 1.85, 1e-6);
 }
 
+TEST(Lanes, carriageways_are_multiples_of_a_centimetre_wide_where_pieces_of_their_width_end) {
+  RoadNetwork roads = network_of({make_path({{0, 0}, {160, 0}}, {1, 2}, {.osm_id = 1})});
+  for (RoadNode& node : roads.paths[0].nodes) node.width_m = 6.0371 + 0.8 * std::sin(node.s_m / 20.0);
+  const roadquery::RoadMap map = build_network(roads).map;
+  const Road& road = road_of(map, "1");
+  const roadquery::LaneSection& section = road.sections.front();
+  ASSERT_GT(section.left.at(0).width.size(), 3u);
+  std::vector<double> ends{road.length};
+  for (const roadquery::Cubic& piece : section.left.at(0).width) ends.push_back(piece.s);
+  for (const double s : ends) {
+    const double width = roadquery::lane_width(section.left.at(0), s) + roadquery::lane_width(section.right.at(0), s);
+    EXPECT_NEAR(100.0 * width, std::round(100.0 * width), 1e-7) << s;
+    EXPECT_NEAR(width, 6.0371 + 0.8 * std::sin(s / 20.0), 0.06) << s;
+  }
+}
+
 TEST(LaneLayout, three_lanes_on_four_metres_are_told) {
   const NetworkResult result =
       build_network(network_of({make_path({{0, 0}, {60, 0}}, {1, 2}, {.width_m = 4.0, .lanes = 3})}));

@@ -159,6 +159,53 @@ TEST_F(OpenDrive, connecting_roads_repeat_nothing_of_the_roads_they_connect_but_
   EXPECT_EQ(again.osm_id, "77");
 }
 
+TEST_F(OpenDrive, connecting_roads_have_the_material_of_the_road_before_unless_they_say_otherwise) {
+  roadquery::RoadMap map = build_network(mixed_network()).map;
+  const auto lanes_of = [](Road& road) {
+    std::vector<roadquery::Lane*> lanes;
+    for (auto* side : {&road.sections.front().left, &road.sections.front().right})
+      for (roadquery::Lane& lane : *side) lanes.push_back(&lane);
+    return lanes;
+  };
+  const auto written = [&](const roadquery::RoadMap& of) {
+    io::write_opendrive(file("a.xodr"), of);
+    const std::string text = bytes_of(file("a.xodr"));
+    std::size_t count = 0;
+    for (std::size_t at = text.find("<material "); at != std::string::npos; at = text.find("<material ", at + 1))
+      ++count;
+    return count;
+  };
+  std::size_t outside = 0;
+  std::vector<roadquery::Lane*> connecting;
+  for (Road& road : map.roads)
+    for (roadquery::Lane* lane : lanes_of(road)) {
+      ASSERT_EQ(lane->materials.size(), 1u);
+      if (road.junction < 0)
+        ++outside;
+      else
+        connecting.push_back(lane);
+    }
+  ASSERT_GT(connecting.size(), 2u);
+  EXPECT_EQ(written(map), outside) << "all of asphalt";
+  roadquery::LaneMaterial& wet = connecting[1]->materials.front();
+  wet.friction = 0.5;
+  EXPECT_EQ(written(map), outside + 1);
+  const roadquery::RoadMap read = roadquery::read_opendrive(file("a.xodr").string());
+  for (Road& road : map.roads) {
+    Road again = *road_by_id(read, road.id);
+    const std::vector<roadquery::Lane*> a = lanes_of(road), b = lanes_of(again);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      ASSERT_EQ(b[i]->materials.size(), 1u) << road.id;
+      EXPECT_EQ(b[i]->materials[0].surface, a[i]->materials[0].surface);
+      EXPECT_NEAR(b[i]->materials[0].friction, a[i]->materials[0].friction, 1e-4);
+      EXPECT_NEAR(b[i]->materials[0].roughness, a[i]->materials[0].roughness, 1e-5);
+    }
+  }
+  for (Road& road : map.roads)
+    for (roadquery::Lane* lane : lanes_of(road)) lane->materials.front().friction = 0.5;
+  EXPECT_EQ(written(map), outside + connecting.size()) << "other readers assume 1 where nothing is said";
+}
+
 TEST_F(OpenDrive, same_roads_give_the_same_bytes_for_any_thread_count) {
   io::write_opendrive(file("a.xodr"), build_network(mixed_network(), {.threads = 1}).map);
   io::write_opendrive(file("b.xodr"), build_network(mixed_network(), {.threads = 4}).map);

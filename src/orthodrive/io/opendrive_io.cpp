@@ -166,7 +166,8 @@ bool is_unmarked(const Lane& lane) {
 }
 
 /// `limit_mps` > 0 stands at driving lanes, too: SUMO reads it there only, and only of roads outside junctions.
-void add_lane(pugi::xml_node side, const Lane& lane, double section_length_m, double limit_mps = 0.0) {
+void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited& from, double section_length_m,
+              double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
   set(node, "type", written_lane_type(lane.type));
@@ -183,7 +184,8 @@ void add_lane(pugi::xml_node side, const Lane& lane, double section_length_m, do
     set(m, "color", "standard");
     set(m, "width", metres(mark.width));
   }
-  for (const roadquery::LaneMaterial& material : lane.materials) {
+  const bool inherits = roadquery::has_inherited_material(lane, from);
+  for (const roadquery::LaneMaterial& material : inherits ? std::vector<roadquery::LaneMaterial>{} : lane.materials) {
     pugi::xml_node m = node.append_child("material");
     set(m, "sOffset", metres(material.s_offset));
     set(m, "surface", roadquery::to_string(material.surface));
@@ -196,7 +198,7 @@ void add_lane(pugi::xml_node side, const Lane& lane, double section_length_m, do
   }
 }
 
-void add_lanes(pugi::xml_node parent, const Road& road) {
+void add_lanes(pugi::xml_node parent, const Road& road, const roadquery::Inherited& from) {
   const double limit_mps = road.junction < 0 ? road.speed_limit_mps : 0.0;
   pugi::xml_node lanes = parent.append_child("lanes");
   add_cubics(lanes, "laneOffset", road.lane_offset, road.length, width_decimals);
@@ -209,12 +211,12 @@ void add_lanes(pugi::xml_node parent, const Road& road) {
       pugi::xml_node left =
           node.append_child("left");  // by custom from the outside in: ids descend through the section
       for (auto lane = section.left.rbegin(); lane != section.left.rend(); ++lane)
-        add_lane(left, *lane, length, limit_mps);
+        add_lane(left, *lane, from, length, limit_mps);
     }
-    add_lane(node.append_child("center"), section.center, length);
+    add_lane(node.append_child("center"), section.center, from, length);
     if (!section.right.empty()) {
       pugi::xml_node right = node.append_child("right");
-      for (const Lane& lane : section.right) add_lane(right, lane, length, limit_mps);
+      for (const Lane& lane : section.right) add_lane(right, lane, from, length, limit_mps);
     }
   }
 }
@@ -305,7 +307,7 @@ void add_road(pugi::xml_node root, const roadquery::RoadMap& map, const Road& ro
     add_cubics(profile, "elevation", road.elevation, road.length, height_decimals);
   }
   add_lateral_profile(node, road);
-  add_lanes(node, road);
+  add_lanes(node, road, from);
   add_objects(node, road);
   add_surface(node, road);
   if (!road.osm_id.empty() && road.osm_id != from.osm_id) add_user_data(node, "osm_id", road.osm_id);

@@ -405,7 +405,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   const bool of_incoming = road_rank(incoming.highway) >= road_rank(outgoing.highway);
   set_material(road, surface_of(of_incoming ? incoming : outgoing), plan.options.weather);
   add_crown(road, geometry.crown, plan.options.shape_tolerance_m,
-            through ? CrownShapeOptions{}.max_rate_jump : max_crown_rate_jump_in_turns);
+            through ? max_rate_jump_of(road) : max_crown_rate_jump_in_turns);
   return road;
 }
 

@@ -188,7 +188,7 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
     add_lanes(road, draft.layout, draft.widths,
               {plan.options.width_tolerance_m, path.sidewalk, path.shoulder, draft.start, draft.end});
     set_material(road, path.known_surface.surface, plan.options.weather);
-    add_crown(road, draft.crown, plan.options.shape_tolerance_m);
+    add_crown(road, draft.crown, plan.options.shape_tolerance_m, max_rate_jump_of(road));
   }
   for (std::size_t k = 0; k < joints; ++k)
     link_roads(map, {first_road + static_cast<int>(k), !drafts[k].reversed}, drafts[k],

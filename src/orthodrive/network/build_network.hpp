@@ -24,7 +24,7 @@ struct BuildNetworkOptions {
   double banking_tolerance_rad = 0.002;  ///< largest superelevation error at a node
   double width_tolerance_m = 0.05;       ///< largest error of the carriageway width at a node
   /// Heights change by no more for the sake of fewer entries of crown and superelevation.
-  double shape_tolerance_m = 0.004;
+  double shape_tolerance_m = 0.0048;
   DrivingSide driving_side = DrivingSide::right;
   Weather weather = Weather::dry;  ///< what the friction of the lanes is for
   bool junction_surfaces = true;   ///< one surface for the paved area of each junction

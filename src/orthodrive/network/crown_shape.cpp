@@ -139,6 +139,13 @@ std::vector<roadquery::ShapeCubic> crown_shape(std::span<const Cubic> fall, doub
   return shape;
 }
 
+double max_rate_jump_of(const roadquery::Road& road) {
+  constexpr double default_speed_mps = 40.0, walking_pace_mps = 4.0;
+  if (road.speed_limit_mps <= 0.0 || road.speed_limit_mps >= default_speed_mps)
+    return CrownShapeOptions{}.max_rate_jump;
+  return CrownShapeOptions{}.max_rate_jump * default_speed_mps / std::max(road.speed_limit_mps, walking_pace_mps);
+}
+
 void add_crown(roadquery::Road& road, std::span<const Cubic> fall, double tolerance_m, double max_rate_jump) {
   const double reach = widest_reach_m(road);
   road.shape = crown_shape(

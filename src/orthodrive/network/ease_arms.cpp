@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace orthodrive::network {
@@ -11,7 +12,7 @@ namespace {
 using roadquery::Cubic;
 
 constexpr double fade_m = 20.0, longest_fade_m = 50.0, shortest_fade_m = 2.0;
-constexpr double gradient_break = 0.03, banking_break = 0.02;
+constexpr double gradient_break = 0.02, banking_break = 0.01;
 constexpr double longest_corner_m = 8.0;  // from the edge of the main road to the cut
 constexpr double same_level_m = 1.5;
 // What a change may be for each metre over which it fades out.
@@ -39,25 +40,29 @@ struct Main {
   double s = 0.0;
 };
 
-/// Of the chains through each vertex the one of the highest class, then the widest.
-Table<VertexIndex, std::optional<Main>> chains_through(const RoadNetwork& roads, const Topology& topology,
-                                                       const ChainGeometries& geometry) {
-  Table<VertexIndex, std::optional<Main>> through(topology.vertices.size());
+/// Of the chains through each vertex the one of the highest class, then the widest; where none goes through, of those
+/// that end there.
+Table<VertexIndex, std::optional<Main>> main_chains(const RoadNetwork& roads, const Topology& topology,
+                                                    const ChainGeometries& geometry) {
+  Table<VertexIndex, std::optional<Main>> mains(topology.vertices.size());
+  const auto ends = [&](const Main& main) { return main.s <= 0.0 || main.s >= geometry[main.chain].length_m; };
   const auto rank = [&](const Main& main) {
     const DirectedPiece piece = topology.chains[main.chain].pieces[piece_at(geometry[main.chain], main.s)];
-    return std::pair(road_rank(roads.paths[topology.pieces[piece.piece].path].highway),
-                     width_at(geometry[main.chain], main.s));
+    return std::tuple(!ends(main), road_rank(roads.paths[topology.pieces[piece.piece].path].highway),
+                      width_at(geometry[main.chain], main.s));
+  };
+  const auto consider = [&](VertexIndex vertex, const Main& main) {
+    std::optional<Main>& best = mains[vertex];
+    if (!best || rank(*best) < rank(main)) best = main;
   };
   for (const ChainIndex c : topology.chains.indices()) {
     const Chain& chain = topology.chains[c];
     if (geometry[c].empty()) continue;
-    for (std::size_t k = 1; k < chain.pieces.size(); ++k) {
-      const Main main{c, geometry[c].vertex_s[k]};
-      std::optional<Main>& best = through[start_vertex(topology, chain.pieces[k])];
-      if (!best || rank(*best) < rank(main)) best = main;
-    }
+    for (std::size_t k = 0; k < chain.pieces.size(); ++k)
+      if (k > 0 || !geometry[c].closed) consider(start_vertex(topology, chain.pieces[k]), {c, geometry[c].vertex_s[k]});
+    if (!geometry[c].closed) consider(end_vertex(topology, chain.pieces.back()), {c, geometry[c].length_m});
   }
-  return through;
+  return mains;
 }
 
 /// The main road's surface, carried on beyond its edge.
@@ -76,9 +81,9 @@ MainSurface surface_at(const ChainGeometry& chain, double s, Vec2 p) {
   }
   const double t = cross(pose.direction, p - pose.p), side = t < 0.0 ? -1.0 : 1.0;
   const double across = std::tan(value_of(chain.superelevation, s)) - side * value_of(chain.crown, s);
-  const double along = slope_of(chain.elevation, s);
+  const double along = slope_of(chain.elevation, s), beyond_end_m = dot(p - pose.p, pose.direction);
   const Vec2 left = left_normal(pose.direction);
-  return {value_of(chain.elevation, s) + t * across, pose.direction * along + left * across,
+  return {value_of(chain.elevation, s) + beyond_end_m * along + t * across, pose.direction * along + left * across,
           std::abs(t) - 0.5 * width_at(chain, s)};
 }
 
@@ -205,27 +210,29 @@ void change_profile(std::vector<Cubic>& cubics, const std::vector<EasedEnds>& st
 
 void ease_arms(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                const std::vector<std::vector<double>>& cuts, ChainGeometries& geometry) {
-  const Table<VertexIndex, std::optional<Main>> through = chains_through(roads, topology, geometry);
+  const Table<VertexIndex, std::optional<Main>> mains = main_chains(roads, topology, geometry);
   Table<ChainIndex, std::vector<EasedEnds>> eased(geometry.size());
   for (std::size_t i = 0; i < junctions.stretches.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
     const ChainGeometry& side = geometry[stretch.chain];
     if (stretch.inside || side.closed) continue;
-    const auto main_at = [&](VertexIndex vertex) -> const Main* {
-      return vertex && through[vertex] && through[vertex]->chain != stretch.chain ? &*through[vertex] : nullptr;
+    const double begin = cuts[i].front(), end = cuts[i].back();
+    const auto wanted_at = [&](VertexIndex vertex, double vertex_s, bool at_s1) -> std::optional<Change> {
+      if (!vertex || !mains[vertex]) return std::nullopt;
+      const Main& main = *mains[vertex];
+      if (main.chain == stretch.chain && main.s == vertex_s) return std::nullopt;  // it is the main road
+      return wanted_change(side, at_s1 ? end : begin, at_s1, geometry[main.chain], main.s);
     };
-    const double begin = cuts[i].front(), end = cuts[i].back(), length = end - begin;
-    const Main *main0 = main_at(stretch.vertex0), *main1 = main_at(stretch.vertex1);
-    const double room = main0 && main1 ? 0.5 * length : length;
+    const std::optional<Change> at_begin = wanted_at(stretch.vertex0, stretch.s0, false),
+                                at_end = wanted_at(stretch.vertex1, stretch.s1, true);
+    const double room = at_begin && at_end ? 0.5 * (end - begin) : end - begin;
     EasedEnds ends{{begin, begin, {}}, {end, end, {}}};
-    const auto ease = [&](Eased& at, bool at_s1, const Main* main) {
-      if (!main || room < shortest_fade_m) return;
-      const auto wanted = wanted_change(side, at.cut, at_s1, geometry[main->chain], main->s);
-      if (!wanted) return;
+    const auto ease = [&](Eased& at, bool at_s1, const std::optional<Change>& wanted) {
+      if (!wanted || room < shortest_fade_m) return;
       const double fade = std::min(room, std::clamp(fade_of(*wanted), fade_m, longest_fade_m));
       at = {at.cut, at.cut + (at_s1 ? -fade : fade), within(*wanted, fade)};
     };
-    ease(ends.begin, false, main0), ease(ends.end, true, main1);
+    ease(ends.begin, false, at_begin), ease(ends.end, true, at_end);
     eased[stretch.chain].push_back(ends);
   }
   for (const ChainIndex c : eased.indices()) {

@@ -12,8 +12,9 @@
 namespace orthodrive::network {
 namespace {
 
-// A crown keeps its shape but for the ridge; a side road bends over 2 m where it meets it.
-constexpr double main_smoothing_m = 0.25, straight_smoothing_m = 2.0, turning_smoothing_m = 6.0;
+// A crown keeps its shape but for the ridge, which is rounded so that cars can turn across it; a side road bends over
+// 2 m where it meets it.
+constexpr double main_smoothing_m = 0.8, straight_smoothing_m = 2.0, turning_smoothing_m = 6.0;
 constexpr double entry_smoothing_m = 0.5;      // and no less than the way from the arm's end
 constexpr double anchor_smoothing_m = 1000.0;  // to the plane: decides only what nothing else does
 

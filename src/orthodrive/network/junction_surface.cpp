@@ -147,8 +147,9 @@ FieldRoad under_connecting_roads(const FieldRoad& beside, const std::vector<Fiel
   return result;
 }
 
-/// Roads with their roles: of the ways straight on, to which short roads between two junctions belong, the first by
-/// class, then width, then id keep their shape; those that they cross give way.
+/// Roads with their roles: of the ways straight on the first by class, then width, then id keep their shape; those that
+/// they cross give way. Short roads between two junctions give way to all: they are too short to turn into the main
+/// road's plane.
 std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& members, const std::vector<int>& straight,
                                    const FieldGrid& grid, const std::vector<char>& asked, Vec2 origin) {
   std::vector<FieldRoad> roads;
@@ -162,7 +163,7 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& me
   for (const std::size_t i : members.connecting) ways.push_back(&map.roads[i]);
   for (const std::size_t i : members.inner) ways.push_back(&map.roads[i]);
   const auto is_straight = [&](const Road& road) {
-    return road.junction < 0 || std::binary_search(straight.begin(), straight.end(), road.id);
+    return std::binary_search(straight.begin(), straight.end(), road.id);
   };
   std::stable_sort(ways.begin(), ways.end(), [&](const Road* a, const Road* b) {
     if (is_straight(*a) != is_straight(*b)) return is_straight(*a);
@@ -174,7 +175,8 @@ std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& me
     if (is_straight(*way)) {
       const bool crosses =
           std::any_of(main.begin(), main.end(), [&](std::size_t m) { return disagree(roads[m], road); });
-      road.role = crosses ? RoadRole::straight : RoadRole::main;
+      const bool slow = road_rank(way->highway) <= road_rank("service");  // a ridge is rounded further there
+      road.role = crosses || slow ? RoadRole::straight : RoadRole::main;
       if (!crosses) main.push_back(roads.size());
     }
     roads.push_back(std::move(road));

@@ -30,7 +30,7 @@ struct ProfileEnds {
 [[nodiscard]] ProfileEnd end_on(const roadquery::Road& road, const roadquery::JunctionSurface& surface, bool at_end);
 
 /// Elevation and superelevation of least squares across the lanes of each cross section, C2 along the road, in pieces
-/// of at least 1.5 m, as few as keep the lanes within 2 cm or as near as pieces halved down to 5 mm do, with the ends
+/// of at least 1.5 m, as few as keep the lanes within 5 mm or as near as pieces halved down to that do, with the ends
 /// given: the arms'. The lateral shape stays: the superelevation takes up what the surface does not share of a crown.
 [[nodiscard]] roadquery::Road refitted(const roadquery::Road& road, const roadquery::JunctionSurface& surface,
                                        const ProfileEnds& ends);

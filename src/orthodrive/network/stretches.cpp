@@ -13,6 +13,7 @@ constexpr double reach_m = 80.0;  // narrow forks overlap for long: roads are cu
 constexpr double step_m = 0.5;
 constexpr double across_step_m = 1.5;   // no carriageway is narrower
 constexpr double clear_m = 3.0;         // free of the others for this long counts as having left them
+constexpr double part_m = 15.0;         // roads of two junctions that lie on each other have parted within this: a fork
 constexpr double min_road_m = 1.0;      // what is left of a road between two junctions
 constexpr double join_share = 0.65;     // junctions join when less than this share of the wished cuts fits between them
 constexpr double widest_join_m = 40.0;  // largest distance between vertices of a joined junction
@@ -104,18 +105,50 @@ double clear_distance_m(const std::vector<ArmLine>& arms, std::size_t self) {
   return covered_until;
 }
 
+/// The part of an arm that its road has, up to part_m of it.
+ArmLine road_part(ArmLine line, double trim_m) {
+  const auto from = static_cast<std::ptrdiff_t>(std::min(std::ceil(trim_m / step_m), line.center.size() - 1.0));
+  const auto to = std::min(from + static_cast<std::ptrdiff_t>(part_m / step_m) + 1,
+                           static_cast<std::ptrdiff_t>(line.center.size()));
+  const auto cut = [&](auto& values) { values = {values.begin() + from, values.begin() + to}; };
+  cut(line.center), cut(line.across), cut(line.half_width_m);
+  return line;
+}
+
+/// Whether two roads lie on each other where they begin and have parted a little further on: roads that run side by
+/// side for long are no fork.
+bool forks(const ArmLine& a, const ArmLine& b) {
+  const auto any = [](const ArmLine& from, const ArmLine& other) {
+    for (std::size_t i = 0; i < from.center.size(); ++i)
+      if (meets(from, i, other)) return true;
+    return false;
+  };
+  return any(a, b) && !meets(a, a.center.size() - 1, b) && !meets(b, b.center.size() - 1, a);
+}
+
 class JunctionPlanner {
  public:
   JunctionPlanner(const Topology& topology, const ChainGeometries& geometry)
-      : topology_(topology), geometry_(geometry), group_(topology.vertices.size()), arms_(topology.vertices.size()) {
+      : topology_(topology),
+        geometry_(geometry),
+        group_(topology.vertices.size()),
+        places_(topology.vertices.size()),
+        arms_(topology.vertices.size()) {
     for (const VertexIndex v : topology.vertices.indices()) group_[v] = v;
     plan_.stretches = cut_at_junctions(topology, geometry);
+    for (const Stretch& stretch : plan_.stretches) {
+      const std::vector<roadquery::PlanElement>& plan = geometry[stretch.chain].plan;
+      if (stretch.vertex0) places_[stretch.vertex0] = {pose_at(plan, stretch.s0).p};
+      if (stretch.vertex1) places_[stretch.vertex1] = {pose_at(plan, stretch.s1).p};
+    }
   }
 
   JunctionPlan run() {
     cut_back();
-    join_close_junctions();
+    join(narrow_gaps());
     cut_back();  // joined junctions have more arms
+    join(gaps_beside_forks());
+    cut_back();
     absorb_inner_roads();
     cut_back();
     shorten_cuts();
@@ -130,7 +163,7 @@ class JunctionPlanner {
   }
 
   void cut_back() {
-    Table<VertexIndex, std::vector<Arm>> arms(topology_.vertices.size());  // by the first vertex of the group
+    arms_ = Table<VertexIndex, std::vector<Arm>>(topology_.vertices.size());  // by the first vertex of the group
     Table<VertexIndex, std::vector<std::size_t>> inner(topology_.vertices.size());
     for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
       const Stretch& stretch = plan_.stretches[i];
@@ -138,12 +171,11 @@ class JunctionPlanner {
         if (stretch.vertex0 && stretch.vertex1) inner[group(stretch.vertex0)].push_back(i);
         continue;
       }
-      if (stretch.vertex0) arms[group(stretch.vertex0)].push_back({i, false});
-      if (stretch.vertex1) arms[group(stretch.vertex1)].push_back({i, true});
+      if (stretch.vertex0) arms_[group(stretch.vertex0)].push_back({i, false});
+      if (stretch.vertex1) arms_[group(stretch.vertex1)].push_back({i, true});
     }
-    for (const VertexIndex v : arms.indices()) {
-      const std::vector<Arm>& junction = arms[v];
-      arms_[v] = junction.size();
+    for (const VertexIndex v : arms_.indices()) {
+      const std::vector<Arm>& junction = arms_[v];
       std::vector<ArmLine> lines;
       for (const Arm& arm : junction)
         lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1, reach_m + clear_m));
@@ -159,42 +191,75 @@ class JunctionPlanner {
     }
   }
 
-  /// The narrowest gaps first: what they leave of a group's extent the others may take.
-  void join_close_junctions() {
-    struct Gap {
-      double share = 0.0;  ///< of the wished cuts that fits
-      std::size_t stretch = 0;
-      auto operator<=>(const Gap&) const = default;
-    };
+  /// A stretch over which two junctions join.
+  struct Gap {
+    double share = 0.0;  ///< of the wished cuts that fits
+    std::size_t stretch = 0;
+    auto operator<=>(const Gap&) const = default;
+  };
+
+  /// Between junctions so close that the cuts do not fit, or of which `is_reason` says so. Rings stay rings.
+  template <typename IsReason>
+  std::vector<Gap> gaps_where(const IsReason& is_reason) {
     std::vector<Gap> gaps;
     for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
       const Stretch& stretch = plan_.stretches[i];
-      if (!stretch.vertex0 || !stretch.vertex1) continue;
-      const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-      const bool ring = on_roundabout(topology_, geometry_[stretch.chain], stretch);
-      if (ring ? gap < roundabout_join_m : gap - min_road_m < join_share * wished)
-        gaps.push_back({wished > 0.0 ? (gap - min_road_m) / wished : 0.0, i});
+      if (stretch.inside || !stretch.vertex0 || !stretch.vertex1) continue;
+      const double room = stretch.s1 - stretch.s0 - min_road_m, wished = stretch.trim0_m + stretch.trim1_m;
+      const double share = wished > 0.0 ? room / wished : INFINITY;
+      if (is_reason(i, share)) gaps.push_back({share, i});
     }
+    return gaps;
+  }
+  std::vector<Gap> narrow_gaps() {
+    return gaps_where([&](std::size_t i, double share) {
+      const Stretch& stretch = plan_.stretches[i];
+      if (on_roundabout(topology_, geometry_[stretch.chain], stretch))
+        return stretch.s1 - stretch.s0 < roundabout_join_m;
+      return share < join_share;
+    });
+  }
+  std::vector<Gap> gaps_beside_forks() {
+    return gaps_where([&](std::size_t i, double) {
+      const Stretch& stretch = plan_.stretches[i];
+      return !on_roundabout(topology_, geometry_[stretch.chain], stretch) &&
+             group(stretch.vertex0) != group(stretch.vertex1) && arms_fork(i);
+    });
+  }
+
+  /// The narrowest gaps first: what they leave of a group's extent the others may take.
+  void join(std::vector<Gap> gaps) {
     std::sort(gaps.begin(), gaps.end());
-    Table<VertexIndex, std::vector<Vec2>> places(group_.size());  // of a group's vertices, by its first
-    for (const Gap& gap : gaps) {
-      const Stretch& stretch = plan_.stretches[gap.stretch];
-      for (const bool at_s1 : {false, true}) {
-        const VertexIndex vertex = at_s1 ? stretch.vertex1 : stretch.vertex0;
-        if (places[vertex].empty() && group(vertex) == vertex)
-          places[vertex] = {pose_at(geometry_[stretch.chain].plan, at_s1 ? stretch.s1 : stretch.s0).p};
-      }
-    }
     for (const Gap& gap : gaps) {
       Stretch& stretch = plan_.stretches[gap.stretch];
       const VertexIndex a = group(stretch.vertex0), b = group(stretch.vertex1);
-      if (a != b && extent_m(places[a], places[b]) > widest_join_m) continue;
+      if (a != b && extent_m(places_[a], places_[b]) > widest_join_m) continue;
       stretch.inside = true;
       if (a == b) continue;
-      std::vector<Vec2>&all = places[std::min(a, b)], &others = places[std::max(a, b)];
+      std::vector<Vec2>&all = places_[std::min(a, b)], &others = places_[std::max(a, b)];
       all.insert(all.end(), others.begin(), others.end());
       group_[std::max(a, b)] = std::min(a, b);
     }
+  }
+
+  /// Whether a road of the one junction forks off a road of the other.
+  bool arms_fork(std::size_t between) {
+    const Stretch& stretch = plan_.stretches[between];
+    if (stretch.s1 - stretch.s0 > widest_join_m) return false;
+    const auto roads_of = [&](VertexIndex vertex) {
+      std::vector<ArmLine> roads;
+      for (const Arm& arm : arms_[group(vertex)]) {
+        if (arm.stretch == between) continue;
+        const Stretch& own = plan_.stretches[arm.stretch];
+        const double trim = arm.at_s1 ? own.trim1_m : own.trim0_m;
+        roads.push_back(road_part(sample_arm(geometry_, own, arm.at_s1, trim + part_m), trim));
+      }
+      return roads;
+    };
+    const std::vector<ArmLine> a = roads_of(stretch.vertex0), b = roads_of(stretch.vertex1);
+    return std::any_of(a.begin(), a.end(), [&](const ArmLine& p) {
+      return std::any_of(b.begin(), b.end(), [&](const ArmLine& q) { return forks(p, q); });
+    });
   }
 
   static double extent_m(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
@@ -210,7 +275,7 @@ class JunctionPlanner {
     for (Stretch& stretch : plan_.stretches) {
       if (stretch.inside || (!stretch.vertex0 && !stretch.vertex1)) continue;
       const bool dead_end = !stretch.vertex0 || !stretch.vertex1;
-      if (dead_end ? arms_[group(stretch.vertex0 ? stretch.vertex0 : stretch.vertex1)] < 3
+      if (dead_end ? arms_[group(stretch.vertex0 ? stretch.vertex0 : stretch.vertex1)].size() < 3
                    : group(stretch.vertex0) != group(stretch.vertex1))
         continue;
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
@@ -240,8 +305,9 @@ class JunctionPlanner {
 
   const Topology& topology_;
   const ChainGeometries& geometry_;
-  Table<VertexIndex, VertexIndex> group_;  ///< union-find: the lowest vertex of the joined junction
-  Table<VertexIndex, std::size_t> arms_;   ///< of the joined junction, by its lowest vertex
+  Table<VertexIndex, VertexIndex> group_;         ///< union-find: the lowest vertex of the joined junction
+  Table<VertexIndex, std::vector<Vec2>> places_;  ///< of a joined junction's vertices, by its lowest vertex
+  Table<VertexIndex, std::vector<Arm>> arms_;     ///< of the joined junction, by its lowest vertex
   JunctionPlan plan_;
 };
 
