@@ -29,8 +29,8 @@ class AxleMass {
   double step(double road_m) {
     const double road_mps = (road_m - road_m_) / step_s;
     road_m_ = road_m;
-    const double strut_n = vehicle::spring_n(suspension_, hub_m_ - body_m_) +
-                           vehicle::damper_n(suspension_, hub_mps_ - body_mps_);
+    const double strut_n =
+        vehicle::spring_n(suspension_, hub_m_ - body_m_) + vehicle::damper_n(suspension_, hub_mps_ - body_mps_);
     const double tyre_n =
         std::max(tyre_.vertical_npm * (road_m - hub_m_) + tyre_.vertical_nspm * (road_mps - hub_mps_), -load_n_);
     const double up_mps2 = strut_n / body_kg_;

@@ -195,8 +195,7 @@ std::vector<double> plan_over_bumps(const roadquery::RoadQuery& query, const Dri
 }
 
 /// Where a line is started and timed: an open one with room for the wheels; a closed one has a lap to warm up before.
-Timing timing_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result,
-                 double stop_s) {
+Timing timing_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result, double stop_s) {
   const DrivingLine& line = result.line;
   const double length_m = line.length_m();
   Timing timing;
@@ -240,8 +239,8 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   result.plan_time_s = plan.duration_s();
   if (!result.route.closed) report_open_route(result);
 
-  const Timing timing = timing_of(query.map(), options, result,
-                                  static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
+  const Timing timing =
+      timing_of(query.map(), options, result, static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
   Run run(query, options, envelope, plan, result, stops_of_laps(caps.stops_m, result.line, timing.to_m));
   const bool rolling = result.route.closed && !options.standing_start;
   const double start_m = result.route.closed ? 0.0 : timing.from_m;
