@@ -24,6 +24,8 @@ void add_scene(CLI::App& app, Context& context) {
                   "label map of that photo: its classes become feature ids of the tiles");
   cmd->add_option("--dtm", command->files.dtm, "bare-earth terrain model, best first; later ones fill its holes")
       ->required();
+  cmd->add_option("--buildings", command->files.buildings,
+                  "maps with building=* (.osm, .osm.pbf, GeoJSON, GeoPackage); labels show what they lack");
   cmd->add_option("-o,--output", command->files.folder, "folder for tileset.json and *.glb; replaced when all is done")
       ->required();
   cmd->add_option("--terrain-grid", command->files.terrain_grid,

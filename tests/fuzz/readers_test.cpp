@@ -11,6 +11,7 @@
 #include "io/npy_bytes.hpp"
 #include "io/places.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/caffe_model.hpp"
 #include "orthodrive/io/drive_log_io.hpp"
 #include "orthodrive/io/gpx_reader.hpp"
@@ -42,7 +43,8 @@ const std::string osm = R"(<?xml version="1.0" encoding="UTF-8"?>
     <tag k="turn:lanes" v="left|through|right"/><tag k="maxspeed" v="50 mph"/><tag k="layer" v="1"/>
     <tag k="width:lanes" v="3|3|3.5"/><tag k="lanes:forward" v="2"/><tag k="placement" v="right_of:1"/>
   </way>
-  <way id="11"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="building" v="yes"/></way>
+  <way id="11"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="building" v="yes"/>
+    <tag k="height" v="7.5 m"/><tag k="building:levels" v="2"/><tag k="roof:shape" v="hipped"/></way>
   <way id="12"><nd ref="3"/><nd ref="4"/><tag k="highway" v="residential"/></way>
   <relation id="20">
     <member type="way" ref="11" role="outer"/><tag k="type" v="multipolygon"/><tag k="landuse" v="grass"/>
@@ -170,6 +172,13 @@ TEST(FuzzReaders, osm_roads) {
 TEST(FuzzReaders, osm_features) {
   expect_survives("a.osm", osm, [](const fs::path& file) { (void)io::read_osm_features(file, utm33); });
 }
+TEST(FuzzReaders, osm_buildings) {
+  const SiteFrame site = lonlat_site(14.9, 49.9, 15.1, 50.1);
+  expect_survives("a.osm", osm, [&](const fs::path& file) {
+    Findings findings;
+    (void)io::read_buildings({file}, site, &findings);
+  });
+}
 TEST(FuzzReaders, osm_pbf) {
   expect_survives("a.osm.pbf", pbf_of(osm), [](const fs::path& file) { (void)io::read_osm(file, utm33); });
 }
@@ -205,6 +214,18 @@ TEST(FuzzReaders, gpx) {
 }
 TEST(FuzzReaders, geojson) {
   expect_survives("a.geojson", geojson, [](const fs::path& file) { (void)io::read_features(file, utm33); });
+}
+TEST(FuzzReaders, geojson_buildings) {
+  const SiteFrame site = lonlat_site(14.9, 49.9, 15.1, 50.1);
+  const std::string sample = R"({"type": "FeatureCollection", "features": [
+{"type": "Feature", "properties": {"t": "school", "h": 7, "lv": 2.5, "n": "Škola"}, "geometry": {"type": "Polygon",
+ "coordinates": [[[15.0, 50.0], [15.001, 50.0], [15.001, 50.001], [15.0, 50.0]]]}},
+{"type": "Feature", "properties": {"building": "yes", "height": "5 m"}, "geometry": {"type": "Polygon",
+ "coordinates": [[[15.0, 50.0], [15.001, 50.0], [15.001, 50.001], [15.0, 50.0]]]}}]})";
+  expect_survives("a.geojson", sample, [&](const fs::path& file) {
+    Findings findings;
+    (void)io::read_buildings({file}, site, &findings);
+  });
 }
 TEST(FuzzReaders, drive_log_csv) {
   const SiteFrame site = lonlat_site(14.99, 49.99, 15.01, 50.01);

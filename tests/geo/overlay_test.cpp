@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
 
 namespace orthodrive {
@@ -67,6 +68,17 @@ TEST(Overlay, results_lie_on_the_grid) {
   for (const Polygon& polygon : union_of(turned, grid))
     for (const Vec2 p : polygon.outer)
       for (const double v : {p.x, p.y}) EXPECT_EQ(std::round(v / grid) * grid, v);
+}
+
+TEST(Overlay, a_union_of_a_single_polygon_lies_on_the_grid) {
+  const Polygon off_grid{{{0.00012, 0.00047}, {5.00033, 0.1}, {2.7, 7.00018}}, {}};
+  const MultiPolygon joined = union_of(std::span(&off_grid, 1), grid_m);
+  ASSERT_EQ(joined.size(), 1U);
+  EXPECT_NEAR(orthodrive::area_m2(joined[0]), orthodrive::area_m2(off_grid), 0.01);
+  for (const Vec2 p : joined[0].outer) {
+    EXPECT_NEAR(p.x, std::round(p.x / grid_m) * grid_m, 1e-12);
+    EXPECT_NEAR(p.y, std::round(p.y / grid_m) * grid_m, 1e-12);
+  }
 }
 
 TEST(NodeLines, segments_meet_at_their_ends_only_and_come_once) {

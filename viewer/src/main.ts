@@ -105,6 +105,7 @@ function start(site: Site): Api {
   addLayer('materials', 'Road materials', true);
   addLayer('terrain', 'Terrain', true);
   addLayer('roads', 'Roads', true);
+  addLayer('buildings', 'Buildings', true);
   addLayer('wireframe', 'Wireframe', false);
   if (lap) addLayer('route', 'Driven route', true);
   if (findings.findings.length > 0) addLayer('findings', `Findings (${findings.findings.length})`, false);

@@ -14,10 +14,11 @@ export interface Layers {
   roads: boolean;
   photo: boolean;
   materials: boolean; // of roads and beside them; without: the photo there as well
+  buildings: boolean;
   wireframe: boolean;
 }
 
-const kinds = ['road', 'verge', 'marking', 'terrain'] as const;
+const kinds = ['road', 'verge', 'marking', 'building', 'terrain'] as const;
 type SurfaceKind = (typeof kinds)[number];
 
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
@@ -28,7 +29,7 @@ function kindOf(mesh: Mesh): SurfaceKind {
 export class TileLayers {
   /** In the site's local frame: the tileset's root transform (local to ECEF) is undone. */
   readonly group = new Group();
-  readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, wireframe: false};
+  readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, buildings: true, wireframe: false};
   loaded = 0;
   readonly failures: string[] = [];
   onChange: () => void = () => {};
@@ -40,6 +41,7 @@ export class TileLayers {
     terrain: new MeshLambertMaterial({color: 0xd3d4ce}),
     verge: new MeshLambertMaterial({color: 0xd3d4ce}),
     road: new MeshLambertMaterial({color: 0x6b7078}),
+    building: new MeshLambertMaterial({color: 0xb9b4ab}),
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
 
@@ -114,18 +116,20 @@ export class TileLayers {
     const {photo, surface} = this.looks.get(mesh)!;
     const {layers} = this;
     const material = !layers.photo ? this.reliefMaterials[kindOf(mesh)] :
-                     surface !== undefined && layers.materials ? this.surfaceMaterials.get(surface) : photo;
+                     surface !== undefined && (layers.materials || kindOf(mesh) === 'building') ?
+                       this.surfaceMaterials.get(surface) : photo;
     material.wireframe = layers.wireframe;
     return material;
   }
 
   private isShown(kind: SurfaceKind): boolean {
-    const {terrain, roads, photo, materials} = this.layers;
+    const {terrain, roads, photo, materials, buildings} = this.layers;
     switch (kind) {
       case 'terrain': return terrain;
       case 'road': return roads;
       case 'verge': return terrain && roads && photo && materials;
       case 'marking': return roads && materials;
+      case 'building': return buildings;
     }
   }
 

@@ -7,14 +7,8 @@ namespace {
 
 constexpr double grid_m = 1e-3;
 
-void move(Ring& ring, Vec2 by) {
-  for (Vec2& p : ring) p = p + by;
-}
 MultiPolygon moved(MultiPolygon polygons, Vec2 by) {
-  for (Polygon& polygon : polygons) {
-    move(polygon.outer, by);
-    for (Ring& hole : polygon.holes) move(hole, by);
-  }
+  for (Polygon& polygon : polygons) polygon = orthodrive::moved(std::move(polygon), by);
   return polygons;
 }
 
@@ -68,7 +62,7 @@ OverlapDifferences overlap_differences(const std::vector<Polygon>& first, const 
 
 std::vector<Polygon> carriageway_polygons(const RoadPath& path) {
   Ring strip = surface_ring(path);
-  if (is_simple(moved({{strip, {}}}, strip.front() * -1.0).front().outer)) return {{std::move(strip), {}}};
+  if (is_simple(orthodrive::moved(Polygon{strip, {}}, strip.front() * -1.0).outer)) return {{std::move(strip), {}}};
   std::vector<Polygon> cells;
   for (Ring& cell : surface_cells(path)) cells.push_back({std::move(cell), {}});
   return cells;

@@ -4,6 +4,7 @@
 #include <geos_c.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -112,12 +113,27 @@ class Geos {
   std::string error_ = "no reason given";
 };
 
+bool is_on_grid(const MultiPolygon& polygons, double grid_m) {
+  const auto on_grid = [&](Vec2 p) {
+    const auto is_whole = [](double steps) { return std::abs(steps - std::round(steps)) < 1e-6; };
+    return is_whole(p.x / grid_m) && is_whole(p.y / grid_m);
+  };
+  return std::ranges::all_of(polygons, [&](const Polygon& polygon) {
+    return std::ranges::all_of(polygon.outer, on_grid) &&
+           std::ranges::all_of(polygon.holes, [&](const Ring& hole) { return std::ranges::all_of(hole, on_grid); });
+  });
+}
+
 }  // namespace
 
 MultiPolygon union_of(std::span<const Polygon> polygons, double grid_m) {
   const Geos geos;
   const auto all = geos.collect(polygons);
-  return geos.polygons(geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m)).get());
+  const MultiPolygon joined = geos.polygons(geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m)).get());
+  if (is_on_grid(joined, grid_m)) return joined;
+  // GEOS gives a polygon that meets no other back as it came.
+  const auto again = geos.collect(joined);
+  return geos.polygons(geos.own(GEOSGeom_setPrecision_r(geos.handle(), again.get(), grid_m, 0)).get());
 }
 
 MultiPolygon intersection_of(const MultiPolygon& a, const MultiPolygon& b, double grid_m) {

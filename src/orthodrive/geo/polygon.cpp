@@ -29,6 +29,13 @@ double area_m2(const Polygon& polygon) {
   return area;
 }
 
+Polygon moved(Polygon polygon, Vec2 by) {
+  for (Vec2& p : polygon.outer) p = p + by;
+  for (Ring& hole : polygon.holes)
+    for (Vec2& p : hole) p = p + by;
+  return polygon;
+}
+
 bool contains(const Polygon& polygon, Vec2 p) {
   if (polygon.outer.size() < 3) return false;
   bool inside = crosses_odd(polygon.outer, p);

@@ -21,6 +21,7 @@ using MultiPolygon = std::vector<Polygon>;
 /// Positive for counter-clockwise rings.
 [[nodiscard]] double signed_area_m2(const Ring& ring);
 [[nodiscard]] double area_m2(const Polygon& polygon);
+[[nodiscard]] Polygon moved(Polygon polygon, Vec2 by);
 [[nodiscard]] bool contains(const Polygon& polygon, Vec2 p);
 [[nodiscard]] bool contains(const MultiPolygon& polygons, Vec2 p);
 [[nodiscard]] Box2 bounds_of(const Ring& ring);

@@ -18,6 +18,7 @@ enum class MeshKind : std::uint8_t {
   road_body,  ///< sides and undersides of bridge decks, facing outwards
   verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
   marking,    ///< paint, a few millimetres over the road
+  building,   ///< walls and roofs
 };
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
@@ -31,18 +32,31 @@ enum class MeshKind : std::uint8_t {
     case MeshKind::verge:
       return "verge";
     case MeshKind::marking:
+      return "marking";
+    case MeshKind::building:
       break;
   }
-  return "marking";
+  return "building";
 }
 
 /// What a surface is drawn with: the tile's photo, or a tileable texture tinted by the mesh's colours.
-enum class SurfaceMaterial : std::uint8_t { photo, asphalt, concrete, setts, gravel, ground, verge, paint };
-constexpr std::size_t surface_material_count = 8;
+enum class SurfaceMaterial : std::uint8_t {
+  photo,
+  asphalt,
+  concrete,
+  setts,
+  gravel,
+  ground,
+  verge,
+  paint,
+  facade,      ///< a storey high and a window wide
+  roof_tiles,  ///< rows along the eaves
+};
+constexpr std::size_t surface_material_count = 10;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
-  constexpr std::array<std::string_view, surface_material_count> names = {"photo",  "asphalt", "concrete", "setts",
-                                                                          "gravel", "ground",  "verge",    "paint"};
+  constexpr std::array<std::string_view, surface_material_count> names = {
+      "photo", "asphalt", "concrete", "setts", "gravel", "ground", "verge", "paint", "facade", "roof_tiles"};
   return names[static_cast<std::size_t>(material)];
 }
 

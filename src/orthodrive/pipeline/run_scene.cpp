@@ -8,6 +8,7 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
 #include "orthodrive/io/terrain_grid_io.hpp"
@@ -142,11 +143,13 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   const SiteFrame& site = placed.site;
   const HeightGrid terrain = read_merged_terrain(files, site, options, context);
   const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
+  Findings findings;
+  const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
   TileFolder folder(files);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const SceneResult scene = build_scene(
-      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr},
+      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr, buildings},
       [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); }, scene_options,
       context.monitor);
   if (folder.empty())
@@ -158,26 +161,31 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
     scene::fill_holes(filled.height_m);
     io::write_terrain_grid(files.terrain_grid, filled);
   }
+  findings.insert(findings.end(), scene.findings.begin(), scene.findings.end());
   return {.numbers = {{"tiles", scene.tiles},
                       {"terrain_triangles", scene.terrain_triangles},
                       {"road_triangles", scene.road_triangles},
-                      {"road_surface_m2", scene.road_surface_m2}},
-          .findings = scene.findings,
-          .summary = {fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road",
+                      {"road_surface_m2", scene.road_surface_m2},
+                      {"buildings", scene.buildings}},
+          .findings = std::move(findings),
+          .summary = {fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings",
                                   files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
-                                  scene.road_surface_m2)}};
+                                  scene.road_surface_m2, scene.buildings)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {
   const Site& site = build.site;
+  const std::vector<fs::path>& buildings = site.buildings.empty() ? site.osm : site.buildings;
   return {.name = "scene",
+          .sources = {{"buildings", buildings}},
           .options = {site.attribution},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
-          .run = [&build, &site] {
+          .run = [&build, &site, buildings] {
             return run_scene({.network = build.out_dir / "roads.xodr",
                               .photo = site.photo,
                               .labels = build.out_dir / "labels.tif",
                               .dtm = site.dtm,
+                              .buildings = buildings,
                               .folder = build.out_dir / "scene",
                               .picture = build.out_dir / ".orthodrive/scene_tile.png"},
                              {.site = site.frame}, build.context);

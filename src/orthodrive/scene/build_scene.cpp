@@ -350,9 +350,12 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_road_materials(layout, center, road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
+  TriMesh buildings{.kind = MeshKind::building};
+  if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end())
+    buildings = building_mesh(found->second, tile.origin);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking}) {
+  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &buildings}) {
     if (mesh->indices.empty()) continue;
     for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
     tile.meshes.push_back(std::move(*mesh));
@@ -398,6 +401,7 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
     result.road_triangles += part.road_triangles;
     result.road_surface_m2 += part.road_surface_m2;
   }
+  result.buildings = layout->buildings.size();
   result.findings = scene_findings(*layout);
   return result;
 }

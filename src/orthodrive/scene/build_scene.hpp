@@ -5,11 +5,13 @@
 #include <compare>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/model/building.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "roadquery/road_map.hpp"
@@ -21,8 +23,9 @@ struct SceneInput {
   const roadquery::RoadMap& roads;
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
-  Polygon area;                      ///< the scene ends here
-  const LabelMap* labels = nullptr;  ///< if given, tiles carry the classes, for simulators and viewers
+  Polygon area;                              ///< the scene ends here
+  const LabelMap* labels = nullptr;          ///< if given, tiles carry the classes, for simulators and viewers
+  std::span<const Building> buildings = {};  ///< of maps; labels show what they lack
 };
 
 struct SceneOptions {
@@ -64,6 +67,7 @@ class SceneLayout;
 struct SceneResult {
   std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
+  std::size_t buildings = 0;
   Findings findings;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/overlay.hpp"
@@ -34,7 +35,8 @@ void bulge(Ring& ring, const roadquery::Road& road, const CrossSection& end, dou
   ring = convex_hull(std::move(ring));
 }
 
-MultiPolygon strip_union(const roadquery::Road& road, const std::vector<CrossSection>& strip) {
+/// The strip between its sections, piece by piece.
+std::vector<Polygon> strip_pieces(const roadquery::Road& road, const std::vector<CrossSection>& strip) {
   std::vector<Polygon> pieces;
   for (std::size_t i = 1; i < strip.size(); ++i) {
     Ring ring = piece_ring(strip[i - 1], strip[i]);
@@ -42,7 +44,7 @@ MultiPolygon strip_union(const roadquery::Road& road, const std::vector<CrossSec
     if (i + 1 == strip.size() && !road.shape.empty()) bulge(ring, road, strip.back(), 1.0);
     if (ring.size() >= 3 && signed_area_m2(ring) > min_piece_area_m2) pieces.push_back({std::move(ring), {}});
   }
-  return pieces.empty() ? MultiPolygon{} : union_of(pieces, plan_grid_m);
+  return pieces;
 }
 
 bool is_sliver(const Ring& ring) {
@@ -66,15 +68,24 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
   if (options.query)
     for (const roadquery::Road* road : roads_)
       is_on_level_[static_cast<std::size_t>(road - query_->map().roads.data())] = true;
+  std::vector<std::vector<Polygon>> pieces(roads_.size());
   std::vector<MultiPolygon> unions(roads_.size());
   parallel_for(roads_.size(), options.threads, [&](std::size_t i) {
     const std::size_t index = options.query ? static_cast<std::size_t>(roads_[i] - query_->map().roads.data()) : i;
     strips_[i] = cross_sections(*query_, index, options.strip);
-    unions[i] = strip_union(*roads_[i], strips_[i]);
+    pieces[i] = strip_pieces(*roads_[i], strips_[i]);
+    if (!pieces[i].empty()) unions[i] = union_of(pieces[i], plan_grid_m);
   });
-  std::vector<Polygon> all;
+  MultiPolygon all;
   for (const MultiPolygon& part : unions) all.insert(all.end(), part.begin(), part.end());
-  add_junction_areas(all);
+  for (auto& part : pieces) std::move(part.begin(), part.end(), std::back_inserter(pieces_));
+  for (Polygon& area_of_junction : junction_areas()) {
+    all.push_back(area_of_junction);
+    pieces_.push_back(std::move(area_of_junction));
+  }
+  std::vector<Box2> boxes;
+  for (const Polygon& piece : pieces_) boxes.push_back(bounds_of(piece.outer));
+  piece_index_ = SpatialIndex(boxes);
   MultiPolygon joined = all.empty() ? MultiPolygon{} : union_of(all, plan_grid_m);
   for (Polygon& polygon : joined) std::erase_if(polygon.holes, is_sliver);
   polygons_ = joined.empty() ? MultiPolygon{} : intersection_of(joined, {area}, plan_grid_m);
@@ -87,7 +98,14 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
       options.threads);
 }
 
-void RoadLevel::add_junction_areas(std::vector<Polygon>& all) const {
+MultiPolygon RoadLevel::paved_near(const Box2& box, Vec2 from) const {
+  MultiPolygon near;
+  for (const std::uint32_t i : piece_index_.touching(box)) near.push_back(moved(pieces_[i], from * -1.0));
+  return near;
+}
+
+MultiPolygon RoadLevel::junction_areas() const {
+  MultiPolygon areas;
   const roadquery::RoadMap& map = query_->map();
   for (const roadquery::Junction& junction : map.junctions) {
     const auto is_on_level = [&](const roadquery::Road& road) {
@@ -96,8 +114,9 @@ void RoadLevel::add_junction_areas(std::vector<Polygon>& all) const {
     if (!junction.surface || std::ranges::none_of(map.roads, is_on_level)) continue;
     Polygon paved;
     for (const auto& [x, y] : junction.surface->boundary) paved.outer.push_back(snap_to_grid({x, y}));
-    if (paved.outer.size() >= 3 && signed_area_m2(paved.outer) > min_piece_area_m2) all.push_back(std::move(paved));
+    if (paved.outer.size() >= 3 && signed_area_m2(paved.outer) > min_piece_area_m2) areas.push_back(std::move(paved));
   }
+  return areas;
 }
 
 std::optional<SurfaceSample> RoadLevel::sample(Vec2 p, double reach_m) const {

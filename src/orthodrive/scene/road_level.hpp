@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/outline.hpp"
 #include "orthodrive/scene/road_strip.hpp"
 #include "roadquery/road_query.hpp"
@@ -42,18 +43,23 @@ class RoadLevel {
   [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p, double reach_m) const;
   [[nodiscard]] const std::vector<const roadquery::Road*>& roads() const { return roads_; }
   [[nodiscard]] const MultiPolygon& polygons() const { return polygons_; }  ///< union of the carriageways, in the area
-  [[nodiscard]] const Outline& outline() const { return outline_; }         ///< of polygons(), heights of the surface
+  /// The pieces of carriageways and junctions whose boxes touch the given one, also outside the area; relative to
+  /// `from`. They may overlap.
+  [[nodiscard]] MultiPolygon paved_near(const Box2& box, Vec2 from) const;
+  [[nodiscard]] const Outline& outline() const { return outline_; }  ///< of polygons(), heights of the surface
   [[nodiscard]] const std::vector<std::vector<CrossSection>>& strips() const { return strips_; }  ///< one a road
 
   static constexpr double sample_reach_m = 1.0;
 
  private:
-  void add_junction_areas(std::vector<Polygon>& all) const;
+  [[nodiscard]] MultiPolygon junction_areas() const;
 
   std::vector<const roadquery::Road*> roads_;
   std::shared_ptr<const roadquery::RoadQuery> query_;
   std::vector<bool> is_on_level_;  // of the query's roads
   std::vector<std::vector<CrossSection>> strips_;
+  std::vector<Polygon> pieces_;  // between two sections of a road, and junctions
+  SpatialIndex piece_index_;
   MultiPolygon polygons_;
   Outline outline_;
 };

@@ -125,4 +125,14 @@ LinearColor photo_mean(const Photo& photo, Vec2 p, double size_m) {
   return {static_cast<float>(sum[0] / count), static_cast<float>(sum[1] / count), static_cast<float>(sum[2] / count)};
 }
 
+LinearColor photo_median(const Photo& photo, const Polygon& polygon) {
+  std::vector<Rgb> pixels;
+  const GridFrame frame = covering_grid(bounds_of(polygon.outer), 1.0);
+  rasterize(polygon, frame, [&](int row, int begin, int end) {
+    for (int col = begin; col < end; ++col)
+      if (const auto pixel = pixel_at(photo, frame.center_of(col, row))) pixels.push_back(*pixel);
+  });
+  return pixels.empty() ? no_photo : median(pixels);
+}
+
 }  // namespace orthodrive::scene

@@ -32,4 +32,7 @@ class RoadTint {
 /// Mean of the photo's pixels in a square of size_m around p; a dark grey where there are none.
 [[nodiscard]] LinearColor photo_mean(const Photo& photo, Vec2 p, double size_m);
 
+/// The pixel of median brightness of those at points 1 m apart inside the polygon; the dark grey where there is none.
+[[nodiscard]] LinearColor photo_median(const Photo& photo, const Polygon& polygon);
+
 }  // namespace orthodrive::scene

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/scene/label_footprints.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -244,6 +246,10 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   tint = RoadTint(levels, input.photo);
+  std::vector<Building> known(input.buildings.begin(), input.buildings.end());
+  if (labels != nullptr) std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
+  buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
+  for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
 
   // Tiles: those that the area's border passes through, and those whose middle lies inside.
   std::set<TileAddress> inside;

@@ -8,6 +8,7 @@
 
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/scene/build_scene.hpp"
+#include "orthodrive/scene/buildings.hpp"
 #include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_level.hpp"
@@ -53,6 +54,8 @@ class SceneLayout {
   std::optional<scene::Ground> ground;
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads
   scene::RoadTint tint;
+  std::vector<scene::PlacedBuilding> buildings;
+  std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
 };

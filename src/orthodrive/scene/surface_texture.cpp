@@ -186,6 +186,34 @@ TexelAt paint() {
   };
 }
 
+/// One window in plaster: a storey high, a bay wide. v grows downwards.
+TexelAt facade() {
+  return [plaster = Fractal(64, 4, 101), stains = Fractal(4, 4, 102)](double u, double v) {
+    const double across = std::abs(u - 0.5), up = std::abs(v - 0.47);
+    const bool frame = across < 0.20 && up < 0.25, sill = across < 0.22 && v > 0.72 && v < 0.745;
+    const bool glass = across < 0.175 && across > 0.008 && up < 0.225;
+    if (glass) return Texel{.shade = -0.78 + 0.25 * (0.7 - v), .warmth = -0.2, .height_m = -0.03, .roughness = 0.1};
+    if (frame || sill) return Texel{.shade = 0.3, .height_m = sill ? 0.03 : 0.0, .roughness = 0.6};
+    const double p = plaster.at(u, v);
+    return Texel{.shade = 0.05 * p + 0.05 * stains.at(u, v), .warmth = 0.01, .height_m = 0.002 * p, .roughness = 0.92};
+  };
+}
+
+/// Rows of tiles of 0.33 m over each other, 0.25 m wide.
+TexelAt roof_tiles() {
+  constexpr int rows = 12, columns = 16;
+  return [shades = ValueNoise(48, 111), dirt = Fractal(8, 5, 112)](double u, double v) {
+    const double x = u * columns, y = v * rows;
+    const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+    const double across = std::abs(x - column - 0.5), down = y - row;
+    const double edge = down > 0.93 || across > 0.46 ? 1.0 : 0.0;
+    return Texel{.shade = 0.12 * shades.corner(column, row) + 0.1 * dirt.at(u, v) - 0.35 * edge,
+                 .warmth = 0.02 * shades.corner(row, column),
+                 .height_m = 0.012 * down + 0.02 * (1.0 - 4.0 * across * across),
+                 .roughness = 0.85};
+  };
+}
+
 TexelAt texels_of(SurfaceMaterial material) {
   switch (material) {
     case SurfaceMaterial::concrete:
@@ -200,6 +228,10 @@ TexelAt texels_of(SurfaceMaterial material) {
       return verge();
     case SurfaceMaterial::paint:
       return paint();
+    case SurfaceMaterial::facade:
+      return facade();
+    case SurfaceMaterial::roof_tiles:
+      return roof_tiles();
     case SurfaceMaterial::photo:
     case SurfaceMaterial::asphalt:
       break;

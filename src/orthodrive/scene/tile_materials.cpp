@@ -18,12 +18,6 @@ bool is_on_road_border(const SceneLayout& layout, Vec2 p) {
   return layout.roads.outline().nearest(p).distance_m <= 2.0 * plan_grid_m;
 }
 
-std::array<std::uint16_t, 4> mesh_color(const LinearColor& color, double opacity = 1.0) {
-  const auto word = [](double v) { return static_cast<std::uint16_t>(std::lround(65535.0 * std::clamp(v, 0.0, 1.0))); };
-  const auto over_texture = [&](float v) { return word(static_cast<double>(v) / surface_texture_mean); };
-  return {over_texture(color[0]), over_texture(color[1]), over_texture(color[2]), word(opacity)};
-}
-
 std::array<float, 2> tile_uv(double x_m, double y_m) {
   return {static_cast<float>(x_m / surface_texture_m), static_cast<float>(-y_m / surface_texture_m)};
 }
@@ -62,6 +56,27 @@ SurfaceMaterial material_of(roadquery::SurfaceClass surface) {
 
 }  // namespace
 
+std::array<std::uint16_t, 4> mesh_color(const LinearColor& color, double opacity) {
+  const auto word = [](double v) { return static_cast<std::uint16_t>(std::lround(65535.0 * std::clamp(v, 0.0, 1.0))); };
+  const auto over_texture = [&](float v) { return word(static_cast<double>(v) / surface_texture_mean); };
+  return {over_texture(color[0]), over_texture(color[1]), over_texture(color[2]), word(opacity)};
+}
+
+void PartedTriangles::add(SurfaceMaterial material, std::array<std::uint32_t, 3> triangle) {
+  auto& indices = by_material_[static_cast<std::size_t>(material)];
+  indices.insert(indices.end(), triangle.begin(), triangle.end());
+}
+
+void PartedTriangles::finish(TriMesh& mesh) const {
+  mesh.indices.clear();
+  mesh.parts.clear();
+  for (std::size_t m = 0; m < by_material_.size(); ++m) {
+    if (by_material_[m].empty()) continue;
+    mesh.parts.push_back({static_cast<SurfaceMaterial>(m), mesh.indices.size(), by_material_[m].size()});
+    mesh.indices.insert(mesh.indices.end(), by_material_[m].begin(), by_material_[m].end());
+  }
+}
+
 void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, TriMesh& verge) {
   std::vector<char> on_border(terrain.positions.size());
   const auto world = [&](std::uint32_t v) { return center + Vec2{terrain.positions[v][0], terrain.positions[v][1]}; };
@@ -87,24 +102,19 @@ void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, T
 }
 
 void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
-  std::array<std::vector<std::uint32_t>, surface_material_count> by_material;
+  PartedTriangles parts;
   for (std::size_t i = 0; i < road.indices.size(); i += 3) {
+    const std::array<std::uint32_t, 3> triangle = {road.indices[i], road.indices[i + 1], road.indices[i + 2]};
     Vec3 middle{center.x, center.y, layout.origin.z};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto& p = road.positions[road.indices[i + k]];
+    for (const std::uint32_t v : triangle) {
+      const auto& p = road.positions[v];
       middle = middle + Vec3{p[0], p[1], p[2]} * (1.0 / 3.0);
     }
     roadquery::Cursor cursor;
     const auto hit = layout.query->find(middle.x, middle.y, middle.z, cursor, roadquery::hit_material);
-    auto& triangles = by_material[static_cast<std::size_t>(hit ? material_of(hit->surface) : SurfaceMaterial::asphalt)];
-    for (std::size_t k = 0; k < 3; ++k) triangles.push_back(road.indices[i + k]);
+    parts.add(hit ? material_of(hit->surface) : SurfaceMaterial::asphalt, triangle);
   }
-  road.indices.clear();
-  for (std::size_t m = 0; m < by_material.size(); ++m) {
-    if (by_material[m].empty()) continue;
-    road.parts.push_back({static_cast<SurfaceMaterial>(m), road.indices.size(), by_material[m].size()});
-    road.indices.insert(road.indices.end(), by_material[m].begin(), by_material[m].end());
-  }
+  parts.finish(road);
   for (std::size_t i = 0; i < road.positions.size(); ++i) {
     const auto& p = road.positions[i];
     add_tile_place(i, road);

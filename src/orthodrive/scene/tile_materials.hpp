@@ -7,6 +7,20 @@
 
 namespace orthodrive::scene {
 
+/// Colour of a vertex for a tileable texture of that material; linear.
+[[nodiscard]] std::array<std::uint16_t, 4> mesh_color(const LinearColor& color, double opacity = 1.0);
+
+/// Collects triangles by their material.
+class PartedTriangles {
+ public:
+  void add(SurfaceMaterial material, std::array<std::uint32_t, 3> triangle);
+  /// Makes them the mesh's only triangles.
+  void finish(TriMesh& mesh) const;
+
+ private:
+  std::array<std::vector<std::uint32_t>, surface_material_count> by_material_;
+};
+
 /// The terrain's triangles at the roads once more, opaque at the road and clear at the vertices beside it.
 void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, TriMesh& verge);
 

@@ -1,0 +1,20 @@
+#pragma once
+// A building as maps know it.
+
+#include <string>
+#include <vector>
+
+#include "orthodrive/geo/polygon.hpp"
+
+namespace orthodrive {
+
+/// https://wiki.openstreetmap.org/wiki/Simple_3D_Buildings
+struct Building {
+  Polygon footprint;        ///< site CRS
+  std::string use = "yes";  ///< OSM's building=*
+  double height_m = 0.0;    ///< ground to the top of the roof; 0: not known
+  double levels = 0.0;      ///< storeys below the roof; 0: not known
+  std::string roof_shape;   ///< OSM's roof:shape; empty: not known
+};
+
+}  // namespace orthodrive

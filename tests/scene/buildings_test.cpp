@@ -1,0 +1,274 @@
+// Buildings on small sites: where they stand, how high, and that nothing overlaps.
+
+#include "orthodrive/scene/buildings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "orthodrive/core/random.hpp"
+#include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
+#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/surface_texture.hpp"
+#include "scene/scene_site.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace scene_test;
+
+Building building_at(double east_m, double north_m, double width_m, double depth_m) {
+  const double x = west_m + east_m, y = south_m + north_m;
+  return {.footprint = {{{x, y}, {x + width_m, y}, {x + width_m, y + depth_m}, {x, y + depth_m}}, {}}};
+}
+
+std::shared_ptr<const SceneLayout> lay_out(const Site& site, const std::vector<Building>& buildings, int threads = 0) {
+  SceneInput input = site.input();
+  input.buildings = buildings;
+  return lay_out_scene(input, {.threads = threads});
+}
+
+Polygon footprint_of(const scene::PlacedBuilding& building) { return moved(building.footprint, building.middle); }
+
+double shared_m2(const Polygon& a, const MultiPolygon& b) {
+  double sum = 0.0;
+  const Vec2 from = a.outer.front() * -1.0;
+  for (const Polygon& other : b)
+    for (const Polygon& part : intersection_of({moved(a, from)}, union_of(std::vector{moved(other, from)}, 1e-4), 1e-4))
+      sum += area_m2(part);
+  return sum;
+}
+
+/// Nothing stands on a road, no two buildings share ground.
+void expect_apart(const SceneLayout& layout) {
+  for (std::size_t i = 0; i < layout.buildings.size(); ++i) {
+    const Polygon own = footprint_of(layout.buildings[i]);
+    EXPECT_EQ(shared_m2(own, layout.roads.polygons()), 0.0) << i;
+    for (const scene::RoadLevel& deck : layout.decks) EXPECT_EQ(shared_m2(own, deck.polygons()), 0.0) << i;
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_LT(shared_m2(own, {footprint_of(layout.buildings[k])}), 0.011) << i << ' ' << k;
+  }
+}
+
+const TriMesh* building_mesh_of(const SceneTile& tile) { return find_mesh(tile, MeshKind::building); }
+
+/// Walls and roofs are closed but for the foot, which is in the ground; no triangle is without area.
+void expect_shell(const TriMesh& mesh, const std::vector<double>& foot_z_m) {
+  using Point = std::array<float, 3>;
+  std::map<std::array<Point, 2>, int> edges;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]]; };
+    const auto vec = [&](std::size_t k) { return Vec3{corner(k)[0], corner(k)[1], corner(k)[2]}; };
+    const Vec3 a = vec(1) - vec(0), b = vec(2) - vec(0);
+    EXPECT_GT(std::hypot(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x), 1e-7);
+    for (std::size_t k = 0; k < 3; ++k) ++edges[{corner(k), corner((k + 1) % 3)}];
+  }
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    if (edges.contains({edge[1], edge[0]})) continue;
+    EXPECT_EQ(edge[0][2], edge[1][2]);
+    EXPECT_TRUE(std::ranges::any_of(foot_z_m, [&](double z) { return static_cast<float>(z) == edge[0][2]; }));
+  }
+}
+
+TEST(Buildings, heights_and_storeys_follow_the_tags) {
+  const Site site = make_site(480.0, {});
+  Building tagged = building_at(100.0, 100.0, 20.0, 10.0);
+  tagged.height_m = 12.0;
+  Building levels = building_at(150.0, 100.0, 20.0, 10.0);
+  levels.levels = 4.0;
+  levels.roof_shape = "flat";
+  Building hipped = building_at(200.0, 100.0, 12.0, 10.0);
+  hipped.roof_shape = "hipped";
+  hipped.height_m = 9.0;
+  const auto layout = lay_out(site, {tagged, levels, hipped});
+  ASSERT_EQ(layout->buildings.size(), 3U);
+  const auto& [a, b, c] = std::tie(layout->buildings[0], layout->buildings[1], layout->buildings[2]);
+  EXPECT_EQ(a.base_z_m, 10.0);
+  EXPECT_EQ(a.foot_z_m, 9.5);
+  EXPECT_EQ(a.roof.shape, scene::RoofShape::gabled);
+  EXPECT_DOUBLE_EQ(a.eaves_z_m + a.roof.rise_m, 22.0) << "the tag counts to the ridge";
+  EXPECT_EQ(b.roof.shape, scene::RoofShape::flat);
+  EXPECT_DOUBLE_EQ(b.eaves_z_m, 22.0);
+  EXPECT_EQ(b.storeys, 4);
+  EXPECT_EQ(c.roof.shape, scene::RoofShape::hipped);
+  EXPECT_DOUBLE_EQ(c.eaves_z_m + c.roof.rise_m, 19.0);
+}
+
+TEST(Buildings, without_tags_use_and_area_decide) {
+  const Site site = make_site(480.0, {});
+  std::vector<Building> buildings = {building_at(50.0, 50.0, 6.0, 6.0), building_at(80.0, 50.0, 12.0, 10.0),
+                                     building_at(120.0, 50.0, 40.0, 20.0), building_at(200.0, 50.0, 40.0, 30.0)};
+  buildings[3].use = "industrial";
+  const auto layout = lay_out(site, buildings);
+  ASSERT_EQ(layout->buildings.size(), 4U);
+  const std::array<double, 4> eaves_m = {2.6, 5.6, 9.0, 8.0};
+  const std::array<bool, 4> windows = {false, true, true, false};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_DOUBLE_EQ(layout->buildings[i].eaves_z_m - 10.0, eaves_m[i]);
+    EXPECT_EQ(layout->buildings[i].windows, windows[i]);
+  }
+}
+
+TEST(Buildings, roofs_have_the_photos_colour) {
+  Site site = make_site(480.0, {});
+  const Building building = building_at(100.0, 100.0, 20.0, 20.0);
+  fill_polygon(site.photo.valid, site.photo.frame, building.footprint, std::uint8_t{1});
+  rasterize(building.footprint, site.photo.frame, [&](int row, int begin, int end) {
+    for (int col = begin; col < end; ++col) site.photo.rgb.at(col, row, 0) = 255;
+  });
+  const auto layout = lay_out(site, {building});
+  EXPECT_EQ(layout->buildings.at(0).roof_color[0], 1.0F);
+  EXPECT_NEAR(layout->buildings.at(0).roof_color[1], 0.1022F, 1e-3F);  // 90 of 255, linear
+}
+
+TEST(Buildings, what_lies_on_a_road_is_cut_off_and_told) {
+  const Site site = make_site(480.0, {{.start = {west_m, south_m + 240.0}, .length_m = 480.0, .width_m = 8.0}});
+  const auto layout = lay_out(site, {building_at(100.0, 241.0, 20.0, 13.0),   // 3 m of 13 m on the road
+                                     building_at(200.0, 232.0, 20.0, 16.0),   // across: 8 m and twice 4 m beside it
+                                     building_at(300.0, 244.1, 20.0, 10.0),   // beside it
+                                     building_at(350.0, 237.0, 10.0, 6.0)});  // in the middle of it
+  EXPECT_EQ(layout->buildings.size(), 2U);
+  expect_apart(*layout);
+  EXPECT_NEAR(area_m2(layout->buildings[0].footprint), 20.0 * 9.9, 0.05);
+  EXPECT_NEAR(area_m2(layout->buildings[1].footprint), 200.0, 1e-6);
+  ASSERT_EQ(layout->findings.size(), 3U);
+  for (const Finding& finding : layout->findings) EXPECT_EQ(finding.code, "scene.building_on_road");
+  EXPECT_EQ(layout->findings[0].message, "a building of 260 m2 shares 62.0 m2 with roads and is cut");
+  EXPECT_EQ(layout->findings[2].message, "a building of 60 m2 shares 60.0 m2 with roads and is left out");
+}
+
+TEST(Buildings, decks_of_bridges_cut_what_would_stand_through_them) {
+  const Site site = make_site(480.0, {{.start = {west_m, south_m + 240.0},
+                                       .length_m = 480.0,
+                                       .width_m = 8.0,
+                                       .z_m = 20.0,
+                                       .layer = 1,
+                                       .bridge = true}});
+  const auto layout = lay_out(site, {building_at(100.0, 242.0, 20.0, 20.0)});
+  ASSERT_EQ(layout->buildings.size(), 1U);
+  expect_apart(*layout);
+}
+
+TEST(Buildings, overlapping_ones_keep_their_distance_and_neighbours_their_wall) {
+  const Site site = make_site(480.0, {});
+  const auto layout =
+      lay_out(site, {building_at(100.0, 100.0, 20.0, 10.0), building_at(120.0, 100.0, 20.0, 10.0),   // wall to wall
+                     building_at(135.0, 105.0, 30.0, 30.0), building_at(105.0, 101.0, 10.0, 8.0)});  // over, inside
+  ASSERT_EQ(layout->buildings.size(), 3U);
+  expect_apart(*layout);
+  EXPECT_EQ(area_m2(layout->buildings[1].footprint), 200.0);
+  EXPECT_NEAR(area_m2(layout->buildings[2].footprint), 900.0 - 25.0, 1e-6);
+  ASSERT_EQ(layout->findings.size(), 2U);
+  EXPECT_EQ(layout->findings[0].code, "scene.building_overlap");
+  EXPECT_EQ(layout->findings[1].message, "a building of 80 m2 shares 80.0 m2 with others and is left out");
+}
+
+/// A town thrown at a crossing: whatever comes, the rules hold, and meshes are shells.
+TEST(Buildings, hundreds_at_random_places_stand_on_no_road_and_on_no_other) {
+  const Site site = make_site(480.0,
+                              {{.start = {west_m, south_m + 200.0}, .heading_rad = 0.3, .length_m = 500.0},
+                               {.start = {west_m + 240.0, south_m}, .heading_rad = 1.4, .length_m = 490.0},
+                               {.start = {west_m + 60.0, south_m + 400.0}, .length_m = 300.0, .curvature_1pm = -0.01}},
+                              [](Vec2 p) { return 10.0 + 0.05 * (p.x - west_m) + 0.02 * (p.y - south_m); });
+  Random random(7);
+  std::vector<Building> buildings;
+  for (int i = 0; i < 500; ++i) {
+    const Vec2 at{west_m + random.uniform(0.0, 480.0), south_m + random.uniform(0.0, 480.0)};
+    const double turn = random.uniform(0.0, 6.28), w = random.uniform(2.0, 15.0), d = random.uniform(2.0, 10.0);
+    const Vec2 u{std::cos(turn), std::sin(turn)}, v = left_normal(u);
+    Building building;
+    building.footprint.outer = {at,
+                                at + u * (2.0 * w),
+                                at + u * (2.0 * w) + v * d,
+                                at + u * w + v * d,
+                                at + u * w + v * (2.0 * d),
+                                at + v * (2.0 * d)};
+    buildings.push_back(building);
+  }
+  const auto layout = lay_out(site, buildings);
+  EXPECT_GT(layout->buildings.size(), 80U);
+  expect_apart(*layout);
+  const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
+  std::vector<double> feet;
+  for (const auto& building : layout->buildings) feet.push_back(building.foot_z_m - tile.origin.z);
+  std::vector<const scene::PlacedBuilding*> single(1);
+  for (const auto& building : layout->buildings) {
+    single[0] = &building;
+    expect_shell(scene::building_mesh(single, tile.origin), feet);
+  }
+}
+
+TEST(Buildings, bad_footprints_are_mended_or_left_out) {
+  const Site site = make_site(480.0, {});
+  const Vec2 at{west_m + 240.0, south_m + 240.0};
+  Building bow;  // crosses itself: two triangles of 100 m2
+  bow.footprint.outer = {at, at + Vec2{20.0, 20.0}, at + Vec2{20.0, 0.0}, at + Vec2{0.0, 20.0}};
+  Building line;
+  line.footprint.outer = {at + Vec2{50.0, 0.0}, at + Vec2{60.0, 0.0}, at + Vec2{70.0, 0.0}};
+  Building nothing;
+  Building gear;  // 10,000 corners
+  for (int i = 0; i < 10000; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / 10000.0, r = i % 2 == 0 ? 50.0 : 48.0;
+    gear.footprint.outer.push_back(at + Vec2{100.0 + r * std::cos(angle), r * std::sin(angle)});
+  }
+  Building circle;  // 10,000 corners, most of them on straight walls
+  for (int i = 0; i < 10000; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / 10000.0;
+    circle.footprint.outer.push_back(at + Vec2{-100.0 + 20.0 * std::cos(angle), 20.0 * std::sin(angle)});
+  }
+  Building far = building_at(-500.0, 100.0, 20.0, 10.0);  // not in the area
+  const auto layout = lay_out(site, {bow, line, nothing, gear, circle, far});
+  ASSERT_EQ(layout->buildings.size(), 3U);
+  expect_apart(*layout);
+  EXPECT_NEAR(area_m2(layout->buildings[0].footprint), 100.0, 0.1);
+  EXPECT_EQ(layout->buildings[1].roof.shape, scene::RoofShape::flat);
+  EXPECT_LT(layout->buildings[2].footprint.outer.size(), 200U);
+  EXPECT_NEAR(area_m2(layout->buildings[2].footprint), 400.0 * std::numbers::pi, 3.0);
+  const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
+  std::vector<const scene::PlacedBuilding*> single(1);
+  for (const auto& building : layout->buildings) {
+    single[0] = &building;
+    expect_shell(scene::building_mesh(single, tile.origin), {building.foot_z_m - tile.origin.z});
+  }
+}
+
+TEST(Buildings, mesh_has_walls_with_storeys_of_windows_and_a_roof) {
+  const Site site = make_site(480.0, {});
+  Building block = building_at(100.0, 100.0, 32.0, 16.0);
+  block.levels = 3.0;
+  block.roof_shape = "gabled";
+  const SceneTile tile = build_scene_tile(*lay_out(site, {block}), {1000, 13000});
+  const TriMesh* mesh = building_mesh_of(tile);
+  ASSERT_NE(mesh, nullptr);
+  ASSERT_EQ(mesh->parts.size(), 3U);
+  EXPECT_EQ(mesh->parts[0].material, SurfaceMaterial::concrete);
+  EXPECT_EQ(mesh->parts[1].material, SurfaceMaterial::facade);
+  EXPECT_EQ(mesh->parts[2].material, SurfaceMaterial::roof_tiles);
+  // The long wall: ten bays, three storeys from the ground to the eaves.
+  float left = 1e9F, right = -1e9F, top = 1e9F;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto& uv = mesh->tile_uv[mesh->indices[mesh->parts[1].first_index + k]];
+    left = std::min(left, uv[0]), right = std::max(right, uv[0]), top = std::min(top, uv[1]);
+  }
+  EXPECT_NEAR(right - left, 10.0F, 1e-4F);
+  EXPECT_NEAR(top, -3.0F, 1e-4F);
+  EXPECT_GT(tile.max_z_m, 19.0);
+}
+
+TEST(Buildings, thread_count_does_not_change_a_byte) {
+  const Site site = make_site(480.0, {{.start = {west_m, south_m + 240.0}, .length_m = 480.0}});
+  std::vector<Building> buildings;
+  for (int i = 0; i < 60; ++i) buildings.push_back(building_at(7.0 * i, 225.0 + i % 5, 10.0 + i % 7, 12.0));
+  const auto one = lay_out(site, buildings, 1), four = lay_out(site, buildings, 4);
+  const SceneTile a = build_scene_tile(*one, {1000, 13000}), b = build_scene_tile(*four, {1000, 13000});
+  EXPECT_EQ(building_mesh_of(a)->positions, building_mesh_of(b)->positions);
+  EXPECT_EQ(building_mesh_of(a)->indices, building_mesh_of(b)->indices);
+  EXPECT_EQ(building_mesh_of(a)->colors, building_mesh_of(b)->colors);
+  EXPECT_EQ(one->findings.size(), four->findings.size());
+}
+
+}  // namespace
+}  // namespace orthodrive
