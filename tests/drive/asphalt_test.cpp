@@ -56,8 +56,11 @@ TEST(Asphalt, a_narrow_road_beside_another_one_is_driven_in_its_middle) {
       drive_route(query, {{{0, true}}, false, "narrow", 120.0}, options, EnvelopeTable(options.car));
   EXPECT_EQ(lap.tyre_misses, 0u);
   EXPECT_NEAR(lap.length_m, 120.0, 5.0);
-  for (const LinePoint& p : lap.line.points)
-    if (p.x_m > 60.0) EXPECT_NEAR(p.y_m, -0.95, 0.08) << p.x_m;
+  for (const LinePoint& p : lap.line.points) {
+    if (p.x_m > 60.0) {
+      EXPECT_NEAR(p.y_m, -0.95, 0.08) << p.x_m;
+    }
+  }
 }
 
 }  // namespace
