@@ -53,8 +53,7 @@ double off_road_m(const roadquery::RoadQuery& query, Vec2 axle, Vec2 to_wheel, d
   const double half_m = length(to_wheel);
   for (double off_m = 0.0; off_m < half_m; off_m += step_m) {
     const Vec2 at = axle + (1.0 - off_m / half_m) * to_wheel;
-    const auto hit = query.find(at.x, at.y, z_m, cursor);
-    if (hit && is_for_driving(query.map(), *hit)) return off_m;
+    if (place_for_car(query, at.x, at.y, z_m, cursor)) return off_m;
   }
   return 0.0;  // the axle itself is beside the road: nothing to be told from
 }
