@@ -105,6 +105,8 @@ export class TileLayers {
     const map: Texture | null = photos[0] ?? null;
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
+      mesh.castShadow = ['building', 'tree'].includes(kindOf(mesh));
+      mesh.receiveShadow = true;
       const own = mesh.material as MeshStandardMaterial;
       this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});
     }
