@@ -48,6 +48,13 @@ double last_with(const Function& left_over) {
 
 double rolling_radius_m(const Tyre& tyre, double load_n) { return tyre.radius_m - load_n / tyre.vertical_npm / 3.0; }
 
+/// Mean of the driven wheels.
+double driven_radius_m(const CarParameters& car) {
+  const double front = car.differential.front_share;
+  return front * rolling_radius_m(car.front_tyre, static_load_n(car, true)) +
+         (1.0 - front) * rolling_radius_m(car.rear_tyre, static_load_n(car, false));
+}
+
 /// A steady state: accelerations in the road plane and what follows for the wheels.
 class SteadyState {
  public:
@@ -191,33 +198,43 @@ double resistance_n(const CarParameters& car, double speed_mps, double normal_mp
   return steady.drag_n() + steady.rolling_n(0.0, 0.0);
 }
 
-double max_drive_force_n(const CarParameters& car, double speed_mps) {
-  const Differential& d = car.differential;
-  const double radius_m = d.front_share * rolling_radius_m(car.front_tyre, static_load_n(car, true)) +
-                          (1.0 - d.front_share) * rolling_radius_m(car.rear_tyre, static_load_n(car, false));
-  double most = 0.0;
+FullDrive full_drive(const CarParameters& car, double speed_mps) {
+  const double radius_m = driven_radius_m(car);
+  FullDrive most;
   for (int gear = 1; gear <= static_cast<int>(car.gearbox.ratios.size()); ++gear) {
     const double ratio = gear_ratio(car, gear);
     // Below the launch speed of first gear the clutch slips.
     const double turned = std::abs(speed_mps) / radius_m * ratio * rpm_per_radps;
-    const double rpm = gear == 1 ? std::max(turned, car.gearbox.launch_rpm) : turned;
+    const bool slips = gear == 1 && turned < car.gearbox.launch_rpm;
+    const double rpm = slips ? car.gearbox.launch_rpm : turned;
     if (rpm > car.engine.limit_rpm || rpm < car.engine.idle_rpm) continue;
-    most = std::max(most, crankshaft_nm(car.engine, rpm, 1.0) * ratio * car.gearbox.efficiency / radius_m);
+    const double force_n = crankshaft_nm(car.engine, rpm, 1.0) * ratio * car.gearbox.efficiency / radius_m;
+    if (force_n > most.force_n) most = {force_n, spinning_kg(car, slips ? 0 : gear)};
   }
   return most;
+}
+
+double spinning_kg(const CarParameters& car, int gear) {
+  const double front_m = rolling_radius_m(car.front_tyre, static_load_n(car, true)),
+               rear_m = rolling_radius_m(car.rear_tyre, static_load_n(car, false));
+  const double turns_1pm = gear_ratio(car, gear) / driven_radius_m(car);
+  return 2.0 * car.front_tyre.wheel_inertia_kgm2 / (front_m * front_m) +
+         2.0 * car.rear_tyre.wheel_inertia_kgm2 / (rear_m * rear_m) +
+         car.gearbox.efficiency * car.engine.inertia_kgm2 * turns_1pm * turns_1pm;
 }
 
 Envelope envelope(const CarParameters& car, const EnvelopeQuery& query) {
   const SteadyState steady(car, query);
   const double lateral = std::abs(query.lateral_mps2), mass = car.body.mass_kg;
-  const double engine_n = max_drive_force_n(car, query.speed_mps);
-  const double drive =
-      std::min(holding_mps2(steady, 1.0, lateral),
-               agreeing(mass, [&](double along) { return steady.driving_n(along, lateral, engine_n); }));
+  const FullDrive engine = full_drive(car, query.speed_mps);
+  const auto resisting_mps2 = [&](double along) { return (steady.drag_n() + steady.rolling_n(along, lateral)) / mass; };
+  const double drive = std::min(holding_mps2(steady, 1.0, lateral), agreeing(mass, [&](double along) {
+                                  const double faster = along - resisting_mps2(along);
+                                  return steady.driving_n(along, lateral, engine.force_n - engine.spinning_kg * faster);
+                                }));
   const double brake = std::min(holding_mps2(steady, -1.0, lateral),
                                 agreeing(mass, [&](double along) { return steady.braking_n(along, lateral); }));
-  return {max_lateral_mps2(steady), drive - (steady.drag_n() + steady.rolling_n(drive, lateral)) / mass,
-          brake + (steady.drag_n() + steady.rolling_n(-brake, lateral)) / mass};
+  return {max_lateral_mps2(steady), drive - resisting_mps2(drive), brake + resisting_mps2(-brake)};
 }
 
 Grip grip_of(const CarParameters& car, const EnvelopeQuery& query) {

@@ -18,8 +18,9 @@ struct EnvelopeQuery {
 /// along a slope is not.
 struct Envelope {
   double max_lateral_mps2 = 0.0;  ///< without longitudinal force, whatever lateral_mps2 is
-  double max_drive_mps2 = 0.0;    ///< at lateral_mps2: grip and engine; may be negative near top speed
-  double max_brake_mps2 = 0.0;    ///< at lateral_mps2: grip and brakes
+  /// At lateral_mps2 on the level: grip, engine and what it spins up; may be negative near top speed.
+  double max_drive_mps2 = 0.0;
+  double max_brake_mps2 = 0.0;  ///< at lateral_mps2: grip and brakes
 };
 
 /// Loads of the four wheels from weight, air forces and load transfer (by roll stiffness and roll centres), forces from
@@ -44,7 +45,14 @@ struct Grip {
 /// Air and rolling resistance in N.
 [[nodiscard]] double resistance_n(const CarParameters& car, double speed_mps, double normal_mps2);
 
-/// Largest force at the driven wheels in N at that speed, over all gears.
-[[nodiscard]] double max_drive_force_n(const CarParameters& car, double speed_mps);
+/// What the engine can do at a speed.
+struct FullDrive {
+  double force_n = 0.0;      ///< largest force at the driven wheels, over all gears
+  double spinning_kg = 0.0;  ///< what has to be spun up in that gear beside the car's mass
+};
+[[nodiscard]] FullDrive full_drive(const CarParameters& car, double speed_mps);
+
+/// Wheels, and the engine in that gear (0: without it), as a mass that is accelerated along the road.
+[[nodiscard]] double spinning_kg(const CarParameters& car, int gear);
 
 }  // namespace vehicle

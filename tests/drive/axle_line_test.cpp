@@ -9,6 +9,7 @@
 #include "drive/roads.hpp"
 #include "orthodrive/drive/bounded_line.hpp"
 #include "orthodrive/drive/driving_line.hpp"
+#include "orthodrive/drive/steering_limits.hpp"
 
 namespace orthodrive {
 namespace {
@@ -69,6 +70,21 @@ TEST(AxleLine, a_trailing_car_swings_in_over_half_a_wheelbase_and_leaves_a_bend_
   const std::vector<double> heading = car_headings(line, wheelbase_m);
   EXPECT_NEAR(heading[40], 0.0, 0.02);
   EXPECT_NEAR(heading[60], 0.2 - 0.2 * std::exp(-2.0 * 5.0 / wheelbase_m), 2e-3);
+}
+
+TEST(SteeringLimits, the_front_axle_bounds_the_speed_and_near_the_stop_the_car_creeps) {
+  const vehicle::CarParameters car = car_of("family_car.toml");
+  const EnvelopeTable envelope(car);
+  const double tightest_m = 1.0 / full_lock_curvature_1pm(car), half_m = 0.5 * car.body.wheelbase_m;
+  for (const double radius_m : {1.02 * tightest_m, 2.0 * tightest_m, 50.0}) {
+    std::vector<double> legal_mps(circle(radius_m).points.size(), 30.0);
+    slow_down_to_steer(car, envelope, circle(radius_m), 4.0, legal_mps);
+    // v_front^2 / R_front = 4 m/s2, and both go round in the same time.
+    const double front_m = std::sqrt(radius_m * radius_m + 3.0 * half_m * half_m);
+    const double expected_mps = radius_m < 1.5 * tightest_m ? 2.0 : std::sqrt(4.0 / front_m) * radius_m;
+    for (std::size_t i = 20; i + 20 < legal_mps.size(); ++i)
+      ASSERT_NEAR(legal_mps[i], expected_mps, 0.06 * expected_mps) << radius_m;
+  }
 }
 
 TEST(CurvatureOf, a_spike_is_sharp) {

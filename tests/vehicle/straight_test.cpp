@@ -169,6 +169,31 @@ TEST(Power, standing_start_and_top_speed_are_plausible) {
   }
 }
 
+/// The pedal down in the best gear: the engine also spins up the wheels and itself.
+TEST(Power, accelerates_as_the_envelope_says) {
+  for (const std::string& name : test::presets) {
+    const CarParameters p = test::plain(preset(name));
+    const double v = 45.0;
+    const FullDrive drive = full_drive(p, v);
+    int gear = 1;
+    while (spinning_kg(p, gear) > drive.spinning_kg + 1e-9) ++gear;
+    Car car(p);
+    PlaneGround level(0.0, 0.0, 0.0, 1.0);
+    car.place(0.0, 0.0, 0.0, v - 2.0, level);
+    Controls c;
+    c.throttle = 1.0, c.automatic = false, c.gear = gear;
+    while (car.state().speed_mps < v - 0.2) car.step(1e-3, c, level);
+    const double from_s = car.state().t_s, from_mps = car.state().speed_mps;
+    while (car.state().speed_mps < v + 0.2) car.step(1e-3, c, level);
+    const double reached = (car.state().speed_mps - from_mps) / (car.state().t_s - from_s);
+    const double expected = envelope(p, {.speed_mps = v}).max_drive_mps2;
+    EXPECT_NEAR(expected, (drive.force_n - resistance_n(p, v, gravity_mps2)) / (p.body.mass_kg + drive.spinning_kg),
+                1e-4);
+    EXPECT_NEAR(reached, expected, 0.03 * expected) << name;  // driving tyres slip by up to 2.5 %
+    test::record(name + ": acceleration at 45 m/s in the best gear, envelope and car, m/s2", expected, reached, 2);
+  }
+}
+
 /// Engine work = gain of energy + all that is lost, over a drive with everything in it.
 TEST(Energy, is_kept) {
   for (const std::string& name : test::presets) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "vehicle/cars.hpp"
 #include "vehicle/tyre_deflection.hpp"
@@ -69,6 +70,20 @@ TEST(MagicFormula, combined_slip_stays_near_the_friction_ellipse) {
   test::record("largest force over the friction ellipse, combined slip of all presets", 1.0, most, 3);
   EXPECT_LE(most, 1.06);  // the weighting functions are fitted to measurements, not to an ellipse
   EXPECT_GE(most, 0.99);
+}
+
+TEST(MagicFormula, side_force_of_a_slick_peaks_at_5_to_8_degrees) {
+  for (const Tyre& t : {preset("gt3_like").front_tyre, preset("gt3_like").rear_tyre})
+    for (const double load : {1000.0, 4000.0, 8000.0}) {
+      double most_n = 0.0, peak_rad = 0.0;
+      for (double alpha = 0.0; alpha < 0.5; alpha += 1e-3) {
+        const double force_n = magic_formula(t, load, 1.0, {0.0, std::tan(alpha), 0.0}).fy_n;
+        if (force_n > most_n) most_n = force_n, peak_rad = alpha;
+      }
+      EXPECT_GT(peak_rad, 5.0 * std::numbers::pi / 180.0) << load;
+      EXPECT_LT(peak_rad, 8.0 * std::numbers::pi / 180.0) << load;
+      EXPECT_NEAR(most_n, tyre_grip(t, load, 0.0, 1.0).dy_n, 1e-3 * most_n);
+    }
 }
 
 TEST(MagicFormula, is_odd) {

@@ -26,7 +26,6 @@ constexpr double starting_mps = 3.0, at_rest_mps = 0.2, stop_reach_m = 4.0;
 constexpr double slip_matters_mps = 5.0, past_peak = 1.1;
 constexpr double wide_enough_m = 0.6, lift_1ps2 = 5.0, lift_only_mps2 = 0.2;
 constexpr double hold_brake = 0.4;
-constexpr double rotating_share = 1.05;  // wheels and engine have to be spun up as well
 
 /// Force of the brakes at full pedal, with grip to spare.
 double full_brake_n(const CarParameters& car) {
@@ -135,17 +134,22 @@ double DriverModel::wanted_force_n(const State& state, double dt_s) {
   // Who starts again just before a stop does not brake for it any more.
   const bool starting = !stopping && state.speed_mps < starting_mps;
   const double planned_mps2 = starting ? std::max(here.acceleration_mps2, 0.0) : here.acceleration_mps2;
-  const double wanted_mps2 = std::max(std::min(planned_mps2 + speed_gain_1ps * error_mps + integral_mps2_,
-                                               most_drive_here_mps2(p, std::max(state.speed_mps, 0.0))),
-                                      -1.5 * driver_.max_brake_mps2);
-  // Far from the plan, as on full throttle, the integral would only wind up; what it holds fades.
+  const double asked_mps2 = planned_mps2 + speed_gain_1ps * error_mps + integral_mps2_;
+  const double most_mps2 = most_drive_here_mps2(p, std::max(state.speed_mps, 0.0)),
+               least_mps2 = -1.5 * driver_.max_brake_mps2;
+  const double wanted_mps2 = std::max(std::min(asked_mps2, most_mps2), least_mps2);
+  // Where the car does all it can already, as on full throttle, the integral would only wind up; what it holds fades.
   integral_mps2_ *= 1.0 - dt_s / driver_.speed_memory_s;
-  if (std::abs(error_mps) < integral_reach_mps) integral_mps2_ += speed_gain_1ps2 * error_mps * dt_s;
+  const bool does_all = (asked_mps2 > most_mps2 && error_mps > 0.0) || (asked_mps2 < least_mps2 && error_mps < 0.0);
+  if (!does_all && std::abs(error_mps) < integral_reach_mps) integral_mps2_ += speed_gain_1ps2 * error_mps * dt_s;
   // The side force of the steered wheels points backwards in part; a part of that turns the way of the c.g., which lies
   // before the rear axle and so runs inwards.
   const double turning_mps2 = car_.body.front_share * state.acceleration_mps2[1] * std::sin(state.steering_rad) -
                               state.rates_radps[2] * state.lateral_mps;
-  return car_.body.mass_kg * (rotating_share * wanted_mps2 + road_load(p, state.speed_mps).slope_mps2 + turning_mps2) +
+  // On the brakes the engine's own drag slows it down.
+  const double spinning_kg = vehicle::spinning_kg(car_, wanted_mps2 > 0.0 ? state.gear : 0);
+  return (car_.body.mass_kg + spinning_kg) * wanted_mps2 +
+         car_.body.mass_kg * (road_load(p, state.speed_mps).slope_mps2 + turning_mps2) +
          resistance_n(car_, state.speed_mps);
 }
 
@@ -161,7 +165,7 @@ vehicle::Controls DriverModel::drive(const State& state, double dt_s) {
     return controls;
   }
   const double force_n = wanted_force_n(state, dt_s);
-  const double full_n = vehicle::max_drive_force_n(car_, std::max(state.speed_mps, 1.0));
+  const double full_n = vehicle::full_drive(car_, std::max(state.speed_mps, 1.0)).force_n;
   if (force_n >= 0.0)
     controls.throttle = std::min(force_n / std::max(full_n, 1.0), 1.0);
   else

@@ -16,7 +16,7 @@ namespace orthodrive {
 namespace {
 
 constexpr double shortest_wave_m = 15.0;
-constexpr int axle_rounds = 3, wheel_rounds = 4;
+constexpr int axle_rounds = 3, wheel_rounds = 10;
 constexpr double profile_reach_m = 2.5;  // a car feels the road over about its wheelbase
 // What lines cost (bounded_line.hpp). Racing: curvature, and its change over less than 5 m so that it can be steered.
 constexpr LineCosts racing_costs{.curvature_m4 = 1e4, .curvature_rate_m6 = 25e4};

@@ -91,20 +91,23 @@ vehicle::Grip EnvelopeTable::look_up(const vehicle::EnvelopeQuery& query) const 
 
 double EnvelopeTable::max_lateral_mps2(const vehicle::EnvelopeQuery& query) const { return lateral_at(around(query)); }
 
-double EnvelopeTable::max_drive_mps2(const vehicle::EnvelopeQuery& query) const {
+double EnvelopeTable::max_drive_mps2(const vehicle::EnvelopeQuery& query, double slope_mps2) const {
   constexpr int rounds = 6;
   const vehicle::Grip grip = look_up(query);
   const double mass = car_.body.mass_kg, front = car_.differential.front_share;
-  const double engine_n = vehicle::max_drive_force_n(car_, query.speed_mps);
-  // The acceleration moves load between the axles, and what they hold limits it.
-  double along = std::min(grip.driving_mps2, engine_n / mass);
+  const vehicle::FullDrive engine = vehicle::full_drive(car_, query.speed_mps);
+  const double resisting_mps2 = vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
+  // The acceleration moves load between the axles, and what they hold limits it; it also spins up wheels and engine.
+  const double against_mps2 = resisting_mps2 + slope_mps2;
+  double along =
+      std::min(grip.driving_mps2, (engine.force_n + engine.spinning_kg * against_mps2) / (mass + engine.spinning_kg));
   for (int n = 0; n < rounds; ++n) {
+    const double engine_n = engine.force_n - engine.spinning_kg * (along - against_mps2);
     const double u = grip.driving_mps2 > 0.0 ? along / grip.driving_mps2 : 0.0;
     const auto axle = [&](std::size_t i) { return grip.rolling_n[i] + u * (grip.driving_n[i] - grip.rolling_n[i]); };
     along = (std::min(axle(0), front * engine_n) + std::min(axle(1), (1.0 - front) * engine_n)) / mass;
   }
-  return std::min(along, grip.holding_drive_mps2) -
-         vehicle::resistance_n(car_, query.speed_mps, query.normal_mps2) / mass;
+  return std::min(along, grip.holding_drive_mps2) - resisting_mps2;
 }
 
 double EnvelopeTable::max_brake_mps2(const vehicle::EnvelopeQuery& query) const {

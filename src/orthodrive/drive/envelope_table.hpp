@@ -20,7 +20,8 @@ class EnvelopeTable {
   [[nodiscard]] vehicle::Envelope at(const vehicle::EnvelopeQuery& query) const;
   /// One number of it, which takes less time.
   [[nodiscard]] double max_lateral_mps2(const vehicle::EnvelopeQuery& query) const;
-  [[nodiscard]] double max_drive_mps2(const vehicle::EnvelopeQuery& query) const;
+  /// `slope_mps2`: gravity along the road, which is not subtracted but counts for what is spun up.
+  [[nodiscard]] double max_drive_mps2(const vehicle::EnvelopeQuery& query, double slope_mps2 = 0.0) const;
   [[nodiscard]] double max_brake_mps2(const vehicle::EnvelopeQuery& query) const;
   [[nodiscard]] const AxleSlip& front_slip() const { return front_slip_; }
   [[nodiscard]] const AxleSlip& rear_slip() const { return rear_slip_; }

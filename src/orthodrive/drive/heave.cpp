@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "orthodrive/drive/axle_line.hpp"
+#include "roadquery/blend.hpp"
 #include "vehicle/suspension.hpp"
 
 namespace orthodrive {
@@ -29,8 +30,8 @@ class AxleMass {
   double step(double road_m) {
     const double road_mps = (road_m - road_m_) / step_s;
     road_m_ = road_m;
-    const double strut_n = vehicle::spring_n(suspension_, hub_m_ - body_m_) +
-                           vehicle::damper_n(suspension_, hub_mps_ - body_mps_);
+    const double strut_n =
+        vehicle::spring_n(suspension_, hub_m_ - body_m_) + vehicle::damper_n(suspension_, hub_mps_ - body_mps_);
     const double tyre_n =
         std::max(tyre_.vertical_npm * (road_m - hub_m_) + tyre_.vertical_nspm * (road_mps - hub_mps_), -load_n_);
     const double up_mps2 = strut_n / body_kg_;
@@ -83,7 +84,8 @@ AxleHeights axle_heights(const roadquery::RoadQuery& query, const DrivingLine& l
     const double psi = heading[i] + u * (heading[i + 1] - heading[i]), c = std::cos(psi), s = std::sin(psi);
     for (Wheel& wheel : wheels) {
       const double x = p.x_m + c * wheel.ahead_m - s * wheel.left_m, y = p.y_m + s * wheel.ahead_m + c * wheel.left_m;
-      if (const auto hit = query.find(x, y, wheel.z_m, wheel.cursor)) wheel.z_m = hit->z;
+      const auto hit = query.find(x, y, wheel.z_m, wheel.cursor);
+      if (hit && roadquery::is_same_level(hit->z, wheel.z_m)) wheel.z_m = hit->z;
     }
     heights.front_m.push_back(0.5 * (wheels[0].z_m + wheels[1].z_m));
     heights.rear_m.push_back(0.5 * (wheels[2].z_m + wheels[3].z_m));

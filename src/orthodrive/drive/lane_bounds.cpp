@@ -24,10 +24,11 @@ CarRoom car_room(const LineOptions& options, double curvature_1pm) {
   return {half_m + stray_m, half_m + 3.0 * stray_m};
 }
 
-/// Narrower than the car and what is kept free beside it: about as much is missing on either side. A line needs a
-/// little room to be smooth in.
-std::pair<double, double> in_order(double lower, double upper) {
+/// Where the road is narrower than the car and what is kept free beside it the car takes the middle; a line needs a
+/// little room to be smooth in. Where not even the car fits one side of it stays on the road.
+std::pair<double, double> in_order(double lower, double upper, double margin_m) {
   if (lower <= upper) return {lower, upper};
+  if (lower - upper > 2.0 * margin_m) return {upper, lower};
   return {0.5 * (lower + upper) - tight_margin_m, 0.5 * (lower + upper) + tight_margin_m};
 }
 
@@ -52,8 +53,7 @@ double off_road_m(const roadquery::RoadQuery& query, Vec2 axle, Vec2 to_wheel, d
   const double half_m = length(to_wheel);
   for (double off_m = 0.0; off_m < half_m; off_m += step_m) {
     const Vec2 at = axle + (1.0 - off_m / half_m) * to_wheel;
-    const auto hit = query.find(at.x, at.y, z_m, cursor);
-    if (hit && is_for_driving(query.map(), *hit)) return off_m;
+    if (place_for_car(query, at.x, at.y, z_m, cursor)) return off_m;
   }
   return 0.0;  // the axle itself is beside the road: nothing to be told from
 }
@@ -64,7 +64,7 @@ void bound(LineBetweenEdges& task, double right_m, double left_m, const LineOpti
   const CarRoom room = car_room(options, curvature_1pm);
   const double to_left = curvature_1pm > 0.0 ? room.inner_m : room.outer_m;
   const double to_right = curvature_1pm > 0.0 ? room.outer_m : room.inner_m;
-  const auto [lower, upper] = in_order(to_right - right_m, left_m - to_left);
+  const auto [lower, upper] = in_order(to_right - right_m, left_m - to_left, options.margin_m);
   task.lower_m.push_back(lower), task.upper_m.push_back(upper);
 }
 
@@ -76,12 +76,13 @@ void bound_by_axles(LineBetweenEdges& task, const std::vector<Room>& rooms, cons
     const double half_m = 0.5 * options.car_width_m + margin_m[i];
     std::tie(task.lower_m[i], task.upper_m[i]) =
         in_order(half_m - std::min(stray.front_m[i], stray.rear_m[i]) - rooms[i].right_m,
-                 rooms[i].left_m - half_m - std::max(stray.front_m[i], stray.rear_m[i]));
+                 rooms[i].left_m - half_m - std::max(stray.front_m[i], stray.rear_m[i]), margin_m[i]);
   }
 }
 
 bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offset, const roadquery::RoadQuery& query,
-                         const std::vector<Room>& rooms, const DrivingLine& line, LineEnds ends, const LineOptions& options) {
+                         const std::vector<Room>& rooms, const DrivingLine& line, LineEnds ends,
+                         const LineOptions& options) {
   constexpr std::ptrdiff_t around = 2;  // points to both sides that move along
   constexpr int looks = 4;              // from one point to the next: asphalt has notches
   const std::vector<double> heading = car_headings(line, options.wheelbase_m);

@@ -51,7 +51,8 @@ LineEnds room_for_wheels(const roadquery::RoadMap& map, const Route& route, cons
   while (ends.from_m < 0.4 * length_m && room(ends.from_m, first, false, -1.0 * first.ahead) < -tolerance_m)
     ends.from_m += step_m;
   const bool whole = line.points.back().step + 1 == static_cast<int>(route.steps.size());
-  while (whole && ends.to_m > 0.6 * length_m && room(ends.to_m, last, true, last.ahead) < -tolerance_m) ends.to_m -= step_m;
+  while (whole && ends.to_m > 0.6 * length_m && room(ends.to_m, last, true, last.ahead) < -tolerance_m)
+    ends.to_m -= step_m;
   return ends;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "roadquery/blend.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -13,8 +15,8 @@ double room(const roadquery::RoadQuery& query, const LinePoint& from, Vec2 direc
   roadquery::Cursor cursor;
   double z = from.z_m;
   const auto on_road = [&](double at_m) {
-    const auto hit = query.find(from.x_m + at_m * direction.x, from.y_m + at_m * direction.y, z, cursor);
-    if (!hit || !is_for_driving(query.map(), *hit)) return false;
+    const auto hit = place_for_car(query, from.x_m + at_m * direction.x, from.y_m + at_m * direction.y, z, cursor);
+    if (!hit) return false;
     z = hit->z;
     return true;
   };
@@ -41,6 +43,13 @@ bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit) {
   return index == 0 || index > lanes.size() || lanes[index - 1].type == roadquery::LaneType::driving;
 }
 
+std::optional<roadquery::Hit> place_for_car(const roadquery::RoadQuery& query, double x_m, double y_m, double z_m,
+                                            roadquery::Cursor& cursor) {
+  const auto hit = query.find(x_m, y_m, z_m, cursor);
+  if (!hit || !roadquery::is_same_level(hit->z, z_m) || !is_for_driving(query.map(), *hit)) return {};
+  return hit;
+}
+
 std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line,
                               const std::vector<double>& lane_m) {
   const std::size_t count = line.points.size() - (line.closed ? 1 : 0);
@@ -50,8 +59,7 @@ std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLi
     const LinePoint& p = line.points[i];
     const Vec2 left = {-std::sin(p.heading_rad), std::cos(p.heading_rad)};
     for (const double from_m : {0.0, lane_m[i]}) {
-      const auto hit = query.find(p.x_m + from_m * left.x, p.y_m + from_m * left.y, p.z_m, cursor);
-      if (!hit || !is_for_driving(query.map(), *hit)) continue;
+      if (!place_for_car(query, p.x_m + from_m * left.x, p.y_m + from_m * left.y, p.z_m, cursor)) continue;
       rooms[i] = {room(query, p, -1.0 * left, -from_m), room(query, p, left, from_m)};
       break;
     }

@@ -1,6 +1,7 @@
 #pragma once
 // How much road there is to both sides of a line.
 
+#include <optional>
 #include <vector>
 
 #include "orthodrive/drive/driving_line.hpp"
@@ -22,5 +23,9 @@ struct Room {
 
 /// Whether a car may stand there: a driving lane, or the paved area of a junction.
 [[nodiscard]] bool is_for_driving(const roadquery::RoadMap& map, const roadquery::Hit& hit);
+
+/// Such a place on the level of z_m: what lies above or below a bridge is no room beside it.
+[[nodiscard]] std::optional<roadquery::Hit> place_for_car(const roadquery::RoadQuery& query, double x_m, double y_m,
+                                                          double z_m, roadquery::Cursor& cursor);
 
 }  // namespace orthodrive

@@ -161,11 +161,12 @@ std::vector<double> stops_of_laps(const std::vector<double>& stops_m, const Driv
   return all;
 }
 
-SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result) {
+SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, const EnvelopeTable& envelope,
+                  const DriveResult& result) {
   SpeedCaps caps;
   if (!options.racing) {
     caps.legal_mps = legal_speeds(map, result.route, result.line);
-    slow_down_to_steer(options.car, result.line, options.driver.max_lateral_mps2, caps.legal_mps);
+    slow_down_to_steer(options.car, envelope, result.line, options.driver.max_lateral_mps2, caps.legal_mps);
   }
   if (options.stops) caps.stops_m = give_way_places(map, result.route, result.line);
   return caps;
@@ -195,8 +196,7 @@ std::vector<double> plan_over_bumps(const roadquery::RoadQuery& query, const Dri
 }
 
 /// Where a line is started and timed: an open one with room for the wheels; a closed one has a lap to warm up before.
-Timing timing_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result,
-                 double stop_s) {
+Timing timing_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result, double stop_s) {
   const DrivingLine& line = result.line;
   const double length_m = line.length_m();
   Timing timing;
@@ -235,13 +235,13 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
   result.route = route, result.car = options.car, result.step_s = options.step_s;
   result.line = make_driving_line(query, route, line_options(options));
   if (!options.racing && !stop_before_tight_bend(result)) return result;
-  const SpeedCaps caps = caps_of(query.map(), options, result);
+  const SpeedCaps caps = caps_of(query.map(), options, envelope, result);
   const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
   if (!result.route.closed) report_open_route(result);
 
-  const Timing timing = timing_of(query.map(), options, result,
-                                  static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
+  const Timing timing =
+      timing_of(query.map(), options, result, static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
   Run run(query, options, envelope, plan, result, stops_of_laps(caps.stops_m, result.line, timing.to_m));
   const bool rolling = result.route.closed && !options.standing_start;
   const double start_m = result.route.closed ? 0.0 : timing.from_m;

@@ -90,7 +90,7 @@ RoadLoad road_load(const LinePoint& p, double speed_mps) {
 double most_drive_mps2(const EnvelopeTable& envelope, const Driver& driver, const LinePoint& p, double speed_mps) {
   const RoadLoad load = road_load(p, speed_mps);
   const auto with = [&](double share) {
-    return envelope.max_drive_mps2(query_of(p, speed_mps, load, share)) - load.slope_mps2;
+    return envelope.max_drive_mps2(query_of(p, speed_mps, load, share), load.slope_mps2) - load.slope_mps2;
   };
   double most = with(driver.exit_share);
   if (most < gently_mps2) most = std::max(most, std::min(with(driver.grip_share), gently_mps2));

@@ -10,7 +10,9 @@ namespace orthodrive {
 namespace {
 
 constexpr double steering_share = 0.5;  // of its rate; the rest is left to correct with
-constexpr double runs_wide = 1.03;      // so much over full lock a bend of a radius of 4 m is left by less than 0.2 m
+constexpr double stop_share = 0.97;     // of the steering's stop; the rest is left to correct with
+constexpr double near_stop_share = 0.8, slowest_mps = 2.0;
+constexpr double runs_wide = 1.03;  // so much over full lock a bend of a radius of 4 m is left by less than 0.2 m
 
 }  // namespace
 
@@ -19,8 +21,8 @@ double full_lock_curvature_1pm(const vehicle::CarParameters& car) {
   return 1.0 / std::hypot(wheelbase_m / std::tan(car.steering.max_wheel_rad), 0.5 * wheelbase_m);
 }
 
-void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, double max_lateral_mps2,
-                        std::vector<double>& legal_mps) {
+void slow_down_to_steer(const vehicle::CarParameters& car, const EnvelopeTable& envelope, const DrivingLine& line,
+                        double max_lateral_mps2, std::vector<double>& legal_mps) {
   const std::vector<double> heading = car_headings(line, car.body.wheelbase_m);
   const DrivingLine front = front_axle_line(line, car.body.wheelbase_m, heading);
   const std::vector<double> angle = steering_angles(front, heading);
@@ -40,6 +42,15 @@ void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& li
     const double left_mps2 = max_lateral_mps2 - by_bank_mps2;
     if (left_mps2 > 0.0 && by_turn_1pm * legal_mps[i] * legal_mps[i] > left_mps2)
       legal_mps[i] = std::sqrt(left_mps2 / by_turn_1pm);
+    // Near the stop the front tyres' slip, beyond that of the rear, is missing to the bend.
+    const auto beyond_stop = [&](double speed_mps) {
+      const double front = by_turn_1pm * speed_mps * speed_mps / vehicle::gravity_mps2 / std::cos(angle[i]);
+      const double rear = std::abs(road_load(p[i], speed_mps).lateral_mps2) / vehicle::gravity_mps2;
+      return std::abs(angle[i]) + envelope.front_slip().angle_rad(front) - envelope.rear_slip().angle_rad(rear) >
+             stop_share * car.steering.max_wheel_rad;
+    };
+    const bool near_stop = std::abs(angle[i]) > near_stop_share * car.steering.max_wheel_rad;
+    while (near_stop && legal_mps[i] > slowest_mps && beyond_stop(legal_mps[i])) legal_mps[i] *= 0.95;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "orthodrive/drive/driving_line.hpp"
+#include "orthodrive/drive/envelope_table.hpp"
 #include "vehicle/car_parameters.hpp"
 
 namespace orthodrive {
@@ -13,9 +14,10 @@ namespace orthodrive {
 [[nodiscard]] double full_lock_curvature_1pm(const vehicle::CarParameters& car);
 
 /// Slower than the law allows where the front wheels could not be turned as fast as the line bends, and where the front
-/// axle, whose way bends more than the middle's while they turn, would be accelerated more than that to its side.
-void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, double max_lateral_mps2,
-                        std::vector<double>& legal_mps);
+/// axle, whose way bends more than the middle's while they turn, would be accelerated more than that to its side; near
+/// the stop of the steering also where the slip of the tyres would take the car wide. `envelope`: of that car.
+void slow_down_to_steer(const vehicle::CarParameters& car, const EnvelopeTable& envelope, const DrivingLine& line,
+                        double max_lateral_mps2, std::vector<double>& legal_mps);
 
 /// A bend of a line that the car cannot take in one go.
 struct TightBend {
