@@ -106,6 +106,7 @@ function start(site: Site): Api {
   addLayer('terrain', 'Terrain', true);
   addLayer('roads', 'Roads', true);
   addLayer('buildings', 'Buildings', true);
+  addLayer('trees', 'Trees', true);
   addLayer('wireframe', 'Wireframe', false);
   if (lap) addLayer('route', 'Driven route', true);
   if (findings.findings.length > 0) addLayer('findings', `Findings (${findings.findings.length})`, false);

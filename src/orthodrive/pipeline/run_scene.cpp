@@ -111,6 +111,7 @@ class TileFolder {
     entries_.push_back(std::move(entry));
     for (const TriMesh& mesh : tile.meshes)
       for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
+    if (!tile.instanced.empty()) materials_.insert(SurfaceMaterial::foliage);
     origin_ = site_origin;
     if (!picture_file_.empty()) picture_.offer(tile);
   }
@@ -166,11 +167,13 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
                       {"terrain_triangles", scene.terrain_triangles},
                       {"road_triangles", scene.road_triangles},
                       {"road_surface_m2", scene.road_surface_m2},
-                      {"buildings", scene.buildings}},
+                      {"buildings", scene.buildings},
+                      {"trees", scene.trees}},
           .findings = std::move(findings),
-          .summary = {fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings",
-                                  files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
-                                  scene.road_surface_m2, scene.buildings)}};
+          .summary = {
+              fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings, {} trees",
+                          files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
+                          scene.road_surface_m2, scene.buildings, scene.trees)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {
