@@ -25,7 +25,7 @@ struct Wood {
               Raster<std::uint8_t>(size_px, size_px, 1, 1)};
 
   /// A dome of leaves: bright in the middle, dark at its border.
-  void plant(const Crown& crown) {
+  void plant(const TreeCrown& crown) {
     for (int row = 0; row < size_px; ++row) {
       for (int col = 0; col < size_px; ++col) {
         const double share = distance(labels.frame.center_of(col, row), crown.at) / crown.radius_m;
@@ -38,23 +38,23 @@ struct Wood {
   }
 };
 
-const Crown* crown_near(const std::vector<Crown>& crowns, Vec2 p) {
-  const auto found = std::ranges::min_element(crowns, {}, [&](const Crown& c) { return distance(c.at, p); });
+const TreeCrown* crown_near(const std::vector<TreeCrown>& crowns, Vec2 p) {
+  const auto found = std::ranges::min_element(crowns, {}, [&](const TreeCrown& c) { return distance(c.at, p); });
   return found == crowns.end() ? nullptr : &*found;
 }
 
 TEST(TreeCrowns, single_trees_have_their_place_and_size) {
   Wood wood;
-  const std::vector<Crown> truth = {{corner + Vec2{30, 30}, 5.2},
-                                    {corner + Vec2{60, 31.3}, 4.2},
-                                    {corner + Vec2{90.7, 30}, 3.3},
-                                    {corner + Vec2{120, 30.4}, 2.5},
-                                    {corner + Vec2{150, 30}, 1.8}};
-  for (const Crown& crown : truth) wood.plant(crown);
+  const std::vector<TreeCrown> truth = {{corner + Vec2{30, 30}, 5.2},
+                                        {corner + Vec2{60, 31.3}, 4.2},
+                                        {corner + Vec2{90.7, 30}, 3.3},
+                                        {corner + Vec2{120, 30.4}, 2.5},
+                                        {corner + Vec2{150, 30}, 1.8}};
+  for (const TreeCrown& crown : truth) wood.plant(crown);
   const auto found = find_crowns(wood.labels, wood.photo);
   EXPECT_EQ(found.size(), truth.size());
-  for (const Crown& crown : truth) {
-    const Crown* near = crown_near(found, crown.at);
+  for (const TreeCrown& crown : truth) {
+    const TreeCrown* near = crown_near(found, crown.at);
     ASSERT_NE(near, nullptr);
     EXPECT_LT(distance(near->at, crown.at), 1.0) << crown.radius_m;
     EXPECT_NEAR(near->radius_m, crown.radius_m, 0.5);

@@ -250,7 +250,8 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   if (labels != nullptr) std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
   buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
-  const std::vector<Crown> crowns = labels != nullptr ? find_crowns(*labels, input.photo) : std::vector<Crown>{};
+  const std::vector<TreeCrown> crowns =
+      labels != nullptr ? find_crowns(*labels, input.photo) : std::vector<TreeCrown>{};
   trees = plant_trees(crowns, input.trees, {levels, buildings, area}, *ground, input.photo, options.threads);
   for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
 

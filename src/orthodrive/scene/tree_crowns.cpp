@@ -117,7 +117,7 @@ double cover_of_disc(const Canopy& canopy, int col, int row, double radius_m) {
 /// Crowns by place: is there room for one more?
 class Crowns {
  public:
-  [[nodiscard]] bool has_room(const Crown& crown) const {
+  [[nodiscard]] bool has_room(const TreeCrown& crown) const {
     const auto [x, y] = cell(crown.at);
     for (int k = 0; k < 9; ++k) {
       const auto found = cells_.find({x + k % 3 - 1, y + k / 3 - 1});
@@ -127,11 +127,11 @@ class Crowns {
     }
     return true;
   }
-  void add(const Crown& crown) {
+  void add(const TreeCrown& crown) {
     cells_[cell(crown.at)].push_back(all.size());
     all.push_back(crown);
   }
-  std::vector<Crown> all;
+  std::vector<TreeCrown> all;
 
  private:
   static constexpr double cell_m = 2.0 * radii_m[0];
@@ -143,7 +143,7 @@ class Crowns {
 
 }  // namespace
 
-std::vector<Crown> find_crowns(const LabelMap& labels, const Photo& photo) {
+std::vector<TreeCrown> find_crowns(const LabelMap& labels, const Photo& photo) {
   const Canopy canopy = canopy_of(labels, photo);
   Crowns crowns;
   for (const double radius_m : radii_m) {
@@ -155,7 +155,7 @@ std::vector<Crown> find_crowns(const LabelMap& labels, const Photo& photo) {
     for (int row = 0; row < measure.height; ++row) {
       for (int col = 0; col < measure.width; ++col) {
         if (canopy.cover.at(col, row) == 0.0F || !is_peak(measure, col, row)) continue;
-        const Crown crown{canopy.frame.center_of(col, row), radius_m};
+        const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
         if (cover_of_disc(canopy, col, row, radius_m) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
       }
     }

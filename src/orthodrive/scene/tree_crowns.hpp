@@ -7,7 +7,7 @@
 
 namespace orthodrive::scene {
 
-struct Crown {
+struct TreeCrown {
   Vec2 at;  ///< site CRS
   double radius_m = 0.0;
 };
@@ -17,6 +17,6 @@ struct Crown {
 /// stands alone is found by its cover), where the disc is vegetation by 85 %. Crowns may overlap by a fifth of their
 /// radii, so that woods close. By size, then row, then column. The same for the same pixels, whatever else is in the
 /// map.
-[[nodiscard]] std::vector<Crown> find_crowns(const LabelMap& labels, const Photo& photo);
+[[nodiscard]] std::vector<TreeCrown> find_crowns(const LabelMap& labels, const Photo& photo);
 
 }  // namespace orthodrive::scene

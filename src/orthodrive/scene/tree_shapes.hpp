@@ -15,6 +15,6 @@ constexpr std::size_t tree_shape_count = 8;
 [[nodiscard]] const TriMesh& tree_mesh(TreeShape shape);
 
 /// Linear colour of the foliage in tree_mesh: what a tint of 1 shows.
-constexpr std::array<float, 3> mean_foliage = {0.075F, 0.11F, 0.045F};
+constexpr std::array<float, 3> mean_foliage = {0.11F, 0.15F, 0.055F};
 
 }  // namespace orthodrive::scene

@@ -92,7 +92,7 @@ LinearColor leaf_color(const LinearColor& in_photo) {
 }
 
 /// Nothing where there is no room.
-PlacedTree plant(const Crown& crown, const FreeSpace& space, const Ground& ground, const Photo& photo) {
+PlacedTree plant(const TreeCrown& crown, const FreeSpace& space, const Ground& ground, const Photo& photo) {
   const double radius_m = std::min(crown.radius_m, space.around(crown.at, crown.radius_m));
   if (radius_m < min_radius_m) return {};
   const auto cell = [](double v) { return static_cast<std::uint64_t>(std::llround(v / plan_grid_m)); };
@@ -110,10 +110,10 @@ PlacedTree plant(const Crown& crown, const FreeSpace& space, const Ground& groun
   return tree;
 }
 
-std::vector<Crown> with_singles(std::span<const Crown> crowns, std::span<const Vec2> singles) {
-  std::vector<Crown> all(crowns.begin(), crowns.end());
+std::vector<TreeCrown> with_singles(std::span<const TreeCrown> crowns, std::span<const Vec2> singles) {
+  std::vector<TreeCrown> all(crowns.begin(), crowns.end());
   std::vector<Box2> boxes;
-  for (const Crown& crown : crowns)
+  for (const TreeCrown& crown : crowns)
     boxes.push_back(Box2{crown.at.x, crown.at.y, crown.at.x, crown.at.y}.grown(crown.radius_m));
   const SpatialIndex index(boxes);
   for (const Vec2 p : singles)
@@ -125,11 +125,11 @@ std::vector<Crown> with_singles(std::span<const Crown> crowns, std::span<const V
 
 }  // namespace
 
-std::vector<PlacedTree> plant_trees(std::span<const Crown> crowns, std::span<const Vec2> singles,
+std::vector<PlacedTree> plant_trees(std::span<const TreeCrown> crowns, std::span<const Vec2> singles,
                                     const TreeObstacles& obstacles, const Ground& ground, const Photo& photo,
                                     int threads) {
   const FreeSpace space(obstacles);
-  const std::vector<Crown> all = with_singles(crowns, singles);
+  const std::vector<TreeCrown> all = with_singles(crowns, singles);
   std::vector<PlacedTree> trees(all.size());
   parallel_for(all.size(), threads, [&](std::size_t i) { trees[i] = plant(all[i], space, ground, photo); });
   std::erase_if(trees, [](const PlacedTree& tree) { return tree.crown_radius_m == 0.0; });

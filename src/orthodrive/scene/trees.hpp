@@ -34,7 +34,7 @@ struct TreeObstacles {
 /// keep 0.3 m from roads, decks of bridges and buildings; below 0.8 m, and outside the area, there is no tree. Crowns
 /// below 1.7 m are shrubs. Shape, height (1.8 crown diameters, taller for conifers) and yaw are random, seeded by the
 /// place; dark crowns are more often conifers. The colour is half the photo's, half that of leaves.
-[[nodiscard]] std::vector<PlacedTree> plant_trees(std::span<const Crown> crowns, std::span<const Vec2> singles,
+[[nodiscard]] std::vector<PlacedTree> plant_trees(std::span<const TreeCrown> crowns, std::span<const Vec2> singles,
                                                   const TreeObstacles& obstacles, const Ground& ground,
                                                   const Photo& photo, int threads);
 
