@@ -38,7 +38,8 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
   stretch.s = s;
   stretch.first = static_cast<std::uint32_t>(baked.lanes.size()) & 0x7fffffffu;
   add_cubic(road.lane_offset, inside, s, 1.0, stretch.center);
-  const auto add_side = [&](const std::vector<Lane>& lanes, double sign, double(&edge)[4]) {
+  const auto add_side = [&](const std::vector<Lane>& lanes, double sign, int side) {
+    double edge[4];
     std::copy(std::begin(stretch.center), std::end(stretch.center), edge);
     for (const Lane& lane : lanes) {
       double width[4] = {};
@@ -48,9 +49,10 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
       std::copy(std::begin(edge), std::end(edge), one.outer);
       baked.lanes.push_back(one);
     }
+    for (int i = 0; i < 4; ++i) stretch.edges[i][side] = edge[i];
   };
-  add_side(section.left, 1.0, stretch.left_edge);
-  add_side(section.right, -1.0, stretch.right_edge);
+  add_side(section.left, 1.0, 1);
+  add_side(section.right, -1.0, 0);
   constexpr std::size_t most_lanes_beside = 65535;
   if (section.left.size() > most_lanes_beside || section.right.size() > most_lanes_beside ||
       baked.lanes.size() > most_lanes)
@@ -89,9 +91,9 @@ ShapeRow bake_row(std::span<const ShapeCubic> row, std::span<const ShapeCubic> n
     row_cubic(row, begins[i], piece.origin, here);
     row_cubic(next.empty() ? row : next, begins[i], piece.origin, there);
     for (int k = 0; k < 4; ++k) {
-      piece.value[k] = static_cast<float>(here[k]);
-      piece.slope[k] = static_cast<float>((there[k] - here[k]) / length);
-      flat = flat && piece.value[k] == 0.0F && piece.slope[k] == 0.0F;
+      piece.value[k / 2][k % 2] = static_cast<float>(here[k]);
+      piece.slope[k / 2][k % 2] = static_cast<float>((there[k] - here[k]) / length);
+      flat = flat && piece.value[k / 2][k % 2] == 0.0F && piece.slope[k / 2][k % 2] == 0.0F;
     }
     baked.shapes.push_back(piece);
   }

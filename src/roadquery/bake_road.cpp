@@ -179,11 +179,12 @@ class StationMaker {
     if (const Cubic* c = elevation_.at(station.s)) {
       shift_cubic({c->a, c->b, c->c, c->d}, station.s - c->s, shifted);
       station.z = shifted[0];
-      for (int i = 0; i < 3; ++i) station.rise[i] = f(shifted[i + 1]);
+      for (int i = 0; i < 3; ++i) station.profile[i][1] = f(shifted[i + 1]);
     }
     if (const Cubic* c = superelevation_.at(station.s)) {
       shift_cubic({c->a, c->b, c->c, c->d}, station.s - c->s, shifted);
-      for (int i = 0; i < 4; ++i) station.bank[i] = f(shifted[i]);
+      station.bank = f(shifted[0]);
+      for (int i = 0; i < 3; ++i) station.profile[i][0] = f(shifted[i + 1]);
     }
     while (next_row_ < rows_.size() && rows_[next_row_].s <= station.s) ++next_row_;
     if (next_row_ > 0) station.shapes = rows_[next_row_ - 1].first, station.shape_count = rows_[next_row_ - 1].count;
@@ -216,9 +217,8 @@ class StationMaker {
 };
 
 void check_finite(Station& q) {
-  double sum = q.z;
-  for (const float v : q.rise) sum += v;
-  for (const float v : q.bank) sum += v;
+  double sum = q.z + q.bank;
+  for (const auto& pair : q.profile) sum += pair[0] + pair[1];
   for (const auto& pair : q.bend) sum += pair[0] + pair[1];
   if (!std::isfinite(sum) || !(q.speed > 0.0F)) q.shape_count = unusable_station;
 }

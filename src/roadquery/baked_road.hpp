@@ -19,6 +19,7 @@ inline constexpr double shortest_half_m = 0.02;
 inline constexpr double free_step_m = 0.125;
 inline constexpr std::uint16_t unusable_station = 0xffff;
 inline constexpr std::uint32_t no_index = 0xffffffffu;
+inline constexpr std::uint32_t one_of_several = 0xfffffffeu;
 
 /// One piece of a road, two cache lines: polynomials in u = s - s of its middle, |u| <= half_m. Nothing in it begins or
 /// ends: geometry, profiles, shape rows and lanes are smooth.
@@ -29,8 +30,8 @@ struct alignas(64) Station {
   float half_m = 0.0F;
   float speed = 1.0F;                          ///< of u, along the heading: the line in the frame of its middle
   float bend[4][2] = {};                       ///< of u^2 to u^5: along the heading, and to the left
-  float rise[3] = {0.0F, 0.0F, 0.0F};          ///< of u, u^2, u^3: height over z
-  float bank[4] = {0.0F, 0.0F, 0.0F, 0.0F};    ///< of 1, u, u^2, u^3: superelevation, rad
+  float bank = 0.0F;                           ///< of the middle: superelevation, rad
+  float profile[3][2] = {};                    ///< of u, u^2, u^3: superelevation, and height over z
   std::uint32_t lanes = 0;                     ///< index into BakedRoads::stretches
   std::uint32_t shapes = 0;                    ///< index of the first of shape_count in BakedRoads::shapes
   std::uint16_t shape_count = 0;               ///< unusable_station: not all numbers are finite
@@ -43,7 +44,7 @@ static_assert(sizeof(Station) == 128);
 struct ShapePiece {
   double s = 0.0;
   float begin = 0.0F, origin = 0.0F;
-  float value[4] = {0.0F, 0.0F, 0.0F, 0.0F}, slope[4] = {0.0F, 0.0F, 0.0F, 0.0F};
+  float value[2][2] = {}, slope[2][2] = {};
 };
 
 /// A lane between two places where its width or material changes.
@@ -60,7 +61,7 @@ struct alignas(64) LaneStretch {
   std::uint32_t road = 0;                         ///< index into RoadMap::roads
   float reach_m = 0.0F;                           ///< the surface lies within this distance of the line
   double length_m = 0.0;                          ///< of the road
-  double left_edge[4] = {}, right_edge[4] = {};   ///< t of the outer edges
+  double edges[4][2] = {};                        ///< t of the right and the left outer edge
   double center[4] = {};                          ///< t of the centre line
   std::uint32_t first : 31 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
   std::uint32_t has_crg : 1 = 0;                  ///< OpenCRG files are laid on the road
@@ -96,9 +97,10 @@ struct BakedRoads {
   // companion_begin[i + 1]) are the stations of other roads, or of the same one far along it, that touch it.
   std::vector<std::uint32_t> companion_begin;
   LargeVector<Companion> companions;
-  // Of each station 1 where its surface, its companions' and those of the junctions over it are one level whichever
-  // counts, and no companion is of its own road: a junction's surface under a point there is the answer.
-  std::vector<std::uint8_t> junction_decides;
+  // Of each station, where its surface, its companions' and those of the junctions over it are one level whichever
+  // counts, and no companion is of its own road: the junction whose surface, under a point there, is the answer;
+  // one_of_several where more than one lies over the station, no_index where none decides.
+  std::vector<std::uint32_t> deciding_junction;
 
   [[nodiscard]] StationRange stations_of(std::uint32_t road) const {
     return {first_station[road], first_station[road + 1] - 1};

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "roadquery/baked_road.hpp"
 
@@ -16,13 +19,15 @@ struct LinePlace {
   double left_m;   ///< horizontal distance of the point from the line, positive to the left
   double dx_du, dy_du;
   double inverse_speed;
+  double bend_x, bend_y;  ///< second derivatives
 };
 
 /// Of the surface at a place.
 struct SurfacePlace {
   double t, z;
   double sin_bank, cos_bank;
-  double h, dh_ds, dh_dt;  ///< lateral profile
+  double h;                 ///< lateral profile
+  const ShapePiece* shape;  ///< the piece of it; null: none
 };
 
 /// (x, y) in the station's frame.
@@ -36,11 +41,17 @@ inline FramePoint in_frame(const Station& q, double x, double y) {
 
 /// Two numbers at once: along the heading, and to the left.
 using Pair = double __attribute__((vector_size(16)));
-using FloatPair = float __attribute__((vector_size(8)));
 inline Pair load_pair(const float (&pair)[2]) {
-  FloatPair floats;
-  __builtin_memcpy(&floats, pair, sizeof floats);
-  return __builtin_convertvector(floats, Pair);
+#ifdef __SSE2__  // g++ 12 converts one number after the other
+  return _mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(pair))));  // NOLINT
+#else
+  return Pair{pair[0], pair[1]};
+#endif
+}
+inline Pair load_pair(const double (&pair)[2]) {
+  Pair loaded;
+  __builtin_memcpy(&loaded, pair, sizeof loaded);
+  return loaded;
 }
 
 /// The line at u in the station's frame, and its derivatives by u.
@@ -48,19 +59,23 @@ struct LinePolynomial {
   Pair position, tangent, bend;
 };
 inline LinePolynomial line_at(const Station& q, double u) {
-  const Pair speed = {q.speed, 0.0};
-  const Pair c2 = load_pair(q.bend[0]), c3 = load_pair(q.bend[1]), c4 = load_pair(q.bend[2]), c5 = load_pair(q.bend[3]);
-  const double u2 = u * u;
-  return {u * speed + u2 * ((c2 + u * c3) + u2 * (c4 + u * c5)),
-          speed + u * ((2.0 * c2 + (3.0 * u) * c3) + u2 * (4.0 * c4 + (5.0 * u) * c5)),
-          (2.0 * c2 + (6.0 * u) * c3) + u2 * (12.0 * c4 + (20.0 * u) * c5)};
+  constexpr Pair three = {3.0, 3.0}, four = {4.0, 4.0}, five = {5.0, 5.0};
+  const Pair speed = {q.speed, 0.0}, uu = {u, u}, u2 = uu * uu;
+  const Pair c2 = load_pair(q.bend[0]), c4 = load_pair(q.bend[2]);
+  const Pair b3 = uu * load_pair(q.bend[1]), b5 = uu * load_pair(q.bend[3]);
+  const Pair low = c2 + b3, high = c4 + b5;                      // of the position
+  const Pair low1 = low + (low + b3), high1 = four * high + b5;  // of its first derivative
+  return {uu * (speed + uu * (low + u2 * high)), speed + uu * (low1 + u2 * high1),
+          (low1 + three * b3) + u2 * (three * high1 + five * b5)};
 }
 
 /// Foot on the circle of curvature in the middle: a start for foot_on, and how far to go to the right station.
 inline double guess_u(const Station& q, const FramePoint& p) {
-  const double speed2 = static_cast<double>(q.speed) * q.speed;
-  const double rest = speed2 - 2.0 * (q.bend[0][1] * p.left + q.bend[0][0] * p.along);
-  return p.along * q.speed / std::max(rest, 0.2 * speed2);
+  const double speed = q.speed, speed2 = speed * speed;
+  const double turn = 2.0 * (q.bend[0][1] * p.left + q.bend[0][0] * p.along);
+  // Of a start the fourth order may be missed.
+  if (std::abs(turn) < 0.1 && std::abs(speed2 - 1.0) < 1e-3) return p.along * ((1.0 + turn) * (1.0 + turn * turn));
+  return p.along * speed / std::max(speed2 - turn, 0.2 * speed2);
 }
 
 inline double inverse_root(double square) {
@@ -69,18 +84,20 @@ inline double inverse_root(double square) {
 }
 
 /// The place at u, seen from a point at `offset` from the line's point there.
-inline LinePlace place_at(double u, Pair offset, Pair tangent) {
+inline LinePlace place_at(double u, Pair offset, Pair tangent, Pair bend) {
   const double inverse_speed = inverse_root(tangent[0] * tangent[0] + tangent[1] * tangent[1]);
   return {u,
           (offset[0] * tangent[0] + offset[1] * tangent[1]) * inverse_speed,
           (offset[1] * tangent[0] - offset[0] * tangent[1]) * inverse_speed,
           tangent[0],
           tangent[1],
-          inverse_speed};
+          inverse_speed,
+          bend[0],
+          bend[1]};
 }
 inline LinePlace place_at(const Station& q, double u, const FramePoint& p) {
   const LinePolynomial line = line_at(q, u);
-  return place_at(u, Pair{p.along, p.left} - line.position, line.tangent);
+  return place_at(u, Pair{p.along, p.left} - line.position, line.tangent, line.bend);
 }
 
 /// Foot of the perpendicular from p onto the station's line, by Newton's method from u on; up to half a metre and a
@@ -102,12 +119,20 @@ inline LinePlace foot_on(const Station& q, const FramePoint& p, double u) {
     u = next;
     // Near the centre the error after a step is its square over the share that is left.
     const double small = rest > 0.5 * square ? last_step_m : 1e-6;
-    if (std::abs(d) < small || i + 1 == max_steps)
-      return place_at(u, offset - d * (line.tangent + 0.5 * d * line.bend), line.tangent + d * line.bend);
+    if (std::abs(d) < small || i + 1 == max_steps) {
+      const Pair bend = line.bend + 6.0 * d * load_pair(q.bend[1]);
+      return place_at(u, offset - d * (line.tangent + 0.5 * d * line.bend), line.tangent + d * line.bend, bend);
+    }
   }
 }
 
 inline double cubic_at(const double (&c)[4], double ds) { return c[0] + ds * (c[1] + ds * (c[2] + ds * c[3])); }
+
+/// Two cubics of ds.
+inline Pair cubics_at(const double (&c)[4][2], double ds) {
+  const Pair d = {ds, ds};
+  return load_pair(c[0]) + d * (load_pair(c[1]) + d * (load_pair(c[2]) + d * load_pair(c[3])));
+}
 
 inline void sin_cos(double angle, double& sine, double& cosine) {
   if (std::abs(angle) < 0.25) {  // series to 1e-11
@@ -119,50 +144,105 @@ inline void sin_cos(double angle, double& sine, double& cosine) {
   }
 }
 
-inline double bank_at(const Station& q, double u) {
-  return q.bank[0] + u * (q.bank[1] + u * (q.bank[2] + u * static_cast<double>(q.bank[3])));
+/// Superelevation, and height over the middle.
+struct Profile {
+  double bank, rise;
+};
+inline Profile profile_at(const Station& q, double u) {
+  const Pair uu = {u, u};
+  const Pair sum = uu * (load_pair(q.profile[0]) + uu * (load_pair(q.profile[1]) + uu * load_pair(q.profile[2])));
+  return {static_cast<double>(q.bank) + sum[0], sum[1]};
 }
-inline double rise_at(const Station& q, double u) {
-  return u * (q.rise[0] + u * (q.rise[1] + u * static_cast<double>(q.rise[2])));
+/// Their derivatives by u.
+inline Profile profile_slope_at(const Station& q, double u) {
+  constexpr Pair two = {2.0, 2.0}, three = {3.0, 3.0};
+  const Pair uu = {u, u};
+  const Pair sum =
+      load_pair(q.profile[0]) + uu * (two * load_pair(q.profile[1]) + uu * (three * load_pair(q.profile[2])));
+  return {sum[0], sum[1]};
+}
+
+/// A piece of the lateral profile at one s: c0 + c1 dt + c2 dt^2 + c3 dt^3.
+struct ShapeSlice {
+  Pair low, high;  // c0 and c1, c2 and c3
+
+  ShapeSlice(const ShapePiece& piece, double s) {
+    const double ds = s - piece.s;
+    low = load_pair(piece.value[0]) + ds * load_pair(piece.slope[0]);
+    high = load_pair(piece.value[1]) + ds * load_pair(piece.slope[1]);
+  }
+  [[nodiscard]] double height(double dt) const { return low[0] + dt * low[1] + dt * dt * (high[0] + dt * high[1]); }
+  [[nodiscard]] double slope(double dt) const { return low[1] + dt * (2.0 * high[0] + dt * (3.0 * high[1])); }
+  [[nodiscard]] double bend(double dt) const { return 2.0 * high[0] + dt * (6.0 * high[1]); }
+};
+
+/// The piece of `count` that holds t.
+inline const ShapePiece* piece_at(const ShapePiece* pieces, int count, double t) {
+  while (count > 1 && t >= static_cast<double>(pieces[1].begin)) ++pieces, --count;
+  return pieces;
 }
 
 /// Lateral profile at s, t.
 inline void shape_at(const ShapePiece* pieces, int count, double s, double t, SurfacePlace& place) {
-  while (count > 1 && t >= static_cast<double>(pieces[1].begin)) ++pieces, --count;
-  const ShapePiece& q = *pieces;
-  const double dt = t - q.origin, ds = s - q.s;
-  place.dh_ds = q.slope[0] + dt * (q.slope[1] + dt * (q.slope[2] + dt * static_cast<double>(q.slope[3])));
-  const double b = q.value[1] + ds * q.slope[1], c = q.value[2] + ds * q.slope[2], d = q.value[3] + ds * q.slope[3];
-  place.h = q.value[0] + ds * q.slope[0] + dt * (b + dt * (c + dt * d));
-  place.dh_dt = b + dt * (2.0 * c + dt * 3.0 * d);
+  place.shape = piece_at(pieces, count, t);
+  const ShapeSlice row(*place.shape, s);
+  const double dt = t - static_cast<double>(place.shape->origin);
+  place.t = t, place.h = row.height(dt);
+}
+
+/// Slopes of the lateral profile along the road and across it, at the place of q's u.
+struct ShapeSlopes {
+  double along = 0.0, across = 0.0;
+};
+inline ShapeSlopes shape_slopes(const Station& q, double u, const SurfacePlace& on) {
+  if (on.shape == nullptr) return {};
+  const double dt = on.t - static_cast<double>(on.shape->origin);
+  const Pair low = load_pair(on.shape->slope[0]), high = load_pair(on.shape->slope[1]);
+  return {low[0] + dt * low[1] + dt * dt * (high[0] + dt * high[1]), ShapeSlice(*on.shape, q.s + u).slope(dt)};
 }
 
 /// The surface at u and t.
 inline void surface_at_t(const BakedRoads& roads, const Station& q, double u, double t, SurfacePlace& place) {
-  sin_cos(bank_at(q, u), place.sin_bank, place.cos_bank);
-  place.t = t;
-  place.h = place.dh_ds = place.dh_dt = 0.0;
+  const Profile profile = profile_at(q, u);
+  sin_cos(profile.bank, place.sin_bank, place.cos_bank);
+  place.t = t, place.h = 0.0, place.shape = nullptr;
   if (q.shape_count > 0) shape_at(&roads.shapes[q.shapes], q.shape_count, q.s + u, t, place);
-  place.z = q.z + rise_at(q, u) + t * place.sin_bank + place.h * place.cos_bank;
+  place.z = q.z + profile.rise + t * place.sin_bank + place.h * place.cos_bank;
+}
+
+/// The t with t cos(bank) - h(t) sin(bank) = left_m, and the lateral profile there. The profile moves points sideways
+/// by h sin(bank), a thousandth of t.
+inline void shape_at_left(const ShapePiece* pieces, int count, double s, double left_m, SurfacePlace& place) {
+  const double t0 = left_m * (1.0 / place.cos_bank);
+  place.shape = piece_at(pieces, count, t0);
+  const ShapeSlice slice(*place.shape, s);
+  const double dt = t0 - static_cast<double>(place.shape->origin);
+  const double height = slice.height(dt), slope = slice.slope(dt), half_bend = 0.5 * slice.bend(dt);
+  // One step of Halley's method: what is missed is of third order, below rounding within nearby_m.
+  constexpr double nearby_m = 0.02;
+  const double share = place.sin_bank / (place.cos_bank - slope * place.sin_bank);
+  const double first = height * share, step = first * (1.0 + first * (share * half_bend));
+  place.t = t0 + step, place.h = height + step * (slope + step * (half_bend + step * slice.high[1]));
+  if (std::abs(step) < nearby_m && piece_at(pieces, count, place.t) == place.shape) return;
+  shape_at(pieces, count, s, t0, place);
+  for (int i = 0; i < 3; ++i) {
+    const double miss = left_m - (place.t * place.cos_bank - place.h * place.sin_bank);
+    if (std::abs(miss) < 1e-9) break;
+    const double slope = ShapeSlice(*place.shape, s).slope(place.t - static_cast<double>(place.shape->origin));
+    shape_at(pieces, count, s, place.t + miss / (place.cos_bank - slope * place.sin_bank), place);
+  }
 }
 
 /// The surface at u, above or below the point that lies left_m horizontally to the left of the line.
 inline void surface_at_left(const BakedRoads& roads, const Station& q, double u, double left_m, SurfacePlace& place) {
-  sin_cos(bank_at(q, u), place.sin_bank, place.cos_bank);
-  place.t = left_m / place.cos_bank;
-  place.h = place.dh_ds = place.dh_dt = 0.0;
+  const Profile profile = profile_at(q, u);
+  sin_cos(profile.bank, place.sin_bank, place.cos_bank);
   if (q.shape_count > 0) {
-    const ShapePiece* pieces = &roads.shapes[q.shapes];
-    shape_at(pieces, q.shape_count, q.s + u, place.t, place);
-    // Newton. The shape moves points sideways by h sin(bank), a thousandth of t: three steps are below rounding.
-    for (int i = 0; i < 3 && place.sin_bank != 0.0; ++i) {
-      const double miss = left_m - (place.t * place.cos_bank - place.h * place.sin_bank);
-      if (std::abs(miss) < 1e-9) break;
-      place.t += miss / (place.cos_bank - place.dh_dt * place.sin_bank);
-      shape_at(pieces, q.shape_count, q.s + u, place.t, place);
-    }
+    shape_at_left(&roads.shapes[q.shapes], q.shape_count, q.s + u, left_m, place);
+  } else {
+    place.t = left_m / place.cos_bank, place.h = 0.0, place.shape = nullptr;
   }
-  place.z = q.z + rise_at(q, u) + place.t * place.sin_bank + place.h * place.cos_bank;
+  place.z = q.z + profile.rise + place.t * place.sin_bank + place.h * place.cos_bank;
 }
 
 /// Unit normal, upwards, in map axes, and the curvature in plan of the line of constant t.
@@ -173,18 +253,17 @@ struct Bearing {
 /// As surface_point of road_surface.hpp: dP/ds x dP/dt in the frame (forward, left, up) of the line at u.
 inline Bearing bearing_at(const Station& q, const LinePlace& line, const SurfacePlace& on) {
   const double u = line.u;
-  const Pair bend = line_at(q, u).bend;
   const double inverse_speed = line.inverse_speed;
   const double speed = (line.dx_du * line.dx_du + line.dy_du * line.dy_du) * inverse_speed;
   const double curvature =
-      (line.dx_du * bend[1] - line.dy_du * bend[0]) * inverse_speed * inverse_speed * inverse_speed;
+      (line.dx_du * line.bend_y - line.dy_du * line.bend_x) * inverse_speed * inverse_speed * inverse_speed;
   const double left = on.t * on.cos_bank - on.h * on.sin_bank, up = on.t * on.sin_bank + on.h * on.cos_bank;
-  const double dbank = q.bank[1] + u * (2.0 * q.bank[2] + u * 3.0 * q.bank[3]);
-  const double slope = q.rise[0] + u * (2.0 * q.rise[1] + u * 3.0 * q.rise[2]);
+  const auto [dbank, slope] = profile_slope_at(q, u);
+  const auto [dh_ds, dh_dt] = shape_slopes(q, u, on);
   const double s_forward = speed * (1.0 - curvature * left);
-  const double s_left = -up * dbank - on.dh_ds * on.sin_bank;
-  const double s_up = slope + left * dbank + on.dh_ds * on.cos_bank;
-  const double t_left = on.cos_bank - on.dh_dt * on.sin_bank, t_up = on.sin_bank + on.dh_dt * on.cos_bank;
+  const double s_left = -up * dbank - dh_ds * on.sin_bank;
+  const double s_up = slope + left * dbank + dh_ds * on.cos_bank;
+  const double t_left = on.cos_bank - dh_dt * on.sin_bank, t_up = on.sin_bank + dh_dt * on.cos_bank;
   const double n_forward = s_left * t_up - s_up * t_left, n_left = -s_forward * t_up, n_up = s_forward * t_left;
   Bearing bearing;
   if (!(n_up > 0.0)) return bearing;  // beyond the centre of curvature the surface is folded over

@@ -150,8 +150,7 @@ CellEntry outline_of(const BakedRoads& roads, const CellRange& r) {
       const double u = part * q.half_m;
       const LinePolynomial line = line_at(q, u);
       const double speed = std::sqrt(line.tangent[0] * line.tangent[0] + line.tangent[1] * line.tangent[1]);
-      const double edges[2] = {cubic_at(lanes.right_edge, q.s + u - lanes.s),
-                               cubic_at(lanes.left_edge, q.s + u - lanes.s)};
+      const Pair edges = cubics_at(lanes.edges, q.s + u - lanes.s);
       for (const double t : {edges[0], 0.5 * (edges[0] + edges[1]), edges[1]}) {
         const double a = line.position[0] - t * line.tangent[1] / speed,
                      l = line.position[1] + t * line.tangent[0] / speed;

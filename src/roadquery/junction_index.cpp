@@ -109,22 +109,27 @@ bool JunctionIndex::contains(std::uint32_t junction, double x, double y) const {
   return inside;
 }
 
+JunctionOver JunctionIndex::over(std::uint32_t junction, double x, double y) const {
+  if (!contains(junction, x, y)) return {};
+  const Area& area = areas_[junction];
+  const JunctionHeight at = evaluate(JunctionField{area.x,
+                                                   area.y,
+                                                   area.spacing_m,
+                                                   area.columns,
+                                                   area.rows,
+                                                   z_.data() + area.z,
+                                                   {arms_.data() + area.arms, area.arm_count}},
+                                     x, y);
+  return std::isfinite(at.z) ? JunctionOver{junction, at} : JunctionOver{};
+}
+
 JunctionOver JunctionIndex::over(const Cell& cell, double x, double y, double z_hint) const {
   JunctionOver best;
   const auto distance = [&](double z) { return std::isnan(z_hint) ? -z : std::abs(z - z_hint); };
   for (const CellEntry& entry : cell.junctions()) {
-    if (!contains(entry.first, x, y)) continue;
-    const Area& area = areas_[entry.first];
-    const JunctionHeight at = evaluate(JunctionField{area.x,
-                                                     area.y,
-                                                     area.spacing_m,
-                                                     area.columns,
-                                                     area.rows,
-                                                     z_.data() + area.z,
-                                                     {arms_.data() + area.arms, area.arm_count}},
-                                       x, y);
-    if (!std::isfinite(at.z)) continue;
-    if (best.junction == no_index || distance(at.z) < distance(best.at.z)) best = {entry.first, at};
+    const JunctionOver one = over(entry.first, x, y);
+    if (one.junction == no_index) continue;
+    if (best.junction == no_index || distance(one.at.z) < distance(best.at.z)) best = one;
   }
   return best;
 }

@@ -29,6 +29,8 @@ class JunctionIndex {
   [[nodiscard]] bool contains(std::uint32_t junction, double x, double y) const;
   /// Of the surfaces over (x, y), a point of the cell, the one nearest to z_hint (NaN: the highest).
   [[nodiscard]] JunctionOver over(const Cell& cell, double x, double y, double z_hint) const;
+  /// The surface of one junction, where it is under (x, y).
+  [[nodiscard]] JunctionOver over(std::uint32_t junction, double x, double y) const;
   /// Lets the memory that over() will read come while other work is done; call both, with some work before each.
   void fetch_first(const Cell& cell) const;
   void fetch_second(const Cell& cell, double x, double y) const;

@@ -17,7 +17,7 @@ constexpr double widest_band_m = 0.6 * same_level_m;
 /// Heights over the plane of a station's middle, so that a gradient counts for nothing.
 class Band {
  public:
-  explicit Band(const Station& q) : q_(q), slope_(q.rise[0]), tilt_(std::tan(static_cast<double>(q.bank[0]))) {}
+  explicit Band(const Station& q) : q_(q), slope_(q.profile[0][1]), tilt_(std::tan(static_cast<double>(q.bank))) {}
 
   void add(double x, double y, double z) {
     const FramePoint p = in_frame(q_, x, y);
@@ -31,7 +31,8 @@ class Band {
       const double ds = other.s + u - lanes.s;
       const LinePolynomial line = line_at(other, u);
       const double speed = std::hypot(line.tangent[0], line.tangent[1]);
-      for (const double t : {cubic_at(lanes.right_edge, ds), 0.0, cubic_at(lanes.left_edge, ds)}) {
+      const Pair edges = cubics_at(lanes.edges, ds);
+      for (const double t : {edges[0], 0.0, edges[1]}) {
         SurfacePlace place;
         surface_at_t(roads, other, u, t, place);
         const double along = line.position[0] - t * line.tangent[1] / speed,
@@ -102,12 +103,12 @@ bool is_one_level(const BakedRoads& roads, const RoadMap& map, std::uint32_t sta
 void find_levels(BakedRoads& roads, const RoadMap& map, const CellIndex& cells) {
   std::vector<std::uint32_t> junctions;
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
-    if (roads.junction_decides[i] == 0) continue;
+    if (roads.deciding_junction[i] == no_index) continue;
     const Station& q = roads.stations[i];
     const StationBox box = station_box(roads, q);
     junctions.clear();
     cells.append_junctions(q, box, junctions);
-    roads.junction_decides[i] = is_one_level(roads, map, i, box, junctions) ? 1 : 0;
+    if (!is_one_level(roads, map, i, box, junctions)) roads.deciding_junction[i] = no_index;
   }
 }
 

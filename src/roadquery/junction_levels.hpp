@@ -5,7 +5,7 @@
 
 namespace roadquery {
 
-/// Clears BakedRoads::junction_decides where surfaces may be of more than one level. The companions are known.
+/// Clears BakedRoads::deciding_junction where surfaces may be of more than one level. The companions are known.
 void find_levels(BakedRoads& roads, const RoadMap& map, const CellIndex& cells);
 
 }  // namespace roadquery

@@ -11,13 +11,14 @@
 #include "roadquery/blend.hpp"
 #include "roadquery/road_surface.hpp"
 #include "roadquery/short_ways.hpp"
+#include "roadquery/surface_gradient.hpp"
 
 namespace roadquery {
 namespace {
 
 /// Weights of four neighbouring nodes and their derivatives, u in [0, 1] between the second and the third.
 struct Weights {
-  std::array<double, 4> value{}, slope{};
+  double value[4], slope[4];
 };
 
 Weights catmull_rom(double u) {
@@ -40,29 +41,48 @@ Cell cell_at(double offset_m, double spacing_m, int count) {
   return {node, inside - node};
 }
 
+/// Two numbers at once.
+using Pair = double __attribute__((vector_size(16)));
+Pair load_pair(const double* at) {
+  Pair loaded;
+  __builtin_memcpy(&loaded, at, sizeof loaded);
+  return loaded;
+}
+
+/// From rows of four nodes.
+JunctionHeight bicubic(const double* const (&rows)[4], const Weights& wx, const Weights& wy, double spacing_m) {
+  Pair value[2] = {}, slope[2] = {};  // of the four columns, by y
+  for (int j = 0; j < 4; ++j) {
+    const Pair v = {wy.value[j], wy.value[j]}, s = {wy.slope[j], wy.slope[j]};
+    for (int i = 0; i < 2; ++i) {
+      const Pair z = load_pair(rows[j] + 2 * i);
+      value[i] += v * z, slope[i] += s * z;
+    }
+  }
+  const auto sum = [](const double(&w)[4], const Pair(&of)[2]) {
+    const Pair products = load_pair(w) * of[0] + load_pair(w + 2) * of[1];
+    return products[0] + products[1];
+  };
+  return {sum(wx.value, value), sum(wx.slope, value) / spacing_m, sum(wx.value, slope) / spacing_m};
+}
+
 JunctionHeight field_at(const JunctionField& surface, double x, double y) {
   if (surface.columns < 1 || surface.rows < 1) return {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   const Cell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
   const Cell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
   const Weights wx = catmull_rom(column.u), wy = catmull_rom(row.u);
-  JunctionHeight sum;
-  for (int j = 0; j < 4; ++j) {
-    const int r = std::clamp(row.node - 1 + j, 0, surface.rows - 1);
-    const double* line = surface.z + static_cast<std::ptrdiff_t>(r) * surface.columns;
-    double value = 0.0, slope = 0.0;
-    for (int i = 0; i < 4; ++i) {
-      const double z = line[std::clamp(column.node - 1 + i, 0, surface.columns - 1)];
-      value += wx.value[static_cast<std::size_t>(i)] * z;
-      slope += wx.slope[static_cast<std::size_t>(i)] * z;
-    }
-    const auto k = static_cast<std::size_t>(j);
-    sum.z += wy.value[k] * value;
-    sum.dz_dx += wy.value[k] * slope;
-    sum.dz_dy += wy.slope[k] * value;
+  const int c0 = column.node - 1, r0 = row.node - 1;
+  const auto line = [&](int r) { return surface.z + static_cast<std::ptrdiff_t>(r) * surface.columns; };
+  if (c0 >= 0 && r0 >= 0 && c0 + 4 <= surface.columns && r0 + 4 <= surface.rows) {
+    const double* first = line(r0) + c0;
+    const std::ptrdiff_t next = surface.columns;
+    return bicubic({first, first + next, first + 2 * next, first + 3 * next}, wx, wy, surface.spacing_m);
   }
-  sum.dz_dx /= surface.spacing_m;
-  sum.dz_dy /= surface.spacing_m;
-  return sum;
+  double nodes[4][4];  // beyond its edges the field goes on as at them
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i)
+      nodes[j][i] = line(std::clamp(r0 + j, 0, surface.rows - 1))[std::clamp(c0 + i, 0, surface.columns - 1)];
+  return bicubic({nodes[0], nodes[1], nodes[2], nodes[3]}, wx, wy, surface.spacing_m);
 }
 
 /// 1 - S(distance / transition) and its derivative by the distance.
@@ -159,17 +179,20 @@ bool contains(const JunctionSurface& surface, double x, double y) {
 JunctionHeight evaluate(const JunctionField& surface, double x, double y) {
   const JunctionHeight field = field_at(surface, x, y);
   // Sums of shares and of shares times heights over the field: of differences, for the sake of rounding.
+  bool is_alone = true;
   double shares = 1.0, dshares_dx = 0.0, dshares_dy = 0.0;
   JunctionHeight sum;
   ArmAt at;
   for (const JunctionArm& arm : surface.arms) {
     if (!arm_at(arm, x, y, at)) continue;
+    is_alone = false;
     const double over = at.height.z - field.z;
     shares += at.share.z, dshares_dx += at.share.dz_dx, dshares_dy += at.share.dz_dy;
     sum.z += at.share.z * over;
     sum.dz_dx += at.share.dz_dx * over + at.share.z * (at.height.dz_dx - field.dz_dx);
     sum.dz_dy += at.share.dz_dy * over + at.share.z * (at.height.dz_dy - field.dz_dy);
   }
+  if (is_alone) return field;
   const double over = sum.z / shares;
   return {field.z + over, field.dz_dx + (sum.dz_dx - over * dshares_dx) / shares,
           field.dz_dy + (sum.dz_dy - over * dshares_dy) / shares};
@@ -186,9 +209,7 @@ JunctionArm junction_arm(const Road& road, ContactPoint end) {
     const SurfacePoint point = surface_point(road, s, t, reference);
     const double left =
         std::cos(reference.hdg) * (point.y - reference.y) - std::sin(reference.hdg) * (point.x - reference.x);
-    // The normal holds both slopes; the one along the road is what is left of it in the direction of the heading.
-    const double along = -(std::cos(reference.hdg) * point.normal[0] + std::sin(reference.hdg) * point.normal[1]);
-    arm.places.push_back({sign * left, point.z, sign * along / point.normal[2]});
+    arm.places.push_back({sign * left, point.z, sign * gradient_towards(point, reference.hdg)});
   }
   if (!at_end) std::reverse(arm.places.begin(), arm.places.end());
   const auto same = [](const auto& p, const auto& q) { return q.left_m - p.left_m < 1e-6; };

@@ -149,7 +149,8 @@ StationBox station_box(const BakedRoads& roads, const Station& q) {
     const LinePolynomial line = line_at(q, u);
     const double x = line.position[0], y = line.position[1], dx = line.tangent[0], dy = line.tangent[1];
     const double speed = std::sqrt(dx * dx + dy * dy);
-    for (const double t : {0.0, cubic_at(lanes.left_edge, ds), cubic_at(lanes.right_edge, ds)}) {
+    const Pair edges = cubics_at(lanes.edges, ds);
+    for (const double t : {0.0, edges[1], edges[0]}) {
       const double along = x - t * dy / speed, left = y + t * dx / speed;
       box.along_min = std::min(box.along_min, along), box.along_max = std::max(box.along_max, along);
       box.left_min = std::min(box.left_min, left), box.left_max = std::max(box.left_max, left);
@@ -165,7 +166,7 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
   std::vector<FramePoint> ring;
   std::vector<std::uint32_t> near, junctions, seen_by(roads.stations.size(), no_index);
   roads.companion_begin.assign(1, 0);
-  roads.junction_decides.assign(roads.stations.size(), 0);
+  roads.deciding_junction.assign(roads.stations.size(), no_index);
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
     Station& q = roads.stations[i];
     near.clear();
@@ -189,7 +190,8 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
       ring.clear();
       for (const auto& [x, y] : map.junctions[junction].surface->boundary) ring.push_back(in_frame(q, x, y));
       const Part part = beside(extents[i].box, ring);
-      if (!part.empty()) roads.junction_decides[i] = 1;
+      std::uint32_t& deciding = roads.deciding_junction[i];
+      if (!part.empty()) deciding = deciding == no_index ? junction : one_of_several;
       free.take_away(part);
     }
     keep_free_width(roads, free, q);

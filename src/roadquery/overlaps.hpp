@@ -12,8 +12,8 @@ struct StationBox {
 [[nodiscard]] StationBox station_box(const BakedRoads& roads, const Station& station);
 
 /// Fills in the companions of all stations, and the part of each one's width that neither they nor a junction's own
-/// surface touch; junction_decides is 1 where a junction touches a station. Surfaces of roads further apart than
-/// `level_m` in height are none of each other's business.
+/// surface touch; deciding_junction where junctions touch a station, whatever their level. Surfaces of roads further
+/// apart than `level_m` in height are none of each other's business.
 void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells, double level_m);
 
 }  // namespace roadquery

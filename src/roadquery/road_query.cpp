@@ -71,10 +71,10 @@ void fill_blended(const BakedRoads& roads, std::span<const Found> surfaces, cons
 
 /// The cursor's station, or no_index for one of another map.
 std::uint32_t station_of(const BakedRoads& roads, const Cursor& cursor) {
-  if (cursor.road < 0 || static_cast<std::size_t>(cursor.road) + 1 >= roads.first_station.size()) return no_index;
   const auto road = static_cast<std::uint32_t>(cursor.road);
   if (cursor.station < roads.stations.size() && roads.road_of(roads.stations[cursor.station]) == road)
     return cursor.station;
+  if (cursor.road < 0 || static_cast<std::size_t>(cursor.road) + 1 >= roads.first_station.size()) return no_index;
   return roads.station_at(road, cursor.s);
 }
 
@@ -148,9 +148,13 @@ void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& li
 RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, bool followed, FoundList& list) const {
   if (followed) {
     list.count = 1;
-    const std::uint32_t station = list.items[0].station;
-    const JunctionOver over = junctions_.empty() ? JunctionOver{} : junctions_.over(cells_.at(x, y), x, y, z_hint);
-    if (over.junction != no_index && baked_.junction_decides[station] != 0) return {list.all(), over};
+    const std::uint32_t station = list.items[0].station, deciding = baked_.deciding_junction[station];
+    JunctionOver over;
+    if (deciding < one_of_several)
+      over = junctions_.over(deciding, x, y);
+    else if (!junctions_.empty())
+      over = junctions_.over(cells_.at(x, y), x, y, z_hint);
+    if (over.junction != no_index && deciding != no_index) return {list.all(), over};
     search_companions(baked_, station, x, y, list);
     return with_junction(over, z_hint, list);
   }

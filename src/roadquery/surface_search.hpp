@@ -43,7 +43,8 @@ inline bool complete(const BakedRoads& roads, const Station& q, const LaneStretc
   if (std::abs(found.line.left_m) > lanes.reach_m + outside_m + sideways_m) return false;
   const double u = found.line.u, s = q.s + u, ds = s - lanes.s;
   surface_at_left(roads, q, u, found.line.left_m, found.on);
-  const double left_edge = cubic_at(lanes.left_edge, ds), right_edge = cubic_at(lanes.right_edge, ds);
+  const Pair edges = cubics_at(lanes.edges, ds);
+  const double right_edge = edges[0], left_edge = edges[1];
   const double beside_m = std::min(left_edge - found.on.t, found.on.t - right_edge);
   if (beside_m < -outside_m) return false;
   found.inside_m = std::min(beside_m, std::min(s, lanes.length_m - s));

@@ -373,6 +373,18 @@ TEST(BuildNetwork, WaysThatCrossOnOneLevelWithoutANodeGetAJunctionWithoutTurns) 
   EXPECT_TRUE(across(4.0, 0, false).map.junctions.empty()) << "4 m above the other";
 }
 
+/// The least 1 - k t of where cars drive on a road, a quarter of a lane off its edges.
+double least_room(const roadquery::Road& road) {
+  double least = 1.0;
+  for (int i = 0; i <= 100; ++i) {
+    const double s = road.length * i / 100.0;
+    const roadquery::Edges edges = roadquery::road_edges(road, s);
+    const double k = roadquery::reference_point(road, s).curvature, inset = 0.25 * (edges.left_t - edges.right_t);
+    least = std::min({least, 1.0 - k * (edges.left_t - inset), 1.0 - k * (edges.right_t + inset)});
+  }
+  return least;
+}
+
 TEST(BuildNetwork, LanesOfTightTurnsDoNotFold) {
   // A side road leaves backwards at 40 degrees: its cut lies so near to the main road's that the right turn into it is
   // sharper than the lane is wide.
@@ -385,15 +397,80 @@ TEST(BuildNetwork, LanesOfTightTurnsDoNotFold) {
                                     make_path({{0, 0}, {back.x, -back.y}}, {2, 5}, {.osm_id = 3, .width_m = width})}))
               .map;
       for (const roadquery::Road* road : connecting_roads(map))
-        for (int i = 0; i <= 100; ++i) {
-          const double s = road->length * i / 100.0;
-          const roadquery::Edges edges = roadquery::road_edges(*road, s);
-          const double k = roadquery::reference_point(*road, s).curvature;
-          const double inset = 0.25 * (edges.left_t - edges.right_t);
-          EXPECT_GT(1.0 - k * (edges.left_t - inset), 0.0) << width << " " << angle << ": road " << road->id;
-          EXPECT_GT(1.0 - k * (edges.right_t + inset), 0.0) << width << " " << angle << ": road " << road->id;
-        }
+        EXPECT_GT(least_room(*road), 0.0) << width << " " << angle << ": road " << road->id;
     }
+}
+
+/// Where the inner border of a lane meets the end of its road.
+roadquery::SurfacePoint border_of(const roadquery::Road& road, bool at_end, int lane) {
+  const double s = at_end ? road.length : 0.0;
+  double t = roadquery::evaluate(road.lane_offset, s);
+  const roadquery::LaneSection& section = road.sections.front();
+  for (const roadquery::Lane& q : lane > 0 ? section.left : section.right) {
+    if (q.id == lane) break;
+    t += (lane > 0 ? 1.0 : -1.0) * roadquery::lane_width(q, s);
+  }
+  return roadquery::surface_point(road, s, t);
+}
+
+TEST(BuildNetwork, LanesOfTightTurnsBesideShortRoadsDoNotFoldAndMeetTheirLanes) {
+  // Two side roads leave a banked main road that climbs backwards, so near to each other that 1 m of it stays between.
+  const auto height = [](Vec2 p) { return 0.06 * p.x + 0.0005 * p.x * p.x + 0.04 * p.y; };
+  const auto bank = [](double) { return 0.05; };
+  const roadquery::RoadMap map =
+      build_network(
+          network_of({make_path({{-60, 0}, {0, 0}, {22, 0}, {80, 0}}, {1, 2, 3, 4},
+                                {.osm_id = 1, .highway = "tertiary", .width_m = 12, .height = height, .banking = bank}),
+                      make_path({{0, 0}, {33, -50}}, {2, 5}, {.osm_id = 2, .height = height}),
+                      make_path({{22, 0}, {-11, 50}}, {3, 6}, {.osm_id = 3, .height = height})}))
+          .map;
+  int beside_short = 0, moved = 0;
+  for (const roadquery::Road* road : connecting_roads(map)) {
+    EXPECT_GT(least_room(*road), 0.0) << "road " << road->id;
+    for (const bool at_end : {false, true}) {
+      const roadquery::RoadLink& link = at_end ? road->successor : road->predecessor;
+      const roadquery::Road& other = *road_by_id(map, link.id);
+      const bool other_end = link.contact == roadquery::ContactPoint::end;
+      const roadquery::Lane& lane = road->sections.front().right.front();
+      const int linked = at_end ? *lane.successor : *lane.predecessor;
+      const roadquery::SurfacePoint a = border_of(*road, at_end, -1), b = border_of(other, other_end, linked);
+      EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), 1e-6) << "road " << road->id << " and " << other.id;
+      if (other.length > 4.0) continue;
+      const roadquery::PlanPoint p = roadquery::reference_point(*road, at_end ? road->length : 0.0),
+                                 q = roadquery::reference_point(other, other_end ? other.length : 0.0);
+      ++beside_short, moved += std::hypot(p.x - q.x, p.y - q.y) > 0.1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(beside_short, 0) << "the case that is tested";
+  EXPECT_GT(moved, 0) << "the case that is tested";
+}
+
+TEST(BuildNetwork, RoadsEndWhereTheyHaveLeftWaysInsideTheirJunction) {
+  // A narrow way joins the main road at 6 degrees, 12 m behind a crossing: both vertices are one junction. It lies on
+  // the main road, first on the part inside the junction, until the two lines are 7 m apart.
+  const roadquery::RoadMap map =
+      build_network(network_of({make_path({{-150, 0}, {0, 0}, {12, 0}, {100, 0}}, {1, 2, 3, 4},
+                                          {.osm_id = 1, .highway = "primary", .width_m = 10}),
+                                make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),
+                                make_path({{12, 0}, {-138, -15.8}}, {3, 6}, {.osm_id = 3, .width_m = 4})}))
+          .map;
+  ASSERT_EQ(map.junctions.size(), 1u);
+  int ends = 0;
+  for (const roadquery::Road* road : plain_roads(map)) {
+    for (const bool at_end : {false, true}) {
+      if ((at_end ? road->successor : road->predecessor).kind != roadquery::LinkKind::junction) continue;
+      const roadquery::PlanPoint p = roadquery::reference_point(*road, at_end ? road->length : 0.0);
+      const Vec2 end = Vec2{p.x, p.y} - site_origin;
+      if (road->osm_id == "3") {
+        EXPECT_LT(end.y, -6.9);
+        ++ends;
+      } else if (road->osm_id == "1" && end.x < 0.0) {
+        EXPECT_LT(end.x, 12.0 - 6.9 / 0.105);
+        ++ends;
+      }
+    }
+  }
+  EXPECT_EQ(ends, 2);
 }
 
 TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {

@@ -84,6 +84,25 @@ TEST(BakedRoad, is_the_exact_surface_within_a_tenth_of_a_millimetre) {
   }
 }
 
+TEST(BakedRoad, shapes_that_begin_under_a_point_on_a_banked_road_are_the_exact_ones) {
+  // The shape moves points sideways by h sin(bank), 3 cm: the foot crosses from one piece to the next.
+  Road road = make_road(1, {0.0, 458000.0, 5540000.0, 0.6, 60.0, Line{}}, 200.0);
+  road.superelevation = {{0.0, 0.2, 0.0, 0.0, 0.0}};
+  for (const double s : {0.0, 60.0})
+    road.shape.insert(
+        road.shape.end(),
+        {{s, -2.0, 0.15, -0.02, 0.0, 0.0}, {s, 1.0, 0.09, 0.1, 0.02, 0.0}, {s, 1.5, 0.145, -0.2, 0.0, 0.0}});
+  const RoadQuery query(one_road(road));
+  for (double t = 0.9; t < 1.6; t += 1e-3) {
+    const SurfacePoint exact = surface_point(road, 31.0, t);
+    Cursor cursor{0, 31.0};
+    const auto hit = query.find(exact.x, exact.y, exact.z, cursor);
+    ASSERT_TRUE(hit) << t;
+    EXPECT_NEAR(hit->t, t, 1e-6);
+    EXPECT_NEAR(hit->z, exact.z, 1e-6) << t;
+  }
+}
+
 TEST(BakedRoad, lanes_are_those_of_the_road_with_their_material) {
   const RoadQuery query(one_road(everything()));
   const auto at = [&](double s, double t) { return query.at(0, s, t).value(); };

@@ -1,9 +1,19 @@
-// The two cameras: one that flies over the map, one that follows the car.
+// The cameras: fly over the map, look straight down, follow the car, go around it, and sit in it.
 
-import {PerspectiveCamera, Sphere, Vector3} from 'three';
+import {Object3D, PerspectiveCamera, Sphere, Vector3} from 'three';
 import {MapControls} from 'three/addons/controls/MapControls.js';
+import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 
 import type {Lap} from './lap';
+
+export const cameraModes = ['fly', 'top', 'follow', 'orbit', 'driver'] as const;
+export type CameraMode = (typeof cameraModes)[number];
+
+/** Where a camera is and what it looks at, in the scene's frame. */
+export interface View {
+  eye: [number, number, number];
+  target: [number, number, number];
+}
 
 const keyDirections: Record<string, [number, number, number]> = {
   KeyW: [0, 1, 0], KeyS: [0, -1, 0], KeyA: [-1, 0, 0], KeyD: [1, 0, 0], KeyQ: [0, 0, -1], KeyE: [0, 0, 1],
@@ -16,12 +26,18 @@ export class FlyCamera {
   private readonly controls: MapControls;
   private readonly pressed = new Set<string>();
 
-  constructor(element: HTMLElement) {
-    this.camera.up.set(0, 0, 1);
+  /** `straightDown`: north is up and the view does not turn. */
+  constructor(element: HTMLElement, private readonly straightDown = false) {
+    this.camera.up.set(0, straightDown ? 1 : 0, straightDown ? 0 : 1);
     this.controls = new MapControls(this.camera, element);
     this.controls.zoomToCursor = true;
-    this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.minDistance = 2;
+    if (straightDown) {
+      this.controls.enableRotate = false;
+      this.controls.screenSpacePanning = true;
+    } else {
+      this.controls.maxPolarAngle = 0.495 * Math.PI;
+    }
     this.controls.addEventListener('change', () => this.onChange());
     window.addEventListener('keydown', (event) => {
       if (event.code in keyDirections && !event.ctrlKey && !event.metaKey) this.pressed.add(event.code);
@@ -33,11 +49,23 @@ export class FlyCamera {
   set enabled(on: boolean) {
     this.controls.enabled = on;
   }
+  get target(): Vector3 {
+    return this.controls.target;
+  }
+  get view(): View {
+    return {eye: this.camera.position.toArray(), target: this.controls.target.toArray()};
+  }
+  set view(view: View) {
+    this.camera.position.fromArray(view.eye);
+    this.controls.target.fromArray(view.target);
+    this.controls.update();
+  }
 
-  /** An oblique view from the south of everything inside the sphere. */
+  /** Everything inside the sphere: from the south and obliquely, or from above. */
   frame(bounds: Sphere): void {
+    const from = this.straightDown ? new Vector3(0, 0, 1.7) : new Vector3(0.3, -1.0, 0.55).normalize();
     this.controls.target.copy(bounds.center);
-    this.camera.position.copy(bounds.center).addScaledVector(new Vector3(0.3, -1.0, 0.55).normalize(), bounds.radius * 1.45);
+    this.camera.position.copy(bounds.center).addScaledVector(from, bounds.radius * 1.45);
     this.controls.maxDistance = bounds.radius * 6;
     this.controls.update();
   }
@@ -45,8 +73,8 @@ export class FlyCamera {
   /** Returns true while a key moves the camera. */
   update(elapsed_s: number): boolean {
     if (this.pressed.size === 0 || !this.controls.enabled) return false;
-    const ahead = new Vector3().subVectors(this.controls.target, this.camera.position);
-    const speed_mps = Math.max(15, 0.6 * ahead.length());
+    const ahead = this.straightDown ? new Vector3(0, 1, 0) : new Vector3().subVectors(this.controls.target, this.camera.position);
+    const speed_mps = Math.max(15, 0.6 * this.camera.position.distanceTo(this.controls.target));
     ahead.setZ(0).normalize();
     const right = new Vector3(ahead.y, -ahead.x, 0);
     const move = new Vector3();
@@ -89,5 +117,57 @@ export class FollowCamera {
     this.camera.position.copy(position).addScaledVector(ahead, -this.behind_m);
     this.camera.position.z += this.above_m;
     this.camera.lookAt(position.addScaledVector(ahead, 6).add(new Vector3(0, 0, 1.1)));
+  }
+}
+
+/** Around the car at the distance and from the side that the mouse chose. */
+export class OrbitCamera {
+  readonly camera = new PerspectiveCamera(50, 1, 0.3, 6000);
+  onChange: () => void = () => {};
+  private readonly controls: OrbitControls;
+
+  constructor(element: HTMLElement, car: Object3D) {
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, element);
+    this.controls.enablePan = false;
+    this.controls.minDistance = 3;
+    this.controls.maxDistance = 200;
+    this.controls.maxPolarAngle = 0.49 * Math.PI;
+    this.controls.addEventListener('change', () => this.onChange());
+    this.controls.target.copy(car.position);
+    this.camera.position.copy(car.position).add(new Vector3(7, -7, 4));
+  }
+
+  set enabled(on: boolean) {
+    this.controls.enabled = on;
+  }
+
+  /** Goes along with the car. */
+  update(car: Object3D): void {
+    const middle = car.position.clone().add(new Vector3(0, 0, 0.7));
+    const move = middle.sub(this.controls.target);
+    if (move.lengthSq() === 0) return;
+    this.controls.target.add(move);
+    this.camera.position.add(move);
+    this.camera.lookAt(this.controls.target);
+  }
+}
+
+/** At the driver's eyes: moves with the body. */
+export class DriverCamera {
+  readonly camera = new PerspectiveCamera(60, 1, 0.25, 6000);
+
+  /** `eye_m`: ahead, left and up in the car's frame. */
+  constructor(private readonly eye_m: readonly [number, number, number]) {
+    this.camera.up.set(0, 0, 1);
+  }
+
+  update(car: Object3D): void {
+    car.updateMatrixWorld();
+    const ahead_m = 20;
+    const [x, y, z] = this.eye_m;
+    this.camera.up.set(0, 0, 1).transformDirection(car.matrixWorld);
+    this.camera.position.set(x, y, z).applyMatrix4(car.matrixWorld);
+    this.camera.lookAt(new Vector3(x + ahead_m, y, z - 0.03 * ahead_m).applyMatrix4(car.matrixWorld));
   }
 }

@@ -1,5 +1,5 @@
-// A plain passenger car, 4.3 x 1.8 x 1.45 m, drawn where the lap says. Its frame: x ahead, y left, z up, origin on
-// the road under the middle of the wheelbase.
+// A passenger car of the driven vehicle's dimensions, drawn where the lap says: its wheels turn, steer and follow the
+// road. Its frame: x ahead, y left, z up, origin on the road under the middle of the wheelbase.
 
 import {
   BoxGeometry, CylinderGeometry, ExtrudeGeometry, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D,
@@ -8,46 +8,91 @@ import {
 
 import type {CarState} from './lap';
 import {radialTexture} from './radial_texture';
+import type {VehicleShape} from './vehicle_shape';
 
-const wheelRadius_m = 0.33;
-const wheelbase_m = 2.6;
-const track_m = 1.56;
+const maxTravel_m = 0.2; // of a wheel against the body
+
+/** A wheel: steered as a whole, turned about its own axle. */
+interface Wheel {
+  holder: Group;
+  spinning: Group;
+  x_m: number;
+  y_m: number;
+  height: 'z_fl_m' | 'z_fr_m' | 'z_rl_m' | 'z_rr_m';
+  isFront: boolean;
+}
 
 export class Car {
   readonly object = new Group();
   /** A dot of constant size on the screen, to find the car from far away. */
   readonly marker = new Sprite(new SpriteMaterial({map: dotTexture(), sizeAttenuation: false, depthTest: false, fog: false}));
-  private readonly wheels: Object3D[] = [];
+  /** Of the driver, in the car's frame: left seat, in the middle of the cabin. */
+  readonly eye_m: readonly [number, number, number];
+  private readonly wheels: Wheel[];
+  private readonly patch = shadow();
 
-  constructor() {
+  constructor(private readonly shape: VehicleShape) {
+    const {length_m, width_m, height_m, wheelbase_m, rearOverhang_m} = shape;
+    const rear = -0.5 * wheelbase_m - rearOverhang_m;
+    // Side view: shares of the length from the rear, and of the height.
+    const outline = (points: [number, number][]) => side(points.map(([x, z]) => [rear + x * length_m, z * height_m]));
     const paint = new MeshLambertMaterial({color: 0xd8382c});
     const glass = new MeshLambertMaterial({color: 0x1d2730});
-    const body = side([[-2.1, 0.3], [-2.15, 0.75], [-1.95, 0.95], [-0.9, 0.98], [0.95, 0.92], [1.95, 0.75], [2.15, 0.55],
-                       [2.12, 0.25]]);
-    const cabin = side([[-1.9, 0.93], [-1.25, 1.4], [-0.2, 1.45], [0.3, 1.38], [1.1, 0.9]]);
-    this.object.add(extruded(body, 1.74, paint), extruded(cabin, 1.5, glass), extruded(roof(), 1.4, paint), shadow(), ...rearLights());
-    const tyre = new CylinderGeometry(wheelRadius_m, wheelRadius_m, 0.22, 20);
-    const black = new MeshLambertMaterial({color: 0x17191b});
-    const rim = new CylinderGeometry(0.2, 0.2, 0.23, 5);
-    const silver = new MeshLambertMaterial({color: 0xb9bec4});
-    for (const x of [-wheelbase_m / 2, wheelbase_m / 2])
-      for (const y of [-track_m / 2, track_m / 2]) {
-        const wheel = new Group();
-        wheel.add(new Mesh(tyre, black), new Mesh(rim, silver));
-        wheel.position.set(x, y, wheelRadius_m);
-        this.wheels.push(wheel);
-        this.object.add(wheel);
-      }
+    const body = outline([[0.012, 0.2], [0, 0.52], [0.045, 0.655], [0.29, 0.67], [0.72, 0.605], [0.95, 0.47], [1, 0.35], [0.99, 0.17]]);
+    const cabin = outline([[0.06, 0.64], [0.21, 0.965], [0.45, 1], [0.57, 0.95], [0.755, 0.59]]);
+    const roof = outline([[0.2, 0.965], [0.43, 1.02], [0.56, 0.98], [0.55, 0.95], [0.43, 0.986], [0.2, 0.938]]);
+    this.object.add(extruded(body, 0.97 * width_m, paint), extruded(cabin, 0.84 * width_m, glass), extruded(roof, 0.78 * width_m, paint),
+                    ...rearLights(rear, width_m, height_m), this.patch);
+    this.patch.scale.set(1.2 * length_m, 1.5 * width_m, 1);
+    this.patch.position.x = rear + 0.5 * length_m;
+    this.eye_m = [0.03 * wheelbase_m, 0.2 * width_m, 0.84 * height_m];
+    this.wheels = this.makeWheels();
     this.object.rotation.order = 'ZYX'; // heading about up, then pitch about left, then roll about ahead
+    this.object.traverse((part) => (part.castShadow = part !== this.patch));
     this.marker.scale.setScalar(0.028);
     this.marker.renderOrder = 2;
+  }
+
+  /** A soft patch under the car where the sun casts no shadows. */
+  set hasSoftShadow(on: boolean) {
+    this.patch.visible = on;
   }
 
   place(state: CarState): void {
     this.object.position.set(state.x_m, state.y_m, state.z_m);
     this.object.rotation.set(state.roll_rad, -state.pitch_rad, state.heading_rad);
-    for (const wheel of this.wheels) wheel.rotation.y = state.s_m / wheelRadius_m;
+    for (const wheel of this.wheels) {
+      const plane_m = state.z_m + wheel.x_m * Math.sin(state.pitch_rad) + wheel.y_m * Math.sin(state.roll_rad);
+      const road_m = state[wheel.height] ?? plane_m;
+      const travel_m = Math.max(-maxTravel_m, Math.min(maxTravel_m, road_m - plane_m));
+      wheel.holder.position.z = this.shape.wheelRadius_m + travel_m;
+      wheel.holder.rotation.z = wheel.isFront ? state.steering_rad ?? 0 : 0;
+      wheel.spinning.rotation.y = state.s_m / this.shape.wheelRadius_m;
+    }
     this.marker.position.copy(this.object.position);
+  }
+
+  private makeWheels(): Wheel[] {
+    const {wheelbase_m, frontTrack_m, rearTrack_m, wheelRadius_m} = this.shape;
+    const tyre = new CylinderGeometry(wheelRadius_m, wheelRadius_m, 0.22, 24);
+    const rim = new CylinderGeometry(0.62 * wheelRadius_m, 0.62 * wheelRadius_m, 0.23, 5);
+    const black = new MeshLambertMaterial({color: 0x17191b}), silver = new MeshLambertMaterial({color: 0xb9bec4});
+    const wheels: Wheel[] = [];
+    for (const isFront of [true, false])
+      for (const isLeft of [true, false]) {
+        const wheel: Wheel = {
+          holder: new Group(), spinning: new Group(), isFront,
+          x_m: (isFront ? 0.5 : -0.5) * wheelbase_m,
+          y_m: (isLeft ? 0.5 : -0.5) * (isFront ? frontTrack_m : rearTrack_m),
+          height: `z_${isFront ? 'f' : 'r'}${isLeft ? 'l' : 'r'}_m`,
+        };
+        wheel.spinning.add(new Mesh(tyre, black), new Mesh(rim, silver));
+        wheel.holder.add(wheel.spinning);
+        wheel.holder.position.set(wheel.x_m, wheel.y_m, wheelRadius_m);
+        this.object.add(wheel.holder);
+        wheels.push(wheel);
+      }
+    return wheels;
   }
 }
 
@@ -56,10 +101,6 @@ function side(points: [number, number][]): Shape {
   shape.moveTo(...points[0]);
   for (const point of points.slice(1)) shape.lineTo(...point);
   return shape;
-}
-
-function roof(): Shape {
-  return side([[-1.3, 1.4], [-0.3, 1.48], [0.25, 1.42], [0.2, 1.38], [-0.3, 1.43], [-1.28, 1.36]]);
 }
 
 /** A side view (x ahead, y up) drawn out to the given width, symmetric about the car's middle plane. */
@@ -74,24 +115,24 @@ function extruded(shape: Shape, width_m: number, material: MeshLambertMaterial):
   return new Mesh(geometry, material);
 }
 
-function rearLights(): Mesh[] {
+function rearLights(rear: number, width_m: number, height_m: number): Object3D[] {
   const red = new MeshBasicMaterial({color: 0xff5a4a});
   const plate = new MeshBasicMaterial({color: 0xe8ebee});
-  const place = (material: MeshBasicMaterial, width_m: number, height_m: number, y: number, z: number) => {
-    const mesh = new Mesh(new BoxGeometry(0.06, height_m, width_m), material);
+  const place = (material: MeshBasicMaterial, lightWidth_m: number, lightHeight_m: number, y: number, z: number) => {
+    const mesh = new Mesh(new BoxGeometry(0.06, lightHeight_m, lightWidth_m), material);
     mesh.rotation.x = Math.PI / 2;
-    mesh.position.set(-2.12, y, z);
+    mesh.position.set(rear + 0.02, y, z);
     return mesh;
   };
-  return [place(red, 0.32, 0.13, 0.66, 0.72), place(red, 0.32, 0.13, -0.66, 0.72), place(plate, 0.5, 0.11, 0, 0.5)];
+  const [y, z] = [0.37 * width_m, 0.5 * height_m];
+  return [place(red, 0.32, 0.13, y, z), place(red, 0.32, 0.13, -y, z), place(plate, 0.5, 0.11, 0, 0.345 * height_m)];
 }
 
-/** A soft dark patch on the road; real shadow maps are not worth their price here. */
 function shadow(): Mesh {
   const texture = radialTexture([[0, 'rgba(0,0,0,0.75)'], [0.55, 'rgba(0,0,0,0.55)'], [1, 'rgba(0,0,0,0)']]);
   const material = new MeshBasicMaterial({map: texture, transparent: true, depthWrite: false, polygonOffset: true,
                                           polygonOffsetFactor: -4, polygonOffsetUnits: -4});
-  const patch = new Mesh(new PlaneGeometry(5.2, 2.7), material);
+  const patch = new Mesh(new PlaneGeometry(1, 1), material);
   patch.position.z = 0.04;
   return patch;
 }

@@ -13,48 +13,76 @@ export interface CarState {
   speed_mps: number;
   a_lat_mps2: number;
   gradient: number;
+  a_lon_mps2?: number;
+  throttle?: number; // 0 to 1
+  brake?: number; // 0 to 1
+  gear?: number;
+  engine_rpm?: number;
+  steering_rad?: number; // of the front wheels, positive to the left
+  z_fl_m?: number; // the road under each wheel
+  z_fr_m?: number;
+  z_rl_m?: number;
+  z_rr_m?: number;
+  load_fl_n?: number; // of each tyre
+  load_fr_n?: number;
+  load_rl_n?: number;
+  load_rr_n?: number;
 }
+type Column = keyof CarState;
 
-const columnNames = [
+const neededColumns = [
   't_s', 's_m', 'x_m', 'y_m', 'z_m', 'heading_rad', 'pitch_rad', 'roll_rad', 'speed_mps', 'a_lat_mps2', 'gradient',
-] as const satisfies readonly (keyof CarState)[];
-type Columns = Record<keyof CarState, Float64Array>;
+] as const satisfies readonly Column[];
+const furtherColumns = [
+  'a_lon_mps2', 'throttle', 'brake', 'gear', 'engine_rpm', 'steering_rad', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m', 'load_fl_n',
+  'load_fr_n', 'load_rl_n', 'load_rr_n',
+] as const satisfies readonly Column[];
+const stepped: readonly Column[] = ['gear'];
+const heights: readonly Column[] = ['z_m', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m'];
 
 export class Lap {
-  private constructor(private readonly columns: Columns, readonly originHeight_m: number) {}
+  private readonly names: Column[];
+
+  private constructor(private readonly columns: Map<Column, Float64Array>, readonly originHeight_m: number) {
+    this.names = [...columns.keys()];
+  }
 
   /** Subtracts the site's origin, so that positions fit the scene. */
   static parse(csv: string, origin: readonly [number, number, number]): Lap {
     const lines = csv.split('\n').filter((line) => line.trim() !== '');
     const header = (lines[0] ?? '').split(',').map((name) => name.trim());
-    const indices = columnNames.map((name) => {
-      const index = header.indexOf(name);
-      if (index < 0) throw new Error(`drive/lap.csv has no column ${name}`);
-      return index;
-    });
+    for (const name of neededColumns)
+      if (!header.includes(name)) throw new Error(`drive/lap.csv has no column ${name}`);
     const count = lines.length - 1;
     if (count < 2) throw new Error('drive/lap.csv has fewer than two rows');
-    const columns = Object.fromEntries(columnNames.map((name) => [name, new Float64Array(count)])) as Columns;
+    const columns = new Map<Column, Float64Array>();
+    for (const name of [...neededColumns, ...furtherColumns])
+      if (header.includes(name)) columns.set(name, new Float64Array(count));
+    const indices = [...columns.keys()].map((name) => header.indexOf(name));
     for (let row = 0; row < count; ++row) {
       const fields = lines[row + 1].split(',');
-      columnNames.forEach((name, i) => (columns[name][row] = Number(fields[indices[i]])));
+      [...columns.values()].forEach((column, i) => (column[row] = Number(fields[indices[i]])));
     }
-    columns.x_m.forEach((x, i) => (columns.x_m[i] = x - origin[0]));
-    columns.y_m.forEach((y, i) => (columns.y_m[i] = y - origin[1]));
-    columns.z_m.forEach((z, i) => (columns.z_m[i] = z - origin[2]));
+    const subtract = (name: Column, by: number) => columns.get(name)?.forEach((value, i, column) => (column[i] = value - by));
+    subtract('x_m', origin[0]);
+    subtract('y_m', origin[1]);
+    for (const name of heights) subtract(name, origin[2]);
     return new Lap(columns, origin[2]);
   }
 
+  private get times(): Float64Array {
+    return this.columns.get('t_s')!;
+  }
   get start_s(): number {
-    return this.columns.t_s[0];
+    return this.times[0];
   }
   get duration_s(): number {
-    return this.columns.t_s[this.columns.t_s.length - 1] - this.start_s;
+    return this.times[this.times.length - 1] - this.start_s;
   }
 
   /** Linear between rows; after the end the lap begins anew. */
   at(t_s: number): CarState {
-    const times = this.columns.t_s;
+    const {times} = this;
     const elapsed = ((t_s % this.duration_s) + this.duration_s) % this.duration_s;
     const t = this.start_s + elapsed;
     let low = 0, high = times.length - 1; // times[low] <= t < times[high]
@@ -65,8 +93,9 @@ export class Lap {
     }
     const share = (t - times[low]) / (times[high] - times[low]);
     const state = {} as CarState;
-    for (const name of columnNames) {
-      const a = this.columns[name][low], b = this.columns[name][high];
+    for (const name of this.names) {
+      const column = this.columns.get(name)!;
+      const a = column[low], b = stepped.includes(name) ? a : column[high];
       const step = name === 'heading_rad' ? Math.atan2(Math.sin(b - a), Math.cos(b - a)) : b - a;
       state[name] = a + share * step;
     }

@@ -2,20 +2,23 @@
 
 import './style.css';
 
-import {PerspectiveCamera, Scene, Sphere, Vector2, WebGLRenderer} from 'three';
+import {PCFShadowMap, PerspectiveCamera, Scene, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
 import {Car} from './car';
-import {FlyCamera, FollowCamera} from './cameras';
+import {CameraMode, DriverCamera, FlyCamera, FollowCamera, OrbitCamera} from './cameras';
+import {Dashboard} from './dashboard';
 import {FindingsLayer} from './findings_layer';
 import type {CarState} from './lap';
+import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
 import {loadSite, Site} from './site';
 import {Sky} from './sky';
+import {sunDirection, zoneHours} from './sun';
 import {Layers, TileLayers} from './tile_layers';
+import {parseView, writeView} from './view_link';
 
-type CameraMode = 'fly' | 'follow';
-type LayerName = keyof Layers | 'route' | 'findings';
+type LayerName = keyof Layers | 'shadows' | 'route' | 'findings';
 
 /** What scripts and tests can ask and do: window.orthodrive. */
 interface Api {
@@ -27,12 +30,16 @@ interface Api {
   readonly mode: CameraMode;
   readonly car: CarState | undefined; // x, y, z from the site's origin
   readonly cameraPosition: [number, number, number];
+  readonly sun: [number, number, number]; // towards it
+  readonly link: string; // address that restores the view
   /** Height of the first surface below a place 2 m above z_m: what wheels at z_m should stand on. */
   groundUnder(x_m: number, y_m: number, z_m: number): number | undefined;
   setCamera(mode: CameraMode): void;
   setLayer(layer: LayerName, on: boolean): void;
   setTime(t_s: number): void;
   setPlaying(on: boolean): void;
+  /** `date`: YYYY-MM-DD, `hour`: 0 to 24 of the zone's clocks. */
+  setDay(date: string, hour: number): void;
 }
 
 declare global {
@@ -41,27 +48,45 @@ declare global {
   }
 }
 
+function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
+  try {
+    const renderer = new WebGLRenderer({canvas, antialias: true});
+    renderer.shadowMap.enabled = true;
+    renderer.shadowMap.type = PCFShadowMap;
+    return renderer;
+  } catch {
+    throw new Error('This browser gives no WebGL 2, with which the scene is drawn. Switch on hardware acceleration in its settings, or use another browser.');
+  }
+}
+
 function start(site: Site): Api {
-  const parameters = new URLSearchParams(location.search);
+  const wanted = parseView(location.search);
   const canvas = document.getElementById('canvas') as HTMLCanvasElement;
-  const renderer = new WebGLRenderer({canvas, antialias: true});
+  const renderer = makeRenderer(canvas);
   const scene = new Scene();
   const sky = new Sky(scene);
   const tiles = new TileLayers(site.localFromEcef, renderer.capabilities.getMaxAnisotropy());
   const findings = new FindingsLayer(site);
-  const fly = new FlyCamera(canvas);
+  const fly = new FlyCamera(canvas), top = new FlyCamera(canvas, true);
   scene.add(tiles.group, findings.object);
 
   const lap = site.lap;
   const follow = lap && new FollowCamera(lap);
-  const car = lap && new Car();
+  const car = lap && new Car(site.vehicle);
+  if (car) car.place(lap.at(wanted.t_s));
+  const orbit = car && new OrbitCamera(canvas, car.object);
+  const driver = car && new DriverCamera(car.eye_m);
+  const dashboard = lap && new Dashboard(lap);
+  const map = lap && new MapInset(lap);
   const route = lap && routeLine(lap);
   if (car && route) scene.add(car.object, car.marker, route);
 
   let mode: CameraMode = 'fly';
-  let time_s = Number(parameters.get('t') ?? 0);
+  let time_s = wanted.t_s;
+  let {date, hour} = wanted;
+  let toSun = new Vector3();
   let rate = 1;
-  let playing = lap !== undefined && parameters.get('play') !== '0';
+  let playing = lap !== undefined && new URLSearchParams(location.search).get('play') !== '0';
   let bounds: Sphere | undefined;
   let frame = 0;
   let stale = true; // the picture shows an earlier state
@@ -70,15 +95,27 @@ function start(site: Site): Api {
     stale = true;
     ready = false;
   };
-  tiles.onChange = fly.onChange = invalidate;
+  tiles.onChange = fly.onChange = top.onChange = invalidate;
+  if (orbit) orbit.onChange = invalidate;
 
-  const modes: Partial<Record<CameraMode, string>> = lap ? {fly: 'Fly', follow: 'Follow car'} : {fly: 'Fly'};
+  const modes: Partial<Record<CameraMode, string>> =
+    {fly: 'Fly', top: 'Top', ...(lap ? {follow: 'Follow', orbit: 'Orbit', driver: 'Driver'} : {})};
   const showMode = panel.segments('cameras', modes, setCamera);
-  function setCamera(wanted: CameraMode): void {
-    mode = follow ? wanted : 'fly';
+  function setCamera(chosen: CameraMode): void {
+    mode = chosen in modes ? chosen : 'fly';
     fly.enabled = mode === 'fly';
-    if (car) car.marker.visible = mode === 'fly';
+    top.enabled = mode === 'top';
+    if (orbit) orbit.enabled = mode === 'orbit';
+    if (car) car.marker.visible = mode === 'fly' || mode === 'top';
     showMode(mode);
+    invalidate();
+  }
+  const showDay = panel.setUpSun(zoneHours(site.localFromEcef), {setDay});
+  function setDay(newDate: string, newHour: number): void {
+    [date, hour] = [newDate, newHour];
+    toSun = sunDirection(site.localFromEcef, date, hour);
+    sky.setSun(toSun);
+    showDay(date, hour);
     invalidate();
   }
   function setPlaying(on: boolean): void {
@@ -90,23 +127,33 @@ function start(site: Site): Api {
     invalidate();
   }
 
+  function showShadows(on: boolean): void {
+    sky.setShadows(on);
+    if (car) car.hasSoftShadow = !on;
+  }
+
   const switches = new Map<LayerName, HTMLInputElement>();
+  const usually = new Map<LayerName, boolean>();
   function setLayer(layer: LayerName, on: boolean): void {
     switches.get(layer)!.checked = on;
     if (layer === 'route') route!.visible = on;
     else if (layer === 'findings') findings.object.visible = on;
+    else if (layer === 'shadows') showShadows(on);
     else tiles.setLayer(layer, on);
     if (layer === 'photo') sky.setRelief(!on);
     invalidate();
   }
-  const addLayer = (layer: LayerName, label: string, on: boolean) =>
+  const addLayer = (layer: LayerName, label: string, on: boolean) => {
+    usually.set(layer, on);
     switches.set(layer, panel.addSwitch(layer, label, on, (checked) => setLayer(layer, checked)));
+  };
   addLayer('photo', 'Orthophoto', true);
   addLayer('materials', 'Road materials', true);
   addLayer('terrain', 'Terrain', true);
   addLayer('roads', 'Roads', true);
   addLayer('buildings', 'Buildings', true);
   addLayer('trees', 'Trees', true);
+  addLayer('shadows', 'Shadows', true);
   addLayer('wireframe', 'Wireframe', false);
   if (lap) addLayer('route', 'Driven route', true);
   if (findings.findings.length > 0) addLayer('findings', `Findings (${findings.findings.length})`, false);
@@ -114,7 +161,14 @@ function start(site: Site): Api {
   const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...(lap ? ['C camera', 'Space play'] : [])];
   panel.showTexts(site.name, site.attribution, keys.join(' · '));
   if (lap) panel.setUpTimeline(lap, {seek: setTime, togglePlay: () => setPlaying(!playing), setRate: (factor) => (rate = factor)});
-  setCamera(parameters.get('camera') === 'follow' ? 'follow' : 'fly');
+  panel.setUpButtons(() => navigator.clipboard.writeText(link()));
+  showShadows(true);
+  setDay(date, hour);
+  for (const layer of usually.keys()) {
+    if (wanted.off.includes(layer)) setLayer(layer, false);
+    if (wanted.on.includes(layer)) setLayer(layer, true);
+  }
+  setCamera(wanted.camera);
   setPlaying(playing);
 
   const viewport = new Vector2();
@@ -122,7 +176,7 @@ function start(site: Site): Api {
     viewport.set(window.innerWidth, window.innerHeight);
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     renderer.setSize(viewport.x, viewport.y, false);
-    for (const view of [fly.camera, follow?.camera]) {
+    for (const view of [fly.camera, top.camera, follow?.camera, orbit?.camera, driver?.camera]) {
       if (!view) continue;
       view.aspect = viewport.x / viewport.y;
       view.updateProjectionMatrix();
@@ -132,7 +186,8 @@ function start(site: Site): Api {
   window.addEventListener('resize', resize);
   window.addEventListener('keydown', (event) => {
     if (!lap || event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
-    if (event.code === 'KeyC') setCamera(mode === 'fly' ? 'follow' : 'fly');
+    const names = Object.keys(modes) as CameraMode[];
+    if (event.code === 'KeyC') setCamera(names[(names.indexOf(mode) + 1) % names.length]);
     if (event.code === 'Space') setPlaying(!playing), event.preventDefault();
   });
   canvas.addEventListener('click', (event) => {
@@ -141,30 +196,64 @@ function start(site: Site): Api {
     panel.showMessage(finding ? `${finding.code}: ${finding.message}` : '', false);
   });
 
+  const cameras: Record<CameraMode, () => PerspectiveCamera> = {
+    fly: () => fly.camera, top: () => top.camera, follow: () => follow!.camera, orbit: () => orbit!.camera, driver: () => driver!.camera,
+  };
   function activeCamera(): PerspectiveCamera {
-    return mode === 'follow' ? follow!.camera : fly.camera;
+    return cameras[mode]();
+  }
+  const atCar = () => mode !== 'fly' && mode !== 'top';
+
+  /** Address of the page that shows this view again. */
+  function link(): string {
+    const changed = (on: boolean) => [...usually].filter(([layer, usual]) => usual !== on && switches.get(layer)!.checked === on).map(([layer]) => layer);
+    const view = mode === 'fly' ? fly.view : mode === 'top' ? top.view : undefined;
+    const search = writeView({camera: mode, view, t_s: time_s, date, hour, off: changed(false), on: changed(true)});
+    return `${location.origin}${location.pathname}${search}`;
   }
 
-  /** The tileset is there: look at all of it, and let the haze begin where the site ends. */
+  /** The tileset is there: look at all of it, or where the address says, and let the haze begin where the site ends. */
   function adoptBounds(): void {
     bounds = tiles.bounds();
-    if (bounds) fly.frame(bounds);
+    if (!bounds) return;
+    fly.frame(bounds);
+    top.frame(bounds);
+    if (wanted.view) (wanted.camera === 'top' ? top : fly).view = wanted.view;
   }
 
   function placeCar(): void {
-    if (!lap || !car || !follow) return;
+    if (!lap || !car) return;
     const state = lap.at(time_s);
     car.place(state);
-    follow.update(time_s);
+    follow!.update(time_s);
+    orbit!.update(car.object);
+    driver!.update(car.object);
     panel.showDashboard(state, lap.originHeight_m);
+    dashboard!.show(state);
+    const camera = activeCamera();
+    map!.show(state, camera.position, camera.getWorldDirection(new Vector3()).add(camera.position));
+  }
+
+  /** What shadows are drawn around: the road ahead of the car, or what the camera looks at. */
+  function aimSun(): void {
+    const camera = activeCamera();
+    const ahead = camera.getWorldDirection(new Vector3());
+    if (atCar() && car) {
+      sky.focus(car.object.position.clone().addScaledVector(ahead, 60), 110);
+    } else {
+      const {target} = mode === 'top' ? top : fly;
+      sky.focus(target, Math.min(1500, Math.max(40, 0.8 * camera.position.distanceTo(target))));
+    }
   }
 
   function draw(): void {
     if (bounds) {
       fly.fitDepth(bounds);
-      const reach_m = mode === 'follow' ? 1200 : activeCamera().position.distanceTo(bounds.center);
-      sky.setHazeRange(0.5 * reach_m, (mode === 'follow' ? 3 : 4) * reach_m);
+      top.fitDepth(bounds);
+      const reach_m = atCar() ? 1200 : activeCamera().position.distanceTo(bounds.center);
+      sky.setHazeRange(0.5 * reach_m, (atCar() ? 3 : 4) * reach_m);
     }
+    aimSun();
     renderer.render(scene, activeCamera());
     ++frame;
   }
@@ -174,7 +263,7 @@ function start(site: Site): Api {
     const elapsed_s = Math.min(0.25, (now_ms - last_ms) / 1000); // a hidden page stands still
     last_ms = now_ms;
     if (!bounds) adoptBounds();
-    if (fly.update(elapsed_s)) invalidate();
+    if (fly.update(elapsed_s) || top.update(elapsed_s)) invalidate();
     if (playing) {
       time_s += rate * elapsed_s;
       stale = true;
@@ -203,8 +292,10 @@ function start(site: Site): Api {
     get mode() { return mode; },
     get car() { return lap?.at(time_s); },
     get cameraPosition() { return activeCamera().position.toArray() as [number, number, number]; },
+    get sun() { return toSun.toArray() as [number, number, number]; },
+    get link() { return link(); },
     groundUnder: (x_m, y_m, z_m) => tiles.heightAt(x_m, y_m, z_m + 2),
-    setCamera, setLayer, setTime, setPlaying,
+    setCamera, setLayer, setTime, setPlaying, setDay,
   };
 }
 

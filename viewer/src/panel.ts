@@ -36,6 +36,37 @@ export function addSwitch(name: string, label: string, on: boolean, change: (on:
   return input;
 }
 
+export interface SunActions {
+  setDay(date: string, hour: number): void;
+}
+
+/** Date and hour of the sun; returns a function that shows them. */
+export function setUpSun(zoneHours: number, actions: SunActions): (date: string, hour: number) => void {
+  const day = element<HTMLInputElement>('date'), clock = element<HTMLInputElement>('hour');
+  day.onchange = clock.oninput = () => {
+    if (day.value !== '') actions.setDay(day.value, Number(clock.value));
+  };
+  element('zone').textContent = `UTC${zoneHours < 0 ? '−' : '+'}${Math.abs(zoneHours)}`;
+  return (date, hour) => {
+    day.value = date;
+    clock.value = String(hour);
+    const minutes = Math.round(60 * hour);
+    element('clock').textContent = `${Math.floor(minutes / 60)}:${String(minutes % 60).padStart(2, '0')}`;
+  };
+}
+
+/** On narrow pages the panel opens and closes; `copy` puts the address of the view into the clipboard. */
+export function setUpButtons(copy: () => Promise<void>): void {
+  const fold = element('fold'), panel = element('panel');
+  fold.onclick = () => fold.setAttribute('aria-expanded', String(panel.classList.toggle('open')));
+  const link = element('link');
+  link.onclick = async () => {
+    await copy();
+    link.textContent = 'Link copied';
+    setTimeout(() => (link.textContent = 'Copy link'), 1500);
+  };
+}
+
 export function showTexts(siteName: string, attribution: string[], keys: string): void {
   element('site-name').textContent = siteName;
   element('attribution').textContent = attribution.join(' · ');

@@ -1,9 +1,11 @@
-// Reads what `orthodrive build` left behind: /site/scene/tileset.json, run.json, drive/lap.csv, findings.geojson.
+// Reads what `orthodrive build` left behind: /site/scene/tileset.json, run.json, drive/lap.csv and lap.xosc,
+// findings.geojson.
 // The scene's frame here is the site CRS less the site's origin: x east, y north, z up, metres.
 
 import {Matrix4} from 'three';
 
 import {Lap} from './lap';
+import {ordinaryCar, parseVehicleShape, VehicleShape} from './vehicle_shape';
 
 export const tilesetUrl = 'site/scene/tileset.json';
 
@@ -22,6 +24,7 @@ export interface Site {
   origin: [number, number, number]; // of the scene, in the site CRS
   localFromEcef: Matrix4;
   lap?: Lap;
+  vehicle: VehicleShape;
   findings: Finding[];
 }
 
@@ -59,6 +62,7 @@ export async function loadSite(): Promise<Site> {
 
   const run = (await (await fetchOptional('site/run.json'))?.json()) as RunJson | undefined;
   const lapText = await (await fetchOptional('site/drive/lap.csv'))?.text();
+  const scenario = lapText === undefined ? undefined : await (await fetchOptional('site/drive/lap.xosc'))?.text();
   const findings = (await (await fetchOptional('site/findings.geojson'))?.json()) as FindingsJson | undefined;
   return {
     name: run?.site?.name ?? '',
@@ -67,6 +71,7 @@ export async function loadSite(): Promise<Site> {
     origin: frame.origin,
     localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert(),
     lap: lapText === undefined ? undefined : Lap.parse(lapText, frame.origin),
+    vehicle: (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar,
     findings: (findings?.features ?? []).map((feature) => ({
       ...feature.properties,
       longitudeDeg: feature.geometry.coordinates[0],

@@ -1,38 +1,115 @@
-// Light and air: a gradient sky, a sun in the north-west as on relief maps, and haze in the colour of the horizon.
+// Light and air: sky, sun with shadows, and haze in the colour of the horizon.
 
-import {BackSide, Color, DirectionalLight, Fog, HemisphereLight, Mesh, Scene, ShaderMaterial, SphereGeometry} from 'three';
+import {
+  BackSide, Color, DirectionalLight, Fog, HemisphereLight, Mesh, Scene, ShaderMaterial, SphereGeometry, Vector3,
+} from 'three';
 
-const zenith = new Color(0x3f78b5);
-const horizon = new Color(0xcfdde6);
+/** Colours of the air at some height of the sun (degrees above the horizon), and shares of the light at noon. */
+interface Air {
+  elevation: number;
+  zenith: Color;
+  horizon: Color;
+  sun: Color;
+  sunShare: number;
+  skyShare: number;
+}
+const air = (elevation: number, zenith: number, horizon: number, sun: number, sunShare: number, skyShare: number): Air =>
+  ({elevation, zenith: new Color(zenith), horizon: new Color(horizon), sun: new Color(sun), sunShare, skyShare});
+const airs: Air[] = [ // by eye, after photos of clear days
+  air(-12, 0x05070f, 0x0d1322, 0x223355, 0.0, 0.05),
+  air(-4, 0x1b2a4a, 0x6f6470, 0xff9a5a, 0.0, 0.2),
+  air(1, 0x33588c, 0xe8b48c, 0xffa866, 0.35, 0.4),
+  air(10, 0x3a70ae, 0xd9dcd8, 0xffdcb0, 0.75, 0.75),
+  air(30, 0x3f78b5, 0xcfdde6, 0xfff4e2, 1.0, 1.0),
+  air(90, 0x3f78b5, 0xcfdde6, 0xfff4e2, 1.0, 1.0),
+];
 const below = new Color(0xaab7bb);
+const shadow_px = 2048;
+
+function airAt(elevation: number): Air {
+  const last = airs.findIndex((a) => a.elevation >= elevation);
+  if (last <= 0) return airs[last < 0 ? airs.length - 1 : 0];
+  const [a, b] = [airs[last - 1], airs[last]];
+  const u = (elevation - a.elevation) / (b.elevation - a.elevation);
+  const mix = (from: number, to: number) => from + u * (to - from);
+  return {
+    elevation, zenith: a.zenith.clone().lerp(b.zenith, u), horizon: a.horizon.clone().lerp(b.horizon, u),
+    sun: a.sun.clone().lerp(b.sun, u), sunShare: mix(a.sunShare, b.sunShare), skyShare: mix(a.skyShare, b.skyShare),
+  };
+}
 
 export class Sky {
-  private readonly sun = new DirectionalLight(0xfff4e2);
+  private readonly sun = new DirectionalLight();
   private readonly ambient = new HemisphereLight(0xe8f1ff, 0x8d8a80);
-  private readonly fog = new Fog(horizon);
+  private readonly fog = new Fog(0);
+  private readonly dome = domeMaterial();
+  private toSun = new Vector3(0, 0, 1);
+  private relief = false;
 
   constructor(scene: Scene) {
-    const dome = new Mesh(new SphereGeometry(1, 32, 24), domeMaterial());
+    const dome = new Mesh(new SphereGeometry(1, 32, 24), this.dome);
     dome.renderOrder = -1;
     dome.frustumCulled = false;
-    scene.add(dome, this.sun, this.ambient);
+    scene.add(dome, this.sun, this.sun.target, this.ambient);
     scene.fog = this.fog;
-    this.setRelief(false);
+    this.sun.shadow.mapSize.set(shadow_px, shadow_px);
+    this.sun.shadow.bias = -2e-4;
   }
 
-  /** Flat ground has brightness 1 under the photo light; the relief light is lower and harder. */
+  setShadows(on: boolean): void {
+    this.sun.castShadow = on;
+  }
+
+  /** Towards the sun in the scene's frame. */
+  setSun(toSun: Vector3): void {
+    this.toSun = toSun.clone();
+    this.light();
+  }
+
+  /** Light of relief maps, from the north-west whatever the hour, low and hard. */
   setRelief(relief: boolean): void {
-    const elevation = ((relief ? 35 : 50) * Math.PI) / 180;
-    const horizontal = Math.cos(elevation) * Math.SQRT1_2;
-    this.sun.position.set(-horizontal, horizontal, Math.sin(elevation));
-    // Lambert reflects irradiance / pi.
-    this.sun.intensity = (relief ? 0.75 : 0.45) * (Math.PI / Math.sin(elevation));
-    this.ambient.intensity = (relief ? 0.4 : 0.58) * Math.PI;
+    this.relief = relief;
+    this.light();
+  }
+
+  /** Shadows are drawn within so far from what is looked at. */
+  focus(target: Vector3, reach_m: number): void {
+    const {camera} = this.sun.shadow;
+    const direction = this.sun.position.clone().sub(this.sun.target.position).normalize();
+    // The map moves by whole texels of itself, so that edges of shadows do not swim while driving.
+    const texel_m = (2 * reach_m) / shadow_px;
+    const snapped = new Vector3(...target.toArray().map((v) => Math.round(v / texel_m) * texel_m));
+    this.sun.target.position.copy(snapped);
+    this.sun.position.copy(snapped).addScaledVector(direction, 3 * reach_m);
+    Object.assign(camera, {left: -reach_m, right: reach_m, top: reach_m, bottom: -reach_m, near: 0.1 * reach_m, far: 6 * reach_m});
+    this.sun.shadow.normalBias = 1.5 * texel_m;
+    camera.updateProjectionMatrix();
   }
 
   setHazeRange(near_m: number, far_m: number): void {
     this.fog.near = near_m;
     this.fog.far = far_m;
+  }
+
+  /** Flat ground has brightness 1 under the light of a high sun. Lambert reflects irradiance / pi. */
+  private light(): void {
+    const elevation = (Math.asin(Math.max(-1, Math.min(1, this.toSun.z))) * 180) / Math.PI;
+    const state = this.relief ? airAt(90) : airAt(elevation);
+    const direction = this.relief ? new Vector3(-0.58, 0.58, 0.57) : this.toSun.clone();
+    direction.z = Math.max(direction.z, 0.02);
+    direction.normalize();
+    this.sun.position.copy(this.sun.target.position).add(direction);
+    this.sun.color.copy(state.sun);
+    // A low sun lights the ground less; a little more than in truth, so that dusk can still be seen.
+    const slant = this.relief ? 1 / direction.z : 1 / Math.max(direction.z, 0.5);
+    this.sun.intensity = (this.relief ? 0.75 : 0.55 * state.sunShare) * Math.PI * slant;
+    this.ambient.intensity = (this.relief ? 0.4 : 0.5 * state.skyShare) * Math.PI;
+    this.dome.uniforms.zenith.value = state.zenith;
+    this.dome.uniforms.horizon.value = state.horizon;
+    this.dome.uniforms.below.value = below.clone().lerp(state.horizon, 1 - state.skyShare);
+    this.dome.uniforms.sun.value = this.relief ? new Vector3(0, 0, -1) : this.toSun;
+    this.dome.uniforms.sunColor.value = state.sun;
+    this.fog.color.copy(state.horizon);
   }
 }
 
@@ -43,7 +120,10 @@ function domeMaterial(): ShaderMaterial {
     depthTest: false,
     depthWrite: false,
     fog: false,
-    uniforms: {zenith: {value: zenith}, horizon: {value: horizon}, below: {value: below}},
+    uniforms: {
+      zenith: {value: new Color()}, horizon: {value: new Color()}, below: {value: below}, sun: {value: new Vector3(0, 0, 1)},
+      sunColor: {value: new Color()},
+    },
     vertexShader: `
       varying vec3 direction;
       void main() {
@@ -52,11 +132,13 @@ function domeMaterial(): ShaderMaterial {
         gl_Position.z = 0.0;
       }`,
     fragmentShader: `
-      uniform vec3 zenith, horizon, below;
+      uniform vec3 zenith, horizon, below, sun, sunColor;
       varying vec3 direction;
       void main() {
-        float up = normalize(direction).z;
-        vec3 color = up > 0.0 ? mix(horizon, zenith, pow(up, 0.55)) : mix(horizon, below, min(1.0, -up * 4.0));
+        vec3 view = normalize(direction);
+        vec3 color = view.z > 0.0 ? mix(horizon, zenith, pow(view.z, 0.55)) : mix(horizon, below, min(1.0, -view.z * 4.0));
+        float off = acos(clamp(dot(view, sun), -1.0, 1.0)); // the sun's disc and the glow around it
+        color = mix(color, sunColor, 0.35 * exp(-6.0 * off) + smoothstep(0.0065, 0.0045, off));
         gl_FragColor = vec4(color, 1.0);
         #include <colorspace_fragment>
       }`,

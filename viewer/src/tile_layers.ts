@@ -113,6 +113,8 @@ export class TileLayers {
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
       if (kindOf(mesh) === 'tree') mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
+      mesh.castShadow = stands(mesh);
+      mesh.receiveShadow = true;
       const own = mesh.material as MeshStandardMaterial;
       this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});
     }

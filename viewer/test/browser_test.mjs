@@ -1,6 +1,6 @@
 // Opens a built site in a real browser (Debian's Chromium, software rendering) and checks what a person would look at.
 // node viewer/test/browser_test.mjs SITE_DIR TOOL
-// Leaves viewer_fly.png and viewer_follow.png in SITE_DIR. Exit code 0 when everything is as it should be.
+// Leaves viewer_fly.png, viewer_follow.png and a picture of each other camera in SITE_DIR. Exit code 0 when everything is as it should be.
 
 import assert from 'node:assert/strict';
 import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
@@ -104,6 +104,83 @@ async function checkPlaying(page) {
   await page.click('#play');
 }
 
+/** Every camera shows something, from where its name says. */
+async function checkCameras(page) {
+  for (const [mode, nearest_m, farthest_m] of [['orbit', 3, 200], ['driver', 0.5, 2], ['top', 100, 1e5]]) {
+    await page.evaluate((name) => window.orthodrive.setCamera(name), mode);
+    const statistics = await pictureStatistics(page, await sceneShot(page));
+    const {car, camera} = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
+    const distance_m = Math.hypot(camera[0] - car.x_m, camera[1] - car.y_m, camera[2] - car.z_m);
+    console.log(`${mode}: ${distance_m.toFixed(2)} m from the car,`, statistics);
+    assert.ok(distance_m > nearest_m && distance_m < farthest_m, `the camera ${mode} is ${distance_m.toFixed(1)} m from the car`);
+    assert.ok(statistics.deviation > 10 && statistics.colors > 200, `the camera ${mode} shows hardly anything`);
+    writeFileSync(join(siteDir, `viewer_${mode}.png`), await page.screenshot());
+  }
+  await page.evaluate(() => window.orthodrive.setCamera('follow'));
+}
+
+/** The sun goes from east to west, and twice the obliquity higher in June than in December; its shadows are seen. */
+async function checkSun(page) {
+  const sunAt = (date, hour) => page.evaluate(([day, clock]) => (window.orthodrive.setDay(day, clock), window.orthodrive.sun), [date, hour]);
+  const degrees = (z) => (Math.asin(z) * 180) / Math.PI;
+  const highest = async (date) => {
+    let z = -1;
+    for (let hour = 10; hour <= 14; hour += 0.1) z = Math.max(z, (await sunAt(date, hour))[2]);
+    return degrees(z);
+  };
+  const difference = (await highest('2026-06-21')) - (await highest('2026-12-21'));
+  assert.ok(Math.abs(difference - 2 * 23.436) < 0.05, `the sun is ${difference.toFixed(2)} degrees higher in June than in December`);
+  assert.ok((await sunAt('2026-06-21', 8))[0] > 0.3, 'the sun is not in the east in the morning');
+  assert.ok((await sunAt('2026-12-21', 0))[2] < 0, 'the sun shines at midnight in winter');
+  assert.ok((await sunAt('2026-06-21', 17))[0] < -0.3, 'the sun is not in the west in the afternoon');
+  const lit = await sceneShot(page);
+  await page.evaluate(() => window.orthodrive.setLayer('shadows', false));
+  const changed = await comparePictures(page, lit, await sceneShot(page));
+  console.log(`shadows: ${(100 * changed).toFixed(2)} % of the pixels change`);
+  assert.ok(changed > 0.001, 'there are no shadows');
+  await page.evaluate(() => window.orthodrive.setLayer('shadows', true));
+}
+
+/** The address of a view shows the same view again. */
+async function checkLink(page) {
+  await page.evaluate(() => {
+    window.orthodrive.setDay('2026-10-01', 9.25);
+    window.orthodrive.setLayer('buildings', false);
+    window.orthodrive.setCamera('fly');
+  });
+  const before = await sceneShot(page);
+  await page.goto(await page.evaluate(() => window.orthodrive.link));
+  const changed = await comparePictures(page, before, await sceneShot(page));
+  assert.ok(changed < 0.001, `${(100 * changed).toFixed(1)} % of the pixels differ under the same link`);
+}
+
+/** On a telephone everything stays on the page, and the panel opens and closes. */
+async function checkNarrow(page) {
+  await page.setViewportSize({width: 390, height: 780});
+  await waitUntilDrawn(page);
+  const isOpen = () => page.isVisible('#panel');
+  assert.ok(!(await isOpen()), 'the panel covers a narrow page');
+  await page.click('#fold');
+  assert.ok(await isOpen(), 'the panel does not open');
+  const outside = await page.evaluate(() => [...document.querySelectorAll('.card, #timeline *')].filter((element) => {
+    const box = element.getBoundingClientRect();
+    return box.width > 0 && (box.left < -1 || box.right > window.innerWidth + 1 || box.bottom > window.innerHeight + 1);
+  }).map((element) => element.id || element.tagName));
+  assert.deepEqual(outside, [], 'parts of the page lie outside of it');
+  writeFileSync(join(siteDir, 'viewer_narrow.png'), await page.screenshot());
+  await page.click('#fold');
+}
+
+/** Without WebGL the page says so. */
+async function checkNoWebGl(context, url) {
+  const page = await context.newPage();
+  await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
+  await page.goto(url);
+  await page.waitForSelector('#message.error:not([hidden])', {timeout: 240_000});
+  assert.match(await page.textContent('#message'), /WebGL/);
+  await page.close();
+}
+
 const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
 const server = await serveSite(tool, siteDir);
 let context;
@@ -119,7 +196,12 @@ try {
   await checkFollowCamera(page);
   await checkLayers(page);
   await checkPlaying(page);
+  await checkCameras(page);
+  await checkSun(page);
+  await checkLink(page);
+  await checkNarrow(page);
   assert.deepEqual(problems, [], 'the page reports errors');
+  await checkNoWebGl(context, server.url);
 } finally {
   await context?.close();
   rmSync(profile, {recursive: true, force: true, maxRetries: 5});

@@ -10,7 +10,7 @@ struct Driver {
   double max_drive_mps2 = 2.5;
   double max_brake_mps2 = 3.0;
   double max_vertical_mps2 = 2.5;  ///< by crests and sags, and banking in bends
-  double max_heave_mps2 = 2.4;     ///< of the body on its springs, over bumps
+  double max_heave_mps2 = 3.5;     ///< of the body on its springs, over bumps
   double max_speed_mps = 36.0;     ///< about 130 km/h
   double grip_share = 0.85;        ///< of what the car can do (vehicle/envelope.hpp), at most
   double exit_share = 0.75;        ///< share of the lateral limit from which on there is no drive left

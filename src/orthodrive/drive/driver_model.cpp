@@ -13,8 +13,8 @@ namespace {
 using vehicle::CarParameters;
 using vehicle::State;
 
-constexpr double look_ahead_s = 0.08;      // about the lag of steering, tyre relaxation and yaw
-constexpr double stanley_gain_1ps = 2.5;   // Hoffmann et al. 2007 used 2.5 as well
+constexpr double look_ahead_s = 0.08;      // of side forces: about the lag of tyre relaxation
+constexpr double stanley_gain_1ps = 4.0;   // Hoffmann et al. 2007: 2.5, without knowing what slip the bend needs
 constexpr double stanley_speed_mps = 1.0;  // keeps the correction finite at rest, ibid.
 constexpr double speed_gain_1ps = 1.5;     // of the speed controller
 constexpr double speed_gain_1ps2 = 0.3;    // its integral
@@ -90,11 +90,13 @@ double DriverModel::steering_rad(const State& state) const {
   const double speed = std::max(state.speed_mps, 0.0), wheelbase = car_.body.wheelbase_m;
   const double axle_m = wheelbase * (1.0 - car_.body.front_share);  // before the c.g.
   const double sideways_mps = state.lateral_mps + axle_m * state.rates_radps[2];
-  const LinePoint way = front_line_.at(front_.s_m + std::hypot(speed, sideways_mps) * look_ahead_s);
+  const double going_mps = std::hypot(speed, sideways_mps);
   const double heading =
-      std::remainder(way.heading_rad - state.heading_rad - state.rates_radps[2] * look_ahead_s, 2.0 * std::numbers::pi);
-  const LinePoint ahead = line_.at(middle_.s_m + 0.5 * wheelbase + speed * look_ahead_s);
-  const double slip = envelope_.front_slip().angle_rad(side_share(ahead, speed));
+      std::remainder(front_line_.at(front_.s_m).heading_rad - state.heading_rad, 2.0 * std::numbers::pi);
+  // The front axle is accelerated along its own way, which is not the one that the middle will take.
+  LinePoint ahead = line_.at(middle_.s_m + 0.5 * wheelbase + speed * look_ahead_s);
+  ahead.curvature_1pm = front_line_.at(front_.s_m + going_mps * look_ahead_s).curvature_1pm;
+  const double slip = envelope_.front_slip().angle_rad(side_share(ahead, going_mps));
   const double wanted_rad = heading + slip - std::atan(stanley_gain_1ps * front_.error_m / (stanley_speed_mps + speed));
   if (speed < slip_matters_mps) return wanted_rad;
   // Beyond the peak of the tyres more steering gives less force: not further than that from where the axle goes.

@@ -215,8 +215,11 @@ DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& ro
     line = line_through(query, moved(task, offset), path.closed, z_m, path.step);
   };
   for (int round = 0; round < axle_rounds; ++round) bound_by_axles(task, rooms, line, options), improve();
-  for (int round = 0; round < wheel_rounds && keep_wheels_on_road(task, offset, query, line, options); ++round)
+  for (int round = 0; round < wheel_rounds; ++round) {
+    const LineEnds ends = room_for_wheels(query.map(), route, line, options);
+    if (!keep_wheels_on_road(task, offset, query, rooms, line, ends, options)) break;
     improve();
+  }
   return line;
 }
 

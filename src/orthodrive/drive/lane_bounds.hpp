@@ -5,6 +5,7 @@
 
 #include "orthodrive/drive/bounded_line.hpp"
 #include "orthodrive/drive/driving_line.hpp"
+#include "orthodrive/drive/line_ends.hpp"
 #include "orthodrive/drive/room_beside.hpp"
 
 namespace orthodrive {
@@ -13,14 +14,15 @@ namespace orthodrive {
 /// At first sight: as if it had bent like the reference for long.
 void bound(LineBetweenEdges& task, double right_m, double left_m, const LineOptions& options, double curvature_1pm);
 
-/// Bounds of a line that moved from the reference whose `rooms` these are: each axle has room where it passes. Where
-/// the line bends tighter than the car steers the driver uses the whole width, so less of it is kept free.
+/// Bounds of a line that moved from the reference whose `rooms` these are: each axle has room where it passes. Near
+/// bends tighter than the car steers, and near places where it hardly fits, the driver uses the whole width.
 void bound_by_axles(LineBetweenEdges& task, const std::vector<Room>& rooms, const DrivingLine& line,
                     const LineOptions& options);
 
-/// Narrows the bounds of the line where a wheel of a car on it would leave the road. False: all wheels stay on it.
+/// Narrows the bounds of the line where a wheel of a car on it would leave the road; an open line counts from where to
+/// where the car can stand. False: all wheels stay on it.
 [[nodiscard]] bool keep_wheels_on_road(LineBetweenEdges& task, const std::vector<double>& offset,
-                                       const roadquery::RoadQuery& query, const DrivingLine& line,
-                                       const LineOptions& options);
+                                       const roadquery::RoadQuery& query, const std::vector<Room>& rooms,
+                                       const DrivingLine& line, LineEnds ends, const LineOptions& options);
 
 }  // namespace orthodrive

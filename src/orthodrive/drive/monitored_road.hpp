@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdint>
 
+#include "roadquery/blend.hpp"
 #include "roadquery/road_query.hpp"
 #include "vehicle/ground.hpp"
 
 namespace orthodrive {
 
-/// Beside the road the ground goes on as the plane of that wheel's last contact.
+/// Beside the road the ground goes on as the plane of that wheel's last contact. A bridge above or a street below that
+/// place is another level: no wheel gets there by leaving its road.
 class MonitoredRoad final : public vehicle::Ground {
  public:
   explicit MonitoredRoad(const roadquery::RoadQuery& query) : query_(query) {}
@@ -23,7 +25,7 @@ class MonitoredRoad final : public vehicle::Ground {
         last.known ? last.point.z_m - (n[0] * (x_m - last.x_m) + n[1] * (y_m - last.y_m)) / n[2] : z_guess_m;
     const auto hit = query_.find(x_m, y_m, last.known ? last.point.z_m : z_guess_m, last.cursor);
     ++queries_;
-    if (!hit) {
+    if (!hit || (last.known && !roadquery::is_same_level(hit->z, promised_m))) {
       ++missed_;
       last.on_road = false;
       return {promised_m, n, last.point.friction, false};

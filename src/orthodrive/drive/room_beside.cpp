@@ -6,7 +6,7 @@
 namespace orthodrive {
 namespace {
 
-constexpr double reach_m = 4.0, step_m = 0.25, tolerance_m = 0.01;
+constexpr double reach_m = 4.0, step_m = 0.1, tolerance_m = 0.01;
 
 /// Distance to the edge in one direction from a place so far along it that is on the road.
 double room(const roadquery::RoadQuery& query, const LinePoint& from, Vec2 direction, double begin_m) {

@@ -15,7 +15,7 @@ struct Room {
 
 /// One a point of the line (without the repeated last one of a closed line). Every road counts that a wheel would stand
 /// on there: other lanes, and in junctions what connecting roads cover together. Within 1 cm where a gap is wider than
-/// 0.25 m. Where a point is off the road one looks from the lane, which is `lane_m` to the left of it, one a point;
+/// 0.1 m. Where a point is off the road one looks from the lane, which is `lane_m` to the left of it, one a point;
 /// where that is no road either nothing is known and the room is 4 m.
 [[nodiscard]] std::vector<Room> room_beside(const roadquery::RoadQuery& query, const DrivingLine& line,
                                             const std::vector<double>& lane_m);

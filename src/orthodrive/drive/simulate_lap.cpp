@@ -9,6 +9,7 @@
 #include "orthodrive/drive/driver_model.hpp"
 #include "orthodrive/drive/heave.hpp"
 #include "orthodrive/drive/lap_recorder.hpp"
+#include "orthodrive/drive/line_ends.hpp"
 #include "orthodrive/drive/monitored_road.hpp"
 #include "orthodrive/drive/speed_profile.hpp"
 #include "orthodrive/drive/steering_limits.hpp"
@@ -21,7 +22,6 @@ constexpr double control_s = 5e-3;
 constexpr int controls_per_sample = 2;
 constexpr double lost_m = 5.0;         // so far from its line the car does not find back
 constexpr double tyre_width_m = 0.25;  // of both halves that stand beyond the tracks
-constexpr double axle_room_m = 0.5;    // an open line is driven until the front axle is so far before its end
 constexpr double racing_margin_m = 0.5, road_margin_m = 0.2;
 constexpr double reach_before_line_m = 1e-9;
 constexpr double before_bend_m = 6.0,
@@ -112,6 +112,14 @@ class Run {
   long timed_ticks_ = 0;
 };
 
+LineOptions line_options(const DriveOptions& options) {
+  return {.racing = options.racing,
+          .car_width_m = std::max(options.car.front.track_m, options.car.rear.track_m) + tyre_width_m,
+          .wheelbase_m = options.car.body.wheelbase_m,
+          .margin_m = options.racing ? racing_margin_m : road_margin_m,
+          .most_curvature_1pm = full_lock_share * full_lock_curvature_1pm(options.car)};
+}
+
 void report_open_route(DriveResult& result) {
   const LinePoint& end = result.line.points.back();
   result.findings.push_back({Severity::warning, "drive.open_route",
@@ -157,7 +165,7 @@ SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, co
   SpeedCaps caps;
   if (!options.racing) {
     caps.legal_mps = legal_speeds(map, result.route, result.line);
-    slow_down_to_steer(options.car, result.line, caps.legal_mps);
+    slow_down_to_steer(options.car, result.line, options.driver.max_lateral_mps2, caps.legal_mps);
   }
   if (options.stops) caps.stops_m = give_way_places(map, result.route, result.line);
   return caps;
@@ -165,11 +173,13 @@ SpeedCaps caps_of(const roadquery::RoadMap& map, const DriveOptions& options, co
 
 /// Speeds for every point of the line, slower where the body would be thrown up and down: what comes shortly before a
 /// bump throws it as well, so the places before count with it.
-std::vector<double> plan_over_bumps(const DriveOptions& options, const DrivingLine& line, const EnvelopeTable& envelope,
-                                    SpeedCaps caps) {
+std::vector<double> plan_over_bumps(const roadquery::RoadQuery& query, const DriveOptions& options,
+                                    const DrivingLine& line, const EnvelopeTable& envelope, SpeedCaps caps) {
   std::vector<double> speed = plan_speed(line, envelope, options.driver, caps);
-  for (int round = 0; round < bump_rounds && !options.racing; ++round) {
-    const std::vector<double> heave = heave_mps2(line, speed, options.car);
+  if (options.racing) return speed;
+  const AxleHeights heights = axle_heights(query, line, options.car);
+  for (int round = 0; round < bump_rounds; ++round) {
+    const std::vector<double> heave = heave_mps2(line, heights, speed, options.car);
     std::vector<double> slower(speed.size(), 1.0);
     for (std::size_t i = 0; i < heave.size(); ++i) {
       const double share = options.driver.max_heave_mps2 / std::max(heave[i], 1e-6);
@@ -184,8 +194,10 @@ std::vector<double> plan_over_bumps(const DriveOptions& options, const DrivingLi
   return speed;
 }
 
-/// Where an open line is started and timed: with room for the axles. A closed one has a lap to warm up before.
-Timing timing_of(const DriveOptions& options, const DrivingLine& line, double plan_s, double stop_s) {
+/// Where a line is started and timed: an open one with room for the wheels; a closed one has a lap to warm up before.
+Timing timing_of(const roadquery::RoadMap& map, const DriveOptions& options, const DriveResult& result,
+                 double stop_s) {
+  const DrivingLine& line = result.line;
   const double length_m = line.length_m();
   Timing timing;
   if (line.closed) {
@@ -194,12 +206,11 @@ Timing timing_of(const DriveOptions& options, const DrivingLine& line, double pl
     timing.origin_m = timing.from_m;
     timing.to_m = timing.from_m + static_cast<double>(std::max(options.laps, 1)) * length_m;
   } else {
-    const double room_m = 0.5 * options.car.body.wheelbase_m + axle_room_m;
-    timing.from_m = std::min(room_m, 0.4 * length_m);
-    timing.to_m = length_m - timing.from_m;
+    const LineEnds ends = room_for_wheels(map, result.route, line, line_options(options));
+    timing.from_m = ends.from_m, timing.to_m = ends.to_m;
     timing.lap_m = timing.to_m - timing.from_m;
   }
-  timing.most_s = (4.0 * plan_s + 60.0 + 2.0 * stop_s) * timing.to_m / length_m;
+  timing.most_s = (4.0 * result.plan_time_s + 60.0 + 2.0 * stop_s) * timing.to_m / length_m;
   return timing;
 }
 
@@ -222,20 +233,14 @@ DriveResult drive_route(const roadquery::RoadQuery& query, const Route& route, c
                         const EnvelopeTable& envelope, Monitor* monitor) {
   DriveResult result;
   result.route = route, result.car = options.car, result.step_s = options.step_s;
-  const double track_m = std::max(options.car.front.track_m, options.car.rear.track_m);
-  result.line = make_driving_line(query, route,
-                                  {.racing = options.racing,
-                                   .car_width_m = track_m + tyre_width_m,
-                                   .wheelbase_m = options.car.body.wheelbase_m,
-                                   .margin_m = options.racing ? racing_margin_m : road_margin_m,
-                                   .most_curvature_1pm = full_lock_share * full_lock_curvature_1pm(options.car)});
+  result.line = make_driving_line(query, route, line_options(options));
   if (!options.racing && !stop_before_tight_bend(result)) return result;
   const SpeedCaps caps = caps_of(query.map(), options, result);
-  const SpeedPlan plan(result.line, plan_over_bumps(options, result.line, envelope, caps));
+  const SpeedPlan plan(result.line, plan_over_bumps(query, options, result.line, envelope, caps));
   result.plan_time_s = plan.duration_s();
   if (!result.route.closed) report_open_route(result);
 
-  const Timing timing = timing_of(options, result.line, result.plan_time_s,
+  const Timing timing = timing_of(query.map(), options, result,
                                   static_cast<double>(caps.stops_m.size()) * (options.driver.stop_s + 5.0));
   Run run(query, options, envelope, plan, result, stops_of_laps(caps.stops_m, result.line, timing.to_m));
   const bool rolling = result.route.closed && !options.standing_start;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "orthodrive/drive/axle_line.hpp"
+#include "orthodrive/drive/speed_profile.hpp"
 
 namespace orthodrive {
 namespace {
@@ -18,14 +19,27 @@ double full_lock_curvature_1pm(const vehicle::CarParameters& car) {
   return 1.0 / std::hypot(wheelbase_m / std::tan(car.steering.max_wheel_rad), 0.5 * wheelbase_m);
 }
 
-void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, std::vector<double>& legal_mps) {
+void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, double max_lateral_mps2,
+                        std::vector<double>& legal_mps) {
   const std::vector<double> heading = car_headings(line, car.body.wheelbase_m);
-  const std::vector<double> angle = steering_angles(front_axle_line(line, car.body.wheelbase_m, heading), heading);
+  const DrivingLine front = front_axle_line(line, car.body.wheelbase_m, heading);
+  const std::vector<double> angle = steering_angles(front, heading);
   const double rate_radps = steering_share * car.steering.max_wheel_rate_radps;
+  const auto &p = line.points, &f = front.points;
   for (std::size_t i = 1; i < angle.size(); ++i) {
-    const double turn_1pm = std::abs(angle[i] - angle[i - 1]) / (line.points[i].s_m - line.points[i - 1].s_m);
+    const double way_m = p[i].s_m - p[i - 1].s_m;
+    const double turn_1pm = std::abs(angle[i] - angle[i - 1]) / way_m;
     for (double* legal : {&legal_mps[i - 1], &legal_mps[i]})
       if (turn_1pm * *legal > rate_radps) *legal = rate_radps / turn_1pm;
+    // While the steering turns, the front axle's way bends more than the middle's, and it is longer.
+    const double faster = (f[i].s_m - f[i - 1].s_m) / way_m;
+    LinePoint axle = p[i];
+    axle.curvature_1pm = f[i].curvature_1pm * faster * faster;
+    const double by_bank_mps2 = std::copysign(road_load(axle, 0.0).lateral_mps2, axle.curvature_1pm * axle.banking);
+    const double by_turn_1pm = std::abs(road_load(axle, 1.0).lateral_mps2 - road_load(axle, 0.0).lateral_mps2);
+    const double left_mps2 = max_lateral_mps2 - by_bank_mps2;
+    if (left_mps2 > 0.0 && by_turn_1pm * legal_mps[i] * legal_mps[i] > left_mps2)
+      legal_mps[i] = std::sqrt(left_mps2 / by_turn_1pm);
   }
 }
 

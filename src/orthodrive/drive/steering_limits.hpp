@@ -12,8 +12,10 @@ namespace orthodrive {
 /// Of the way of the middle of the wheelbase with the steering at its stop.
 [[nodiscard]] double full_lock_curvature_1pm(const vehicle::CarParameters& car);
 
-/// Slower than the law allows where the front wheels could not be turned as fast as the line bends.
-void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, std::vector<double>& legal_mps);
+/// Slower than the law allows where the front wheels could not be turned as fast as the line bends, and where the front
+/// axle, whose way bends more than the middle's while they turn, would be accelerated more than that to its side.
+void slow_down_to_steer(const vehicle::CarParameters& car, const DrivingLine& line, double max_lateral_mps2,
+                        std::vector<double>& legal_mps);
 
 /// A bend of a line that the car cannot take in one go.
 struct TightBend {

@@ -12,6 +12,7 @@
 #include "orthodrive/evaluate/grade_separations.hpp"
 #include "orthodrive/evaluate/lane_links.hpp"
 #include "orthodrive/evaluate/road_ends.hpp"
+#include "roadquery/surface_gradient.hpp"
 
 namespace orthodrive {
 namespace {
@@ -112,8 +113,7 @@ void measure_plan(const Road& road, NetworkScores& scores) {
 double gradient_beside(const RoadEnd& end, const roadquery::PlanPoint& p, double t) {
   constexpr double on_line_m = 1e-3;
   if (std::abs(t) < on_line_m) return roadquery::gradient(*end.road, end.s());
-  const roadquery::SurfacePoint at = roadquery::surface_point(*end.road, end.s(), t);
-  return -(std::cos(p.hdg) * at.normal[0] + std::sin(p.hdg) * at.normal[1]) / at.normal[2];
+  return roadquery::gradient_towards(roadquery::surface_point(*end.road, end.s(), t), p.hdg);
 }
 
 /// Heading, gradient and curvature of a car that goes along the reference line of the one road into the other. The

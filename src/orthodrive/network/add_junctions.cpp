@@ -334,8 +334,6 @@ Gate moved_to(Gate gate, double t, const LaneSpan& lanes, const Road& road, bool
 void unfold(const Movement& m, const Road& incoming, bool from_end, const Road& outgoing, bool to_end,
             DrivingSide driving_side, Gate& in, Gate& out, Geometry& geometry) {
   constexpr double enough = 0.05;
-  // The surface lifts ways too short for two transitions afterwards; beside them the reference lines meet.
-  if (std::min(incoming.length, outgoing.length) < 2.0 * roadquery::junction_transition_m) return;
   const LaneSpan at_in = span_of(in, m.first_in, m.count_in, driving_side),
                  at_out = span_of(out, m.first_out, m.count_out, driving_side);
   const auto driven = [](const LaneSpan& lanes, const Gate& gate, double t) {

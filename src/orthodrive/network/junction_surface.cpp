@@ -8,6 +8,7 @@
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/network/fit_profile.hpp"
 #include "orthodrive/network/junction_field.hpp"
 #include "orthodrive/network/junction_members.hpp"
 #include "orthodrive/network/junction_nodes.hpp"
@@ -361,9 +362,65 @@ struct Off {
   double before_m = 0.0, after_m = 0.0;
 };
 
+/// Lanes of a road as the roads linked to it count them, from the inside out: the first and each next border, t to the
+/// left of the direction in which those run.
+std::vector<double> borders_of(const Road& road, double s, double sign, const std::vector<int>& lanes) {
+  std::vector<double> borders;
+  const roadquery::LaneSection& section = roadquery::section_at(road, s);
+  for (const auto* side : {&section.left, &section.right}) {
+    double t = roadquery::evaluate(road.lane_offset, s);
+    for (const roadquery::Lane& lane : *side) {
+      const double outer = t + (lane.id > 0 ? 1.0 : -1.0) * roadquery::lane_width(lane, s - section.s);
+      if (std::find(lanes.begin(), lanes.end(), lane.id) != lanes.end()) {
+        if (borders.empty()) borders.push_back(sign * t);
+        borders.push_back(sign * outer);
+      }
+      t = outer;
+    }
+  }
+  return borders;
+}
+
+/// Gives one end of a cubic along the whole road a value; flat at both ends, as lanes of connecting roads are.
+void set_end(std::vector<roadquery::Cubic>& cubics, double length_m, bool at_end, double value) {
+  const double other = roadquery::evaluate(cubics, at_end ? 0.0 : length_m);
+  cubics = {hermite(0.0, length_m, at_end ? other : value, at_end ? value : other, 0.0, 0.0)};
+}
+
+/// One end of a connecting road and the road that it is linked to there, which was laid on the surface.
+struct JointWithInner {
+  const Road& other;
+  bool other_end = false;
+  double sign = 1.0;  ///< -1 where the connecting road runs against the other
+  double t = 0.0;     ///< of the connecting road's reference line on the other, to the left of where that one runs
+};
+
+/// Where the reference line was moved beside the other road's: the lanes meet again, now that the other one is banked
+/// otherwise, and the profile goes on with the other's surface.
+ProfileEnd meet_beside(Road& road, bool at_end, const JointWithInner& joint) {
+  std::vector<roadquery::Lane>& lanes =
+      road.sections.front().left.empty() ? road.sections.front().right : road.sections.front().left;
+  std::vector<int> linked;
+  for (const roadquery::Lane& lane : lanes)
+    if (const std::optional<int>& id = at_end ? lane.successor : lane.predecessor) linked.push_back(*id);
+  const double other_s = joint.other_end ? joint.other.length : 0.0;
+  const std::vector<double> borders = borders_of(joint.other, other_s, joint.sign, linked);
+  const auto [right, left] = std::minmax(borders.front(), borders.back());
+  const roadquery::Edges edges{left, right};
+  const double stretch = distance_across_m(joint.other, other_s, joint.sign, edges) / (left - right);
+  const ProfileEnd end = end_beside(joint.other, joint.other_end, joint.sign, joint.t, edges);
+  const roadquery::PlanPoint p = roadquery::reference_point(road, at_end ? road.length : 0.0);
+  const roadquery::SurfacePoint border = roadquery::surface_point(joint.other, other_s, joint.sign * borders.front());
+  const double left_m = std::cos(p.hdg) * (border.y - p.y) - std::sin(p.hdg) * (border.x - p.x);
+  set_end(road.lane_offset, road.length, at_end, left_m / std::cos(end.banking));
+  for (std::size_t i = 0; i + 1 < borders.size(); ++i)
+    set_end(lanes[i].width, road.length, at_end, std::abs(borders[i + 1] - borders[i]) * stretch);
+  return end;
+}
+
 /// What a connecting road has at one end: its own profile, or that of the road that it is linked to where that one was
 /// laid on the surface.
-ProfileEnd linked_end(const RoadMap& map, const std::map<int, std::size_t>& inner, const Road& road, bool at_end) {
+ProfileEnd linked_end(const RoadMap& map, const std::map<int, std::size_t>& inner, Road& road, bool at_end) {
   const double s = at_end ? road.length : 0.0;
   const roadquery::RoadLink& link = at_end ? road.successor : road.predecessor;
   const auto found = link.kind == roadquery::LinkKind::road ? inner.find(link.id) : inner.end();
@@ -373,13 +430,13 @@ ProfileEnd linked_end(const RoadMap& map, const std::map<int, std::size_t>& inne
   const bool other_end = link.contact == roadquery::ContactPoint::end;
   const double at = other_end ? other.length : 0.0, sign = other_end != at_end ? 1.0 : -1.0;
   const roadquery::PlanPoint p = roadquery::reference_point(road, s), q = roadquery::reference_point(other, at);
-  const double t = -std::sin(p.hdg) * (p.x - q.x) + std::cos(p.hdg) * (p.y - q.y);
+  const double left_m = -std::sin(q.hdg) * (p.x - q.x) + std::cos(q.hdg) * (p.y - q.y);
   constexpr double moved_m = 1e-3;
-  if (std::abs(t) < moved_m)
+  const bool same_crown = road.shape.empty() == other.shape.empty();  // moved lines have none
+  if (std::abs(left_m) < moved_m && same_crown)
     return {roadquery::elevation(other, at), sign * roadquery::gradient(other, at),
             sign * roadquery::superelevation(other, at)};
-  const roadquery::Edges lanes = carriageway_edges(road, s);
-  return end_beside(other, other_end, sign, t, {lanes.left_t + t, lanes.right_t + t});
+  return meet_beside(road, at_end, {other, other_end, sign, sign * roadquery::t_at(other, at, left_m)});
 }
 
 std::vector<Off> lay_connecting_roads(RoadMap& map, const std::vector<JunctionMembers>& members,
@@ -399,8 +456,8 @@ std::vector<Off> lay_connecting_roads(RoadMap& map, const std::vector<JunctionMe
           !beside_inner && std::binary_search(straight.begin(), straight.end(), road.id) && before <= unchanged_m;
       double after = before;
       if (!stays) {
-        Road fitted =
-            refitted(road, surface, {linked_end(map, inner, road, false), linked_end(map, inner, road, true)});
+        const ProfileEnd start = linked_end(map, inner, road, false), end = linked_end(map, inner, road, true);
+        Road fitted = refitted(road, surface, {start, end});
         after = distance_from_surface_m(fitted, surface);
         if (after <= before || beside_inner) road = std::move(fitted);
         after = beside_inner ? after : std::min(after, before);

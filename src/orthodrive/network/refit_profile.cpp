@@ -8,6 +8,7 @@
 #include "orthodrive/math/cubic_spline.hpp"
 #include "orthodrive/network/road_cover.hpp"
 #include "roadquery/junction_surface.hpp"
+#include "roadquery/surface_gradient.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -32,8 +33,12 @@ struct Section {
 
 roadquery::Edges lanes_at(const Road& road, double s) { return carriageway_edges(road, s); }
 
-/// The straight line of least squares through the surface less the road's shape, over the lanes.
-Section section_at(const Road& road, const roadquery::JunctionSurface& surface, double s) {
+/// The straight line of least squares through what value(x, y, t) says at places across the lanes.
+struct LineAcross {
+  double at_reference = 0.0, slope = 0.0;
+};
+template <typename Value>
+LineAcross line_across(const Road& road, double s, const Value& value) {
   const roadquery::PlanPoint p = roadquery::reference_point(road, s);
   const roadquery::Edges edges = lanes_at(road, s);
   const double middle = 0.5 * (edges.left_t + edges.right_t);
@@ -41,12 +46,19 @@ Section section_at(const Road& road, const roadquery::JunctionSurface& surface, 
   double sum = 0.0, moment = 0.0, square = 0.0;
   for (int i = 0; i < across; ++i) {
     const double off = half * (2.0 * i / (across - 1) - 1.0), t = middle + off;
-    const double z = roadquery::evaluate(surface, p.x - t * std::sin(p.hdg), p.y + t * std::cos(p.hdg)).z -
-                     roadquery::shape(road, s, t).h;
-    sum += z, moment += off * z, square += off * off;
+    const double v = value(p.x - t * std::sin(p.hdg), p.y + t * std::cos(p.hdg), t);
+    sum += v, moment += off * v, square += off * off;
   }
   const double slope = moment / square;
-  return {sum / across - middle * slope, std::atan(slope)};
+  return {sum / across - middle * slope, slope};
+}
+
+/// The line through the surface less the road's shape.
+Section section_at(const Road& road, const roadquery::JunctionSurface& surface, double s) {
+  const LineAcross line = line_across(road, s, [&](double x, double y, double t) {
+    return roadquery::evaluate(surface, x, y).z - roadquery::shape(road, s, t).h;
+  });
+  return {line.at_reference, std::atan(line.slope)};
 }
 
 double rounded(double v, double unit) { return std::round(v / unit) * unit; }
@@ -240,29 +252,22 @@ ProfileEnd end_beside(const Road& other, bool at_end, double sign, double t, con
   const double s = at_end ? other.length : 0.0;
   const auto z = [&](double at_t) { return roadquery::surface_height(other, s, sign * at_t); };
   const roadquery::SurfacePoint p = roadquery::surface_point(other, s, sign * t);
-  const double hdg = roadquery::reference_point(other, s).hdg;
-  const double gradient = -(std::cos(hdg) * p.normal[0] + std::sin(hdg) * p.normal[1]) / p.normal[2];
-  const double slope = (z(lanes.left_t) - z(lanes.right_t)) / distance_across_m(other, s, sign, lanes);
-  return {z(t), sign * gradient, std::asin(slope)};
+  const double gradient = roadquery::gradient_towards(p, roadquery::reference_point(other, s).hdg);
+  const double rise = z(lanes.left_t) - z(lanes.right_t);
+  const double slope = rise / distance_across_m(other, s, sign, lanes);
+  const double share = (t - lanes.right_t) / (lanes.left_t - lanes.right_t);
+  return {z(lanes.right_t) + share * rise, sign * gradient, std::asin(slope)};
 }
 
 ProfileEnd end_on(const Road& road, const roadquery::JunctionSurface& surface, bool at_end) {
   const double s = at_end ? road.length : 0.0;
   const roadquery::PlanPoint p = roadquery::reference_point(road, s);
-  const roadquery::Edges edges = lanes_at(road, s);
-  const double middle = 0.5 * (edges.left_t + edges.right_t);
-  const double half = 0.5 * std::max(edges.left_t - edges.right_t, least_width_m);
-  // The slope along the road of the line of least squares (section_at), where it passes the reference line.
-  double sum = 0.0, moment = 0.0, square = 0.0;
-  for (int i = 0; i < across; ++i) {
-    const double off = half * (2.0 * i / (across - 1) - 1.0), t = middle + off;
-    const roadquery::JunctionHeight h =
-        roadquery::evaluate(surface, p.x - t * std::sin(p.hdg), p.y + t * std::cos(p.hdg));
-    const double slope = (h.dz_dx * std::cos(p.hdg) + h.dz_dy * std::sin(p.hdg)) * (1.0 - p.curvature * t);
-    sum += slope, moment += off * slope, square += off * off;
-  }
+  const LineAcross gradient = line_across(road, s, [&](double x, double y, double t) {
+    const roadquery::JunctionHeight h = roadquery::evaluate(surface, x, y);
+    return (h.dz_dx * std::cos(p.hdg) + h.dz_dy * std::sin(p.hdg)) * (1.0 - p.curvature * t);
+  });
   const Section section = section_at(road, surface, s);
-  return {section.z, sum / across - middle * moment / square, section.bank};
+  return {section.z, gradient.at_reference, section.bank};
 }
 
 Road refitted(const Road& road, const roadquery::JunctionSurface& surface, const ProfileEnds& ends) {

@@ -19,7 +19,7 @@ struct ProfileEnd {
 };
 /// Of a road that goes on from one end of `other` with its reference line at t and its lanes between left and right, t
 /// counted on `other` to the left of the direction in which the road runs; `sign`: -1 where that is against other's s.
-/// Height and gradient are other's there, the banking is that of the plane through the edges of the lanes.
+/// Height and banking are those of the straight line through the edges of the lanes, the gradient is other's at t.
 [[nodiscard]] ProfileEnd end_beside(const roadquery::Road& other, bool at_end, double sign, double t,
                                     const roadquery::Edges& lanes);
 

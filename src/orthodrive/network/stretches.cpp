@@ -9,7 +9,7 @@ namespace {
 
 constexpr double corner_m = 2.0;  // room for the curve of the corner beyond the carriageways
 constexpr double taper_m = 10.0;  // to each side of a joint at which lanes move sideways: half a lane in 2 s at 10 m/s
-constexpr double reach_m = 40.0;  // narrow forks overlap for long: roads are cut back no further than this
+constexpr double reach_m = 80.0;  // narrow forks overlap for long: roads are cut back no further than this
 constexpr double step_m = 0.5;
 constexpr double across_step_m = 1.5;   // no carriageway is narrower
 constexpr double clear_m = 3.0;         // free of the others for this long counts as having left them
@@ -51,10 +51,10 @@ struct ArmLine {
   std::vector<double> half_width_m;
 };
 
-ArmLine sample_arm(const ChainGeometries& geometry, const Stretch& stretch, bool at_s1) {
+ArmLine sample_arm(const ChainGeometries& geometry, const Stretch& stretch, bool at_s1, double longest_m) {
   const ChainGeometry& g = geometry[stretch.chain];
   ArmLine line;
-  const double reach = std::min(reach_m + clear_m, stretch.s1 - stretch.s0);
+  const double reach = std::min(longest_m, stretch.s1 - stretch.s0);
   const int steps = std::max(1, static_cast<int>(reach / step_m));
   for (int i = 0; i <= steps; ++i) {
     const double d = std::min(i * step_m, reach), s = at_s1 ? stretch.s1 - d : stretch.s0 + d;
@@ -131,9 +131,13 @@ class JunctionPlanner {
 
   void cut_back() {
     Table<VertexIndex, std::vector<Arm>> arms(topology_.vertices.size());  // by the first vertex of the group
+    Table<VertexIndex, std::vector<std::size_t>> inner(topology_.vertices.size());
     for (std::size_t i = 0; i < plan_.stretches.size(); ++i) {
       const Stretch& stretch = plan_.stretches[i];
-      if (stretch.inside) continue;
+      if (stretch.inside) {
+        if (stretch.vertex0 && stretch.vertex1) inner[group(stretch.vertex0)].push_back(i);
+        continue;
+      }
       if (stretch.vertex0) arms[group(stretch.vertex0)].push_back({i, false});
       if (stretch.vertex1) arms[group(stretch.vertex1)].push_back({i, true});
     }
@@ -141,7 +145,10 @@ class JunctionPlanner {
       const std::vector<Arm>& junction = arms[v];
       arms_[v] = junction.size();
       std::vector<ArmLine> lines;
-      for (const Arm& arm : junction) lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1));
+      for (const Arm& arm : junction)
+        lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1, reach_m + clear_m));
+      for (const std::size_t i : inner[v])  // no arms, but carriageways that arms have to leave
+        lines.push_back(sample_arm(geometry_, plan_.stretches[i], false, INFINITY));
       for (std::size_t i = 0; i < junction.size(); ++i) {
         Stretch& stretch = plan_.stretches[junction[i].stretch];
         (junction[i].at_s1 ? stretch.trim1_m : stretch.trim0_m) = junction.size() == 1 ? 0.0

@@ -29,9 +29,10 @@ struct JunctionPlan {
   int junctions = 0;
 };
 
-/// A road ends where its whole cross section has left the carriageways of the other roads of the junction, plus 2 m for
-/// the corner. Junctions too close for that are joined into one, as long as its vertices lie within 40 m; where the
-/// road between is long enough to stay, both cuts are shortened. A dead end of which nothing would be left has no road.
+/// A road ends where its whole cross section has left the carriageways of the other roads of the junction and of the
+/// ways inside it, plus 2 m for the corner. Junctions too close for that are joined into one, as long as its vertices
+/// lie within 40 m; where the road between is long enough to stay, both cuts are shortened. A dead end of which nothing
+/// would be left has no road.
 [[nodiscard]] JunctionPlan plan_junctions(const Topology& topology, const ChainGeometries& geometry);
 
 }  // namespace orthodrive::network
