@@ -15,11 +15,13 @@ constexpr double free_share = 0.8;    // of the sum of two radii: nearer crowns 
 constexpr float cover_weight = 2.0F;  // of full cover against full brightness
 constexpr int samples = 2;            // a side of a grid cell
 
-/// Vegetation and brightness, both 0 to 1, brightness times vegetation.
 struct Canopy {
   GridFrame frame;
-  Raster<float> cover, bright;
+  Raster<std::uint8_t> cover;  ///< how many of a cell's samples are vegetation: a byte, because towns are large
+  Raster<float> bright;        ///< mean brightness of its samples, 0 to 1; what is no vegetation counts as 0
 };
+
+constexpr float sample_share = 1.0F / (samples * samples);
 
 bool is_vegetation(const LabelMap& labels, Vec2 p) {
   const Vec2 at = labels.frame.pixel_from_world(p);
@@ -39,20 +41,27 @@ float brightness(const Photo& photo, Vec2 p) {
 
 Canopy canopy_of(const LabelMap& labels, const Photo& photo) {
   Canopy canopy{covering_grid(labels.frame.bounds(), grid_m), {}, {}};
-  canopy.cover = canopy.bright = Raster<float>(canopy.frame.width, canopy.frame.height);
-  constexpr float part = 1.0F / (samples * samples);
+  canopy.cover = Raster<std::uint8_t>(canopy.frame.width, canopy.frame.height);
+  canopy.bright = Raster<float>(canopy.frame.width, canopy.frame.height);
   for (int row = 0; row < canopy.frame.height; ++row) {
     for (int col = 0; col < canopy.frame.width; ++col) {
       for (int k = 0; k < samples * samples; ++k) {
         const Vec2 p =
             canopy.frame.world_from_pixel(col + (k % samples + 0.5) / samples, row + (k / samples + 0.5) / samples);
         if (!is_vegetation(labels, p)) continue;
-        canopy.cover.at(col, row) += part;
-        canopy.bright.at(col, row) += part * brightness(photo, p);
+        ++canopy.cover.at(col, row);
+        canopy.bright.at(col, row) += sample_share * brightness(photo, p);
       }
     }
   }
   return canopy;
+}
+
+Raster<float> shares(const Raster<std::uint8_t>& counts) {
+  Raster<float> result(counts.width, counts.height);
+  for (std::size_t i = 0; i < counts.data.size(); ++i)
+    result.data[i] = sample_share * static_cast<float>(counts.data[i]);
+  return result;
 }
 
 /// Mean over 2 reach + 1 cells in a row; cells beyond the border are 0.
@@ -108,10 +117,10 @@ double cover_of_disc(const Canopy& canopy, int col, int row, double radius_m) {
     for (int dc = -reach; dc <= reach; ++dc) {
       if (std::hypot(dc, dr) * grid_m + 0.35 * grid_m > radius_m) continue;  // most of the cell lies in the disc
       ++count;
-      if (canopy.cover.inside(col + dc, row + dr)) sum += static_cast<double>(canopy.cover.at(col + dc, row + dr));
+      if (canopy.cover.inside(col + dc, row + dr)) sum += canopy.cover.at(col + dc, row + dr);
     }
   }
-  return sum / count;
+  return sum / (count * samples * samples);
 }
 
 /// Crowns by place: is there room for one more?
@@ -149,12 +158,12 @@ std::vector<TreeCrown> find_crowns(const LabelMap& labels, const Photo& photo) {
   for (const double radius_m : radii_m) {
     const int reach = std::max(1, static_cast<int>(std::lround(0.35 * radius_m / grid_m)));
     Raster<float> measure = blurred(canopy.bright, reach);
-    const Raster<float> cover = blurred(canopy.cover, reach);
+    const Raster<float> cover = blurred(shares(canopy.cover), reach);
     for (std::size_t i = 0; i < measure.data.size(); ++i)
       measure.data[i] = cover.data[i] > 0.0F ? measure.data[i] / cover.data[i] + cover_weight * cover.data[i] : 0.0F;
     for (int row = 0; row < measure.height; ++row) {
       for (int col = 0; col < measure.width; ++col) {
-        if (canopy.cover.at(col, row) == 0.0F || !is_peak(measure, col, row)) continue;
+        if (canopy.cover.at(col, row) == 0 || !is_peak(measure, col, row)) continue;
         const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
         if (cover_of_disc(canopy, col, row, radius_m) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
       }
