@@ -21,6 +21,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/safetensors.hpp"
 #include "orthodrive/io/safetensors_stream.hpp"
+#include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "paths.hpp"
 #include "roadquery/road_query.hpp"
@@ -37,6 +38,7 @@ const std::string osm = R"(<?xml version="1.0" encoding="UTF-8"?>
   <node id="2" lat="50.0010" lon="15.0010"/>
   <node id="3" lat="50.0020" lon="15.0010"><tag k="highway" v="traffic_signals"/></node>
   <node id="4" lat="50.0020" lon="15.0000"/>
+  <node id="5" lat="50.0015" lon="15.0005"><tag k="natural" v="tree"/></node>
   <way id="10">
     <nd ref="1"/><nd ref="2"/><nd ref="3"/>
     <tag k="highway" v="primary"/><tag k="lanes" v="3"/><tag k="width" v="9.5"/><tag k="oneway" v="yes"/>
@@ -46,6 +48,7 @@ const std::string osm = R"(<?xml version="1.0" encoding="UTF-8"?>
   <way id="11"><nd ref="1"/><nd ref="2"/><nd ref="3"/><nd ref="4"/><nd ref="1"/><tag k="building" v="yes"/>
     <tag k="height" v="7.5 m"/><tag k="building:levels" v="2"/><tag k="roof:shape" v="hipped"/></way>
   <way id="12"><nd ref="3"/><nd ref="4"/><tag k="highway" v="residential"/></way>
+  <way id="13"><nd ref="2"/><nd ref="4"/><tag k="natural" v="tree_row"/></way>
   <relation id="20">
     <member type="way" ref="11" role="outer"/><tag k="type" v="multipolygon"/><tag k="landuse" v="grass"/>
   </relation>
@@ -178,6 +181,10 @@ TEST(FuzzReaders, osm_buildings) {
     Findings findings;
     (void)io::read_buildings({file}, site, &findings);
   });
+}
+TEST(FuzzReaders, osm_trees) {
+  const SiteFrame site = lonlat_site(14.9, 49.9, 15.1, 50.1);
+  expect_survives("a.osm", osm, [&](const fs::path& file) { (void)io::read_trees({file}, site); });
 }
 TEST(FuzzReaders, osm_pbf) {
   expect_survives("a.osm.pbf", pbf_of(osm), [](const fs::path& file) { (void)io::read_osm(file, utm33); });

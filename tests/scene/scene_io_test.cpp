@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -123,6 +124,50 @@ TEST(SceneIo, parts_share_vertices_and_name_pictures_beside_the_file) {
   EXPECT_EQ(glb.json["materials"][0]["name"], "photo");
 }
 
+SceneTile tile_with_trees() {
+  SceneTile tile = small_tile();
+  InstancedMesh& tree = tile.instanced.emplace_back();
+  tree.mesh = {.kind = MeshKind::tree,
+               .positions = {{-1.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F}, {0.0F, 0.0F, 1.0F}},
+               .normals = {{0.0F, -1.0F, 0.0F}, {0.0F, -1.0F, 0.0F}, {0.0F, -1.0F, 0.0F}},
+               .indices = {0, 1, 2},
+               .parts = {{SurfaceMaterial::foliage, 0, 3}},
+               .tile_uv = {{0.0F, 0.0F}, {1.0F, 0.0F}, {0.5F, 1.0F}}};
+  tree.mesh.tangents.assign(3, {1.0F, 0.0F, 0.0F, 1.0F});
+  tree.mesh.colors.assign(3, {1000, 2000, 500, 65535});
+  tree.instances = {{.position = {10.0F, 20.0F, 3.0F}, .yaw_rad = 0.5F, .scale = {2.0F, 2.5F, 8.0F}},
+                    {.position = {-239.0F, 5.0F, 1.0F}, .scale = {3.0F, 3.0F, 9.0F}, .tint = {0.9F, 1.1F, 0.7F}}};
+  return tile;
+}
+
+TEST(SceneIo, trees_are_copies_of_one_mesh) {
+  const fs::path own = folder / "trees";
+  const io::TileEntry entry = io::write_tile_glb(own, tile_with_trees(), {});
+  EXPECT_EQ(entry.bounds.min_x, 500240.0 - 242.0) << "crowns reach over the tile's border";
+  const Glb glb = read_glb(own / entry.uri);
+  EXPECT_EQ(glb.json["extensionsRequired"], Json({"EXT_mesh_gpu_instancing"}));
+  const Json& node = glb.json["nodes"][2];
+  EXPECT_EQ(node["name"], "tree");
+  const Json& attributes = node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  const auto values = [&](const char* name, std::size_t width) {
+    const Json& accessor = glb.json["accessors"][attributes[name].get<int>()];
+    EXPECT_EQ(accessor["count"], 2);
+    std::vector<float> result(2 * width);
+    std::memcpy(result.data(),
+                &glb.bytes[glb.json["bufferViews"][accessor["bufferView"].get<int>()].value("byteOffset", 0)],
+                result.size() * sizeof(float));
+    return result;
+  };
+  EXPECT_EQ(values("TRANSLATION", 3), (std::vector<float>{10.0F, 3.0F, -20.0F, -239.0F, 1.0F, -5.0F}));
+  EXPECT_EQ(values("SCALE", 3), (std::vector<float>{2.0F, 8.0F, 2.5F, 3.0F, 9.0F, 3.0F}));
+  EXPECT_EQ(values("_COLOR_0", 3), (std::vector<float>{1.0F, 1.0F, 1.0F, 0.9F, 1.1F, 0.7F}));
+  const std::vector<float> turns = values("ROTATION", 4);
+  EXPECT_FLOAT_EQ(turns[1], std::sin(0.25F));
+  EXPECT_FLOAT_EQ(turns[3], std::cos(0.25F));
+  const Json& primitive = glb.json["meshes"][node["mesh"].get<int>()]["primitives"][0]["attributes"];
+  EXPECT_EQ(primitive["TEXCOORD_0"], primitive["TEXCOORD_1"]) << "no photo: one set under both names";
+}
+
 TEST(SceneIo, same_tile_gives_the_same_bytes) {
   (void)io::write_tile_glb(folder, small_tile(), {});
   const std::string first = read(folder / "tile_5_7.glb");
@@ -144,7 +189,11 @@ TEST(SceneIo, khronos_validator_finds_no_error) {
   (void)io::write_tile_glb(own, with_materials, {});
   const SurfaceTexture grey{Raster<std::uint8_t>(64, 64, 3, 128), Raster<std::uint8_t>(64, 64, 3, 128),
                             Raster<std::uint8_t>(64, 64, 3, 128)};
-  for (const SurfaceMaterial material : {SurfaceMaterial::asphalt, SurfaceMaterial::verge})
+  SceneTile with_trees = tile_with_trees();
+  with_trees.row = 10;
+  with_trees.labels = labelled.labels, with_trees.classes = labelled.classes;
+  (void)io::write_tile_glb(own, with_trees, {});
+  for (const SurfaceMaterial material : {SurfaceMaterial::asphalt, SurfaceMaterial::verge, SurfaceMaterial::foliage})
     io::write_material(own, material, grey);
   SceneTile untextured = small_tile();
   untextured.row = 8;

@@ -58,7 +58,8 @@ TEST_P(EverySurfaceTexture, has_unit_normals_that_look_up_on_average_and_no_meta
 INSTANTIATE_TEST_SUITE_P(SurfaceTexture, EverySurfaceTexture,
                          testing::Values(SurfaceMaterial::asphalt, SurfaceMaterial::concrete, SurfaceMaterial::setts,
                                          SurfaceMaterial::gravel, SurfaceMaterial::ground, SurfaceMaterial::verge,
-                                         SurfaceMaterial::paint, SurfaceMaterial::facade, SurfaceMaterial::roof_tiles),
+                                         SurfaceMaterial::paint, SurfaceMaterial::facade, SurfaceMaterial::roof_tiles,
+                                         SurfaceMaterial::foliage),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST(SurfaceTexture, is_the_same_each_time) {

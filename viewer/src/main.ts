@@ -152,6 +152,7 @@ function start(site: Site): Api {
   addLayer('terrain', 'Terrain', true);
   addLayer('roads', 'Roads', true);
   addLayer('buildings', 'Buildings', true);
+  addLayer('trees', 'Trees', true);
   addLayer('shadows', 'Shadows', true);
   addLayer('wireframe', 'Wireframe', false);
   if (lap) addLayer('route', 'Driven route', true);

@@ -15,10 +15,11 @@ export interface Layers {
   photo: boolean;
   materials: boolean; // of roads and beside them; without: the photo there as well
   buildings: boolean;
+  trees: boolean;
   wireframe: boolean;
 }
 
-const kinds = ['road', 'verge', 'marking', 'building', 'terrain'] as const;
+const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'terrain'] as const;
 type SurfaceKind = (typeof kinds)[number];
 
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
@@ -26,10 +27,15 @@ function kindOf(mesh: Mesh): SurfaceKind {
   return kinds.find((kind) => mesh.name.startsWith(kind)) ?? 'terrain';
 }
 
+/** What stands beside the roads has no photo of its own. */
+function stands(mesh: Mesh): boolean {
+  return ['building', 'tree'].includes(kindOf(mesh));
+}
+
 export class TileLayers {
   /** In the site's local frame: the tileset's root transform (local to ECEF) is undone. */
   readonly group = new Group();
-  readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, buildings: true, wireframe: false};
+  readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, buildings: true, trees: true, wireframe: false};
   loaded = 0;
   readonly failures: string[] = [];
   onChange: () => void = () => {};
@@ -42,6 +48,7 @@ export class TileLayers {
     verge: new MeshLambertMaterial({color: 0xd3d4ce}),
     road: new MeshLambertMaterial({color: 0x6b7078}),
     building: new MeshLambertMaterial({color: 0xb9b4ab}),
+    tree: new MeshLambertMaterial({color: 0x7f8f72}),
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
 
@@ -105,7 +112,8 @@ export class TileLayers {
     const map: Texture | null = photos[0] ?? null;
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
-      mesh.castShadow = ['building', 'tree'].includes(kindOf(mesh));
+      if (kindOf(mesh) === 'tree') mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
+      mesh.castShadow = stands(mesh);
       mesh.receiveShadow = true;
       const own = mesh.material as MeshStandardMaterial;
       this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});
@@ -118,20 +126,21 @@ export class TileLayers {
     const {photo, surface} = this.looks.get(mesh)!;
     const {layers} = this;
     const material = !layers.photo ? this.reliefMaterials[kindOf(mesh)] :
-                     surface !== undefined && (layers.materials || kindOf(mesh) === 'building') ?
+                     surface !== undefined && (layers.materials || stands(mesh)) ?
                        this.surfaceMaterials.get(surface) : photo;
     material.wireframe = layers.wireframe;
     return material;
   }
 
   private isShown(kind: SurfaceKind): boolean {
-    const {terrain, roads, photo, materials, buildings} = this.layers;
+    const {terrain, roads, photo, materials, buildings, trees} = this.layers;
     switch (kind) {
       case 'terrain': return terrain;
       case 'road': return roads;
       case 'verge': return terrain && roads && photo && materials;
       case 'marking': return roads && materials;
       case 'building': return buildings;
+      case 'tree': return trees;
     }
   }
 

@@ -31,11 +31,6 @@ double number(const OsmTags& tags, std::initializer_list<const char*> keys, doub
   return 0.0;
 }
 
-bool is_osm(const std::filesystem::path& file) {
-  const std::string name = file.filename().string();
-  return name.ends_with(".osm") || name.ends_with(".pbf");
-}
-
 }  // namespace
 
 std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
@@ -43,7 +38,7 @@ std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& f
   const Box2 area = bounds_of(site.area.outer);
   std::vector<Building> buildings;
   for (const std::filesystem::path& file : files) {
-    for (Feature& feature : is_osm(file) ? read_osm_features(file, site.crs) : read_features(file, site.crs)) {
+    for (Feature& feature : read_features(file, site.crs)) {
       const std::string* use = tag(feature.tags, {"building", "t"});
       if (!use || *use == "no" || *use == "roof" || *use == "carport") continue;
       for (Polygon& polygon : feature.polygons) {

@@ -35,10 +35,16 @@ Ring ring_of(const NodeRefs& nodes, const CoordinateTransform& target_from_lonla
   return ring;
 }
 
+/// Lines, and the points that anything here reads: trees.
 class LineHandler : public osmium::handler::Handler {
  public:
   LineHandler(std::vector<Feature>& features, const CoordinateTransform& transform)
       : features_(features), transform_(transform) {}
+  void node(const osmium::Node& node) {
+    if (!node.tags().has_tag("natural", "tree") || !node.location().valid()) return;
+    const Vec2 at = transform_.target_from_source({node.location().lon(), node.location().lat()});
+    features_.push_back({.points = {at}, .tags = tags_of(node.tags())});
+  }
   void way(const osmium::Way& way) {
     if (way.tags().empty() || way.nodes().empty() || (way.is_closed() && !is_linear(way.tags()))) return;
     Polyline line = line_of(way.nodes(), transform_);

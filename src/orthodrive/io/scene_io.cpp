@@ -82,8 +82,10 @@ std::map<std::string, int> add_vertices(GltfBuffer& buffer, const TriMesh& mesh)
   accessor.minValues.assign(low.begin(), low.end());
   accessor.maxValues.assign(high.begin(), high.end());
   add("NORMAL", normals, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
-  add("TEXCOORD_0", mesh.uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
+  // glTF counts sets of coordinates from 0 without a gap: what shows no photo has the second set as its first, too.
+  if (!mesh.uv.empty()) add("TEXCOORD_0", mesh.uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
   if (!mesh.tile_uv.empty()) add("TEXCOORD_1", mesh.tile_uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
+  if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
   if (!mesh.tangents.empty()) {
     std::vector<std::array<float, 4>> tangents;
     for (const auto& t : mesh.tangents) tangents.push_back({t[0], t[2], -t[1], t[3]});
@@ -276,6 +278,28 @@ Json box_json(const Box2& b, double min_z, double max_z) {
 
 }  // namespace
 
+/// EXT_mesh_gpu_instancing: where the copies of a node's mesh stand. _COLOR_0 is their tint (three.js reads it).
+Value instancing(GltfBuffer& buffer, const std::vector<MeshInstance>& instances) {
+  std::vector<std::array<float, 3>> translations, scales, tints;
+  std::vector<std::array<float, 4>> rotations;
+  for (const MeshInstance& copy : instances) {
+    translations.push_back(y_up(copy.position));
+    scales.push_back({copy.scale[0], copy.scale[2], copy.scale[1]});
+    rotations.push_back({0.0F, std::sin(0.5F * copy.yaw_rad), 0.0F, std::cos(0.5F * copy.yaw_rad)});
+    tints.push_back(copy.tint);
+  }
+  Value::Object attributes;
+  const auto add = [&](const char* name, const auto& values, int type) {
+    (void)buffer.add_accessor(values, 0, TINYGLTF_COMPONENT_TYPE_FLOAT, type);
+    attributes[name] = Value(buffer.last_accessor());
+  };
+  add("TRANSLATION", translations, TINYGLTF_TYPE_VEC3);
+  add("ROTATION", rotations, TINYGLTF_TYPE_VEC4);
+  add("SCALE", scales, TINYGLTF_TYPE_VEC3);
+  add("_COLOR_0", tints, TINYGLTF_TYPE_VEC3);
+  return Value(Value::Object{{"attributes", Value(attributes)}});
+}
+
 TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, Vec3 site_origin) {
   tinygltf::Model model;
   model.asset.version = "2.0";
@@ -288,6 +312,14 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
   tinygltf::Scene scene;
   TileEntry entry{fmt::format("tile_{}_{}.glb", tile.column, tile.row)};
   bool first = true;
+  const auto include = [&](const std::array<float, 3>& p, float reach_m) {
+    const Vec2 q{tile.origin.x + static_cast<double>(p[0]), tile.origin.y + static_cast<double>(p[1])};
+    const Box2 box = Box2{q.x, q.y, q.x, q.y}.grown(static_cast<double>(reach_m));
+    if (first) entry.bounds = box;
+    first = false;
+    entry.bounds = {std::min(entry.bounds.min_x, box.min_x), std::min(entry.bounds.min_y, box.min_y),
+                    std::max(entry.bounds.max_x, box.max_x), std::max(entry.bounds.max_y, box.max_y)};
+  };
   for (const TriMesh& mesh : tile.meshes) {
     tinygltf::Mesh gltf_mesh;
     gltf_mesh.name = std::string(to_string(mesh.kind));
@@ -295,7 +327,7 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
     const std::vector<MeshPart> whole = {{SurfaceMaterial::photo, 0, mesh.indices.size()}};
     for (const MeshPart& part : mesh.parts.empty() ? whole : mesh.parts) {
       gltf_mesh.primitives.push_back(add_part(buffer, mesh, part, vertices, materials.index(part.material)));
-      if (features) gltf_mesh.primitives.back().extensions["EXT_mesh_features"] = *features;
+      if (features && !mesh.uv.empty()) gltf_mesh.primitives.back().extensions["EXT_mesh_features"] = *features;
     }
     tinygltf::Node node;
     node.name = gltf_mesh.name;
@@ -304,13 +336,27 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
     scene.nodes.push_back(static_cast<int>(model.nodes.size()));
     model.meshes.push_back(std::move(gltf_mesh));
     model.nodes.push_back(std::move(node));
-    for (const auto& p : mesh.positions) {
-      const Vec2 q{tile.origin.x + static_cast<double>(p[0]), tile.origin.y + static_cast<double>(p[1])};
-      if (first) entry.bounds = {q.x, q.y, q.x, q.y};
-      first = false;
-      entry.bounds = {std::min(entry.bounds.min_x, q.x), std::min(entry.bounds.min_y, q.y),
-                      std::max(entry.bounds.max_x, q.x), std::max(entry.bounds.max_y, q.y)};
-    }
+    for (const auto& p : mesh.positions) include(p, 0.0F);
+  }
+  for (const InstancedMesh& copied : tile.instanced) {
+    tinygltf::Mesh gltf_mesh;
+    gltf_mesh.name = std::string(to_string(copied.mesh.kind));
+    const auto vertices = add_vertices(buffer, copied.mesh);
+    for (const MeshPart& part : copied.mesh.parts)
+      gltf_mesh.primitives.push_back(add_part(buffer, copied.mesh, part, vertices, materials.index(part.material)));
+    tinygltf::Node node;
+    node.name = gltf_mesh.name;
+    node.mesh = static_cast<int>(model.meshes.size());
+    node.translation = {shift.x, shift.z, -shift.y};
+    for (const MeshInstance& copy : copied.instances) include(copy.position, std::max(copy.scale[0], copy.scale[1]));
+    node.extensions["EXT_mesh_gpu_instancing"] = instancing(buffer, copied.instances);
+    scene.nodes.push_back(static_cast<int>(model.nodes.size()));
+    model.meshes.push_back(std::move(gltf_mesh));
+    model.nodes.push_back(std::move(node));
+  }
+  if (!tile.instanced.empty()) {  // a reader that draws no copies would draw one in the middle: better none
+    model.extensionsUsed.push_back("EXT_mesh_gpu_instancing");
+    model.extensionsRequired.push_back("EXT_mesh_gpu_instancing");
   }
   entry.min_z_m = tile.min_z_m, entry.max_z_m = tile.max_z_m;
   model.scenes.push_back(scene);

@@ -32,7 +32,7 @@ struct Feature {
   std::map<std::string, std::string> tags;
 };
 [[nodiscard]] std::vector<Feature> read_features(const std::filesystem::path& path, const Crs& target_crs);
-/// Closed and open ways and multipolygon relations of an OSM file with at least one tag.
+/// Closed and open ways and multipolygon relations of an OSM file with at least one tag, and nodes with natural=tree.
 [[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);
 
 /// roads.gpkg: layers centrelines, nodes, surface as docs/build.md lists them. Dates are fixed unless the

@@ -19,6 +19,7 @@ enum class MeshKind : std::uint8_t {
   verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
   marking,    ///< paint, a few millimetres over the road
   building,   ///< walls and roofs
+  tree,       ///< copies of a few shapes
 };
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
@@ -34,9 +35,11 @@ enum class MeshKind : std::uint8_t {
     case MeshKind::marking:
       return "marking";
     case MeshKind::building:
+      return "building";
+    case MeshKind::tree:
       break;
   }
-  return "building";
+  return "tree";
 }
 
 /// What a surface is drawn with: the tile's photo, or a tileable texture tinted by the mesh's colours.
@@ -51,12 +54,13 @@ enum class SurfaceMaterial : std::uint8_t {
   paint,
   facade,      ///< a storey high and a window wide
   roof_tiles,  ///< rows along the eaves
+  foliage,     ///< leaves and needles
 };
-constexpr std::size_t surface_material_count = 10;
+constexpr std::size_t surface_material_count = 11;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
   constexpr std::array<std::string_view, surface_material_count> names = {
-      "photo", "asphalt", "concrete", "setts", "gravel", "ground", "verge", "paint", "facade", "roof_tiles"};
+      "photo", "asphalt", "concrete", "setts", "gravel", "ground", "verge", "paint", "facade", "roof_tiles", "foliage"};
   return names[static_cast<std::size_t>(material)];
 }
 
@@ -71,7 +75,8 @@ struct TriMesh {
   MeshKind kind = MeshKind::terrain;
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<float, 3>> normals;
-  std::vector<std::array<float, 2>> uv;  ///< glTF: (0,0) is the north-west corner of the texture
+  /// glTF: (0,0) is the north-west corner of the photo. Empty where no triangle shows it: of buildings and trees.
+  std::vector<std::array<float, 2>> uv;
   std::vector<std::uint32_t> indices;
   std::vector<MeshPart> parts;  ///< in the order of their materials, all triangles; empty: all show the photo
   /// One a vertex, or empty where all show the photo: place in tileable textures, in their sides.
@@ -82,6 +87,18 @@ struct TriMesh {
   /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
   /// 65535: 1.
   std::vector<std::array<std::uint16_t, 4>> colors;
+};
+
+/// A copy of a mesh: stretched, turned about z, then moved.
+struct MeshInstance {
+  std::array<float, 3> position{};  ///< x east, y north, z up, relative to SceneTile::origin
+  float yaw_rad = 0.0F;             ///< counter-clockwise from above
+  std::array<float, 3> scale = {1.0F, 1.0F, 1.0F};
+  std::array<float, 3> tint = {1.0F, 1.0F, 1.0F};  ///< factor of the mesh's colours
+};
+struct InstancedMesh {
+  TriMesh mesh;  ///< at most 1 from its own axis before it is stretched
+  std::vector<MeshInstance> instances;
 };
 
 /// Tileable pictures of a material, all of one size: x to the east, rows from the north.
@@ -96,6 +113,7 @@ struct SceneTile {
   Vec3 origin;              ///< site CRS; also the frame of the positions
   double min_z_m = 0.0, max_z_m = 0.0;
   std::vector<TriMesh> meshes;
+  std::vector<InstancedMesh> instanced;
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile
   Raster<std::uint8_t> labels;       ///< of the whole tile: what the photo shows; empty: not known
   ClassTable classes;                ///< of the labels

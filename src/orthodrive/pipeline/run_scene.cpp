@@ -12,6 +12,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
 #include "orthodrive/io/terrain_grid_io.hpp"
+#include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/scene/ground.hpp"
@@ -111,6 +112,7 @@ class TileFolder {
     entries_.push_back(std::move(entry));
     for (const TriMesh& mesh : tile.meshes)
       for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
+    if (!tile.instanced.empty()) materials_.insert(SurfaceMaterial::foliage);
     origin_ = site_origin;
     if (!picture_file_.empty()) picture_.offer(tile);
   }
@@ -145,11 +147,12 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
   Findings findings;
   const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
+  const std::vector<Vec2> trees = io::read_trees(files.trees, site);
   TileFolder folder(files);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const SceneResult scene = build_scene(
-      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr, buildings},
+      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr, buildings, trees},
       [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); }, scene_options,
       context.monitor);
   if (folder.empty())
@@ -166,26 +169,30 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
                       {"terrain_triangles", scene.terrain_triangles},
                       {"road_triangles", scene.road_triangles},
                       {"road_surface_m2", scene.road_surface_m2},
-                      {"buildings", scene.buildings}},
+                      {"buildings", scene.buildings},
+                      {"trees", scene.trees}},
           .findings = std::move(findings),
-          .summary = {fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings",
-                                  files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
-                                  scene.road_surface_m2, scene.buildings)}};
+          .summary = {
+              fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings, {} trees",
+                          files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
+                          scene.road_surface_m2, scene.buildings, scene.trees)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {
   const Site& site = build.site;
   const std::vector<fs::path>& buildings = site.buildings.empty() ? site.osm : site.buildings;
+  const std::vector<fs::path>& trees = site.trees.empty() ? site.osm : site.trees;
   return {.name = "scene",
-          .sources = {{"buildings", buildings}},
+          .sources = {{"buildings", buildings}, {"trees", trees}},
           .options = {site.attribution},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
-          .run = [&build, &site, buildings] {
+          .run = [&build, &site, buildings, trees] {
             return run_scene({.network = build.out_dir / "roads.xodr",
                               .photo = site.photo,
                               .labels = build.out_dir / "labels.tif",
                               .dtm = site.dtm,
                               .buildings = buildings,
+                              .trees = trees,
                               .folder = build.out_dir / "scene",
                               .picture = build.out_dir / ".orthodrive/scene_tile.png"},
                              {.site = site.frame}, build.context);

@@ -19,6 +19,7 @@ struct Site {
   std::vector<std::filesystem::path> gpx;         ///< tracks of GPS receivers; none needed
   std::vector<std::filesystem::path> dtm;         ///< best first
   std::vector<std::filesystem::path> buildings;   ///< maps with building=*; empty: those of `osm`
+  std::vector<std::filesystem::path> trees;       ///< maps with natural=tree and tree_row; empty: those of `osm`
   std::vector<std::filesystem::path> drive_logs;  ///< CSV files and comma2k19 folders; none needed
   std::filesystem::path truth_dir;                ///< empty: none
   std::vector<std::string> attribution;

@@ -353,6 +353,8 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   TriMesh buildings{.kind = MeshKind::building};
   if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end())
     buildings = building_mesh(found->second, tile.origin);
+  if (const auto found = layout.trees_in.find(address); found != layout.trees_in.end())
+    tile.instanced = tree_instances(found->second, tile.origin);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
   for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &buildings}) {
@@ -360,6 +362,8 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
     tile.meshes.push_back(std::move(*mesh));
   }
+  for (const InstancedMesh& tree : tile.instanced)
+    for (const MeshInstance& copy : tree.instances) high = std::max(high, copy.position[2] + copy.scale[2]);
   if (tile.meshes.empty()) return tile;
   tile.min_z_m = tile.origin.z + static_cast<double>(low);
   tile.max_z_m = tile.origin.z + static_cast<double>(high);
@@ -402,6 +406,7 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
     result.road_surface_m2 += part.road_surface_m2;
   }
   result.buildings = layout->buildings.size();
+  result.trees = layout->trees.size();
   result.findings = scene_findings(*layout);
   return result;
 }

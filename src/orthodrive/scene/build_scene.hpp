@@ -26,6 +26,7 @@ struct SceneInput {
   Polygon area;                              ///< the scene ends here
   const LabelMap* labels = nullptr;          ///< if given, tiles carry the classes, for simulators and viewers
   std::span<const Building> buildings = {};  ///< of maps; labels show what they lack
+  std::span<const Vec2> trees = {};          ///< single trees of maps; labels show the others
 };
 
 struct SceneOptions {
@@ -67,7 +68,7 @@ class SceneLayout;
 struct SceneResult {
   std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
-  std::size_t buildings = 0;
+  std::size_t buildings = 0, trees = 0;
   Findings findings;
 };
 

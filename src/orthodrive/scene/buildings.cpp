@@ -219,7 +219,6 @@ class FaceBuilder {
       const Vec3 local = p - origin_, d = p - from;
       mesh_.positions.push_back({f(local.x), f(local.y), f(local.z)});
       mesh_.normals.push_back({f(n.x), f(n.y), f(n.z)});
-      mesh_.uv.push_back({f(local.x / scene_tile_m + 0.5), f(0.5 - local.y / scene_tile_m)});
       mesh_.tile_uv.push_back({f((d.x * right.x + d.y * right.y + d.z * right.z) / texture_m.x),
                                f(-(d.x * up.x + d.y * up.y + d.z * up.z) / texture_m.y)});
       mesh_.tangents.push_back({f(right.x), f(right.y), f(right.z), 1.0F});

@@ -220,7 +220,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   query = std::make_shared<const roadquery::RoadQuery>(input.roads);
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
-      .reach_m = options.verge_m + 1.0,
+      .reach_m = std::max(options.verge_m + 1.0, tree_reach_m),
       .threads = options.threads,
       .query = query};
   const SortedRoads sorted = sort_roads(*query, findings);
@@ -250,6 +250,10 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   if (labels != nullptr) std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
   buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
+  const std::vector<TreeCrown> crowns =
+      labels != nullptr ? find_crowns(*labels, input.photo) : std::vector<TreeCrown>{};
+  trees = plant_trees(crowns, input.trees, {levels, buildings, area}, *ground, input.photo, options.threads);
+  for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
 
   // Tiles: those that the area's border passes through, and those whose middle lies inside.
   std::set<TileAddress> inside;

@@ -14,6 +14,7 @@
 #include "orthodrive/scene/road_level.hpp"
 #include "orthodrive/scene/road_markings.hpp"
 #include "orthodrive/scene/road_tint.hpp"
+#include "orthodrive/scene/trees.hpp"
 
 namespace orthodrive {
 namespace scene {
@@ -56,6 +57,8 @@ class SceneLayout {
   scene::RoadTint tint;
   std::vector<scene::PlacedBuilding> buildings;
   std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
+  std::vector<scene::PlacedTree> trees;
+  std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
 };

@@ -214,6 +214,18 @@ TexelAt roof_tiles() {
   };
 }
 
+/// Leaves over darker gaps.
+TexelAt foliage() {
+  return [leaves = Fractal(64, 3, 121), clumps = Fractal(8, 4, 122), hues = ValueNoise(32, 123)](double u, double v) {
+    const double leaf = leaves.at(u, v), clump = clumps.at(u, v);
+    const double gap = std::min(0.0, clump + 0.1);  // deep between the clumps it is dark
+    return Texel{.shade = 0.5 * leaf + 0.25 * clump + 0.9 * gap,
+                 .warmth = 0.08 * hues.at(u, v),
+                 .height_m = 0.03 * leaf + 0.08 * clump,
+                 .roughness = 0.95};
+  };
+}
+
 TexelAt texels_of(SurfaceMaterial material) {
   switch (material) {
     case SurfaceMaterial::concrete:
@@ -232,6 +244,8 @@ TexelAt texels_of(SurfaceMaterial material) {
       return facade();
     case SurfaceMaterial::roof_tiles:
       return roof_tiles();
+    case SurfaceMaterial::foliage:
+      return foliage();
     case SurfaceMaterial::photo:
     case SurfaceMaterial::asphalt:
       break;

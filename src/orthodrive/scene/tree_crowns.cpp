@@ -1,0 +1,175 @@
+#include "orthodrive/scene/tree_crowns.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace orthodrive::scene {
+namespace {
+
+constexpr double grid_m = 1.0;
+constexpr std::array<double, 5> radii_m = {5.0, 4.0, 3.2, 2.4, 1.6};
+constexpr double min_cover = 0.85;    // of a crown's disc
+constexpr double free_share = 0.8;    // of the sum of two radii: nearer crowns are one
+constexpr float cover_weight = 2.0F;  // of full cover against full brightness
+constexpr int samples = 2;            // a side of a grid cell
+
+struct Canopy {
+  GridFrame frame;
+  Raster<std::uint8_t> cover;  ///< how many of a cell's samples are vegetation: a byte, because towns are large
+  Raster<float> bright;        ///< mean brightness of its samples, 0 to 1; what is no vegetation counts as 0
+};
+
+constexpr float sample_share = 1.0F / (samples * samples);
+
+bool is_vegetation(const LabelMap& labels, Vec2 p) {
+  const Vec2 at = labels.frame.pixel_from_world(p);
+  const int col = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));
+  if (!labels.labels.inside(col, row)) return false;
+  const std::uint8_t label = labels.labels.at(col, row);
+  return label < labels.classes.classes.size() && labels.classes.classes[label].role == Role::vegetation;
+}
+
+float brightness(const Photo& photo, Vec2 p) {
+  const Vec2 at = photo.frame.pixel_from_world(p);
+  const int col = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));
+  if (!photo.valid.inside(col, row) || photo.valid.at(col, row) == 0) return 0.0F;
+  return static_cast<float>(2 * photo.rgb.at(col, row, 0) + 5 * photo.rgb.at(col, row, 1) + photo.rgb.at(col, row, 2)) /
+         2040.0F;
+}
+
+Canopy canopy_of(const LabelMap& labels, const Photo& photo) {
+  Canopy canopy{covering_grid(labels.frame.bounds(), grid_m), {}, {}};
+  canopy.cover = Raster<std::uint8_t>(canopy.frame.width, canopy.frame.height);
+  canopy.bright = Raster<float>(canopy.frame.width, canopy.frame.height);
+  for (int row = 0; row < canopy.frame.height; ++row) {
+    for (int col = 0; col < canopy.frame.width; ++col) {
+      for (int k = 0; k < samples * samples; ++k) {
+        const Vec2 p =
+            canopy.frame.world_from_pixel(col + (k % samples + 0.5) / samples, row + (k / samples + 0.5) / samples);
+        if (!is_vegetation(labels, p)) continue;
+        ++canopy.cover.at(col, row);
+        canopy.bright.at(col, row) += sample_share * brightness(photo, p);
+      }
+    }
+  }
+  return canopy;
+}
+
+Raster<float> shares(const Raster<std::uint8_t>& counts) {
+  Raster<float> result(counts.width, counts.height);
+  for (std::size_t i = 0; i < counts.data.size(); ++i)
+    result.data[i] = sample_share * static_cast<float>(counts.data[i]);
+  return result;
+}
+
+/// Mean over 2 reach + 1 cells in a row; cells beyond the border are 0.
+void blur_rows(Raster<float>& raster, int reach) {
+  std::vector<double> sums(static_cast<std::size_t>(raster.width) + 1);
+  for (int row = 0; row < raster.height; ++row) {
+    for (int col = 0; col < raster.width; ++col)
+      sums[static_cast<std::size_t>(col) + 1] =
+          sums[static_cast<std::size_t>(col)] + static_cast<double>(raster.at(col, row));
+    for (int col = 0; col < raster.width; ++col) {
+      const auto low = static_cast<std::size_t>(std::max(0, col - reach));
+      const auto high = static_cast<std::size_t>(std::min(raster.width, col + reach + 1));
+      raster.at(col, row) = static_cast<float>((sums[high] - sums[low]) / (2 * reach + 1));
+    }
+  }
+}
+
+Raster<float> transposed(const Raster<float>& raster) {
+  Raster<float> result(raster.height, raster.width);
+  for (int row = 0; row < raster.height; ++row)
+    for (int col = 0; col < raster.width; ++col) result.at(row, col) = raster.at(col, row);
+  return result;
+}
+
+/// Two box filters in each direction: nearly a cone.
+Raster<float> blurred(Raster<float> raster, int reach) {
+  for (int direction = 0; direction < 2; ++direction) {
+    blur_rows(raster, reach);
+    blur_rows(raster, reach);
+    raster = transposed(raster);
+  }
+  return raster;
+}
+
+/// Larger than the neighbours before it and no smaller than those after it.
+bool is_peak(const Raster<float>& raster, int col, int row) {
+  const float own = raster.at(col, row);
+  for (int dr = -1; dr <= 1; ++dr) {
+    for (int dc = -1; dc <= 1; ++dc) {
+      if ((dr == 0 && dc == 0) || !raster.inside(col + dc, row + dr)) continue;
+      const float other = raster.at(col + dc, row + dr);
+      if (other > own || (other == own && (dr < 0 || (dr == 0 && dc < 0)))) return false;
+    }
+  }
+  return true;
+}
+
+double cover_of_disc(const Canopy& canopy, int col, int row, double radius_m) {
+  const int reach = static_cast<int>(radius_m / grid_m);
+  double sum = 0.0;
+  int count = 0;
+  for (int dr = -reach; dr <= reach; ++dr) {
+    for (int dc = -reach; dc <= reach; ++dc) {
+      if (std::hypot(dc, dr) * grid_m + 0.35 * grid_m > radius_m) continue;  // most of the cell lies in the disc
+      ++count;
+      if (canopy.cover.inside(col + dc, row + dr)) sum += canopy.cover.at(col + dc, row + dr);
+    }
+  }
+  return sum / (count * samples * samples);
+}
+
+/// Crowns by place: is there room for one more?
+class Crowns {
+ public:
+  [[nodiscard]] bool has_room(const TreeCrown& crown) const {
+    const auto [x, y] = cell(crown.at);
+    for (int k = 0; k < 9; ++k) {
+      const auto found = cells_.find({x + k % 3 - 1, y + k / 3 - 1});
+      if (found == cells_.end()) continue;
+      for (const std::size_t i : found->second)
+        if (distance(all[i].at, crown.at) < free_share * (all[i].radius_m + crown.radius_m)) return false;
+    }
+    return true;
+  }
+  void add(const TreeCrown& crown) {
+    cells_[cell(crown.at)].push_back(all.size());
+    all.push_back(crown);
+  }
+  std::vector<TreeCrown> all;
+
+ private:
+  static constexpr double cell_m = 2.0 * radii_m[0];
+  static std::array<int, 2> cell(Vec2 p) {
+    return {static_cast<int>(std::floor(p.x / cell_m)), static_cast<int>(std::floor(p.y / cell_m))};
+  }
+  std::map<std::array<int, 2>, std::vector<std::size_t>> cells_;
+};
+
+}  // namespace
+
+std::vector<TreeCrown> find_crowns(const LabelMap& labels, const Photo& photo) {
+  const Canopy canopy = canopy_of(labels, photo);
+  Crowns crowns;
+  for (const double radius_m : radii_m) {
+    const int reach = std::max(1, static_cast<int>(std::lround(0.35 * radius_m / grid_m)));
+    Raster<float> measure = blurred(canopy.bright, reach);
+    const Raster<float> cover = blurred(shares(canopy.cover), reach);
+    for (std::size_t i = 0; i < measure.data.size(); ++i)
+      measure.data[i] = cover.data[i] > 0.0F ? measure.data[i] / cover.data[i] + cover_weight * cover.data[i] : 0.0F;
+    for (int row = 0; row < measure.height; ++row) {
+      for (int col = 0; col < measure.width; ++col) {
+        if (canopy.cover.at(col, row) == 0 || !is_peak(measure, col, row)) continue;
+        const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
+        if (cover_of_disc(canopy, col, row, radius_m) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
+      }
+    }
+  }
+  return crowns.all;
+}
+
+}  // namespace orthodrive::scene
