@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
 
 #include "roadquery/baked_road.hpp"
 
@@ -42,11 +39,13 @@ inline FramePoint in_frame(const Station& q, double x, double y) {
 /// Two numbers at once: along the heading, and to the left.
 using Pair = double __attribute__((vector_size(16)));
 inline Pair load_pair(const float (&pair)[2]) {
-#ifdef __SSE2__  // g++ 12 converts one number after the other
-  return _mm_cvtps_pd(_mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(pair))));  // NOLINT
-#else
-  return Pair{pair[0], pair[1]};
-#endif
+  // Of four floats, of which two count: g++ 12 converts two by themselves one after the other.
+  using Floats = float __attribute__((vector_size(16)));
+  using Doubles = double __attribute__((vector_size(32)));
+  double both = 0.0;
+  __builtin_memcpy(&both, pair, sizeof both);
+  const Doubles wide = __builtin_convertvector(reinterpret_cast<Floats>(Pair{both, 0.0}), Doubles);
+  return __builtin_shufflevector(wide, wide, 0, 1);
 }
 inline Pair load_pair(const double (&pair)[2]) {
   Pair loaded;
