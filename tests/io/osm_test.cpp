@@ -360,6 +360,18 @@ TEST(OsmFeatures, polygons_lines_and_multipolygons_with_their_tags) {
   EXPECT_EQ(lines, 2) << "stream and ring road";
 }
 
+TEST(OsmFeatures, coordinates_beyond_all_numbers_are_refused_or_wrap_without_harm) {
+  const Scratch scratch;
+  for (const char* lon : {"1e30", "-1e99999", "15.0e17", "1000000000000000000000"}) {
+    write_bytes(scratch / "a.osm", OsmText().raw(fmt::format(R"(<node id="7" lat="50" lon="{}"/>)", lon)).text());
+    try {
+      EXPECT_TRUE(io::read_osm_features(scratch / "a.osm", utm33).empty()) << lon;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("a.osm")) << lon;
+    }
+  }
+}
+
 TEST(OsmFeatures, ways_without_nodes_are_passed_over) {
   const Scratch scratch;
   const fs::path file = scratch / "a.osm";
