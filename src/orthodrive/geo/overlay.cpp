@@ -129,7 +129,7 @@ bool is_on_grid(const MultiPolygon& polygons, double grid_m) {
 MultiPolygon union_of(std::span<const Polygon> polygons, double grid_m) {
   const Geos geos;
   const auto all = geos.collect(polygons);
-  const MultiPolygon joined = geos.polygons(geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m)).get());
+  MultiPolygon joined = geos.polygons(geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m)).get());
   if (is_on_grid(joined, grid_m)) return joined;
   // GEOS gives a polygon that meets no other back as it came.
   const auto again = geos.collect(joined);
