@@ -59,6 +59,11 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
     throw std::runtime_error("road " + std::to_string(road.id) + " has too many lanes");
   stretch.left_count = static_cast<std::uint16_t>(section.left.size());
   stretch.right_count = static_cast<std::uint16_t>(section.right.size());
+  const std::span<const BakedLane> lanes = std::span<const BakedLane>(baked.lanes).subspan(stretch.first);
+  stretch.one_material = !lanes.empty() && std::ranges::all_of(lanes, [&](const BakedLane& lane) {
+    return lane.surface == lanes.front().surface && lane.friction == lanes.front().friction &&
+           lane.roughness_m == lanes.front().roughness_m;
+  });
   baked.stretches.push_back(stretch);
 }
 
