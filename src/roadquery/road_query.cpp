@@ -35,14 +35,14 @@ void fill_place(const BakedRoads& roads, const Found& found, unsigned parts, Hit
   } else if ((parts & hit_material) != 0) {
     fill_material(roads.lanes[lanes.first], hit);
   }
-  if (found.has_crg && !std::isnan(found.friction)) hit.friction = found.friction;
+  if (found.has_relief && !std::isnan(found.friction)) hit.friction = found.friction;
 }
 
-/// Normal and curvature at a found surface, OpenCRG files included.
+/// Normal and curvature at a found surface, relief included.
 Bearing bearing_of(const BakedRoads& roads, const Found& found) {
   const Station& q = roads.stations[found.station];
   Bearing bearing = bearing_at(q, found.line, found.on);
-  if (!found.has_crg) return bearing;
+  if (!found.has_relief) return bearing;
   const LinePlace& line = found.line;
   const double c = (q.cos_hdg * line.dx_du - q.sin_hdg * line.dy_du) * line.inverse_speed;
   const double n = (q.sin_hdg * line.dx_du + q.cos_hdg * line.dy_du) * line.inverse_speed;
@@ -119,7 +119,7 @@ bool follow(const BakedRoads& roads, std::uint32_t station, double x, double y, 
 /// Whether `parts` of a hit are known without the place on the road.
 bool takes_no_foot(const LaneStretch& lanes, unsigned parts) {
   return (parts & (hit_position | hit_curvature)) == 0 && ((parts & hit_material) == 0 || lanes.one_material) &&
-         !lanes.has_crg;
+         lanes.relief == 0;
 }
 
 /// Whether no other surface touches the found one's station there.
@@ -147,7 +147,8 @@ RoadQuery::RoadQuery(RoadMap map) : map_(std::move(map)), baked_(bake(map_)), ju
   find_overlaps(baked_, map_, cells_, alone_level_m);
   find_levels(baked_, map_, cells_);
   if (!map_.crgs || map_.crgs->empty()) return;
-  for (LaneStretch& lanes : baked_.stretches) lanes.has_crg = map_.crgs->on(static_cast<int>(lanes.road)) ? 1 : 0;
+  for (LaneStretch& lanes : baked_.stretches)
+    if (map_.crgs->on(static_cast<int>(lanes.road))) lanes.relief |= relief_crg;
   baked_.crgs = map_.crgs;
 }
 
@@ -287,10 +288,10 @@ std::optional<Hit> RoadQuery::at(std::size_t road, double s, double t) const {
   const double half = q.half_m;
   found.line = place_at(q, std::clamp(s - q.s, -half, half), {});
   surface_at_t(baked_, q, found.line.u, t, found.on);
-  found.has_crg = baked_.stretches[q.lanes].has_crg != 0;
-  if (found.has_crg) {
+  found.has_relief = baked_.stretches[q.lanes].relief != 0;
+  if (found.has_relief) {
     const SurfacePoint p = surface_point(map_.roads[road], q.s + found.line.u, t);
-    lay_crgs(baked_, q, p.x, p.y, found);
+    lay_relief(baked_, q, p.x, p.y, found);
   }
   Hit hit;
   fill_hit(baked_, found, hit_all, hit);
