@@ -100,9 +100,12 @@ int rq_query(const rq_map* map, rq_cursor* cursor, double x, double y, double z_
 
 int rq_height(const rq_map* map, rq_cursor* cursor, double x, double y, double z_guess, double* z) {
   if (map == nullptr || cursor == nullptr || z == nullptr) return RQ_BAD_INPUT;
-  Hit found;
-  const int status = find(*map, *cursor, x, y, z_guess, 0, found);
-  if (status > 0) *z = found.z;
+  if (!std::isfinite(x) || !std::isfinite(y)) return RQ_BAD_INPUT;
+  Cursor at = read_cursor(*cursor);
+  double found_z = 0.0;
+  const int status = status_of(map->ground.find_height(x, y, z_guess, at, found_z));
+  write_cursor(at, *cursor);
+  if (status > 0) *z = found_z;
   return status;
 }
 

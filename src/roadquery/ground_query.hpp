@@ -46,15 +46,27 @@ class GroundQuery {
     if (!terrain_) return on_road ? place_of(hit) : Place::none;
     return choose(on_road, x, y, z_guess, hit);
   }
+  /// What find() gives without any part, for less.
+  [[nodiscard]] Place find_height(double x, double y, double z_guess, Cursor& cursor, double& z) const {
+    if (terrain_) {
+      Hit hit;
+      const Place place = find(x, y, z_guess, cursor, 0, hit);
+      z = hit.z;
+      return place;
+    }
+    HeightHit hit;
+    if (!roads_.find_height(x, y, z_guess, cursor, hit)) return Place::none;
+    z = hit.z;
+    return hit.in_junction ? Place::junction : place_on(hit.road);
+  }
   /// Ids of a road and of its junction (-1: none), by the road's index.
   [[nodiscard]] RoadIds ids(int road) const { return ids_[static_cast<std::size_t>(road)]; }
   /// Point (s, t) of a road, by its index, with the height and normal that find() gives there.
   [[nodiscard]] SurfacePoint point(int road, double s, double t) const;
 
  private:
-  [[nodiscard]] Place place_of(const Hit& hit) const {
-    return hit.in_junction || ids(hit.road).junction >= 0 ? Place::junction : Place::road;
-  }
+  [[nodiscard]] Place place_on(int road) const { return ids(road).junction >= 0 ? Place::junction : Place::road; }
+  [[nodiscard]] Place place_of(const Hit& hit) const { return hit.in_junction ? Place::junction : place_on(hit.road); }
   /// Road or terrain, where both may be; `hit` is the road's when there is one.
   [[nodiscard]] Place choose(bool on_road, double x, double y, double z_guess, Hit& hit) const;
   [[nodiscard]] std::optional<TerrainPoint> ground_beside_roads(double x, double y) const;

@@ -37,11 +37,12 @@ void for_strips(const Area& area, const Edge& edge, const Visit& visit) {
   for (std::uint32_t k = strip_of(area, std::min(edge.y0, edge.y1)); k <= last; ++k) visit(k);
 }
 
-/// Cells of a field that something passes.
-class Passed {
+/// Calls mark(column, row) for cells of a field that an edge passes, or that an arm counts in.
+template <typename Mark>
+class CellMarker {
  public:
-  Passed(const JunctionSurface& surface)
-      : surface_(surface), passed_(surface.z.size(), 0), per_m_(1.0 / surface.spacing_m) {}
+  CellMarker(const JunctionSurface& surface, const Mark& mark)
+      : surface_(surface), mark_(mark), per_m_(1.0 / surface.spacing_m) {}
 
   void add_edge(const std::array<double, 2>& from, const std::array<double, 2>& to) {
     constexpr double rounding = 1e-3;  // of a cell
@@ -55,7 +56,8 @@ class Passed {
       const double a = is_level ? 0.0 : along(row - rounding), b = is_level ? 1.0 : along(row + 1.0 + rounding);
       const double xa = x0 + a * (x1 - x0), xb = x0 + b * (x1 - x0);
       const int end = cell(std::max(xa, xb) + rounding, surface_.columns);
-      for (int column = cell(std::min(xa, xb) - rounding, surface_.columns); column <= end; ++column) mark(column, row);
+      for (int column = cell(std::min(xa, xb) - rounding, surface_.columns); column <= end; ++column)
+        mark_(column, row);
     }
   }
   void add_arm(const JunctionArm& arm) {
@@ -72,24 +74,17 @@ class Passed {
         const double dx = surface_.x + (column + 0.5) * surface_.spacing_m - arm.x,
                      dy = surface_.y + (row + 0.5) * surface_.spacing_m - arm.y;
         const double in_m = arm.in_x * dx + arm.in_y * dy, left_m = arm.in_x * dy - arm.in_y * dx;
-        if (!(std::abs(in_m) > in || left_m < right || left_m > left)) mark(column, row);
+        if (!(std::abs(in_m) > in || left_m < right || left_m > left)) mark_(column, row);
       }
   }
-  [[nodiscard]] bool at(int column, int row) const { return passed_[index(column, row)] != 0; }
 
  private:
   /// Of NaN the first one.
   static int cell(double at, int count) {
     return at > 0.0 ? static_cast<int>(std::min(at, static_cast<double>(count - 1))) : 0;
   }
-  [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(surface_.columns) +
-           static_cast<std::size_t>(column);
-  }
-  void mark(int column, int row) { passed_[index(column, row)] = 1; }
-
   const JunctionSurface& surface_;
-  std::vector<std::uint8_t> passed_;
+  const Mark& mark_;
   double per_m_;
 };
 
@@ -130,24 +125,27 @@ void JunctionIndex::add(const JunctionSurface& surface) {
   arms_.insert(arms_.end(), surface.arms.begin(), surface.arms.end());
   area.inverse_spacing = 1.0 / surface.spacing_m;
   cut_into_strips(surface.boundary, area);
-  area.calm = static_cast<std::uint32_t>(calm_.size());
+  area.inner = static_cast<std::uint32_t>(inner_.size());
   areas_.push_back(area);
-  find_calm(surface, static_cast<std::uint32_t>(areas_.size() - 1));
+  find_inner(surface, static_cast<std::uint32_t>(areas_.size() - 1));
 }
 
-void JunctionIndex::find_calm(const JunctionSurface& surface, std::uint32_t junction) {
-  const std::size_t first = calm_.size();
-  calm_.resize(first + surface.z.size(), 0);
+void JunctionIndex::find_inner(const JunctionSurface& surface, std::uint32_t junction) {
+  const std::size_t first = inner_.size();
+  inner_.resize(first + surface.z.size(), unknown);
   if (!is_usable(surface)) return;
-  Passed passed(surface);
+  const auto cell_of = [&](int column, int row) {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) + static_cast<std::size_t>(column);
+  };
+  std::vector<bool> on_boundary(surface.z.size(), false);
+  const auto pass = [&](int column, int row) { on_boundary[cell_of(column, row)] = true; };
   const auto& ring = surface.boundary;
   for (std::size_t i = 0, before = ring.size() - 1; i < ring.size(); before = i++)
-    passed.add_edge(ring[before], ring[i]);
-  for (const JunctionArm& arm : surface.arms) passed.add_arm(arm);
+    CellMarker(surface, pass).add_edge(ring[before], ring[i]);
   for (int row = 1; row + 2 < surface.rows; ++row) {
-    bool known = false, inside = false;  // what one cell is the next one is, unless something passes between
+    bool known = false, inside = false;  // what one cell is the next one is, unless the boundary passes between
     for (int column = 1; column + 2 < surface.columns; ++column) {
-      if (passed.at(column, row)) {
+      if (on_boundary[cell_of(column, row)]) {
         known = false;
         continue;
       }
@@ -155,9 +153,19 @@ void JunctionIndex::find_calm(const JunctionSurface& surface, std::uint32_t junc
         inside = contains(junction, surface.x + (column + 0.5) * surface.spacing_m,
                           surface.y + (row + 0.5) * surface.spacing_m);
       known = true;
-      calm_[first + static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
-            static_cast<std::size_t>(column)] = inside ? 1 : 0;
+      inner_[first + cell_of(column, row)] = inside ? no_arm : unknown;
     }
+  }
+  constexpr std::size_t most_arms = 255 - first_arm;
+  for (std::size_t k = 0; k < surface.arms.size(); ++k) {
+    const auto count = [&](int column, int row) {
+      std::uint8_t& inner = inner_[first + cell_of(column, row)];
+      if (inner == no_arm && k < most_arms)
+        inner = static_cast<std::uint8_t>(first_arm + k);
+      else if (inner != unknown)
+        inner = several_arms;
+    };
+    CellMarker(surface, count).add_arm(surface.arms[k]);
   }
 }
 
@@ -208,9 +216,15 @@ JunctionOver JunctionIndex::over(std::uint32_t junction, double x, double y) con
     const int c = static_cast<int>(column), r = static_cast<int>(row);
     const std::uint32_t node =
         static_cast<std::uint32_t>(r) * static_cast<std::uint32_t>(area.columns) + static_cast<std::uint32_t>(c);
-    if (calm_[area.calm + node] != 0)
-      return {junction, evaluate_nodes(z_.data() + area.z + node - area.columns - 1, area.columns, column - c, row - r,
-                                       area.inverse_spacing)};
+    if (const std::uint8_t inner = inner_[area.inner + node]; inner != unknown) {
+      const JunctionHeight field = evaluate_nodes(z_.data() + area.z + node - area.columns - 1, area.columns,
+                                                  column - c, row - r, area.inverse_spacing);
+      if (inner == no_arm) return {junction, field};
+      const JunctionArm* arms = arms_.data() + area.arms;
+      const std::span<const JunctionArm> near =
+          inner == several_arms ? std::span(arms, area.arm_count) : std::span(arms + (inner - first_arm), 1);
+      return {junction, blend_arms(field, near, x, y)};
+    }
   }
   if (!contains(junction, x, y)) return {};
   const JunctionHeight at = evaluate(JunctionField{area.x,

@@ -179,13 +179,16 @@ bool contains(const JunctionSurface& surface, double x, double y) {
 }
 
 JunctionHeight evaluate(const JunctionField& surface, double x, double y) {
-  const JunctionHeight field = field_at(surface, x, y);
+  return blend_arms(field_at(surface, x, y), surface.arms, x, y);
+}
+
+JunctionHeight blend_arms(const JunctionHeight& field, std::span<const JunctionArm> arms, double x, double y) {
   // Sums of shares and of shares times heights over the field: of differences, for the sake of rounding.
   bool is_alone = true;
   double shares = 1.0, dshares_dx = 0.0, dshares_dy = 0.0;
   JunctionHeight sum;
   ArmAt at;
-  for (const JunctionArm& arm : surface.arms) {
+  for (const JunctionArm& arm : arms) {
     if (!arm_at(arm, x, y, at)) continue;
     is_alone = false;
     const double over = at.height.z - field.z;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "roadquery/baked_surface.hpp"
 #include "roadquery/blend.hpp"
@@ -234,15 +235,45 @@ bool RoadQuery::fill_level(const Level& level, double x, double y, unsigned part
 
 /// Where one junction's own surface answers for all that lies over the station. What is asked of the road takes no
 /// foot.
+template <typename Answer>
 bool RoadQuery::find_in_core(const StationJunction& junction, const Station& q, double x, double y, double z_hint,
-                             unsigned parts, Hit& hit) const {
+                             unsigned parts, Answer& hit) const {
   const JunctionOver over = junctions_.over(junction.index, x, y);
   if (over.junction == no_index || !(std::abs(over.at.z - z_hint) <= coherent_level_m)) return false;
   const LaneStretch& lanes = baked_.stretches[q.lanes];
   hit.road = static_cast<int>(lanes.road);
-  if ((parts & hit_material) != 0) fill_material(baked_.lanes[lanes.first], hit);
-  fill_junction(over.at, parts, hit);
+  if constexpr (std::is_same_v<Answer, Hit>) {
+    if ((parts & hit_material) != 0) fill_material(baked_.lanes[lanes.first], hit);
+    fill_junction(over.at, parts, hit);
+  } else {
+    hit.z = over.at.z, hit.in_junction = true;
+  }
   return true;
+}
+
+template <typename Answer>
+RoadQuery::Followed RoadQuery::follow_cursor(double x, double y, double z_hint, Cursor& cursor, unsigned parts,
+                                             Found& here, Answer& hit) const {
+  const std::uint32_t station = station_of(baked_, cursor);
+  if (station == no_index) return Followed::no;
+  const Station& q = baked_.stations[station];
+  const StationJunction& junction = baked_.deciding_junction[station];
+  if (junction.core_right < junction.core_left && takes_no_foot(baked_.stretches[q.lanes], parts)) {
+    const NearPlace near = near_place(q, x, y);
+    if (is_in_core(q, junction, near) && find_in_core(junction, q, x, y, z_hint, parts, hit)) {
+      cursor = {hit.road, q.s + near.u, station};
+      return Followed::alone;
+    }
+  }
+  if (!follow(baked_, station, x, y, z_hint, here)) return Followed::no;
+  if (!is_alone(baked_, here)) return Followed::crowded;
+  const Station& on = baked_.stations[here.station];
+  if constexpr (std::is_same_v<Answer, Hit>)
+    fill_hit(baked_, here, parts, hit);
+  else
+    hit.road = static_cast<int>(baked_.road_of(on)), hit.z = here.on.z;
+  cursor.road = hit.road, cursor.s = on.s + here.line.u, cursor.station = here.station;
+  return Followed::alone;
 }
 
 bool RoadQuery::find_among(const Found* followed, double x, double y, double z_hint, Cursor& cursor, unsigned parts,
@@ -255,23 +286,20 @@ bool RoadQuery::find_among(const Found* followed, double x, double y, double z_h
 }
 
 bool RoadQuery::find(double x, double y, double z_hint, Cursor& cursor, unsigned parts, Hit& hit) const {
-  const std::uint32_t station = station_of(baked_, cursor);
-  if (station == no_index) return find_among(nullptr, x, y, z_hint, cursor, parts, hit);
-  const Station& q = baked_.stations[station];
-  const StationJunction& junction = baked_.deciding_junction[station];
-  if (junction.core_right < junction.core_left && takes_no_foot(baked_.stretches[q.lanes], parts)) {
-    const NearPlace near = near_place(q, x, y);
-    if (is_in_core(q, junction, near) && find_in_core(junction, q, x, y, z_hint, parts, hit)) {
-      cursor = {hit.road, q.s + near.u, station};
-      return true;
-    }
-  }
   Found here;
-  if (!follow(baked_, station, x, y, z_hint, here)) return find_among(nullptr, x, y, z_hint, cursor, parts, hit);
-  if (!is_alone(baked_, here)) return find_among(&here, x, y, z_hint, cursor, parts, hit);
-  fill_hit(baked_, here, parts, hit);
-  cursor = {hit.road, baked_.stations[here.station].s + here.line.u, here.station};
-  return true;
+  const Followed followed = follow_cursor(x, y, z_hint, cursor, parts, here, hit);
+  if (followed == Followed::alone) return true;
+  return find_among(followed == Followed::crowded ? &here : nullptr, x, y, z_hint, cursor, parts, hit);
+}
+
+bool RoadQuery::find_height(double x, double y, double z_hint, Cursor& cursor, HeightHit& hit) const {
+  Found here;
+  const Followed followed = follow_cursor(x, y, z_hint, cursor, 0, here, hit);
+  if (followed == Followed::alone) return true;
+  Hit whole;
+  const bool found = find_among(followed == Followed::crowded ? &here : nullptr, x, y, z_hint, cursor, 0, whole);
+  hit = {whole.road, whole.z, whole.in_junction};
+  return found;
 }
 
 void RoadQuery::find_batch(std::span<const std::array<double, 3>> points, std::span<Cursor> cursors,

@@ -30,6 +30,13 @@ struct Hit {
   bool in_junction = false;  ///< on a junction's own surface (JunctionSurface)
 };
 
+/// The least of a Hit.
+struct HeightHit {
+  int road = -1;
+  double z = 0.0;
+  bool in_junction = false;
+};
+
 /// What find() fills in of a Hit besides z, road and in_junction.
 enum HitPart : unsigned {
   hit_normal = 1,
@@ -90,10 +97,11 @@ class RoadQuery {
   }
   /// The same into a fresh Hit of the caller's; false: nothing.
   [[nodiscard]] bool find(double x, double y, double z_hint, Cursor& cursor, unsigned parts, Hit& hit) const;
-  /// Hit::z of find() alone, for less.
+  /// What find() gives without any part, for less.
+  [[nodiscard]] bool find_height(double x, double y, double z_hint, Cursor& cursor, HeightHit& hit) const;
   [[nodiscard]] std::optional<double> find_height(double x, double y, double z_hint, Cursor& cursor) const {
-    Hit hit;
-    return find(x, y, z_hint, cursor, 0, hit) ? std::optional(hit.z) : std::nullopt;
+    HeightHit hit;
+    return find_height(x, y, z_hint, cursor, hit) ? std::optional(hit.z) : std::nullopt;
   }
   /// find() for each of the points, each with its own cursor (all spans of one length).
   void find_batch(std::span<const std::array<double, 3>> points, std::span<Cursor> cursors,
@@ -113,8 +121,14 @@ class RoadQuery {
  private:
   struct Level;
   void search_place(const Cell& cell, double x, double y, FoundList& list) const;
+  /// Whether the cursor's station is the answer; `crowded`: `here` is on it, and other surfaces lie near it.
+  enum class Followed { no, alone, crowded };
+  template <typename Answer>
+  [[nodiscard]] Followed follow_cursor(double x, double y, double z_hint, Cursor& cursor, unsigned parts, Found& here,
+                                       Answer& hit) const;
+  template <typename Answer>
   [[nodiscard]] bool find_in_core(const StationJunction& junction, const Station& q, double x, double y, double z_hint,
-                                  unsigned parts, Hit& hit) const;
+                                  unsigned parts, Answer& hit) const;
   [[nodiscard]] bool find_among(const Found* followed, double x, double y, double z_hint, Cursor& cursor,
                                 unsigned parts, Hit& hit) const;
   [[nodiscard]] Level search(double x, double y, double z_hint, const Found* followed, FoundList& list) const;

@@ -140,6 +140,43 @@ TEST(JunctionIndex, contains_is_that_of_the_whole_ring) {
   }
 }
 
+TEST(JunctionIndex, over_is_evaluate_inside_the_ring) {
+  Uniform uniform{std::mt19937(7)};
+  for (const int arms : {0, 1, 3, 300}) {
+    JunctionSurface surface;
+    surface.x = 970.0, surface.y = -530.0, surface.spacing_m = 0.5, surface.columns = 121, surface.rows = 121;
+    for (int i = 0; i < surface.columns * surface.rows; ++i) surface.z.push_back(uniform(199.0, 201.0));
+    for (int k = 0; k < 40; ++k) {
+      const double angle = 2.0 * std::numbers::pi * k / 40, radius = uniform(12.0, 34.0);  // also beyond the grid
+      surface.boundary.push_back({1000.0 + radius * std::cos(angle), -500.0 + radius * std::sin(angle)});
+    }
+    for (int k = 0; k < arms; ++k) {
+      const double heading = 2.0 * std::numbers::pi * k / arms, away = k % 2 == 0 ? 12.0 : 3.0;
+      surface.arms.push_back({1000.0 + away * std::cos(heading),
+                              -500.0 + away * std::sin(heading),
+                              -std::cos(heading),
+                              -std::sin(heading),
+                              {{-4.0, 200.5, 0.03}, {0.5, 200.4, 0.02}, {3.0, 200.2, 0.01}}});
+    }
+    RoadMap map;
+    map.junctions = {{.id = 2, .surface = surface}};
+    const JunctionIndex index(map);
+    int inside = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const double x = uniform(965.0, 1035.0), y = uniform(-535.0, -465.0);
+      const JunctionOver over = index.over(0, x, y);
+      ASSERT_EQ(over.junction == 0, contains(surface, x, y)) << x << " " << y;
+      if (over.junction != 0) continue;
+      const JunctionHeight exact = evaluate(surface, x, y);
+      ASSERT_NEAR(over.at.z, exact.z, 1e-10) << arms << " arms, " << x << " " << y;
+      ASSERT_NEAR(over.at.dz_dx, exact.dz_dx, 1e-9);
+      ASSERT_NEAR(over.at.dz_dy, exact.dz_dy, 1e-9);
+      ++inside;
+    }
+    EXPECT_GT(inside, 2000);
+  }
+}
+
 /// A road of 700 m of width and its turn: cells that lie hundreds of metres beside their stations.
 TEST(RoadQuery, very_wide_road_is_found_everywhere) {
   RoadMap map;
