@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "orthodrive/network/lay_bends.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -139,7 +141,7 @@ class BendEasing {
  public:
   BendEasing(ChainLine& line, bool closed, double inner_radius_m)
       : line_(line), closed_(closed), inner_radius_m_(inner_radius_m) {
-    for (const ChainLineNode& node : line.nodes) original_.push_back(node.p);
+    for (const ChainLineNode& node : line.nodes) original_.push_back(node.p), was_.push_back(was_.size());
   }
 
   /// Moves nodes of too sharp bends towards the chord of their neighbours until the circle through the three is wide
@@ -180,14 +182,18 @@ class BendEasing {
       new_index.push_back(kept.size() - 1);
     }
     std::vector<Vec2> original;
-    for (const std::size_t i : kept) thinned.nodes.push_back(line_.nodes[i]), original.push_back(original_[i]);
+    std::vector<std::size_t> was;
+    for (const std::size_t i : kept)
+      thinned.nodes.push_back(line_.nodes[i]), original.push_back(original_[i]), was.push_back(was_[i]);
     if (thinned.nodes.size() == line_.nodes.size()) return false;
     for (std::size_t& joint : line_.joint) joint = new_index[joint];
     line_.nodes = std::move(thinned.nodes);
-    original_ = std::move(original);
+    original_ = std::move(original), was_ = std::move(was);
     return true;
   }
 
+  /// Index before easing, of every node.
+  [[nodiscard]] const std::vector<std::size_t>& was() const { return was_; }
   [[nodiscard]] int moved() const {
     int count = 0;
     for (std::size_t i = 0; i < original_.size(); ++i)
@@ -218,6 +224,7 @@ class BendEasing {
   bool closed_;
   double inner_radius_m_;
   std::vector<Vec2> original_;
+  std::vector<std::size_t> was_;
 };
 
 /// False: some bends are still too sharp.
@@ -250,6 +257,7 @@ int ease_bends(ChainLine& line, bool closed, Findings& findings) {
   if (const auto sharp = easing.sharp_node())
     report(Severity::warning, "network.bend_too_sharp", "a bend is sharper than the carriageway is wide and stays so",
            line.nodes[*sharp].p);
+  lay_bends(line.nodes, before.nodes, easing.was(), closed);
   return easing.moved();
 }
 

@@ -19,21 +19,6 @@ constexpr double same_level_m = 1.5;
 constexpr double height_per_m = 0.03, gradient_per_m = 0.006, banking_per_m = 0.0033;
 constexpr double walking_pace = 2.0;  // roads too short for 20 m are driven slowly: banking may change by so many times
 
-const Cubic* cubic_at(const std::vector<Cubic>& cubics, double s) {
-  if (cubics.empty()) return nullptr;
-  const auto after =
-      std::upper_bound(cubics.begin(), cubics.end(), s, [](double v, const Cubic& c) { return v < c.s; });
-  return &*(after == cubics.begin() ? after : after - 1);
-}
-double value_of(const std::vector<Cubic>& cubics, double s) {
-  const Cubic* cubic = cubic_at(cubics, s);
-  return cubic ? value_at(*cubic, s) : 0.0;
-}
-double slope_of(const std::vector<Cubic>& cubics, double s) {
-  const Cubic* cubic = cubic_at(cubics, s);
-  return cubic ? slope_at(*cubic, s) : 0.0;
-}
-
 /// The chain that runs through a vertex.
 struct Main {
   ChainIndex chain;
@@ -80,10 +65,10 @@ MainSurface surface_at(const ChainGeometry& chain, double s, Vec2 p) {
     pose = pose_at(chain.plan, s);
   }
   const double t = cross(pose.direction, p - pose.p), side = t < 0.0 ? -1.0 : 1.0;
-  const double across = std::tan(value_of(chain.superelevation, s)) - side * value_of(chain.crown, s);
-  const double along = slope_of(chain.elevation, s), beyond_end_m = dot(p - pose.p, pose.direction);
+  const double across = std::tan(value_at(chain.superelevation, s)) - side * value_at(chain.crown, s);
+  const double along = slope_at(chain.elevation, s), beyond_end_m = dot(p - pose.p, pose.direction);
   const Vec2 left = left_normal(pose.direction);
-  return {value_of(chain.elevation, s) + beyond_end_m * along + t * across, pose.direction * along + left * across,
+  return {value_at(chain.elevation, s) + beyond_end_m * along + t * across, pose.direction * along + left * across,
           std::abs(t) - 0.5 * width_at(chain, s)};
 }
 
@@ -136,8 +121,8 @@ std::optional<Change> wanted_change(const ChainGeometry& side, double s, bool at
   const Vec2 in = at_s1 ? pose.direction : pose.direction * -1.0;
   const MainSurface surface = surface_at(main, main_s, pose.p);
   const double sign = at_s1 ? 1.0 : -1.0;
-  const double z = value_of(side.elevation, s), gradient = sign * slope_of(side.elevation, s);
-  const double banking = sign * std::tan(value_of(side.superelevation, s));
+  const double z = value_at(side.elevation, s), gradient = sign * slope_at(side.elevation, s);
+  const double banking = sign * std::tan(value_at(side.superelevation, s));
   if (std::abs(z - surface.z) > same_level_m) return std::nullopt;
   const double along = dot(surface.slope, in), across = dot(surface.slope, left_normal(in));
   const double wanted_gradient = along + limited(gradient - along, gradient_break);
@@ -145,7 +130,7 @@ std::optional<Change> wanted_change(const ChainGeometry& side, double s, bool at
   const double corner = std::clamp(surface.beyond_m, 0.0, longest_corner_m);
   const double wanted_z = surface.z - 0.5 * corner * (wanted_gradient - along);
   const Change change{wanted_z - z, sign * (wanted_gradient - gradient),
-                      sign * (std::atan(wanted_banking) - std::atan(banking)), -value_of(side.crown, s)};
+                      sign * (std::atan(wanted_banking) - std::atan(banking)), -value_at(side.crown, s)};
   constexpr double no_height_m = 0.01, no_slope = 0.005;
   if (std::abs(change.z) < no_height_m && std::abs(change.gradient) < no_slope && std::abs(change.banking) < no_slope &&
       std::abs(change.crown) < no_slope)
