@@ -156,12 +156,13 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
 }
 
 /// How far a road may have left the slope that it has in a junction's plane `gone_m` away. Where nothing is measured it
-/// goes to its design evenly.
-double turned_at_most(bool is_design, double to_design, double gone_m) {
+/// goes to its design evenly, from where it has left a road as wide as itself.
+double turned_at_most(bool is_design, double to_design, double gone_m, double width_m) {
   constexpr double least_twist_1pm = 0.002;  // relative gradient of 0.65 % over half a street
   const double most = most_twist_1pm * gone_m;
   if (!is_design) return most;
-  return std::min(most, std::max(least_twist_1pm * gone_m, to_design * gone_m / banking_runout_m));
+  const double left_m = std::max(0.0, gone_m - width_m);
+  return std::min(most, std::max(least_twist_1pm * gone_m, to_design * left_m / banking_runout_m));
 }
 
 /// From where it lies in a junction's plane a road turns no faster than that; the main road only where nothing of it is
@@ -172,11 +173,11 @@ void limit_twist(const StationChain& chain, const DesignBanking& design, const s
   const std::size_t n = chain.stations.size();
   std::vector<double> least(n, -INFINITY), most(n, INFINITY);
   for (const BankingAnchor& anchor : anchors) {
-    const double slope = fit.slope[anchor.station];
+    const double slope = fit.slope[anchor.station], width_m = 2.0 * chain.stations[anchor.station].half_width_m;
     const auto bound = [&](std::size_t i, double gone_m) {
       const bool is_design = fit.source[i] == BankingSource::design;
       if (anchor.is_main && !is_design) return false;
-      const double room = turned_at_most(is_design, std::abs(design.slope[i] - slope), gone_m);
+      const double room = turned_at_most(is_design, std::abs(design.slope[i] - slope), gone_m, width_m);
       least[i] = std::max(least[i], slope - room), most[i] = std::min(most[i], slope + room);
       return true;
     };

@@ -50,6 +50,23 @@ Table<VertexIndex, std::optional<Main>> main_chains(const RoadNetwork& roads, co
   return mains;
 }
 
+/// The main road where stretch i begins or ends, none where that is the chain itself. Where it is, but came there from
+/// another main road within the junction, that one.
+std::optional<Main> main_road_of(const JunctionPlan& junctions, std::size_t i, bool at_s1,
+                                 const Table<VertexIndex, std::optional<Main>>& mains) {
+  const std::vector<Stretch>& all = junctions.stretches;
+  const ChainIndex chain = all[i].chain;
+  for (;;) {
+    const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
+    if (!vertex || !mains[vertex]) return std::nullopt;
+    const Main& main = *mains[vertex];
+    if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0)) return main;
+    if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
+    i = at_s1 ? i + 1 : i - 1;
+    if (all[i].chain != chain || !all[i].inside) return std::nullopt;
+  }
+}
+
 /// The main road's surface, carried on beyond its edge.
 struct MainSurface {
   double z = 0.0;
@@ -202,14 +219,12 @@ void ease_arms(const RoadNetwork& roads, const Topology& topology, const Junctio
     const ChainGeometry& side = geometry[stretch.chain];
     if (stretch.inside || side.closed) continue;
     const double begin = cuts[i].front(), end = cuts[i].back();
-    const auto wanted_at = [&](VertexIndex vertex, double vertex_s, bool at_s1) -> std::optional<Change> {
-      if (!vertex || !mains[vertex]) return std::nullopt;
-      const Main& main = *mains[vertex];
-      if (main.chain == stretch.chain && main.s == vertex_s) return std::nullopt;  // it is the main road
-      return wanted_change(side, at_s1 ? end : begin, at_s1, geometry[main.chain], main.s);
+    const auto wanted_at = [&](bool at_s1) -> std::optional<Change> {
+      const std::optional<Main> main = main_road_of(junctions, i, at_s1, mains);
+      if (!main) return std::nullopt;
+      return wanted_change(side, at_s1 ? end : begin, at_s1, geometry[main->chain], main->s);
     };
-    const std::optional<Change> at_begin = wanted_at(stretch.vertex0, stretch.s0, false),
-                                at_end = wanted_at(stretch.vertex1, stretch.s1, true);
+    const std::optional<Change> at_begin = wanted_at(false), at_end = wanted_at(true);
     const double room = at_begin && at_end ? 0.5 * (end - begin) : end - begin;
     EasedEnds ends{{begin, begin, {}}, {end, end, {}}};
     const auto ease = [&](Eased& at, bool at_s1, const std::optional<Change>& wanted) {
