@@ -50,23 +50,6 @@ Table<VertexIndex, std::optional<Main>> main_chains(const RoadNetwork& roads, co
   return mains;
 }
 
-/// The main road where stretch i begins or ends, none where that is the chain itself. Where it is, but came there from
-/// another main road within the junction, that one.
-std::optional<Main> main_road_of(const JunctionPlan& junctions, std::size_t i, bool at_s1,
-                                 const Table<VertexIndex, std::optional<Main>>& mains) {
-  const std::vector<Stretch>& all = junctions.stretches;
-  const ChainIndex chain = all[i].chain;
-  for (;;) {
-    const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
-    if (!vertex || !mains[vertex]) return std::nullopt;
-    const Main& main = *mains[vertex];
-    if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0)) return main;
-    if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
-    i = at_s1 ? i + 1 : i - 1;
-    if (all[i].chain != chain || !all[i].inside) return std::nullopt;
-  }
-}
-
 /// The main road's surface, carried on beyond its edge.
 struct MainSurface {
   double z = 0.0;
@@ -87,6 +70,28 @@ MainSurface surface_at(const ChainGeometry& chain, double s, Vec2 p) {
   const Vec2 left = left_normal(pose.direction);
   return {value_at(chain.elevation, s) + beyond_end_m * along + t * across, pose.direction * along + left * across,
           std::abs(t) - 0.5 * width_at(chain, s)};
+}
+
+/// The main road where stretch i begins or ends at p, none where that is the chain itself. Where it is, but came
+/// there from another main road within the junction and still lies beside its edge, that one.
+std::optional<Main> main_road_of(const JunctionPlan& junctions, std::size_t i, bool at_s1, Vec2 p,
+                                 const Table<VertexIndex, std::optional<Main>>& mains,
+                                 const ChainGeometries& geometry) {
+  constexpr double beside_m = 3.0;
+  const std::vector<Stretch>& all = junctions.stretches;
+  const ChainIndex chain = all[i].chain;
+  for (bool passed = false;; passed = true) {
+    const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
+    if (!vertex || !mains[vertex]) return std::nullopt;
+    const Main& main = *mains[vertex];
+    if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0)) {
+      if (passed && surface_at(geometry[main.chain], main.s, p).beyond_m > beside_m) return std::nullopt;
+      return main;
+    }
+    if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
+    i = at_s1 ? i + 1 : i - 1;
+    if (all[i].chain != chain || !all[i].inside) return std::nullopt;
+  }
 }
 
 /// Adds the cubic `change` from its s to `end`.
@@ -220,9 +225,10 @@ void ease_arms(const RoadNetwork& roads, const Topology& topology, const Junctio
     if (stretch.inside || side.closed) continue;
     const double begin = cuts[i].front(), end = cuts[i].back();
     const auto wanted_at = [&](bool at_s1) -> std::optional<Change> {
-      const std::optional<Main> main = main_road_of(junctions, i, at_s1, mains);
+      const double cut = at_s1 ? end : begin;
+      const std::optional<Main> main = main_road_of(junctions, i, at_s1, pose_at(side.plan, cut).p, mains, geometry);
       if (!main) return std::nullopt;
-      return wanted_change(side, at_s1 ? end : begin, at_s1, geometry[main->chain], main->s);
+      return wanted_change(side, cut, at_s1, geometry[main->chain], main->s);
     };
     const std::optional<Change> at_begin = wanted_at(false), at_end = wanted_at(true);
     const double room = at_begin && at_end ? 0.5 * (end - begin) : end - begin;
