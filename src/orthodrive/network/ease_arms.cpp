@@ -72,27 +72,61 @@ MainSurface surface_at(const ChainGeometry& chain, double s, Vec2 p) {
           std::abs(t) - 0.5 * width_at(chain, s)};
 }
 
-/// The main road where stretch i begins or ends at p, none where that is the chain itself. Where it is, but came
-/// there from another main road within the junction and still lies beside its edge, that one.
-std::optional<Main> main_road_of(const JunctionPlan& junctions, std::size_t i, bool at_s1, Vec2 p,
-                                 const Table<VertexIndex, std::optional<Main>>& mains,
-                                 const ChainGeometries& geometry) {
-  constexpr double beside_m = 3.0;
-  const std::vector<Stretch>& all = junctions.stretches;
-  const ChainIndex chain = all[i].chain;
-  for (bool passed = false;; passed = true) {
-    const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
-    if (!vertex || !mains[vertex]) return std::nullopt;
-    const Main& main = *mains[vertex];
-    if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0)) {
-      if (passed && surface_at(geometry[main.chain], main.s, p).beyond_m > beside_m) return std::nullopt;
-      return main;
-    }
-    if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
-    i = at_s1 ? i + 1 : i - 1;
-    if (all[i].chain != chain || !all[i].inside) return std::nullopt;
+/// Who is the main road where stretches begin and end.
+class MainRoads {
+ public:
+  MainRoads(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
+            const ChainGeometries& geometry)
+      : junctions_(junctions),
+        geometry_(geometry),
+        at_vertex_(main_chains(roads, topology, geometry)),
+        in_junction_(static_cast<std::size_t>(junctions.junctions)) {
+    for (const VertexIndex v : at_vertex_.indices())
+      if (const int junction = junctions.junction_of_vertex[v]; junction >= 0 && at_vertex_[v])
+        in_junction_[static_cast<std::size_t>(junction)].push_back(*at_vertex_[v]);
   }
-}
+
+  /// None where it is the chain itself. Where that came there from another main road within the junction and still lies
+  /// beside its edge, that one; and where it lies beside the edge of another main road of the junction, nearer than to
+  /// its own, that one. `p`: where the stretch is cut.
+  [[nodiscard]] std::optional<Main> of(std::size_t i, bool at_s1, Vec2 p) const {
+    std::optional<Main> main = own_or_before(i, at_s1, p);
+    const Stretch& stretch = junctions_.stretches[i];
+    if (!main || main->chain == stretch.chain) return main;
+    double nearest_m = std::min(beyond_m(*main, p), beside_m);
+    for (const Main& other : in_junction_[static_cast<std::size_t>(
+             junctions_.junction_of_vertex[at_s1 ? stretch.vertex1 : stretch.vertex0])])
+      if (const double away_m = beyond_m(other, p); other.chain != stretch.chain && away_m < nearest_m)
+        main = other, nearest_m = away_m;
+    return main;
+  }
+
+ private:
+  static constexpr double beside_m = 3.0;
+
+  [[nodiscard]] double beyond_m(const Main& main, Vec2 p) const {
+    return surface_at(geometry_[main.chain], main.s, p).beyond_m;
+  }
+  [[nodiscard]] std::optional<Main> own_or_before(std::size_t i, bool at_s1, Vec2 p) const {
+    const std::vector<Stretch>& all = junctions_.stretches;
+    const ChainIndex chain = all[i].chain;
+    for (bool passed = false;; passed = true) {
+      const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
+      if (!vertex || !at_vertex_[vertex]) return std::nullopt;
+      const Main& main = *at_vertex_[vertex];
+      if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0))
+        return passed && beyond_m(main, p) > beside_m ? std::nullopt : std::optional(main);
+      if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
+      i = at_s1 ? i + 1 : i - 1;
+      if (all[i].chain != chain || !all[i].inside) return std::nullopt;
+    }
+  }
+
+  const JunctionPlan& junctions_;
+  const ChainGeometries& geometry_;
+  Table<VertexIndex, std::optional<Main>> at_vertex_;
+  std::vector<std::vector<Main>> in_junction_;
+};
 
 /// Adds the cubic `change` from its s to `end`.
 void add_cubic(std::vector<Cubic>& cubics, const Cubic& change, double end) {
@@ -217,7 +251,7 @@ void change_profile(std::vector<Cubic>& cubics, const std::vector<EasedEnds>& st
 
 void ease_arms(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                const std::vector<std::vector<double>>& cuts, ChainGeometries& geometry) {
-  const Table<VertexIndex, std::optional<Main>> mains = main_chains(roads, topology, geometry);
+  const MainRoads mains(roads, topology, junctions, geometry);
   Table<ChainIndex, std::vector<EasedEnds>> eased(geometry.size());
   for (std::size_t i = 0; i < junctions.stretches.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
@@ -226,7 +260,7 @@ void ease_arms(const RoadNetwork& roads, const Topology& topology, const Junctio
     const double begin = cuts[i].front(), end = cuts[i].back();
     const auto wanted_at = [&](bool at_s1) -> std::optional<Change> {
       const double cut = at_s1 ? end : begin;
-      const std::optional<Main> main = main_road_of(junctions, i, at_s1, pose_at(side.plan, cut).p, mains, geometry);
+      const std::optional<Main> main = mains.of(i, at_s1, pose_at(side.plan, cut).p);
       if (!main) return std::nullopt;
       return wanted_change(side, cut, at_s1, geometry[main->chain], main->s);
     };
