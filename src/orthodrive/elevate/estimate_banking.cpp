@@ -162,7 +162,8 @@ double turned_at_most(bool is_design, double to_design, double gone_m, double wi
   const double most = most_twist_1pm * gone_m;
   if (!is_design) return most;
   const double left_m = std::max(0.0, gone_m - width_m);
-  return std::min(most, std::max(least_twist_1pm * gone_m, to_design * left_m / banking_runout_m));
+  return std::min(most,
+                  std::max(least_twist_1pm * gone_m, std::min(most_twist_1pm, to_design / banking_runout_m) * left_m));
 }
 
 /// From where it lies in a junction's plane a road turns no faster than that; the main road only where nothing of it is

@@ -163,7 +163,7 @@ class BendLayer {
     if (fade <= 0.0) return;
     const std::ptrdiff_t old_end = old_index(end);
     const double z = plane.at(now_.at(end).p) - old_.at(old_end).z_m,
-                 slope = dot(plane.slope, now_.direction(end)) * way - old_.slope(old_end, way),
+                 slope = dot(plane.slope, normalized(now_.at(end + way).p - now_.at(end).p)) - old_.slope(old_end, way),
                  turned = banking(plane, end) - old_.at(old_end).banking;
     double gone_m = 0.0;
     for (std::ptrdiff_t i = end; i != to; i += way) {
