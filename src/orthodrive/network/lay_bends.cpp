@@ -162,9 +162,10 @@ class BendLayer {
     const double fade = std::min(fade_m, to_bend ? 0.5 * room_m : room_m);
     if (fade <= 0.0) return;
     const std::ptrdiff_t old_end = old_index(end);
+    const Vec2 out = normalized(now_.at(end + way).p - now_.at(end).p);
     const double z = plane.at(now_.at(end).p) - old_.at(old_end).z_m,
-                 slope = dot(plane.slope, normalized(now_.at(end + way).p - now_.at(end).p)) - old_.slope(old_end, way),
-                 turned = banking(plane, end) - old_.at(old_end).banking;
+                 slope = dot(plane.slope, out) - old_.slope(old_end, way),
+                 turned = std::atan(dot(plane.slope, left_normal(out)) * way) - old_.at(old_end).banking;
     double gone_m = 0.0;
     for (std::ptrdiff_t i = end; i != to; i += way) {
       gone_m += distance(now_.at(i).p, now_.at(i + way).p);
