@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "roadquery/road_surface.hpp"
+
 namespace roadquery {
 namespace {
 
@@ -32,11 +34,23 @@ BakedLane bake_lane(const Lane& lane, double s_in_section) {
   return baked;
 }
 
+/// Of a lane with heights, from s on.
+BakedHeight bake_height(const Lane& lane, double s_in_section, double inside_in_section) {
+  const LaneHeightAt at = lane_height_at(lane.heights, inside_in_section);
+  const double back_m = s_in_section - inside_in_section;
+  BakedHeight baked;
+  for (int i = 0; i < 2; ++i) {
+    baked.at[i] = static_cast<float>(at.value[i] + back_m * at.rise[i]);
+    baked.rise[i] = static_cast<float>(at.rise[i]);
+  }
+  return baked;
+}
+
 /// The stretch from s on; `inside` lies within it, clear of the rounding of its ends.
 void bake_stretch(const Road& road, const LaneSection& section, double s, double inside, BakedRoads& baked) {
   LaneStretch stretch;
   stretch.s = s;
-  stretch.first = static_cast<std::uint32_t>(baked.lanes.size()) & 0x7fffffffu;
+  stretch.first = static_cast<std::uint32_t>(baked.lanes.size()) & 0x1fffffffu;
   add_cubic(road.lane_offset, inside, s, 1.0, stretch.center);
   const auto add_side = [&](const std::vector<Lane>& lanes, double sign, int side) {
     double edge[4];
@@ -48,6 +62,10 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
       BakedLane one = bake_lane(lane, inside - section.s);
       std::copy(std::begin(edge), std::end(edge), one.outer);
       baked.lanes.push_back(one);
+      if (lane.heights.empty()) continue;
+      stretch.relief |= relief_lanes;
+      baked.heights.resize(baked.lanes.size());
+      baked.heights.back() = bake_height(lane, s - section.s, inside - section.s);
     }
     for (int i = 0; i < 4; ++i) stretch.edges[i][side] = edge[i];
   };
@@ -59,6 +77,11 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
     throw std::runtime_error("road " + std::to_string(road.id) + " has too many lanes");
   stretch.left_count = static_cast<std::uint16_t>(section.left.size());
   stretch.right_count = static_cast<std::uint16_t>(section.right.size());
+  const std::span<const BakedLane> lanes = std::span<const BakedLane>(baked.lanes).subspan(stretch.first);
+  stretch.one_material = !lanes.empty() && std::ranges::all_of(lanes, [&](const BakedLane& lane) {
+    return lane.surface == lanes.front().surface && lane.friction == lanes.front().friction &&
+           lane.roughness_m == lanes.front().roughness_m;
+  });
   baked.stretches.push_back(stretch);
 }
 
@@ -130,6 +153,7 @@ void bake_lanes(const Road& road, BakedRoads& baked) {
       for (const Lane& lane : *side) {
         for (const Cubic& c : lane.width) add(section.s + c.s);
         for (const LaneMaterial& m : lane.materials) add(section.s + m.s_offset);
+        for (const LaneHeight& h : lane.heights) add(section.s + h.s_offset);
       }
     }
     std::sort(starts.begin(), starts.end());

@@ -55,7 +55,15 @@ struct BakedLane {
   float friction = 1.0F, roughness_m = 0.0F;
 };
 
-/// The lanes of a road where none of their widths and materials begins or ends. Cubics of s - this->s.
+/// Height of a lane over the road's surface at its inner and outer border, and how they change per metre of s.
+struct BakedHeight {
+  float at[2] = {}, rise[2] = {};  ///< at LaneStretch::s, m
+};
+
+/// What lies on a road's own surface: LaneStretch::relief.
+inline constexpr std::uint32_t relief_crg = 1, relief_lanes = 2;
+
+/// The lanes of a road where none of their widths, heights and materials begins or ends. Cubics of s - this->s.
 struct alignas(64) LaneStretch {
   double s = 0.0;
   std::uint32_t road = 0;                         ///< index into RoadMap::roads
@@ -63,8 +71,9 @@ struct alignas(64) LaneStretch {
   double length_m = 0.0;                          ///< of the road
   double edges[4][2] = {};                        ///< t of the right and the left outer edge
   double center[4] = {};                          ///< t of the centre line
-  std::uint32_t first : 31 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
-  std::uint32_t has_crg : 1 = 0;                  ///< OpenCRG files are laid on the road
+  std::uint32_t first : 29 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
+  std::uint32_t one_material : 1 = 0;             ///< all lanes have that of the first, which there is
+  std::uint32_t relief : 2 = 0;                   ///< OpenCRG files, lanes with heights, or both; 0: neither
   std::uint16_t left_count = 0, right_count = 0;  ///< from the centre outwards
 };
 
@@ -83,6 +92,14 @@ struct Companion {
 };
 inline constexpr float companion_step_m = 0.25F;
 
+/// Where a junction's own surface answers for a station.
+struct StationJunction {
+  std::uint32_t index = no_index;  ///< of RoadMap::junctions; one_of_several or no_index: no single one
+  /// A point that is_in_core() lies on the station's surface. In free_step_m of near_place(); right above left:
+  /// nowhere.
+  std::int8_t core_right = 1, core_left = -1;
+};
+
 class RoadCrgs;
 
 /// All roads of a map. Immutable after bake().
@@ -91,6 +108,7 @@ struct BakedRoads {
   std::vector<std::uint32_t> first_station;  // of each road, and the count of all
   LargeVector<LaneStretch> stretches;
   LargeVector<BakedLane> lanes;
+  std::vector<BakedHeight> heights;  // of the lanes, up to the last one that has any
   LargeVector<ShapePiece> shapes;
   std::shared_ptr<const RoadCrgs> crgs;  // what is laid on them; null: nothing
   // What else lies over station i, or within 3.5 m above or below it: companions[companion_begin[i] ..
@@ -100,7 +118,7 @@ struct BakedRoads {
   // Of each station, where its surface, its companions' and those of the junctions over it are one level whichever
   // counts, and no companion is of its own road: the junction whose surface, under a point there, is the answer;
   // one_of_several where more than one lies over the station, no_index where none decides.
-  std::vector<std::uint32_t> deciding_junction;
+  LargeVector<StationJunction> deciding_junction;
 
   [[nodiscard]] StationRange stations_of(std::uint32_t road) const {
     return {first_station[road], first_station[road + 1] - 1};
@@ -118,7 +136,7 @@ struct BakedRoads {
 };
 
 /// Throws std::runtime_error for a road without bounds: coordinates beyond 1e8 m, 1 km of width, 100 turns within one
-/// geometry, and for a map of more than 10 000 km of road.
+/// geometry, a line 100 times as long as its s, and for a map of more than 10 000 km of road.
 [[nodiscard]] BakedRoads bake(const RoadMap& map);
 
 }  // namespace roadquery

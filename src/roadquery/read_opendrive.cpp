@@ -1,5 +1,5 @@
 // OpenDRIVE reading with expat. Elements are told apart by their name and their parent's; what the structs of
-// road_map.hpp do not hold (signals, objects, lane heights, ...) is passed over.
+// road_map.hpp do not hold (signals, objects of other kinds, ...) is passed over.
 
 #include <expat.h>
 
@@ -148,6 +148,7 @@ class Builder {
       check_surface(map.junctions.back());
     }
     if (name == "lane") lane_ = nullptr;
+    if (name == "object") object_ = nullptr;
   }
 
   void text(std::string_view characters) {
@@ -236,6 +237,12 @@ class Builder {
       append(road.superelevation, cubic(a));
     } else if (parent == "lateralProfile" && name == "shape") {
       read_lateral_shape(road, a);
+    } else if (parent == "objects" && path_.size() == 3 && name == "object") {
+      start_object(road, a);
+    } else if (object_ != nullptr && (parent == "object" || parent == "outlines") && name == "outline") {
+      ++outlines_;
+    } else if (object_ != nullptr && outlines_ == 1 && parent == "outline" && name == "cornerRoad") {
+      object_->outline.push_back({a.number("s"), a.number("t")});
     } else if (parent == "surface" && path_.size() == 3 && name == "CRG") {
       read_crg(road, a);
     } else if (parent == "lanes" && name == "laneOffset") {
@@ -317,6 +324,16 @@ class Builder {
     road.surface.push_back(std::move(crg));
   }
 
+  void start_object(Road& road, const Attributes& a) {
+    RoadObject object{a.text("type"), a.text("subtype"), a.text("name")};
+    if (object.type != "crosswalk" && object.type != "roadMark") return;
+    object.s = a.number("s"), object.t = a.number("t");
+    object.hdg = a.number("hdg", 0.0);
+    object.length = a.number("length", 0.0), object.width = a.number("width", 0.0);
+    road.objects.push_back(std::move(object));
+    object_ = &road.objects.back(), outlines_ = 0;
+  }
+
   static void append(std::vector<Cubic>& cubics, const Cubic& next) {
     if (!cubics.empty() && next.s < cubics.back().s) throw std::runtime_error("cubics are not sorted by s");
     cubics.push_back(next);
@@ -352,6 +369,8 @@ class Builder {
       lane_->marks.push_back({a.number("sOffset"), a.text("type"), a.number("width", 0.12)});
     } else if (parent == "lane" && name == "material" && lane_->id != 0) {
       read_material(*lane_, a);
+    } else if (parent == "lane" && name == "height" && lane_->id != 0) {
+      read_height(*lane_, a);
     } else if (parent == "link" && name == "predecessor") {
       lane_->predecessor = a.integer("id");
     } else if (parent == "link" && name == "successor") {
@@ -371,6 +390,13 @@ class Builder {
     if (!lane.materials.empty() && material.s_offset < lane.materials.back().s_offset)
       throw std::runtime_error("<material> elements are not sorted by sOffset");
     lane.materials.push_back(material);
+  }
+
+  static void read_height(Lane& lane, const Attributes& a) {
+    const LaneHeight height{a.number("sOffset"), a.number("inner", 0.0), a.number("outer", 0.0)};
+    if (!lane.heights.empty() && height.s_offset <= lane.heights.back().s_offset)
+      throw std::runtime_error("<height> elements are not sorted by sOffset");
+    lane.heights.push_back(height);
   }
 
   void start_junction_part(std::string_view parent, std::string_view name, const Attributes& a) {
@@ -465,9 +491,11 @@ class Builder {
 
   std::vector<std::string> path_;  ///< names of the open elements
   bool in_road_ = false, in_junction_ = false;
-  bool in_geometry_ = false;  ///< of the plan view
-  bool has_shape_ = false;    ///< of that <geometry>
-  Lane* lane_ = nullptr;      ///< the open <lane>
+  bool in_geometry_ = false;      ///< of the plan view
+  bool has_shape_ = false;        ///< of that <geometry>
+  Lane* lane_ = nullptr;          ///< the open <lane>
+  RoadObject* object_ = nullptr;  ///< the open <object>
+  int outlines_ = 0;              ///< of it, as yet
 };
 
 /// One expat parse. Exceptions must not pass through expat's C frames: they are kept as text and stop the parser.

@@ -71,6 +71,13 @@ struct LaneMaterial {
   double roughness = 0.0;  ///< m, root mean square of the heights over the smooth surface
 };
 
+/// Height of a lane over the road's surface (1.7, 11.7.4 <height>): linear across the lane, and linear in s from one
+/// entry to the next; the first also holds before it, the last after it.
+struct LaneHeight {
+  double s_offset = 0.0;            ///< relative to the start of the lane section
+  double inner = 0.0, outer = 0.0;  ///< m, along z, at the border to the centre and at the outer one
+};
+
 struct Lane {
   int id = 0;  ///< > 0 left, < 0 right, 0 centre
   LaneType type = LaneType::driving;
@@ -78,6 +85,7 @@ struct Lane {
   std::optional<int> predecessor, successor;
   std::vector<RoadMark> marks;
   std::vector<LaneMaterial> materials;  ///< sorted by s_offset; empty: asphalt, friction 1
+  std::vector<LaneHeight> heights;      ///< sorted by s_offset; empty: on the road's surface
 };
 
 struct LaneSection {
@@ -85,6 +93,15 @@ struct LaneSection {
   std::vector<Lane> left;  ///< ids 1, 2, ... outwards
   Lane center;
   std::vector<Lane> right;  ///< ids -1, -2, ... outwards
+};
+
+/// What is painted on a road or stands on it (1.7, 13): we know crosswalks and road marks.
+struct RoadObject {
+  std::string type, subtype, name;
+  double s = 0.0, t = 0.0;                     ///< middle of the box
+  double hdg = 0.0;                            ///< of the box's length against the road's direction, rad
+  double length = 0.0, width = 0.0;            ///< of the box, m
+  std::vector<std::array<double, 2>> outline;  ///< s and t of the corners; empty: the box
 };
 
 enum class ContactPoint { start, end };
@@ -110,6 +127,7 @@ struct Road {
   std::vector<SurfaceCrg> surface;
   std::vector<Cubic> lane_offset;
   std::vector<LaneSection> sections;
+  std::vector<RoadObject> objects;
   double speed_limit_mps = 0.0;  ///< of the first <type>; 0: none given
   // Our userData: where the road comes from.
   std::string osm_id, highway;

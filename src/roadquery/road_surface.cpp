@@ -187,9 +187,49 @@ double t_at(const Road& road, double s, double left_m) {
   return t;
 }
 
+LaneHeightAt lane_height_at(std::span<const LaneHeight> heights, double s_in_section) {
+  if (heights.empty()) return {};
+  const auto next = std::upper_bound(heights.begin(), heights.end(), s_in_section,
+                                     [](double v, const LaneHeight& h) { return v < h.s_offset; });
+  const LaneHeight& a = next == heights.begin() ? *next : *(next - 1);
+  LaneHeightAt at{{a.inner, a.outer}, {0.0, 0.0}};
+  if (next == heights.begin() || next == heights.end()) return at;
+  const double length = next->s_offset - a.s_offset, ds = s_in_section - a.s_offset;
+  at.rise[0] = (next->inner - a.inner) / length, at.rise[1] = (next->outer - a.outer) / length;
+  for (std::size_t i = 0; i < 2; ++i) at.value[i] += ds * at.rise[i];
+  return at;
+}
+
+ShapePoint lane_height(const Road& road, double s, double t) {
+  if (road.sections.empty()) return {};
+  const LaneSection& section = section_at(road, s);
+  const auto has_height = [](const Lane& lane) { return !lane.heights.empty(); };
+  if (std::ranges::none_of(section.left, has_height) && std::ranges::none_of(section.right, has_height)) return {};
+  const int id = lane_id_at(road, s, t);
+  if (id == 0) return {};
+  const bool left = id > 0;
+  double inner = evaluate(road.lane_offset, s), inner_slope = derivative(road.lane_offset, s);
+  for (const Lane& lane : left ? section.left : section.right) {
+    const double sign = left ? 1.0 : -1.0, s_in_section = s - section.s;
+    const double width = sign * lane_width(lane, s_in_section),
+                 width_slope = sign * derivative(lane.width, s_in_section);
+    if (lane.id != id) {
+      inner += width, inner_slope += width_slope;
+      continue;
+    }
+    const LaneHeightAt at = lane_height_at(lane.heights, s_in_section);
+    const double across = at.value[1] - at.value[0];
+    if (lane.heights.empty() || width == 0.0) return {at.value[0], at.rise[0], 0.0};
+    const double share = (t - inner) / width, share_slope = -(inner_slope + share * width_slope) / width;
+    return {at.value[0] + share * across, at.rise[0] + share * (at.rise[1] - at.rise[0]) + share_slope * across,
+            across / width};
+  }
+  return {};
+}
+
 double surface_height(const Road& road, double s, double t) {
   const double bank = superelevation(road, s);
-  return elevation(road, s) + t * std::sin(bank) + shape(road, s, t).h * std::cos(bank);
+  return elevation(road, s) + t * std::sin(bank) + shape(road, s, t).h * std::cos(bank) + lane_height(road, s, t).h;
 }
 
 SurfacePoint surface_point(const Road& road, double s, double t) {
@@ -207,13 +247,14 @@ SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint
   SurfacePoint point;
   point.x = reference.x - sin_hdg * left;
   point.y = reference.y + cos_hdg * left;
-  point.z = elevation(road, s) + up;
+  const ShapePoint lane = lane_height(road, s, t);
+  point.z = elevation(road, s) + up + lane.h;
   // Normal = (dP/ds) x (dP/dt) in the frame (forward, left, up); dP/dt has no forward part.
   const double dbank = derivative(road.superelevation, s);
   const double s_forward = reference.speed * (1.0 - reference.curvature * left);
   const double s_left = -up * dbank - q.dh_ds * sin_bank;
-  const double s_up = gradient(road, s) + left * dbank + q.dh_ds * cos_bank;
-  const double t_left = cos_bank - q.dh_dt * sin_bank, t_up = sin_bank + q.dh_dt * cos_bank;
+  const double s_up = gradient(road, s) + left * dbank + q.dh_ds * cos_bank + lane.dh_ds;
+  const double t_left = cos_bank - q.dh_dt * sin_bank, t_up = sin_bank + q.dh_dt * cos_bank + lane.dh_dt;
   const double n_forward = s_left * t_up - s_up * t_left, n_left = -s_forward * t_up, n_up = s_forward * t_left;
   const double norm = std::sqrt(n_forward * n_forward + n_left * n_left + n_up * n_up);
   // Beyond the centre of curvature the surface is folded over (n_up < 0): no surface to speak of, keep "up".

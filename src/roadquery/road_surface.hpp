@@ -45,10 +45,17 @@ struct ShapePoint {
 [[nodiscard]] ShapePoint shape(const Road& road, double s, double t);
 /// t of the surface point that lies `left_m` horizontally to the left of the reference line.
 [[nodiscard]] double t_at(const Road& road, double s, double left_m);
+/// Heights of a lane over the road's surface at its inner and outer border, and how they change per metre of s.
+struct LaneHeightAt {
+  double value[2] = {}, rise[2] = {};
+};
+[[nodiscard]] LaneHeightAt lane_height_at(std::span<const LaneHeight> heights, double s_in_section);
+/// Height of the lane at (s, t) over the road's surface, along z, and its derivatives; 0 beside the lanes.
+[[nodiscard]] ShapePoint lane_height(const Road& road, double s, double t);
 /// z of surface_point, for less.
 [[nodiscard]] double surface_height(const Road& road, double s, double t);
 /// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation, and by the
-/// shape at right angles to that.
+/// shape at right angles to that; lanes with heights lie so much higher.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t);
 /// The same for who has the reference point at s already.
 [[nodiscard]] SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint& reference);

@@ -74,10 +74,52 @@ bool may_touch(const Companion& companion, float along, float left) {
          within(left, companion.left_min, companion.left_max);
 }
 
+double slope_of(const double (&c)[4], double ds) { return c[1] + ds * (2.0 * c[2] + ds * 3.0 * c[3]); }
+
+/// The lane at a place of a stretch if it has heights, else nullptr.
+const BakedLane* raised_lane(const BakedRoads& roads, const LaneStretch& stretch, double s, double t) {
+  const BakedLane* lane = lane_at(roads, stretch, s, t, edge_rounding_m);
+  if (lane == nullptr || static_cast<std::size_t>(lane - roads.lanes.data()) >= roads.heights.size()) return nullptr;
+  const BakedHeight& height = roads.heights[static_cast<std::size_t>(lane - roads.lanes.data())];
+  const bool is_flat = height.at[0] == 0.0F && height.at[1] == 0.0F && height.rise[0] == 0.0F && height.rise[1] == 0.0F;
+  return is_flat ? nullptr : lane;
+}
+
+/// As lane_height of road_surface.hpp.
+void lay_lane(const BakedRoads& roads, const LaneStretch& stretch, const BakedLane& lane, const RoadPlace& place,
+              LaidSurface& laid) {
+  const auto index = static_cast<std::size_t>(&lane - roads.lanes.data());
+  const std::size_t first = stretch.first;
+  const BakedHeight& height = roads.heights[index];
+  const double ds = place.s - stretch.s;
+  const bool innermost = index == first || index == first + stretch.left_count;
+  const double(&border)[4] = innermost ? stretch.center : (&lane - 1)->outer;
+  const double inner = cubic_at(border, ds), width = cubic_at(lane.outer, ds) - inner;
+  const double at_inner = height.at[0] + ds * height.rise[0], across = height.at[1] + ds * height.rise[1] - at_inner;
+  const double rise = height.rise[0], rise_across = height.rise[1] - height.rise[0];
+  if (width == 0.0) {
+    laid.z += at_inner, laid.rise_along += rise * place.s_per_along;
+    return;
+  }
+  const double share = (place.t - inner) / width;
+  const double inner_slope = slope_of(border, ds), width_slope = slope_of(lane.outer, ds) - inner_slope;
+  const double share_slope = -(inner_slope + share * width_slope) / width;
+  laid.z += at_inner + share * across;
+  laid.rise_along += (rise + share * rise_across + share_slope * across) * place.s_per_along;
+  laid.rise_left += across / width * place.t_per_left;
+}
+
 }  // namespace
 
-void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found) {
+void lay_relief(const BakedRoads& roads, const Station& q, double x, double y, Found& found) {
   const LinePlace& line = found.line;
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  const BakedLane* raised =
+      (lanes.relief & relief_lanes) != 0 ? raised_lane(roads, lanes, q.s + line.u, found.on.t) : nullptr;
+  if (raised == nullptr && (lanes.relief & relief_crg) == 0) {
+    found.has_relief = false;
+    return;
+  }
   const Bearing bearing = bearing_at(q, line, found.on);
   const double inverse_speed = line.inverse_speed;
   RoadPlace place{q.s + line.u, found.on.t, x, y};
@@ -91,7 +133,8 @@ void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Fou
   LaidSurface laid{found.on.z, -(n[0] * place.cos_hdg + n[1] * place.sin_hdg) / n[2],
                    -(n[1] * place.cos_hdg - n[0] * place.sin_hdg) / n[2]};
   laid.friction = std::nan("");
-  roads.crgs->lay(static_cast<int>(roads.road_of(q)), place, laid);
+  if (raised != nullptr) lay_lane(roads, lanes, *raised, place, laid);
+  if ((lanes.relief & relief_crg) != 0) roads.crgs->lay(static_cast<int>(roads.road_of(q)), place, laid);
   found.on.z = laid.z, found.rise_along = laid.rise_along, found.rise_left = laid.rise_left;
   found.friction = laid.friction;
 }

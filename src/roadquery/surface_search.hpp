@@ -20,13 +20,14 @@ struct Found {
   SurfacePlace on;
   double inside_m;      ///< distance to the nearest of the road's edges and ends; negative: outside
   double along_rest_m;  ///< the point lies this far beyond the end of the road
-  /// Where OpenCRG files are laid on the road (has_crg): on.z has them, and these are the slopes and the friction.
-  bool has_crg;
+  /// Where lanes with heights or OpenCRG files lie on the road (has_relief): on.z has them, and these are the slopes
+  /// and the friction (NaN: the lane's).
+  bool has_relief;
   double rise_along, rise_left, friction;
 };
 
-/// Lays the road's OpenCRG files over the surface that `found` has of it, at (x, y).
-void lay_crgs(const BakedRoads& roads, const Station& q, double x, double y, Found& found);
+/// Lays lanes' heights, then the road's OpenCRG files on the surface that `found` has of it, at (x, y).
+void lay_relief(const BakedRoads& roads, const Station& q, double x, double y, Found& found);
 
 /// Whether a foot at u is the station's own: at the end it is the next one's, so that a point between two has one
 /// answer wherever it came from.
@@ -51,8 +52,8 @@ inline bool complete(const BakedRoads& roads, const Station& q, const LaneStretc
   if (found.along_rest_m > edge_rounding_m) found.inside_m = std::min(found.inside_m, -found.along_rest_m);
   if (beside_m < -edge_rounding_m)
     surface_at_t(roads, q, u, std::clamp(found.on.t, std::min(right_edge, left_edge), left_edge), found.on);
-  found.has_crg = lanes.has_crg != 0;
-  if (found.has_crg) lay_crgs(roads, q, x, y, found);
+  found.has_relief = lanes.relief != 0;
+  if (found.has_relief) lay_relief(roads, q, x, y, found);
   return true;
 }
 
