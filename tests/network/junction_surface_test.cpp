@@ -235,6 +235,19 @@ TEST(JunctionSurfaces, OddJunctionsSurvive) {
   EXPECT_NEAR(roadquery::evaluate(*map.junctions[0].surface, 2.0, 0.0).z, 3.0, 1e-4);
 }
 
+TEST(JunctionSurfaces, LittleGapsThatArmsCloseArePaved) {
+  // Two arms of 4 m leave side by side, 0.6 m apart, and touch 6 m further out: too little for a verge.
+  using roadquery::test::make_road;
+  const roadquery::Road across = make_road(1, {.x = -3.0, .y = -6.0, .hdg = 0.5 * M_PI, .length = 12.0}, 0.0, 3.0);
+  const roadquery::Road upper = make_road(2, {.x = 0.0, .y = 2.3, .length = 30.0}, 0.0, 2.0);
+  const roadquery::Road lower = make_road(3, {.x = 0.0, .y = -2.3, .hdg = 0.1, .length = 30.0}, 0.0, 2.0);
+  const auto is_paved = [&](const MultiPolygon& area) { return contains(area, {1.0, 0.1}); };
+  EXPECT_TRUE(is_paved(network::junction_area({{&across}, {&upper, &lower}, {false, false}, {}}, 5.0, {})));
+  // What does not close stays open.
+  const roadquery::Road parallel = make_road(4, {.x = 0.0, .y = -2.3, .length = 30.0}, 0.0, 2.0);
+  EXPECT_FALSE(is_paved(network::junction_area({{&across}, {&upper, &parallel}, {false, false}, {}}, 5.0, {})));
+}
+
 TEST(JunctionSurfaces, IslandOfARingStaysOutside) {
   const Ring outer = circle_points({0, 0}, 20.0, 0.0, 2.0 * M_PI), inner = circle_points({0, 0}, 9.0, 0.0, -2.0 * M_PI);
   const Ring ring = network::woven_ring({{outer, {inner}}, {{{30, 0}, {40, 0}, {40, 5}, {30, 5}}, {}}});
