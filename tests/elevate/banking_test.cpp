@@ -290,6 +290,53 @@ TEST(Banking, side_road_runs_out_into_the_plane_of_the_main_road) {
   }
 }
 
+TEST(BankingDesign, side_roads_of_steep_roads_turn_back_without_a_jump) {
+  // The main road rises by 19 %: after 20 m the side road still leans by 5 %.
+  const Terrain z = [](double x, double) { return 30.0 + 0.19 * x; };
+  RoadPath main = make_path(1, straight({0, 100}, {200, 100}), z, "secondary");
+  main.nodes[50].osm_node = 7;
+  const Terrain level = [&](double, double y) { return z(100.0, y); };
+  const auto paths =
+      design({main, make_path(2, straight({100, 100}, {100, 250}), level, "residential", 7)}).roads.paths;
+  EXPECT_NEAR(slope_of(paths[1].nodes.front()), -0.19, 0.004);
+  EXPECT_NEAR(slope_of(paths[1].nodes[40]), 0.0, 1e-3);
+  for (std::size_t i = 1; i < paths[1].nodes.size(); ++i)
+    EXPECT_LT(std::abs(slope_of(paths[1].nodes[i]) - slope_of(paths[1].nodes[i - 1])), 0.0145) << i;
+}
+
+TEST(BankingDesign, planes_beside_each_other_make_no_swing) {
+  // Side roads meet a level road 2 m apart: its planes there fall by 0.2 % to the south and 3.1 % to the north.
+  const double y0 = 100.0;
+  RoadPath main = make_path(1, straight({0, y0}, {400, y0}), flat, "secondary");
+  main.nodes[100].osm_node = 7, main.nodes[101].osm_node = 8;
+  const auto north = make_path(
+      2, straight({200, y0}, {200, 200}), [&](double, double y) { return 20.0 + 0.002 * (y - y0); }, "service", 7);
+  const auto south = make_path(
+      3, straight({202, y0}, {202, 0}), [&](double, double y) { return 20.0 - 0.031 * (y - y0); }, "service", 8);
+  const auto path = design({main, north, south}, {.in_junction_planes = true}).roads.paths[0];
+  for (std::size_t i = 0; i < path.nodes.size(); ++i) {
+    EXPECT_GT(slope_of(path.nodes[i]), -0.033) << i;
+    EXPECT_LT(slope_of(path.nodes[i]), 0.005) << i;
+  }
+}
+
+TEST(BankingDesign, roads_stay_in_the_plane_of_a_junction_while_they_lie_beside_each_other) {
+  // A level side road leaves a bend of 12 m that the design banks by 6 %.
+  RoadPath bend = make_path(1, arc({100, 100}, 12.0, -pi, pi / 2), flat, "tertiary");
+  RoadNode& node = bend.nodes[bend.nodes.size() / 2];
+  node.osm_node = 7;
+  const Vec2 out = normalized(node.p - Vec2{100, 100});
+  const auto path = design({bend, make_path(2, straight(node.p, node.p + out * 60.0), flat, "service", 7)},
+                           {.in_junction_planes = true})
+                        .roads.paths[0];
+  for (const RoadNode& at : path.nodes) {
+    const double away_m = std::abs(at.s_m - node.s_m);
+    if (away_m > 2.0 * half_m) continue;
+    EXPECT_LT(std::abs(slope_of(at)), 0.002 * away_m + 0.003) << away_m;
+  }
+  EXPECT_GT(std::abs(slope_of(path.nodes[2])), 0.03) << "and is banked further on";
+}
+
 TEST(Banking, more_than_roads_have_is_cut_and_reported) {
   const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.14); };
   const HeightGrid dtm = make_dtm(z, 1.0, 0.02);

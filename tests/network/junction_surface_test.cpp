@@ -235,6 +235,19 @@ TEST(JunctionSurfaces, OddJunctionsSurvive) {
   EXPECT_NEAR(roadquery::evaluate(*map.junctions[0].surface, 2.0, 0.0).z, 3.0, 1e-4);
 }
 
+TEST(JunctionSurfaces, LittleGapsThatArmsCloseArePaved) {
+  // Two arms of 4 m leave side by side, 0.6 m apart, and touch 6 m further out: too little for a verge.
+  using roadquery::test::make_road;
+  const roadquery::Road across = make_road(1, {.x = -3.0, .y = -6.0, .hdg = 0.5 * M_PI, .length = 12.0}, 0.0, 3.0);
+  const roadquery::Road upper = make_road(2, {.x = 0.0, .y = 2.3, .length = 30.0}, 0.0, 2.0);
+  const roadquery::Road lower = make_road(3, {.x = 0.0, .y = -2.3, .hdg = 0.1, .length = 30.0}, 0.0, 2.0);
+  const auto is_paved = [&](const MultiPolygon& area) { return contains(area, {1.0, 0.1}); };
+  EXPECT_TRUE(is_paved(network::junction_area({{&across}, {&upper, &lower}, {false, false}, {}}, 5.0, {})));
+  // What does not close stays open.
+  const roadquery::Road parallel = make_road(4, {.x = 0.0, .y = -2.3, .length = 30.0}, 0.0, 2.0);
+  EXPECT_FALSE(is_paved(network::junction_area({{&across}, {&upper, &parallel}, {false, false}, {}}, 5.0, {})));
+}
+
 TEST(JunctionSurfaces, IslandOfARingStaysOutside) {
   const Ring outer = circle_points({0, 0}, 20.0, 0.0, 2.0 * M_PI), inner = circle_points({0, 0}, 9.0, 0.0, -2.0 * M_PI);
   const Ring ring = network::woven_ring({{outer, {inner}}, {{{30, 0}, {40, 0}, {40, 5}, {30, 5}}, {}}});
@@ -429,6 +442,58 @@ TEST(JunctionSurfaces, WhereNoRoadGoesThroughTheLargestOneIsTheMainRoad) {
   EXPECT_NEAR(right.x, -0.03 + 0.02, 5e-3);
   EXPECT_NEAR(right.y, -0.052 + 0.01, 5e-3);
   EXPECT_NEAR(slopes_into(map, "1", false).x, 0.06, 5e-3) << "the main road stays";
+}
+
+/// The one road of a way, begins at its junction.
+const roadquery::Road& road_of(const RoadMap& map, const std::string& osm_id) {
+  for (const roadquery::Road& road : map.roads)
+    if (road.junction < 0 && road.osm_id == osm_id) return road;
+  ADD_FAILURE() << "no road of way " << osm_id;
+  return map.roads.front();
+}
+
+TEST(JunctionSurfaces, RoadsThatLeaveTheMainRoadThroughAnotherJunctionTurnIntoItsPlane) {
+  // The side road meets a third one 3 m from the main road's axis, where it goes straight on itself: one junction.
+  const double width_m = 3.0;
+  const RoadMap map =
+      build_network(
+          network_of(
+              {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
+                         {.osm_id = 1,
+                          .highway = "secondary",
+                          .width_m = 9.0,
+                          .height = [](Vec2) { return 10.0; },
+                          .banking = [](double) { return std::atan(0.05); }}),
+               make_path({{0, 0}, {0, -3}, {0, -80}}, {2, 5, 4},
+                         {.osm_id = 2, .width_m = width_m, .height = [](Vec2 p) { return 10.0 - 0.06 * p.y; }}),
+               make_path({{0, -3}, {8, -3}, {30, -30}}, {5, 0, 6},
+                         {.osm_id = 3, .width_m = width_m, .height = [](Vec2 p) { return 10.0 - 0.06 * p.y; }})}))
+          .map;
+  const roadquery::Road& side = road_of(map, "2");
+  const double y = roadquery::reference_point(side, 0.0).y - site_origin.y;
+  EXPECT_LT(y, -5.0);
+  EXPECT_NEAR(roadquery::elevation(side, 0.0), 10.0 + 0.05 * y, 0.04) << y;
+}
+
+TEST(JunctionSurfaces, ForksTurnIntoTheMainRoadThatTheyLieBeside) {
+  // A narrow fork leaves the side road 3.5 m from the main road, beside whose edge it runs. The side road is banked:
+  // the fork carried on in its plane would lie a quarter of a metre off.
+  const RoadMap map =
+      build_network(
+          network_of(
+              {make_path({{-60, 0}, {0, 0}, {60, 0}}, {1, 2, 3},
+                         {.osm_id = 1, .highway = "secondary", .width_m = 4.0, .height = [](Vec2) { return 10.0; }}),
+               make_path({{0, 0}, {0, -3.5}, {0, -80}}, {2, 5, 4},
+                         {.osm_id = 2,
+                          .width_m = 4.0,
+                          .height = [](Vec2) { return 10.0; },
+                          .banking = [](double) { return std::atan(0.06); }}),
+               make_path({{0, -3.5}, {60, -11.5}}, {5, 6},
+                         {.osm_id = 3, .highway = "service", .width_m = 4.0, .height = [](Vec2) { return 10.0; }})}))
+          .map;
+  const roadquery::Road& fork = road_of(map, "3");
+  EXPECT_GT(roadquery::reference_point(fork, 0.0).x - site_origin.x, 3.0);
+  EXPECT_NEAR(roadquery::elevation(fork, 0.0), 10.0, 0.04);
 }
 
 TEST(JunctionSurfaces, RoadsThatCrossTurnIntoThePlaneOfTheMainRoadOnBothSides) {

@@ -134,6 +134,8 @@ void add_anchors(const StationChain& chain, const Meeting& meeting, const Statio
   walk_away(chain, meeting.station, longest_overlap_m, [&](std::size_t i, double) { return anchor(i); });
 }
 
+constexpr double most_twist_1pm = 0.007;  // 5 % in 7 m
+
 /// Largest slope at every station: the limit of the road, and no less than a junction's plane until it has run
 /// out.
 std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& chain, const BankingOptions& options,
@@ -144,26 +146,47 @@ std::vector<double> slope_limits(const RoadNetwork& roads, const StationChain& c
                                                                     : options.largest_slope);
   for (const BankingAnchor& anchor : anchors) {
     limits[anchor.station] = std::max(limits[anchor.station], std::abs(anchor.slope));
-    walk_away(chain, anchor.station, banking_runout_m, [&](std::size_t i, double) {
-      limits[i] = std::max(limits[i], std::abs(anchor.slope));
-      return true;
+    walk_away(chain, anchor.station, INFINITY, [&](std::size_t i, double gone_m) {
+      const double left = std::abs(anchor.slope) - most_twist_1pm * std::max(0.0, gone_m - banking_runout_m);
+      limits[i] = std::max(limits[i], left);
+      return left > 0.0;
     });
   }
   return limits;
 }
 
-/// From where it lies in another road's plane a side road turns no faster than this: 5 % in 7 m.
-void limit_twist(const StationChain& chain, const std::vector<BankingAnchor>& anchors, BankingFit& fit) {
-  constexpr double most_1pm = 0.007;
-  const std::vector<double> fitted = fit.slope;
+/// How far a road may have left the slope that it has in a junction's plane `gone_m` away. Where nothing is measured it
+/// goes to its design evenly, from where it has left a road as wide as itself.
+double turned_at_most(bool is_design, double to_design, double gone_m, double width_m) {
+  constexpr double least_twist_1pm = 0.002;  // relative gradient of 0.65 % over half a street
+  const double most = most_twist_1pm * gone_m;
+  if (!is_design) return most;
+  const double left_m = std::max(0.0, gone_m - width_m);
+  return std::min(most,
+                  std::max(least_twist_1pm * gone_m, std::min(most_twist_1pm, to_design / banking_runout_m) * left_m));
+}
+
+/// From where it lies in a junction's plane a road turns no faster than that; the main road only where nothing of it is
+/// measured. Between planes that ask for more it takes their middle.
+void limit_twist(const StationChain& chain, const DesignBanking& design, const std::vector<BankingAnchor>& anchors,
+                 BankingFit& fit) {
+  constexpr double reach_m = 150.0;  // a slope of 1
+  const std::size_t n = chain.stations.size();
+  std::vector<double> least(n, -INFINITY), most(n, INFINITY);
   for (const BankingAnchor& anchor : anchors) {
-    if (anchor.is_main) continue;
-    const double from = fitted[anchor.station];
-    walk_away(chain, anchor.station, banking_runout_m, [&](std::size_t i, double gone_m) {
-      fit.slope[i] = std::clamp(fit.slope[i], from - most_1pm * gone_m, from + most_1pm * gone_m);
+    const double slope = fit.slope[anchor.station], width_m = 2.0 * chain.stations[anchor.station].half_width_m;
+    const auto bound = [&](std::size_t i, double gone_m) {
+      const bool is_design = fit.source[i] == BankingSource::design;
+      if (anchor.is_main && !is_design) return false;
+      const double room = turned_at_most(is_design, std::abs(design.slope[i] - slope), gone_m, width_m);
+      least[i] = std::max(least[i], slope - room), most[i] = std::min(most[i], slope + room);
       return true;
-    });
+    };
+    bound(anchor.station, 0.0);
+    walk_away(chain, anchor.station, reach_m, bound);
   }
+  for (std::size_t i = 0; i < n; ++i)
+    fit.slope[i] = least[i] > most[i] ? 0.5 * (least[i] + most[i]) : std::clamp(fit.slope[i], least[i], most[i]);
 }
 
 /// Cuts slopes at the limit; one finding for every stretch that was measured notably beyond it.
@@ -218,7 +241,7 @@ EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const
     for (std::size_t i = 0; i < chain.stations.size(); ++i)
       if (fits[c].source[i] == BankingSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
         fits[c].source[i] = BankingSource::none;
-    limit_twist(chain, anchors, fits[c]);
+    limit_twist(chain, design, anchors, fits[c]);
     limit_slopes(roads, chain, slope_limits(roads, chain, options, anchors), fits[c], result.findings);
   }
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "orthodrive/network/fit_spline.hpp"
+#include "orthodrive/network/limit_warp.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -99,6 +100,7 @@ ChainGeometry fit_chain(const Chain& chain, const PieceLines& pieces, const FitC
   for (const std::size_t joint : line.joint) geometry.vertex_s.push_back(plan.point_s[joint]);
   fit_profiles(line, plan.point_s, options, geometry);
   geometry.widths = widths_of_pieces(line, plan.point_s);
+  limit_warp(geometry, options.banking_tolerance_rad);
   if (chain.closed) {
     repeat(geometry.plan, geometry.length_m);
     repeat(geometry.elevation, geometry.length_m);

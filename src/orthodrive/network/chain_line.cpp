@@ -7,10 +7,13 @@
 #include <cmath>
 #include <optional>
 
+#include "orthodrive/network/lay_bends.hpp"
+
 namespace orthodrive::network {
 namespace {
 
 constexpr double fade_m = 30.0;  // a height step of 0.3 m at a joint becomes a slope of 1 in 100 (1.5 in 100 at most)
+constexpr double corner_rad = 0.35;     // ways that meet at one have a plane in common there, not a banking
 constexpr double notable_step_m = 0.5;  // steps between the ends of a vertex that deserve a finding
 constexpr double min_spacing_m = 0.25;
 constexpr double max_spacing_m = 3.0;  // refine resamples to 2 m; coarser lines are filled up along their chords
@@ -24,6 +27,18 @@ constexpr double notable_easing_m = 0.05, reported_easing_m = 1.0;
 PieceNode& end_node(PieceLines& pieces, PieceEnd end) {
   std::vector<PieceNode>& nodes = pieces[end.piece];
   return end.at_last ? nodes.back() : nodes.front();
+}
+
+/// Of the line into its end.
+Vec2 end_direction(const PieceLines& pieces, PieceEnd end) {
+  const std::vector<PieceNode>& nodes = pieces[end.piece];
+  const std::size_t n = nodes.size();
+  if (n < 2) return {};
+  return end.at_last ? nodes[n - 1].p - nodes[n - 2].p : nodes[0].p - nodes[1].p;
+}
+bool is_corner(const PieceLines& pieces, PieceEnd a, PieceEnd b) {
+  const Vec2 in = end_direction(pieces, a), out = end_direction(pieces, b) * -1.0;
+  return std::abs(std::atan2(cross(in, out), dot(in, out))) > corner_rad;
 }
 
 /// Adds a correction at one end that fades out smoothly (value and slope 0) inwards.
@@ -139,7 +154,7 @@ class BendEasing {
  public:
   BendEasing(ChainLine& line, bool closed, double inner_radius_m)
       : line_(line), closed_(closed), inner_radius_m_(inner_radius_m) {
-    for (const ChainLineNode& node : line.nodes) original_.push_back(node.p);
+    for (const ChainLineNode& node : line.nodes) original_.push_back(node.p), was_.push_back(was_.size());
   }
 
   /// Moves nodes of too sharp bends towards the chord of their neighbours until the circle through the three is wide
@@ -180,14 +195,18 @@ class BendEasing {
       new_index.push_back(kept.size() - 1);
     }
     std::vector<Vec2> original;
-    for (const std::size_t i : kept) thinned.nodes.push_back(line_.nodes[i]), original.push_back(original_[i]);
+    std::vector<std::size_t> was;
+    for (const std::size_t i : kept)
+      thinned.nodes.push_back(line_.nodes[i]), original.push_back(original_[i]), was.push_back(was_[i]);
     if (thinned.nodes.size() == line_.nodes.size()) return false;
     for (std::size_t& joint : line_.joint) joint = new_index[joint];
     line_.nodes = std::move(thinned.nodes);
-    original_ = std::move(original);
+    original_ = std::move(original), was_ = std::move(was);
     return true;
   }
 
+  /// Index before easing, of every node.
+  [[nodiscard]] const std::vector<std::size_t>& was() const { return was_; }
   [[nodiscard]] int moved() const {
     int count = 0;
     for (std::size_t i = 0; i < original_.size(); ++i)
@@ -218,6 +237,7 @@ class BendEasing {
   bool closed_;
   double inner_radius_m_;
   std::vector<Vec2> original_;
+  std::vector<std::size_t> was_;
 };
 
 /// False: some bends are still too sharp.
@@ -250,6 +270,7 @@ int ease_bends(ChainLine& line, bool closed, Findings& findings) {
   if (const auto sharp = easing.sharp_node())
     report(Severity::warning, "network.bend_too_sharp", "a bend is sharper than the carriageway is wide and stays so",
            line.nodes[*sharp].p);
+  lay_bends(line.nodes, before.nodes, easing.was(), closed);
   return easing.moved();
 }
 
@@ -313,8 +334,10 @@ PieceLines join_pieces(const RoadNetwork& roads, const Topology& topology, Findi
     const PieceNode &na = end_node(pieces, a), &nb = end_node(pieces, b);
     // Seen along a's path; b's path may run the other way, which turns left into right.
     const double sign = a.at_last != b.at_last ? 1.0 : -1.0, banking = 0.5 * (na.banking + sign * nb.banking);
-    correction_of(a).banking = banking - na.banking;
-    correction_of(b).banking = sign * banking - nb.banking;
+    if (!is_corner(pieces, a, b)) {
+      correction_of(a).banking = banking - na.banking;
+      correction_of(b).banking = sign * banking - nb.banking;
+    }
     correction_of(a).crown = 0.5 * (nb.crown - na.crown), correction_of(b).crown = 0.5 * (na.crown - nb.crown);
     const PathPiece& piece = topology.pieces[a.piece];
     if (topology.vertices[a.at_last ? piece.last_vertex : piece.first_vertex].is_junction()) continue;

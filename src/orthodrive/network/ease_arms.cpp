@@ -19,21 +19,6 @@ constexpr double same_level_m = 1.5;
 constexpr double height_per_m = 0.03, gradient_per_m = 0.006, banking_per_m = 0.0033;
 constexpr double walking_pace = 2.0;  // roads too short for 20 m are driven slowly: banking may change by so many times
 
-const Cubic* cubic_at(const std::vector<Cubic>& cubics, double s) {
-  if (cubics.empty()) return nullptr;
-  const auto after =
-      std::upper_bound(cubics.begin(), cubics.end(), s, [](double v, const Cubic& c) { return v < c.s; });
-  return &*(after == cubics.begin() ? after : after - 1);
-}
-double value_of(const std::vector<Cubic>& cubics, double s) {
-  const Cubic* cubic = cubic_at(cubics, s);
-  return cubic ? value_at(*cubic, s) : 0.0;
-}
-double slope_of(const std::vector<Cubic>& cubics, double s) {
-  const Cubic* cubic = cubic_at(cubics, s);
-  return cubic ? slope_at(*cubic, s) : 0.0;
-}
-
 /// The chain that runs through a vertex.
 struct Main {
   ChainIndex chain;
@@ -80,12 +65,68 @@ MainSurface surface_at(const ChainGeometry& chain, double s, Vec2 p) {
     pose = pose_at(chain.plan, s);
   }
   const double t = cross(pose.direction, p - pose.p), side = t < 0.0 ? -1.0 : 1.0;
-  const double across = std::tan(value_of(chain.superelevation, s)) - side * value_of(chain.crown, s);
-  const double along = slope_of(chain.elevation, s), beyond_end_m = dot(p - pose.p, pose.direction);
+  const double across = std::tan(value_at(chain.superelevation, s)) - side * value_at(chain.crown, s);
+  const double along = slope_at(chain.elevation, s), beyond_end_m = dot(p - pose.p, pose.direction);
   const Vec2 left = left_normal(pose.direction);
-  return {value_of(chain.elevation, s) + beyond_end_m * along + t * across, pose.direction * along + left * across,
+  return {value_at(chain.elevation, s) + beyond_end_m * along + t * across, pose.direction * along + left * across,
           std::abs(t) - 0.5 * width_at(chain, s)};
 }
+
+/// Who is the main road where stretches begin and end.
+class MainRoads {
+ public:
+  MainRoads(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
+            const ChainGeometries& geometry)
+      : junctions_(junctions),
+        geometry_(geometry),
+        at_vertex_(main_chains(roads, topology, geometry)),
+        in_junction_(static_cast<std::size_t>(junctions.junctions)) {
+    for (const VertexIndex v : at_vertex_.indices())
+      if (const int junction = junctions.junction_of_vertex[v]; junction >= 0 && at_vertex_[v])
+        in_junction_[static_cast<std::size_t>(junction)].push_back(*at_vertex_[v]);
+  }
+
+  /// None where it is the chain itself. Where that came there from another main road within the junction and still lies
+  /// beside its edge, that one; and where it lies beside the edge of another main road of the junction, nearer than to
+  /// its own, that one. `p`: where the stretch is cut.
+  [[nodiscard]] std::optional<Main> of(std::size_t i, bool at_s1, Vec2 p) const {
+    std::optional<Main> main = own_or_before(i, at_s1, p);
+    const Stretch& stretch = junctions_.stretches[i];
+    if (!main || main->chain == stretch.chain) return main;
+    double nearest_m = std::min(beyond_m(*main, p), beside_m);
+    for (const Main& other : in_junction_[static_cast<std::size_t>(
+             junctions_.junction_of_vertex[at_s1 ? stretch.vertex1 : stretch.vertex0])])
+      if (const double away_m = beyond_m(other, p); other.chain != stretch.chain && away_m < nearest_m)
+        main = other, nearest_m = away_m;
+    return main;
+  }
+
+ private:
+  static constexpr double beside_m = 3.0;
+
+  [[nodiscard]] double beyond_m(const Main& main, Vec2 p) const {
+    return surface_at(geometry_[main.chain], main.s, p).beyond_m;
+  }
+  [[nodiscard]] std::optional<Main> own_or_before(std::size_t i, bool at_s1, Vec2 p) const {
+    const std::vector<Stretch>& all = junctions_.stretches;
+    const ChainIndex chain = all[i].chain;
+    for (bool passed = false;; passed = true) {
+      const VertexIndex vertex = at_s1 ? all[i].vertex1 : all[i].vertex0;
+      if (!vertex || !at_vertex_[vertex]) return std::nullopt;
+      const Main& main = *at_vertex_[vertex];
+      if (main.chain != chain || main.s != (at_s1 ? all[i].s1 : all[i].s0))
+        return passed && beyond_m(main, p) > beside_m ? std::nullopt : std::optional(main);
+      if (at_s1 ? i + 1 == all.size() : i == 0) return std::nullopt;
+      i = at_s1 ? i + 1 : i - 1;
+      if (all[i].chain != chain || !all[i].inside) return std::nullopt;
+    }
+  }
+
+  const JunctionPlan& junctions_;
+  const ChainGeometries& geometry_;
+  Table<VertexIndex, std::optional<Main>> at_vertex_;
+  std::vector<std::vector<Main>> in_junction_;
+};
 
 /// Adds the cubic `change` from its s to `end`.
 void add_cubic(std::vector<Cubic>& cubics, const Cubic& change, double end) {
@@ -136,8 +177,8 @@ std::optional<Change> wanted_change(const ChainGeometry& side, double s, bool at
   const Vec2 in = at_s1 ? pose.direction : pose.direction * -1.0;
   const MainSurface surface = surface_at(main, main_s, pose.p);
   const double sign = at_s1 ? 1.0 : -1.0;
-  const double z = value_of(side.elevation, s), gradient = sign * slope_of(side.elevation, s);
-  const double banking = sign * std::tan(value_of(side.superelevation, s));
+  const double z = value_at(side.elevation, s), gradient = sign * slope_at(side.elevation, s);
+  const double banking = sign * std::tan(value_at(side.superelevation, s));
   if (std::abs(z - surface.z) > same_level_m) return std::nullopt;
   const double along = dot(surface.slope, in), across = dot(surface.slope, left_normal(in));
   const double wanted_gradient = along + limited(gradient - along, gradient_break);
@@ -145,7 +186,7 @@ std::optional<Change> wanted_change(const ChainGeometry& side, double s, bool at
   const double corner = std::clamp(surface.beyond_m, 0.0, longest_corner_m);
   const double wanted_z = surface.z - 0.5 * corner * (wanted_gradient - along);
   const Change change{wanted_z - z, sign * (wanted_gradient - gradient),
-                      sign * (std::atan(wanted_banking) - std::atan(banking)), -value_of(side.crown, s)};
+                      sign * (std::atan(wanted_banking) - std::atan(banking)), -value_at(side.crown, s)};
   constexpr double no_height_m = 0.01, no_slope = 0.005;
   if (std::abs(change.z) < no_height_m && std::abs(change.gradient) < no_slope && std::abs(change.banking) < no_slope &&
       std::abs(change.crown) < no_slope)
@@ -210,21 +251,20 @@ void change_profile(std::vector<Cubic>& cubics, const std::vector<EasedEnds>& st
 
 void ease_arms(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                const std::vector<std::vector<double>>& cuts, ChainGeometries& geometry) {
-  const Table<VertexIndex, std::optional<Main>> mains = main_chains(roads, topology, geometry);
+  const MainRoads mains(roads, topology, junctions, geometry);
   Table<ChainIndex, std::vector<EasedEnds>> eased(geometry.size());
   for (std::size_t i = 0; i < junctions.stretches.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
     const ChainGeometry& side = geometry[stretch.chain];
     if (stretch.inside || side.closed) continue;
     const double begin = cuts[i].front(), end = cuts[i].back();
-    const auto wanted_at = [&](VertexIndex vertex, double vertex_s, bool at_s1) -> std::optional<Change> {
-      if (!vertex || !mains[vertex]) return std::nullopt;
-      const Main& main = *mains[vertex];
-      if (main.chain == stretch.chain && main.s == vertex_s) return std::nullopt;  // it is the main road
-      return wanted_change(side, at_s1 ? end : begin, at_s1, geometry[main.chain], main.s);
+    const auto wanted_at = [&](bool at_s1) -> std::optional<Change> {
+      const double cut = at_s1 ? end : begin;
+      const std::optional<Main> main = mains.of(i, at_s1, pose_at(side.plan, cut).p);
+      if (!main) return std::nullopt;
+      return wanted_change(side, cut, at_s1, geometry[main->chain], main->s);
     };
-    const std::optional<Change> at_begin = wanted_at(stretch.vertex0, stretch.s0, false),
-                                at_end = wanted_at(stretch.vertex1, stretch.s1, true);
+    const std::optional<Change> at_begin = wanted_at(false), at_end = wanted_at(true);
     const double room = at_begin && at_end ? 0.5 * (end - begin) : end - begin;
     EasedEnds ends{{begin, begin, {}}, {end, end, {}}};
     const auto ease = [&](Eased& at, bool at_s1, const std::optional<Change>& wanted) {

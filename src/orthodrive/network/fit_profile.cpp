@@ -17,6 +17,13 @@ Cubic moved_to(const Cubic& cubic, double s) {
   return {s, value_at(cubic, s), slope_at(cubic, s), cubic.c + 3.0 * cubic.d * ds, cubic.d};
 }
 
+const Cubic* cubic_at(std::span<const Cubic> cubics, double s) {
+  if (cubics.empty()) return nullptr;
+  const auto after =
+      std::upper_bound(cubics.begin(), cubics.end(), s, [](double v, const Cubic& c) { return v < c.s; });
+  return &*(after == cubics.begin() ? after : after - 1);
+}
+
 /// Slope at b of the parabola through three samples.
 double parabola_slope(ProfileSample a, ProfileSample b, ProfileSample c) {
   const double h1 = b.s - a.s, h2 = c.s - b.s, m1 = (b.value - a.value) / h1, m2 = (c.value - b.value) / h2;
@@ -65,6 +72,16 @@ double value_at(const Cubic& cubic, double s) {
 double slope_at(const Cubic& cubic, double s) {
   const double ds = s - cubic.s;
   return cubic.b + ds * (2.0 * cubic.c + ds * 3.0 * cubic.d);
+}
+
+double value_at(std::span<const Cubic> cubics, double s) {
+  const Cubic* cubic = cubic_at(cubics, s);
+  return cubic ? value_at(*cubic, s) : 0.0;
+}
+
+double slope_at(std::span<const Cubic> cubics, double s) {
+  const Cubic* cubic = cubic_at(cubics, s);
+  return cubic ? slope_at(*cubic, s) : 0.0;
 }
 
 std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples) {

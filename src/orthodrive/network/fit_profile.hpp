@@ -31,6 +31,9 @@ struct ProfileFit {
 [[nodiscard]] std::vector<ProfileSample> without_repeats(std::span<const ProfileSample> samples);
 [[nodiscard]] double value_at(const roadquery::Cubic& cubic, double s);
 [[nodiscard]] double slope_at(const roadquery::Cubic& cubic, double s);
+/// Of a whole profile; 0 of none.
+[[nodiscard]] double value_at(std::span<const roadquery::Cubic> cubics, double s);
+[[nodiscard]] double slope_at(std::span<const roadquery::Cubic> cubics, double s);
 /// The cubic with these values and slopes at both ends.
 [[nodiscard]] roadquery::Cubic hermite(double s0, double s1, double v0, double v1, double slope0, double slope1);
 /// The part from s0 to s1 with s from 0.

@@ -21,6 +21,7 @@ constexpr double side_by_side_m = 15.0, side_by_side_cos = 0.77;  // arms so nea
 constexpr double arc_steps_of_1_m = 4.5;
 constexpr int near_arc_steps = 4, tip_arc_steps = 2;
 constexpr double largest_gap_m2 = 30.0;  // larger holes are islands, unless the closing filled them
+constexpr double least_verge_m2 = 4.0;   // between arms; what is smaller and paved all round is paved
 
 const Box2 everywhere{-INFINITY, -INFINITY, INFINITY, INFINITY};
 
@@ -107,6 +108,28 @@ MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& conn
   return corners;
 }
 
+/// What arms that leave side by side and touch further out keep between them and the area, where that is too little for
+/// a verge.
+MultiPolygon closed_gaps(const JunctionRoads& roads, const MultiPolygon& area, Vec2 origin) {
+  if (between_arms(roads, origin).empty()) return {};
+  std::vector<Polygon> paved = arm_pieces(roads, origin, true);
+  paved.insert(paved.end(), area.begin(), area.end());
+  MultiPolygon gaps;
+  for (const Polygon& part : buffer_of(paved, join_m, 1))
+    for (Ring hole : part.holes) {
+      if (std::abs(signed_area_m2(hole)) > least_verge_m2) continue;
+      std::reverse(hole.begin(), hole.end());
+      gaps.push_back({std::move(hole), {}});
+    }
+  if (gaps.empty()) return {};
+  const MultiPolygon reach = buffer_of(area, 2.0 * overlap_m, tip_arc_steps);
+  std::erase_if(gaps, [&](const Polygon& gap) { return !touches(gap, reach); });
+  const std::vector<Polygon> others =
+      pieces_of(roads.others, origin, true, bounds_of(area.front().outer).grown(other_width_m));
+  if (gaps.empty() || others.empty()) return gaps;
+  return difference_of(gaps, buffer_of(others, join_m, 1), grid_m);
+}
+
 struct Bridge {
   std::size_t from = 0, to = 0;
   double length_m = INFINITY;
@@ -142,6 +165,10 @@ MultiPolygon junction_area(const JunctionRoads& roads, double kerb_radius_m, Vec
   MultiPolygon area = filled_corners(roads, connecting, kerb_radius_m, origin);
   area.insert(area.end(), connecting.begin(), connecting.end());
   area = buffer_of(area, overlap_m, 2);
+  if (const MultiPolygon gaps = closed_gaps(roads, area, origin); !gaps.empty()) {
+    area.insert(area.end(), gaps.begin(), gaps.end());
+    area = buffer_of(area, overlap_m, 2);
+  }
   for (Polygon& part : area)
     std::erase_if(part.holes, [](const Ring& hole) { return std::abs(signed_area_m2(hole)) < largest_gap_m2; });
   return simplified(area, simplify_m);
