@@ -50,7 +50,7 @@ BakedHeight bake_height(const Lane& lane, double s_in_section, double inside_in_
 void bake_stretch(const Road& road, const LaneSection& section, double s, double inside, BakedRoads& baked) {
   LaneStretch stretch;
   stretch.s = s;
-  stretch.first = static_cast<std::uint32_t>(baked.lanes.size()) & 0x3fffffffu;
+  stretch.first = static_cast<std::uint32_t>(baked.lanes.size()) & 0x1fffffffu;
   add_cubic(road.lane_offset, inside, s, 1.0, stretch.center);
   const auto add_side = [&](const std::vector<Lane>& lanes, double sign, int side) {
     double edge[4];
@@ -77,6 +77,11 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
     throw std::runtime_error("road " + std::to_string(road.id) + " has too many lanes");
   stretch.left_count = static_cast<std::uint16_t>(section.left.size());
   stretch.right_count = static_cast<std::uint16_t>(section.right.size());
+  const std::span<const BakedLane> lanes = std::span<const BakedLane>(baked.lanes).subspan(stretch.first);
+  stretch.one_material = !lanes.empty() && std::ranges::all_of(lanes, [&](const BakedLane& lane) {
+    return lane.surface == lanes.front().surface && lane.friction == lanes.front().friction &&
+           lane.roughness_m == lanes.front().roughness_m;
+  });
   baked.stretches.push_back(stretch);
 }
 

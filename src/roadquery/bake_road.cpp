@@ -18,7 +18,7 @@ constexpr double same_break_m = 1e-6;
 constexpr double turn_sample_m = 2.0;
 
 // What no road has, but a damaged file: time and memory would grow without bound.
-constexpr double most_turn_rad = 630.0, farthest_m = 1e8, widest_m = 1000.0, most_length_m = 1e7;
+constexpr double most_turn_rad = 630.0, farthest_m = 1e8, widest_m = 1000.0, most_length_m = 1e7, most_speed = 100.0;
 constexpr std::size_t most_stations = 8'000'000;  // 1 GB
 
 [[noreturn]] void unusable(const Road& road, const std::string& what) {
@@ -202,6 +202,7 @@ class StationMaker {
     }
     if (!(std::max(std::abs(station.x), std::abs(station.y)) <= farthest_m))
       unusable(road_, "leaves the area where its CRS has coordinates");
+    if (std::abs(station.speed) > most_speed) unusable(road_, "has a line more than 100 times as long as it says");
     if (!(reach <= widest_m)) unusable(road_, "is wider than 1 km");
     LaneStretch& lanes = baked_.stretches[station.lanes];
     lanes.road = index_, lanes.reach_m = std::max(lanes.reach_m, f(reach));

@@ -71,7 +71,8 @@ struct alignas(64) LaneStretch {
   double length_m = 0.0;                          ///< of the road
   double edges[4][2] = {};                        ///< t of the right and the left outer edge
   double center[4] = {};                          ///< t of the centre line
-  std::uint32_t first : 30 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
+  std::uint32_t first : 29 = 0;                   ///< of left_count + right_count in BakedRoads::lanes
+  std::uint32_t one_material : 1 = 0;             ///< all lanes have that of the first, which there is
   std::uint32_t relief : 2 = 0;                   ///< OpenCRG files, lanes with heights, or both; 0: neither
   std::uint16_t left_count = 0, right_count = 0;  ///< from the centre outwards
 };
@@ -91,6 +92,14 @@ struct Companion {
 };
 inline constexpr float companion_step_m = 0.25F;
 
+/// Where a junction's own surface answers for a station.
+struct StationJunction {
+  std::uint32_t index = no_index;  ///< of RoadMap::junctions; one_of_several or no_index: no single one
+  /// A point that is_in_core() lies on the station's surface. In free_step_m of near_place(); right above left:
+  /// nowhere.
+  std::int8_t core_right = 1, core_left = -1;
+};
+
 class RoadCrgs;
 
 /// All roads of a map. Immutable after bake().
@@ -109,7 +118,7 @@ struct BakedRoads {
   // Of each station, where its surface, its companions' and those of the junctions over it are one level whichever
   // counts, and no companion is of its own road: the junction whose surface, under a point there, is the answer;
   // one_of_several where more than one lies over the station, no_index where none decides.
-  std::vector<std::uint32_t> deciding_junction;
+  LargeVector<StationJunction> deciding_junction;
 
   [[nodiscard]] StationRange stations_of(std::uint32_t road) const {
     return {first_station[road], first_station[road + 1] - 1};
@@ -127,7 +136,7 @@ struct BakedRoads {
 };
 
 /// Throws std::runtime_error for a road without bounds: coordinates beyond 1e8 m, 1 km of width, 100 turns within one
-/// geometry, and for a map of more than 10 000 km of road.
+/// geometry, a line 100 times as long as its s, and for a map of more than 10 000 km of road.
 [[nodiscard]] BakedRoads bake(const RoadMap& map);
 
 }  // namespace roadquery

@@ -77,6 +77,22 @@ inline double guess_u(const Station& q, const FramePoint& p) {
   return p.along * speed / std::max(speed2 - turn, 0.2 * speed2);
 }
 
+/// About where a point lies on a station: u of its foot, and how far to the left of the line.
+struct NearPlace {
+  double u = 0.0, left_m = 0.0;
+};
+inline NearPlace near_place(const Station& q, double x, double y) {
+  const FramePoint p = in_frame(q, x, y);
+  const double u = guess_u(q, p);
+  return {u, p.left - u * u * static_cast<double>(q.bend[0][1])};
+}
+/// Of u, next to the station's ends: what near_place() may miss.
+inline double end_margin_m(const Station& q) { return 0.01 + 0.02 * q.half_m; }
+inline bool is_in_core(const Station& q, const StationJunction& junction, const NearPlace& place) {
+  return std::abs(place.u) <= q.half_m - end_margin_m(q) && place.left_m >= junction.core_right * free_step_m &&
+         place.left_m <= junction.core_left * free_step_m;
+}
+
 inline double inverse_root(double square) {
   const double e = square - 1.0;
   return std::abs(e) < 1e-4 ? 1.0 - 0.5 * e + 0.375 * e * e : 1.0 / std::sqrt(square);

@@ -12,10 +12,11 @@ namespace {
 
 using roadquery::Cursor;
 using roadquery::GroundHit;
+using roadquery::Hit;
 using roadquery::Place;
 
 constexpr bool is_same(int flag, unsigned part) { return static_cast<unsigned>(flag) == part; }
-static_assert(is_same(RQ_NORMAL, roadquery::hit_normal) && is_same(RQ_POSITION, roadquery::hit_lane) &&
+static_assert(is_same(RQ_NORMAL, roadquery::hit_normal) && is_same(RQ_POSITION, roadquery::hit_position) &&
               is_same(RQ_CURVATURE, roadquery::hit_curvature) && is_same(RQ_MATERIAL, roadquery::hit_material));
 
 constexpr double no_guess = std::numeric_limits<double>::quiet_NaN();
@@ -45,17 +46,16 @@ void write_cursor(const Cursor& cursor, rq_cursor& given) {
   given.road = cursor.road, given.s = cursor.s, given.station = static_cast<int32_t>(cursor.station);
 }
 
-/// One query with everything checked that is not the library's own.
-int find(const rq_map& map, rq_cursor& cursor, double x, double y, double z_guess, unsigned what, GroundHit& found) {
+/// One query with everything checked that is not the library's own. `hit` is fresh.
+int find(const rq_map& map, rq_cursor& cursor, double x, double y, double z_guess, unsigned what, Hit& hit) {
   if (!std::isfinite(x) || !std::isfinite(y)) return RQ_BAD_INPUT;
   Cursor at = read_cursor(cursor);
-  found = map.ground.find(x, y, z_guess, at, what & RQ_ALL);
+  const Place place = map.ground.find(x, y, z_guess, at, what & RQ_ALL, hit);
   write_cursor(at, cursor);
-  return status_of(found.place);
+  return status_of(place);
 }
 
-void fill(const rq_map& map, const GroundHit& found, unsigned what, rq_hit& out) {
-  const roadquery::Hit& hit = found.hit;
+void fill(const rq_map& map, const Hit& hit, unsigned what, rq_hit& out) {
   out.z = hit.z;
   if ((what & RQ_NORMAL) != 0) std::copy(hit.normal.begin(), hit.normal.end(), out.normal);
   if ((what & RQ_POSITION) != 0) {
@@ -91,7 +91,7 @@ double turned_to_pi(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 int rq_query(const rq_map* map, rq_cursor* cursor, double x, double y, double z_guess, unsigned what, rq_hit* hit) {
   if (hit == nullptr) return RQ_BAD_INPUT;
-  GroundHit found;
+  Hit found;
   hit->status = map == nullptr || cursor == nullptr ? static_cast<int32_t>(RQ_BAD_INPUT)
                                                     : find(*map, *cursor, x, y, z_guess, what, found);
   if (hit->status > 0) fill(*map, found, what, *hit);
@@ -100,11 +100,8 @@ int rq_query(const rq_map* map, rq_cursor* cursor, double x, double y, double z_
 
 int rq_height(const rq_map* map, rq_cursor* cursor, double x, double y, double z_guess, double* z) {
   if (map == nullptr || cursor == nullptr || z == nullptr) return RQ_BAD_INPUT;
-  if (!std::isfinite(x) || !std::isfinite(y)) return RQ_BAD_INPUT;
-  Cursor at = read_cursor(*cursor);
-  const roadquery::GroundHeight found = map->ground.find_height(x, y, z_guess, at);
-  write_cursor(at, *cursor);
-  const int status = status_of(found.place);
+  Hit found;
+  const int status = find(*map, *cursor, x, y, z_guess, 0, found);
   if (status > 0) *z = found.z;
   return status;
 }

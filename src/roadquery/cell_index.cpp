@@ -33,6 +33,14 @@ bool touches(const Station& q, const StationBox& box, double column, double row,
 
 std::int32_t cell_of(double v) { return static_cast<std::int32_t>(std::floor(v / cell_m)); }
 
+/// Takes from [low, high] what is not within [from, to] as slope * v + offset.
+void narrow(double slope, double offset, double from, double to, double& low, double& high) {
+  constexpr double least_slope = 1e-6;  // below it the whole line of cells counts as within
+  if (std::abs(slope) < least_slope) return;
+  const double a = (from - offset) / slope, b = (to - offset) / slope;
+  low = std::max(low, std::min(a, b)), high = std::min(high, std::max(a, b));
+}
+
 /// Calls visit(column, row) for the cells that the station's box, grown by the margin, touches.
 template <typename Visit>
 void for_cells(const Station& q, const StationBox& box, double margin_m, const Visit& visit) {
@@ -43,9 +51,18 @@ void for_cells(const Station& q, const StationBox& box, double margin_m, const V
       west = std::min(west, x), east = std::max(east, x), south = std::min(south, y), north = std::max(north, y);
     }
   }
-  for (std::int32_t row = cell_of(south - margin_m); row <= cell_of(north + margin_m); ++row)
-    for (std::int32_t column = cell_of(west - margin_m); column <= cell_of(east + margin_m); ++column)
+  const double spread = 0.5 * cell_m * (std::abs(q.cos_hdg) + std::abs(q.sin_hdg)) + margin_m;
+  const std::int32_t last_row = cell_of(north + margin_m);
+  for (std::int32_t row = cell_of(south - margin_m); row <= last_row; ++row) {
+    // The columns that are not far from the box in this row: most of the rectangle around a slanting one are.
+    const FramePoint begin = in_frame(q, 0.5 * cell_m, (row + 0.5) * cell_m);
+    double low = cell_of(west - margin_m), high = cell_of(east + margin_m);
+    narrow(cell_m * q.cos_hdg, begin.along, box.along_min - spread, box.along_max + spread, low, high);
+    narrow(-cell_m * q.sin_hdg, begin.left, box.left_min - spread, box.left_max + spread, low, high);
+    const auto last = static_cast<std::int32_t>(std::floor(high)) + 1;
+    for (auto column = static_cast<std::int32_t>(std::ceil(low)) - 1; column <= last; ++column)
       if (touches(q, box, column, row, margin_m)) visit(column, row);
+  }
 }
 
 double turn_of(const Station& q) { return 4.0 * std::abs(static_cast<double>(q.bend[0][1])) * q.half_m; }
@@ -178,9 +195,9 @@ CellIndex::CellIndex(const BakedRoads& roads, const RoadMap& map) {
       const Station& q = roads.stations[i];
       if (q.shape_count == unusable_station) continue;
       for_cells(q, station_box(roads, q), cell_margin_m, [&](std::int32_t column, std::int32_t row) {
+        if (cells.size() == most_entries) throw std::runtime_error("the roads cover too large an area");
         cells.push_back({column, row, i});
       });
-      if (cells.size() > most_entries) throw std::runtime_error("the roads cover too large an area");
     }
     append_ranges(roads, cells, ranges);
   }

@@ -36,27 +36,15 @@ GroundQuery::GroundQuery(RoadMap map, std::optional<TerrainGrid> terrain, double
   if (terrain_ && verge_m_ > 0.0) borders_.emplace(roads_, verge_m_);
 }
 
-GroundHit GroundQuery::find(double x, double y, double z_guess, Cursor& cursor, unsigned parts) const {
-  const auto hit = roads_.find(x, y, z_guess, cursor, parts);
-  if (!terrain_) return hit ? GroundHit{place_of(*hit), *hit} : GroundHit{};
+Place GroundQuery::choose(bool on_road, double x, double y, double z_guess, Hit& hit) const {
   // On a road, near it: the terrain is not asked.
-  if (hit && !(std::abs(hit->z - z_guess) > same_level_m)) return {place_of(*hit), *hit};
+  if (on_road && !(std::abs(hit.z - z_guess) > same_level_m)) return place_of(hit);
   const auto ground = ground_beside_roads(x, y);
-  if (!ground) return hit ? GroundHit{place_of(*hit), *hit} : GroundHit{};
-  const bool other_level = hit && std::abs(ground->z - hit->z) > same_level_m;
-  if (hit && !(other_level && std::abs(ground->z - z_guess) < std::abs(hit->z - z_guess)))
-    return {place_of(*hit), *hit};
-  return {Place::terrain, terrain_hit(*ground)};
-}
-
-GroundHeight GroundQuery::find_height(double x, double y, double z_guess, Cursor& cursor) const {
-  if (terrain_) {
-    const GroundHit found = find(x, y, z_guess, cursor, 0);
-    return {found.place, found.hit.z};
-  }
-  const auto z = roads_.find_height(x, y, z_guess, cursor);
-  if (!z) return {};
-  return {ids(cursor.road).junction >= 0 ? Place::junction : Place::road, *z};
+  if (!ground) return on_road ? place_of(hit) : Place::none;
+  const bool other_level = on_road && std::abs(ground->z - hit.z) > same_level_m;
+  if (on_road && !(other_level && std::abs(ground->z - z_guess) < std::abs(hit.z - z_guess))) return place_of(hit);
+  hit = terrain_hit(*ground);
+  return Place::terrain;
 }
 
 std::optional<TerrainPoint> GroundQuery::ground_beside_roads(double x, double y) const {

@@ -18,11 +18,6 @@ struct GroundHit {
   Hit hit;  ///< road -1 on terrain
 };
 
-struct GroundHeight {
-  Place place = Place::none;
-  double z = 0.0;
-};
-
 struct RoadIds {
   int road = -1, junction = -1;
 };
@@ -40,9 +35,17 @@ class GroundQuery {
   [[nodiscard]] const RoadQuery& roads() const { return roads_; }
   [[nodiscard]] const std::optional<TerrainGrid>& terrain() const { return terrain_; }
   /// `parts`: sum of HitPart, what of a road's hit is asked for.
-  [[nodiscard]] GroundHit find(double x, double y, double z_guess, Cursor& cursor, unsigned parts = hit_all) const;
-  /// Place and z of find() alone, for less. On a junction's own surface the place is that of the road there.
-  [[nodiscard]] GroundHeight find_height(double x, double y, double z_guess, Cursor& cursor) const;
+  [[nodiscard]] GroundHit find(double x, double y, double z_guess, Cursor& cursor, unsigned parts = hit_all) const {
+    GroundHit found;
+    found.place = find(x, y, z_guess, cursor, parts, found.hit);
+    return found;
+  }
+  /// The same into a fresh Hit of the caller's.
+  [[nodiscard]] Place find(double x, double y, double z_guess, Cursor& cursor, unsigned parts, Hit& hit) const {
+    const bool on_road = roads_.find(x, y, z_guess, cursor, parts, hit);
+    if (!terrain_) return on_road ? place_of(hit) : Place::none;
+    return choose(on_road, x, y, z_guess, hit);
+  }
   /// Ids of a road and of its junction (-1: none), by the road's index.
   [[nodiscard]] RoadIds ids(int road) const { return ids_[static_cast<std::size_t>(road)]; }
   /// Point (s, t) of a road, by its index, with the height and normal that find() gives there.
@@ -52,6 +55,8 @@ class GroundQuery {
   [[nodiscard]] Place place_of(const Hit& hit) const {
     return hit.in_junction || ids(hit.road).junction >= 0 ? Place::junction : Place::road;
   }
+  /// Road or terrain, where both may be; `hit` is the road's when there is one.
+  [[nodiscard]] Place choose(bool on_road, double x, double y, double z_guess, Hit& hit) const;
   [[nodiscard]] std::optional<TerrainPoint> ground_beside_roads(double x, double y) const;
 
   RoadQuery roads_;

@@ -37,6 +37,69 @@ void for_strips(const Area& area, const Edge& edge, const Visit& visit) {
   for (std::uint32_t k = strip_of(area, std::min(edge.y0, edge.y1)); k <= last; ++k) visit(k);
 }
 
+/// Cells of a field that something passes.
+class Passed {
+ public:
+  Passed(const JunctionSurface& surface)
+      : surface_(surface), passed_(surface.z.size(), 0), per_m_(1.0 / surface.spacing_m) {}
+
+  void add_edge(const std::array<double, 2>& from, const std::array<double, 2>& to) {
+    constexpr double rounding = 1e-3;  // of a cell
+    const double x0 = (from[0] - surface_.x) * per_m_, y0 = (from[1] - surface_.y) * per_m_;
+    const double x1 = (to[0] - surface_.x) * per_m_, y1 = (to[1] - surface_.y) * per_m_;
+    const int last = cell(std::max(y0, y1) + rounding, surface_.rows);
+    for (int row = cell(std::min(y0, y1) - rounding, surface_.rows); row <= last; ++row) {
+      // The part of the edge in this row of cells; the first and the last row hold what lies beyond as well.
+      const auto along = [&](double y) { return std::clamp(y1 == y0 ? 0.0 : (y - y0) / (y1 - y0), 0.0, 1.0); };
+      const bool is_level = std::abs(y1 - y0) < 2.0 * rounding;
+      const double a = is_level ? 0.0 : along(row - rounding), b = is_level ? 1.0 : along(row + 1.0 + rounding);
+      const double xa = x0 + a * (x1 - x0), xb = x0 + b * (x1 - x0);
+      const int end = cell(std::max(xa, xb) + rounding, surface_.columns);
+      for (int column = cell(std::min(xa, xb) - rounding, surface_.columns); column <= end; ++column) mark(column, row);
+    }
+  }
+  void add_arm(const JunctionArm& arm) {
+    if (arm.places.size() < 2) return;
+    const double around = surface_.spacing_m;  // more than from a cell's middle to its corner
+    const double right = arm.places.front().left_m - beside_arm_m - around,
+                 left = arm.places.back().left_m + beside_arm_m + around, in = junction_transition_m + around;
+    const double reach = in + std::max(std::abs(right), std::abs(left));
+    const int last_row = cell((arm.y + reach - surface_.y) * per_m_, surface_.rows),
+              last_column = cell((arm.x + reach - surface_.x) * per_m_, surface_.columns);
+    for (int row = cell((arm.y - reach - surface_.y) * per_m_, surface_.rows); row <= last_row; ++row)
+      for (int column = cell((arm.x - reach - surface_.x) * per_m_, surface_.columns); column <= last_column;
+           ++column) {
+        const double dx = surface_.x + (column + 0.5) * surface_.spacing_m - arm.x,
+                     dy = surface_.y + (row + 0.5) * surface_.spacing_m - arm.y;
+        const double in_m = arm.in_x * dx + arm.in_y * dy, left_m = arm.in_x * dy - arm.in_y * dx;
+        if (!(std::abs(in_m) > in || left_m < right || left_m > left)) mark(column, row);
+      }
+  }
+  [[nodiscard]] bool at(int column, int row) const { return passed_[index(column, row)] != 0; }
+
+ private:
+  /// Of NaN the first one.
+  static int cell(double at, int count) {
+    return at > 0.0 ? static_cast<int>(std::min(at, static_cast<double>(count - 1))) : 0;
+  }
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(surface_.columns) +
+           static_cast<std::size_t>(column);
+  }
+  void mark(int column, int row) { passed_[index(column, row)] = 1; }
+
+  const JunctionSurface& surface_;
+  std::vector<std::uint8_t> passed_;
+  double per_m_;
+};
+
+bool is_usable(const JunctionSurface& surface) {
+  constexpr double most_m = 1e9;
+  return surface.columns >= 4 && surface.rows >= 4 && surface.spacing_m > 0.0 &&
+         surface.z.size() == static_cast<std::size_t>(surface.columns) * static_cast<std::size_t>(surface.rows) &&
+         std::ranges::all_of(surface.z, [](double z) { return std::abs(z) <= most_m; });
+}
+
 }  // namespace
 
 JunctionIndex::JunctionIndex(const RoadMap& map) {
@@ -65,8 +128,37 @@ void JunctionIndex::add(const JunctionSurface& surface) {
   area.arms = static_cast<std::uint32_t>(arms_.size()),
   area.arm_count = static_cast<std::uint32_t>(surface.arms.size());
   arms_.insert(arms_.end(), surface.arms.begin(), surface.arms.end());
+  area.inverse_spacing = 1.0 / surface.spacing_m;
   cut_into_strips(surface.boundary, area);
+  area.calm = static_cast<std::uint32_t>(calm_.size());
   areas_.push_back(area);
+  find_calm(surface, static_cast<std::uint32_t>(areas_.size() - 1));
+}
+
+void JunctionIndex::find_calm(const JunctionSurface& surface, std::uint32_t junction) {
+  const std::size_t first = calm_.size();
+  calm_.resize(first + surface.z.size(), 0);
+  if (!is_usable(surface)) return;
+  Passed passed(surface);
+  const auto& ring = surface.boundary;
+  for (std::size_t i = 0, before = ring.size() - 1; i < ring.size(); before = i++)
+    passed.add_edge(ring[before], ring[i]);
+  for (const JunctionArm& arm : surface.arms) passed.add_arm(arm);
+  for (int row = 1; row + 2 < surface.rows; ++row) {
+    bool known = false, inside = false;  // what one cell is the next one is, unless something passes between
+    for (int column = 1; column + 2 < surface.columns; ++column) {
+      if (passed.at(column, row)) {
+        known = false;
+        continue;
+      }
+      if (!known)
+        inside = contains(junction, surface.x + (column + 0.5) * surface.spacing_m,
+                          surface.y + (row + 0.5) * surface.spacing_m);
+      known = true;
+      calm_[first + static_cast<std::size_t>(row) * static_cast<std::size_t>(surface.columns) +
+            static_cast<std::size_t>(column)] = inside ? 1 : 0;
+    }
+  }
 }
 
 void JunctionIndex::cut_into_strips(std::span<const std::array<double, 2>> ring, Area& area) {
@@ -110,8 +202,17 @@ bool JunctionIndex::contains(std::uint32_t junction, double x, double y) const {
 }
 
 JunctionOver JunctionIndex::over(std::uint32_t junction, double x, double y) const {
-  if (!contains(junction, x, y)) return {};
   const Area& area = areas_[junction];
+  const double column = (x - area.x) * area.inverse_spacing, row = (y - area.y) * area.inverse_spacing;
+  if (column >= 0.0 && row >= 0.0 && column < area.columns - 1 && row < area.rows - 1) {
+    const int c = static_cast<int>(column), r = static_cast<int>(row);
+    const std::uint32_t node =
+        static_cast<std::uint32_t>(r) * static_cast<std::uint32_t>(area.columns) + static_cast<std::uint32_t>(c);
+    if (calm_[area.calm + node] != 0)
+      return {junction, evaluate_nodes(z_.data() + area.z + node - area.columns - 1, area.columns, column - c, row - r,
+                                       area.inverse_spacing)};
+  }
+  if (!contains(junction, x, y)) return {};
   const JunctionHeight at = evaluate(JunctionField{area.x,
                                                    area.y,
                                                    area.spacing_m,

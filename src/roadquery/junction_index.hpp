@@ -47,12 +47,15 @@ class JunctionIndex {
     double x = 0.0, y = 0.0, spacing_m = 1.0;
     std::int32_t columns = 0, rows = 0;
     std::uint32_t arm_count = 0;
+    std::uint32_t calm = 0;  ///< first in calm_
+    double inverse_spacing = 1.0;
   };
   static_assert(sizeof(Area) == 128);
   struct Edge {
     double x0, y0, x1, y1;
   };
   void add(const JunctionSurface& surface);
+  void find_calm(const JunctionSurface& surface, std::uint32_t junction);
   void cut_into_strips(std::span<const std::array<double, 2>> ring, Area& area);
 
   LargeVector<Area> areas_;  // of each junction; empty when none has a surface
@@ -60,6 +63,7 @@ class JunctionIndex {
   LargeVector<Edge> edges_;
   LargeVector<double> z_;
   LargeVector<JunctionArm> arms_;
+  LargeVector<std::uint8_t> calm_;  // of each cell of the field, by its first node: all inside, and no arm counts
   std::vector<std::vector<std::uint32_t>> roads_;
 };
 

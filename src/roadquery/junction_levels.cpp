@@ -98,17 +98,51 @@ bool is_one_level(const BakedRoads& roads, const RoadMap& map, std::uint32_t sta
   return band.is_one_level();
 }
 
+/// The part of a station's width within its edges, by near_place(). None where that misses the foot by too much.
+void find_core(const BakedRoads& roads, const Station& q, StationJunction& junction) {
+  constexpr double margin_m = 0.25;  // what is between the places that are looked at, and of near_place()
+  constexpr int parts = 8;
+  const LaneStretch& lanes = roads.stretches[q.lanes];
+  double right = -1e30, left = 1e30;
+  for (int k = 0; k <= parts; ++k) {
+    const double u = q.half_m * (2.0 * k / parts - 1.0);
+    const LinePolynomial line = line_at(q, u);
+    const double speed = std::hypot(line.tangent[0], line.tangent[1]);
+    const Pair edges = cubics_at(lanes.edges, q.s + u - lanes.s);
+    for (const int side : {0, 1}) {
+      SurfacePlace place;
+      surface_at_t(roads, q, u, edges[side], place);
+      const double beside = place.t * place.cos_bank - place.h * place.sin_bank;
+      const double a = line.position[0] - beside * line.tangent[1] / speed,
+                   l = line.position[1] + beside * line.tangent[0] / speed;
+      const NearPlace near = near_place(q, q.x + a * q.cos_hdg - l * q.sin_hdg, q.y + a * q.sin_hdg + l * q.cos_hdg);
+      if (!(std::abs(near.u - u) <= end_margin_m(q) && std::abs(near.left_m - beside) <= 0.5 * margin_m)) return;
+      if (side == 0)
+        right = std::max(right, near.left_m);
+      else
+        left = std::min(left, near.left_m);
+    }
+  }
+  const auto steps = [](double t) { return static_cast<std::int8_t>(std::clamp(t, -127.0, 127.0)); };
+  junction.core_right = steps(std::ceil((right + margin_m) / free_step_m));
+  junction.core_left = steps(std::floor((left - margin_m) / free_step_m));
+}
+
 }  // namespace
 
 void find_levels(BakedRoads& roads, const RoadMap& map, const CellIndex& cells) {
   std::vector<std::uint32_t> junctions;
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
-    if (roads.deciding_junction[i] == no_index) continue;
+    StationJunction& junction = roads.deciding_junction[i];
+    if (junction.index == no_index) continue;
     const Station& q = roads.stations[i];
     const StationBox box = station_box(roads, q);
     junctions.clear();
     cells.append_junctions(q, box, junctions);
-    if (!is_one_level(roads, map, i, box, junctions)) roads.deciding_junction[i] = no_index;
+    if (!is_one_level(roads, map, i, box, junctions))
+      junction.index = no_index;
+    else if (junction.index < one_of_several)
+      find_core(roads, q, junction);
   }
 }
 

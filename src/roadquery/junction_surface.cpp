@@ -16,13 +16,21 @@
 namespace roadquery {
 namespace {
 
-/// Weights of four neighbouring nodes and their derivatives, u in [0, 1] between the second and the third.
+/// Two numbers at once.
+using Pair = double __attribute__((vector_size(16)));
+Pair load_pair(const double* at) {
+  Pair loaded;
+  __builtin_memcpy(&loaded, at, sizeof loaded);
+  return loaded;
+}
+
+/// Weights of four neighbouring nodes and their derivatives, u in [0, 1] between the second and the third, in x and y.
 struct Weights {
-  double value[4], slope[4];
+  Pair value[4], slope[4];
 };
 
-Weights catmull_rom(double u) {
-  const double u2 = u * u, u3 = u2 * u;
+Weights catmull_rom(Pair u) {
+  const Pair u2 = u * u, u3 = u2 * u;
   return {{-0.5 * u + u2 - 0.5 * u3, 1.0 - 2.5 * u2 + 1.5 * u3, 0.5 * u + 2.0 * u2 - 1.5 * u3, 0.5 * (u3 - u2)},
           {-0.5 + 2.0 * u - 1.5 * u2, -5.0 * u + 4.5 * u2, 0.5 + 4.0 * u - 4.5 * u2, 1.5 * u2 - u}};
 }
@@ -41,48 +49,42 @@ Cell cell_at(double offset_m, double spacing_m, int count) {
   return {node, inside - node};
 }
 
-/// Two numbers at once.
-using Pair = double __attribute__((vector_size(16)));
-Pair load_pair(const double* at) {
-  Pair loaded;
-  __builtin_memcpy(&loaded, at, sizeof loaded);
-  return loaded;
-}
-
 /// From rows of four nodes.
-JunctionHeight bicubic(const double* const (&rows)[4], const Weights& wx, const Weights& wy, double spacing_m) {
+JunctionHeight bicubic(const double* const (&rows)[4], Pair u, double inverse_spacing) {
+  const Weights w = catmull_rom(u);
   Pair value[2] = {}, slope[2] = {};  // of the four columns, by y
   for (int j = 0; j < 4; ++j) {
-    const Pair v = {wy.value[j], wy.value[j]}, s = {wy.slope[j], wy.slope[j]};
+    const Pair v = {w.value[j][1], w.value[j][1]}, s = {w.slope[j][1], w.slope[j][1]};
     for (int i = 0; i < 2; ++i) {
       const Pair z = load_pair(rows[j] + 2 * i);
       value[i] += v * z, slope[i] += s * z;
     }
   }
-  const auto sum = [](const double(&w)[4], const Pair(&of)[2]) {
-    const Pair products = load_pair(w) * of[0] + load_pair(w + 2) * of[1];
+  const auto sum = [](const Pair(&of_x)[4], const Pair(&of)[2]) {
+    const Pair products = Pair{of_x[0][0], of_x[1][0]} * of[0] + Pair{of_x[2][0], of_x[3][0]} * of[1];
     return products[0] + products[1];
   };
-  return {sum(wx.value, value), sum(wx.slope, value) / spacing_m, sum(wx.value, slope) / spacing_m};
+  return {sum(w.value, value), sum(w.slope, value) * inverse_spacing, sum(w.value, slope) * inverse_spacing};
 }
 
 JunctionHeight field_at(const JunctionField& surface, double x, double y) {
   if (surface.columns < 1 || surface.rows < 1) return {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};
   const Cell column = cell_at(x - surface.x, surface.spacing_m, surface.columns);
   const Cell row = cell_at(y - surface.y, surface.spacing_m, surface.rows);
-  const Weights wx = catmull_rom(column.u), wy = catmull_rom(row.u);
+  const Pair u = {column.u, row.u};
+  const double inverse_spacing = 1.0 / surface.spacing_m;
   const int c0 = column.node - 1, r0 = row.node - 1;
   const auto line = [&](int r) { return surface.z + static_cast<std::ptrdiff_t>(r) * surface.columns; };
   if (c0 >= 0 && r0 >= 0 && c0 + 4 <= surface.columns && r0 + 4 <= surface.rows) {
     const double* first = line(r0) + c0;
     const std::ptrdiff_t next = surface.columns;
-    return bicubic({first, first + next, first + 2 * next, first + 3 * next}, wx, wy, surface.spacing_m);
+    return bicubic({first, first + next, first + 2 * next, first + 3 * next}, u, inverse_spacing);
   }
   double nodes[4][4];  // beyond its edges the field goes on as at them
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 4; ++i)
       nodes[j][i] = line(std::clamp(r0 + j, 0, surface.rows - 1))[std::clamp(c0 + i, 0, surface.columns - 1)];
-  return bicubic({nodes[0], nodes[1], nodes[2], nodes[3]}, wx, wy, surface.spacing_m);
+  return bicubic({nodes[0], nodes[1], nodes[2], nodes[3]}, u, inverse_spacing);
 }
 
 /// 1 - S(distance / transition) and its derivative by the distance.
@@ -196,6 +198,11 @@ JunctionHeight evaluate(const JunctionField& surface, double x, double y) {
   const double over = sum.z / shares;
   return {field.z + over, field.dz_dx + (sum.dz_dx - over * dshares_dx) / shares,
           field.dz_dy + (sum.dz_dy - over * dshares_dy) / shares};
+}
+
+JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, double u_y, double inverse_spacing) {
+  const std::ptrdiff_t next = columns;
+  return bicubic({first, first + next, first + 2 * next, first + 3 * next}, Pair{u_x, u_y}, inverse_spacing);
 }
 
 double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }

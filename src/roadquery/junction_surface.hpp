@@ -52,6 +52,11 @@ struct JunctionField {
   return evaluate(field_of(surface), x, y);
 }
 
+/// Between four by four nodes, the first of them `first` and a row `columns` long: at `u_x` and `u_y`, each from 0 to
+/// 1, between the second and the third. Without arms.
+[[nodiscard]] JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, double u_y,
+                                            double inverse_spacing);
+
 /// The end of a road that a junction begins at. Its cross section: edges, reference line and every <shape> between.
 [[nodiscard]] JunctionArm junction_arm(const Road& road, ContactPoint end);
 

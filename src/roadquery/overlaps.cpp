@@ -166,7 +166,7 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
   std::vector<FramePoint> ring;
   std::vector<std::uint32_t> near, junctions, seen_by(roads.stations.size(), no_index);
   roads.companion_begin.assign(1, 0);
-  roads.deciding_junction.assign(roads.stations.size(), no_index);
+  roads.deciding_junction.assign(roads.stations.size(), {});
   for (std::uint32_t i = 0; i < roads.stations.size(); ++i) {
     Station& q = roads.stations[i];
     near.clear();
@@ -190,7 +190,7 @@ void find_overlaps(BakedRoads& roads, const RoadMap& map, const CellIndex& cells
       ring.clear();
       for (const auto& [x, y] : map.junctions[junction].surface->boundary) ring.push_back(in_frame(q, x, y));
       const Part part = beside(extents[i].box, ring);
-      std::uint32_t& deciding = roads.deciding_junction[i];
+      std::uint32_t& deciding = roads.deciding_junction[i].index;
       if (!part.empty()) deciding = deciding == no_index ? junction : one_of_several;
       free.take_away(part);
     }

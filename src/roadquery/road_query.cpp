@@ -18,15 +18,22 @@ constexpr double coherent_level_m = 1.0;
 /// coherent_level_m of the hint.
 constexpr double alone_level_m = 2.0 * coherent_level_m + same_level_m;
 
+void fill_material(const BakedLane& lane, Hit& hit) {
+  hit.surface = lane.surface, hit.friction = lane.friction, hit.roughness_m = lane.roughness_m;
+}
+
 void fill_place(const BakedRoads& roads, const Found& found, unsigned parts, Hit& hit) {
   const Station& q = roads.stations[found.station];
   const LaneStretch& lanes = roads.stretches[q.lanes];
   hit.road = static_cast<int>(lanes.road);
-  hit.s = q.s + found.line.u, hit.t = found.on.t;
-  if ((parts & (hit_lane | hit_material)) == 0) return;
-  if (const BakedLane* lane = lane_at(roads, lanes, hit.s, hit.t, edge_rounding_m)) {
-    hit.lane_id = lane->id, hit.surface = lane->surface;
-    hit.friction = lane->friction, hit.roughness_m = lane->roughness_m;
+  if ((parts & hit_position) != 0 || ((parts & hit_material) != 0 && !lanes.one_material)) {
+    hit.s = q.s + found.line.u, hit.t = found.on.t;
+    if (const BakedLane* lane = lane_at(roads, lanes, hit.s, hit.t, edge_rounding_m)) {
+      hit.lane_id = lane->id;
+      fill_material(*lane, hit);
+    }
+  } else if ((parts & hit_material) != 0) {
+    fill_material(roads.lanes[lanes.first], hit);
   }
   if (found.has_relief && !std::isnan(found.friction)) hit.friction = found.friction;
 }
@@ -55,10 +62,22 @@ void fill_hit(const BakedRoads& roads, const Found& found, unsigned parts, Hit& 
   hit.normal = {bearing.normal[0], bearing.normal[1], bearing.normal[2]};
 }
 
+void fill_junction(const JunctionHeight& at, unsigned parts, Hit& hit) {
+  hit.z = at.z, hit.in_junction = true;
+  if ((parts & hit_normal) == 0) return;
+  const double scale = 1.0 / std::sqrt(1.0 + at.dz_dx * at.dz_dx + at.dz_dy * at.dz_dy);
+  hit.normal = {-at.dz_dx * scale, -at.dz_dy * scale, scale};
+}
+
 void fill_blended(const BakedRoads& roads, std::span<const Found> surfaces, const Found& named, unsigned parts,
                   Hit& hit) {
   fill_place(roads, named, parts, hit);
   Blend blend;
+  if ((parts & (hit_normal | hit_curvature)) == 0) {
+    for (const Found& found : surfaces) blend.add(found.inside_m, found.on.z);
+    hit.z = blend.z();
+    return;
+  }
   for (const Found& found : surfaces) {
     const Bearing bearing = bearing_of(roads, found);
     blend.add(found.inside_m, found.on.z, bearing.normal);
@@ -78,13 +97,12 @@ std::uint32_t station_of(const BakedRoads& roads, const Cursor& cursor) {
   return roads.station_at(road, cursor.s);
 }
 
-/// The surface under the point near the cursor's place; false unless the point lies on it and z_hint near it: then it
-/// is of the level that counts.
-bool follow(const BakedRoads& roads, double x, double y, double z_hint, const Cursor& cursor, Found& found) {
+/// The surface under the point near the station; false unless the point lies on it and z_hint near it: then it is of
+/// the level that counts.
+bool follow(const BakedRoads& roads, std::uint32_t station, double x, double y, double z_hint, Found& found) {
   constexpr int most_steps = 4;
-  found.station = station_of(roads, cursor);
-  if (found.station == no_index) return false;
-  const Station& q = roads.stations[found.station];
+  found.station = station;
+  const Station& q = roads.stations[station];
   if (q.shape_count == unusable_station) return false;
   const FramePoint p = in_frame(q, x, y);
   found.line = foot_on(q, p, guess_u(q, p));
@@ -96,6 +114,12 @@ bool follow(const BakedRoads& roads, double x, double y, double z_hint, const Cu
     return false;
   }
   return found.along_rest_m <= edge_rounding_m && std::abs(found.on.z - z_hint) <= coherent_level_m;
+}
+
+/// Whether `parts` of a hit are known without the place on the road.
+bool takes_no_foot(const LaneStretch& lanes, unsigned parts) {
+  return (parts & (hit_position | hit_curvature)) == 0 && ((parts & hit_material) == 0 || lanes.one_material) &&
+         lanes.relief == 0;
 }
 
 /// Whether no other surface touches the found one's station there.
@@ -145,11 +169,11 @@ void RoadQuery::search_place(const Cell& cell, double x, double y, FoundList& li
   if (list.count == 0) search_stations(baked_, cell, x, y, edge_rounding_m, true, list);
 }
 
-/// `followed`: the list begins with what follow() found, and other surfaces lie near it.
-RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, bool followed, FoundList& list) const {
-  if (followed) {
-    list.count = 1;
-    const std::uint32_t station = list.items[0].station, deciding = baked_.deciding_junction[station];
+/// `followed`: what follow() found, where other surfaces lie near it; else null.
+RoadQuery::Level RoadQuery::search(double x, double y, double z_hint, const Found* followed, FoundList& list) const {
+  if (followed != nullptr) {
+    list.items[0] = *followed, list.count = 1;
+    const std::uint32_t station = followed->station, deciding = baked_.deciding_junction[station].index;
     JunctionOver over;
     if (deciding < one_of_several)
       over = junctions_.over(deciding, x, y);
@@ -193,68 +217,61 @@ std::optional<Found> RoadQuery::nearest_of_junction(std::uint32_t junction, doub
   return best;
 }
 
-std::optional<Hit> RoadQuery::hit_of_level(const Level& level, double x, double y, unsigned parts,
-                                           Cursor& cursor) const {
+bool RoadQuery::fill_level(const Level& level, double x, double y, unsigned parts, Cursor& cursor, Hit& hit) const {
   std::optional<Found> nearest;
   if (level.roads.empty()) nearest = nearest_of_junction(level.junction.junction, x, y);
-  if (level.roads.empty() && !nearest) return std::nullopt;
+  if (level.roads.empty() && !nearest) return false;
   const Found& named = nearest ? *nearest : named_of(baked_, level.roads, cursor.road);
   const bool has_own_surface = level.junction.junction != no_index;
-  std::optional<Hit> result(std::in_place);
-  Hit& hit = *result;
   if (level.roads.size() > 1 && !has_own_surface)
     fill_blended(baked_, level.roads, named, parts, hit);
   else
     fill_hit(baked_, named, has_own_surface ? parts & ~hit_normal : parts, hit);
-  if (has_own_surface) {
-    const JunctionHeight& at = level.junction.at;
-    const double scale = 1.0 / std::sqrt(1.0 + at.dz_dx * at.dz_dx + at.dz_dy * at.dz_dy);
-    hit.z = at.z, hit.normal = {-at.dz_dx * scale, -at.dz_dy * scale, scale};
-    hit.in_junction = true;
-  }
-  cursor = {hit.road, hit.s, named.station};
-  return result;
+  if (has_own_surface) fill_junction(level.junction.at, parts, hit);
+  cursor = {hit.road, baked_.stations[named.station].s + named.line.u, named.station};
+  return true;
 }
 
-std::optional<Hit> RoadQuery::find(double x, double y, double z_hint, Cursor& cursor, unsigned parts) const {
-  FoundList list;
-  std::optional<Hit> hit;
-  Found& here = list.items[0];
-  const bool followed = follow(baked_, x, y, z_hint, cursor, here);
-  if (followed && is_alone(baked_, here)) {
-    fill_hit(baked_, here, parts, hit.emplace());
-    cursor = {hit->road, hit->s, here.station};
-    return hit;
-  }
-  const Level level = search(x, y, z_hint, followed, list);
-  if (!level.empty()) hit = hit_of_level(level, x, y, parts, cursor);
-  if (!hit) cursor = {};
-  return hit;
+/// Where one junction's own surface answers for all that lies over the station. What is asked of the road takes no
+/// foot.
+bool RoadQuery::find_in_core(const StationJunction& junction, const Station& q, double x, double y, double z_hint,
+                             unsigned parts, Hit& hit) const {
+  const JunctionOver over = junctions_.over(junction.index, x, y);
+  if (over.junction == no_index || !(std::abs(over.at.z - z_hint) <= coherent_level_m)) return false;
+  const LaneStretch& lanes = baked_.stretches[q.lanes];
+  hit.road = static_cast<int>(lanes.road);
+  if ((parts & hit_material) != 0) fill_material(baked_.lanes[lanes.first], hit);
+  fill_junction(over.at, parts, hit);
+  return true;
 }
 
-std::optional<double> RoadQuery::find_height(double x, double y, double z_hint, Cursor& cursor) const {
+bool RoadQuery::find_among(const Found* followed, double x, double y, double z_hint, Cursor& cursor, unsigned parts,
+                           Hit& hit) const {
   FoundList list;
-  Found& here = list.items[0];
-  const bool followed = follow(baked_, x, y, z_hint, cursor, here);
-  if (followed && is_alone(baked_, here)) {
-    const Station& station = baked_.stations[here.station];
-    cursor = {static_cast<int>(baked_.road_of(station)), station.s + here.line.u, here.station};
-    return here.on.z;
-  }
   const Level level = search(x, y, z_hint, followed, list);
-  if (level.roads.empty()) {
-    const auto hit = level.empty() ? std::nullopt : hit_of_level(level, x, y, 0, cursor);
-    if (!hit) cursor = {};
-    return hit ? std::optional(hit->z) : std::nullopt;
+  if (!level.empty() && fill_level(level, x, y, parts, cursor, hit)) return true;
+  cursor = {};
+  return false;
+}
+
+bool RoadQuery::find(double x, double y, double z_hint, Cursor& cursor, unsigned parts, Hit& hit) const {
+  const std::uint32_t station = station_of(baked_, cursor);
+  if (station == no_index) return find_among(nullptr, x, y, z_hint, cursor, parts, hit);
+  const Station& q = baked_.stations[station];
+  const StationJunction& junction = baked_.deciding_junction[station];
+  if (junction.core_right < junction.core_left && takes_no_foot(baked_.stretches[q.lanes], parts)) {
+    const NearPlace near = near_place(q, x, y);
+    if (is_in_core(q, junction, near) && find_in_core(junction, q, x, y, z_hint, parts, hit)) {
+      cursor = {hit.road, q.s + near.u, station};
+      return true;
+    }
   }
-  const Found& named = named_of(baked_, level.roads, cursor.road);
-  const Station& station = baked_.stations[named.station];
-  cursor = {static_cast<int>(baked_.road_of(station)), station.s + named.line.u, named.station};
-  if (level.junction.junction != no_index) return level.junction.at.z;
-  if (level.roads.size() == 1) return named.on.z;
-  Blend blend;
-  for (const Found& found : level.roads) blend.add(found.inside_m, found.on.z);
-  return blend.z();
+  Found here;
+  if (!follow(baked_, station, x, y, z_hint, here)) return find_among(nullptr, x, y, z_hint, cursor, parts, hit);
+  if (!is_alone(baked_, here)) return find_among(&here, x, y, z_hint, cursor, parts, hit);
+  fill_hit(baked_, here, parts, hit);
+  cursor = {hit.road, baked_.stations[here.station].s + here.line.u, here.station};
+  return true;
 }
 
 void RoadQuery::find_batch(std::span<const std::array<double, 3>> points, std::span<Cursor> cursors,
@@ -349,9 +366,9 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
   if (level.empty() && reach_m > 0.0) level.roads = nearest_beside(x, y, reach_m, is_on_level, list);
   if (level.empty()) return std::nullopt;
   Cursor cursor;
-  const auto hit = hit_of_level(level, x, y, hit_normal, cursor);
-  if (!hit) return std::nullopt;
-  SurfaceSample sample{hit->z, hit->normal, 0.0};
+  Hit hit;
+  if (!fill_level(level, x, y, hit_normal, cursor, hit)) return std::nullopt;
+  SurfaceSample sample{hit.z, hit.normal, 0.0};
   constexpr double between_roads_m = 1e-3;
   sample.inside_m = level.roads.empty() ? between_roads_m : named_of(baked_, level.roads, -1).inside_m;
   return sample;

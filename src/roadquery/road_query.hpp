@@ -30,10 +30,10 @@ struct Hit {
   bool in_junction = false;  ///< on a junction's own surface (JunctionSurface)
 };
 
-/// What find() fills in of a Hit besides z, road, s, t and in_junction.
+/// What find() fills in of a Hit besides z, road and in_junction.
 enum HitPart : unsigned {
   hit_normal = 1,
-  hit_lane = 2,
+  hit_position = 2,  ///< s, t, lane_id
   hit_curvature = 4,
   hit_material = 8,  ///< surface, friction, roughness_m
   hit_all = 15
@@ -83,9 +83,18 @@ class RoadQuery {
   /// z_hint makes the query coherent: one station is looked at instead of all nearby.
   /// `parts`: sum of HitPart, what of a hit is asked for; the rest keeps its defaults.
   [[nodiscard]] std::optional<Hit> find(double x, double y, double z_hint, Cursor& cursor,
-                                        unsigned parts = hit_all) const;
+                                        unsigned parts = hit_all) const {
+    std::optional<Hit> hit(std::in_place);
+    if (!find(x, y, z_hint, cursor, parts, *hit)) hit.reset();
+    return hit;
+  }
+  /// The same into a fresh Hit of the caller's; false: nothing.
+  [[nodiscard]] bool find(double x, double y, double z_hint, Cursor& cursor, unsigned parts, Hit& hit) const;
   /// Hit::z of find() alone, for less.
-  [[nodiscard]] std::optional<double> find_height(double x, double y, double z_hint, Cursor& cursor) const;
+  [[nodiscard]] std::optional<double> find_height(double x, double y, double z_hint, Cursor& cursor) const {
+    Hit hit;
+    return find(x, y, z_hint, cursor, 0, hit) ? std::optional(hit.z) : std::nullopt;
+  }
   /// find() for each of the points, each with its own cursor (all spans of one length).
   void find_batch(std::span<const std::array<double, 3>> points, std::span<Cursor> cursors,
                   std::span<std::optional<Hit>> hits) const;
@@ -104,13 +113,16 @@ class RoadQuery {
  private:
   struct Level;
   void search_place(const Cell& cell, double x, double y, FoundList& list) const;
-  [[nodiscard]] Level search(double x, double y, double z_hint, bool followed, FoundList& list) const;
+  [[nodiscard]] bool find_in_core(const StationJunction& junction, const Station& q, double x, double y, double z_hint,
+                                  unsigned parts, Hit& hit) const;
+  [[nodiscard]] bool find_among(const Found* followed, double x, double y, double z_hint, Cursor& cursor,
+                                unsigned parts, Hit& hit) const;
+  [[nodiscard]] Level search(double x, double y, double z_hint, const Found* followed, FoundList& list) const;
   [[nodiscard]] static Level with_junction(const JunctionOver& over, double z_hint, FoundList& list);
   [[nodiscard]] std::optional<Found> nearest_of_junction(std::uint32_t junction, double x, double y) const;
   [[nodiscard]] std::span<Found> nearest_beside(double x, double y, double reach_m,
                                                 const std::vector<bool>& is_on_level, FoundList& list) const;
-  [[nodiscard]] std::optional<Hit> hit_of_level(const Level& level, double x, double y, unsigned parts,
-                                                Cursor& cursor) const;
+  [[nodiscard]] bool fill_level(const Level& level, double x, double y, unsigned parts, Cursor& cursor, Hit& hit) const;
 
   RoadMap map_;
   BakedRoads baked_;

@@ -124,8 +124,7 @@ typedef struct rq_hit {
  * highest road. Without a surface only the status is filled in. */
 RQ_API int rq_query(const rq_map* map, rq_cursor* cursor, double x, double y, double z_guess, unsigned what,
                     rq_hit* hit);
-/* The same for the height alone: the fastest way. On a junction's own surface the status is that of the road there. *z
- * keeps its value where there is no surface. */
+/* The same for the height alone: the fastest way. *z keeps its value where there is no surface. */
 RQ_API int rq_height(const rq_map* map, rq_cursor* cursor, double x, double y, double z_guess, double* z);
 /* Many points. Coordinates of point i are stride_bytes * i bytes after the first; z_guess may be NULL (NaN for all).
  * `cursors` has one for each point; NULL: the points follow each other along a way. hits[i] is hit_stride_bytes * i

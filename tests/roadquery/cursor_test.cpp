@@ -97,13 +97,14 @@ TEST(RoadQuery, parts_of_a_hit_are_those_of_the_whole) {
       if (!hit) continue;
       EXPECT_EQ(hit->z, all->z);
       EXPECT_EQ(hit->road, all->road);
-      EXPECT_EQ(hit->s, all->s);
       EXPECT_EQ(hit->in_junction, all->in_junction);
       if ((parts & hit_normal) != 0) {
         EXPECT_EQ(hit->normal, all->normal);
       }
-      if ((parts & hit_lane) != 0) {
+      if ((parts & hit_position) != 0) {
         EXPECT_EQ(hit->lane_id, all->lane_id);
+        EXPECT_EQ(hit->s, all->s);
+        EXPECT_EQ(hit->t, all->t);
       }
       if ((parts & hit_curvature) != 0) {
         EXPECT_EQ(hit->curvature, all->curvature);
