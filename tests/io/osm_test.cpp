@@ -163,6 +163,50 @@ TEST(OsmTags, contradictions_are_settled_and_told) {
   EXPECT_EQ(way.doubts.size(), 3u);
 }
 
+TEST(OsmTags, signs_and_crossings_of_nodes) {
+  const auto kinds = [](const io::OsmTags& tags) {
+    std::string text;
+    for (const NodeSign& sign : io::node_signs(5, tags))
+      text +=
+          fmt::format("{}{}{} ", to_string(sign.kind), sign.direction > 0 ? "+" : "", sign.direction < 0 ? "-" : "");
+    return text;
+  };
+  EXPECT_EQ(kinds({{"highway", "stop"}, {"direction", "forward"}}), "stop+ ");
+  EXPECT_EQ(kinds({{"highway", "give_way"}, {"direction", "backward"}}), "give_way- ");
+  EXPECT_EQ(kinds({{"highway", "traffic_signals"}, {"crossing", "traffic_signals"}}),
+            "traffic_signals signal_crossing ");
+  EXPECT_EQ(kinds({{"highway", "crossing"}}), "plain_crossing ");
+  EXPECT_EQ(kinds({{"highway", "crossing"}, {"crossing", "uncontrolled"}}), "zebra ");
+  EXPECT_EQ(kinds({{"highway", "crossing"}, {"crossing", "marked"}}), "zebra ");
+  EXPECT_EQ(kinds({{"highway", "crossing"}, {"crossing", "marked"}, {"crossing:markings", "no"}}), "plain_crossing ");
+  EXPECT_EQ(kinds({{"highway", "crossing"}, {"crossing:markings", "zebra"}}), "zebra ");
+  EXPECT_EQ(kinds({{"highway", "crossing"}, {"crossing", "unmarked"}, {"crossing_ref", "zebra"}}), "zebra ");
+  EXPECT_EQ(kinds({{"highway", "street_lamp"}, {"crossing", "no"}}), "");
+}
+
+TEST(OsmRoads, signs_of_their_nodes_come_along_in_the_direction_of_the_path) {
+  const Scratch scratch;
+  OsmText osm;
+  osm.node(1, 10, 10).node(2, 60, 10).node(3, 60, 50).node(4, 90, 90);
+  osm.way(7, {1, 2}, {{"highway", "residential"}}).way(8, {2, 3}, {{"highway", "residential"}, {"oneway", "-1"}});
+  std::string text = osm.text();
+  const auto tag = [&](int id, const std::string& tags) {
+    const std::size_t at = text.find("/>", text.find(fmt::format("id=\"{}\"", id)));
+    ASSERT_NE(at, std::string::npos);
+    text.replace(at, 2, ">" + tags + "</node>");
+  };
+  tag(1, "<tag k='highway' v='stop'/><tag k='direction' v='forward'/>");
+  tag(3, "<tag k='highway' v='give_way'/><tag k='direction' v='forward'/>");
+  tag(4, "<tag k='highway' v='crossing'/>");
+  write_bytes(scratch / "a.osm", text);
+  const RoadNetwork roads = io::read_osm_roads(scratch / "a.osm", site_of(100));
+  ASSERT_EQ(roads.signs.size(), 2u) << "node 4 is on no road";
+  EXPECT_EQ(roads.signs[0].osm_node, 1);
+  EXPECT_EQ(roads.signs[0].direction, 1);
+  EXPECT_EQ(roads.signs[1].kind, NodeSignKind::give_way);
+  EXPECT_EQ(roads.signs[1].direction, -1) << "the way is turned round";
+}
+
 TEST(OsmRoads, turn_restrictions_of_cars_over_one_node) {
   const Scratch scratch;
   OsmText osm;

@@ -55,6 +55,7 @@ RoadNetwork two_roads() {
   raw.speed_limit_kmh = 48.28032, raw.sidewalk = Sides::right, raw.shoulder = Sides::both, raw.surface = "asphalt";
   raw.known_surface = {SurfaceClass::setts, SurfaceSource::photo};  // not what the tag says: the columns count
   roads.restrictions = {{5, 77, 123456789012345, true}, {123456789012345, 77, 5, false}};
+  roads.signs = {{77, NodeSignKind::stop, -1}, {78, NodeSignKind::zebra, 0}};
   raw.nodes = {{.p = origin, .osm_node = 77, .width_m = 4.0},
                {.p = origin + Vec2{0, 30}, .s_m = 30.0, .width_m = 4.0}};  // no heights yet
   return roads;
@@ -66,6 +67,11 @@ void expect_same(const RoadNetwork& a, const RoadNetwork& b) {
   for (std::size_t i = 0; i < a.restrictions.size(); ++i) {
     const TurnRestriction &p = a.restrictions[i], &q = b.restrictions[i];
     EXPECT_EQ(std::tie(p.from_way, p.via_node, p.to_way, p.only), std::tie(q.from_way, q.via_node, q.to_way, q.only));
+  }
+  ASSERT_EQ(a.signs.size(), b.signs.size());
+  for (std::size_t i = 0; i < a.signs.size(); ++i) {
+    const NodeSign &p = a.signs[i], &q = b.signs[i];
+    EXPECT_EQ(std::tie(p.osm_node, p.kind, p.direction), std::tie(q.osm_node, q.kind, q.direction));
   }
   ASSERT_EQ(a.paths.size(), b.paths.size());
   for (std::size_t i = 0; i < a.paths.size(); ++i) {

@@ -196,6 +196,12 @@ void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited&
     add_speed(node, limit_mps);
     node.last_child().prepend_attribute("sOffset") = "0";
   }
+  for (const roadquery::LaneHeight& height : lane.heights) {
+    pugi::xml_node h = node.append_child("height");
+    set(h, "sOffset", metres(height.s_offset));
+    set(h, "inner", metres(height.inner));
+    set(h, "outer", metres(height.outer));
+  }
 }
 
 void add_lanes(pugi::xml_node parent, const Road& road, const roadquery::Inherited& from) {
@@ -268,10 +274,44 @@ void add_type(pugi::xml_node road_node, const Road& road) {
   if (road.speed_limit_mps > 0.0) add_speed(type, road.speed_limit_mps);
 }
 
-/// A bridge or tunnel as an object as long as its road.
+std::string centimetres(double v) { return trimmed(fmt::format("{:.2f}", v)); }
+
+/// What is painted: flat, by its corners or by its box.
+void add_object(pugi::xml_node objects, const roadquery::RoadObject& object, const std::string& id) {
+  pugi::xml_node node = objects.append_child("object");
+  set(node, "id", id);
+  set(node, "type", object.type);
+  if (!object.subtype.empty()) set(node, "subtype", object.subtype);
+  if (!object.name.empty()) set(node, "name", object.name);
+  set(node, "s", centimetres(object.s));
+  set(node, "t", centimetres(object.t));
+  set(node, "zOffset", "0");
+  if (object.hdg != 0.0) set(node, "hdg", radians(object.hdg));
+  set(node, "orientation", "none");
+  set(node, "height", "0");
+  set(node, "length", centimetres(object.length));
+  set(node, "width", centimetres(object.width));
+  if (object.outline.empty()) return;
+  pugi::xml_node outline = node.append_child("outlines").append_child("outline");
+  set(outline, "id", 0);
+  set(outline, "closed", "true");
+  for (const auto& [s, t] : object.outline) {
+    pugi::xml_node corner = outline.append_child("cornerRoad");
+    set(corner, "s", centimetres(s));
+    set(corner, "t", centimetres(t));
+    set(corner, "dz", "0");
+    set(corner, "height", "0");
+  }
+}
+
+/// What is painted, and a bridge or tunnel as an object as long as its road.
 void add_objects(pugi::xml_node road_node, const Road& road) {
+  if (!road.bridge && !road.tunnel && road.objects.empty()) return;
+  pugi::xml_node objects = road_node.append_child("objects");
+  for (std::size_t i = 0; i < road.objects.size(); ++i)
+    add_object(objects, road.objects[i], fmt::format("{}_{}", road.id, i + 1));
   if (!road.bridge && !road.tunnel) return;
-  pugi::xml_node node = road_node.append_child("objects").append_child(road.bridge ? "bridge" : "tunnel");
+  pugi::xml_node node = objects.append_child(road.bridge ? "bridge" : "tunnel");
   set(node, "s", "0");
   set(node, "length", metres(road.length));
   set(node, "id", fmt::format("{}_{}", road.bridge ? "bridge" : "tunnel", road.id));

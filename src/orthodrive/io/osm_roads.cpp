@@ -2,10 +2,12 @@
 // country needs memory for its roads only.
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <osmium/osm/node.hpp>
 #include <osmium/osm/relation.hpp>
 #include <osmium/osm/way.hpp>
+#include <set>
 #include <string_view>
 
 #include "orthodrive/io/clip_line.hpp"
@@ -81,12 +83,25 @@ class NodePlaces {
       for (const osmium::Node& node : buffer.select<osmium::Node>()) {
         const auto it = std::lower_bound(ids_.begin(), ids_.end(), node.id());
         if (it == ids_.end() || *it != node.id() || !node.location().valid()) continue;
+        if (!node.tags().empty())
+          std::ranges::move(node_signs(node.id(), tags_of(node.tags())), std::back_inserter(signs_));
         lonlat_[static_cast<std::size_t>(it - ids_.begin())] = {node.location().lon(), node.location().lat()};
       }
     });
   }
   [[nodiscard]] Vec2 lonlat(std::int64_t id) const {
     return lonlat_[static_cast<std::size_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin())];
+  }
+  /// Of the nodes of the ways, sorted; their directions are the paths'.
+  [[nodiscard]] std::vector<NodeSign> signs(const std::vector<DrivableWay>& ways) const {
+    std::set<std::int64_t> turned;
+    for (const DrivableWay& way : ways)
+      if (way.attributes.reversed) turned.insert(way.nodes.begin(), way.nodes.end());
+    std::vector<NodeSign> result = signs_;
+    for (NodeSign& sign : result)
+      if (turned.contains(sign.osm_node)) sign.direction = -sign.direction;
+    std::ranges::stable_sort(result, {}, [](const NodeSign& sign) { return std::pair(sign.osm_node, sign.kind); });
+    return result;
   }
   [[nodiscard]] Box2 bounds() const {
     Ring known;
@@ -98,6 +113,7 @@ class NodePlaces {
  private:
   std::vector<std::int64_t> ids_;
   std::vector<Vec2> lonlat_;
+  std::vector<NodeSign> signs_;
 };
 
 /// Nodes in a row that have a place; a node that the file lacks (extracts cut ways) splits the way.
@@ -190,6 +206,7 @@ RoadNetwork read_osm_roads(const std::filesystem::path& path, const SiteFrame& s
         }
     }
     roads.restrictions = read_restrictions(path);
+    roads.signs = places.signs(ways);
     if (ways.empty())
       throw InputError(path.string(),
                        "has no drivable ways (highway=motorway ... service, track, raceway); is it the right extract?");

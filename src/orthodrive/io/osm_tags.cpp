@@ -65,4 +65,30 @@ WayAttributes way_attributes(const OsmTags& tags) {
   return way;
 }
 
+namespace {
+/// crossing:markings counts first: it says what is painted, the older values of crossing say it in part.
+NodeSignKind crossing_kind(const OsmTags& tags) {
+  const std::string crossing = value_of(tags, "crossing"), markings = value_of(tags, "crossing:markings");
+  if (crossing == "traffic_signals" || value_of(tags, "crossing:signals") == "yes")
+    return NodeSignKind::signal_crossing;
+  if (!markings.empty()) return markings == "no" ? NodeSignKind::plain_crossing : NodeSignKind::zebra;
+  const bool marked = crossing == "zebra" || crossing == "marked" || crossing == "uncontrolled";
+  return marked || value_of(tags, "crossing_ref") == "zebra" ? NodeSignKind::zebra : NodeSignKind::plain_crossing;
+}
+}  // namespace
+
+std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags) {
+  const std::string highway = value_of(tags, "highway"), crossing = value_of(tags, "crossing");
+  std::string towards = value_of(tags, "direction");
+  if (highway == "traffic_signals" && !value_of(tags, "traffic_signals:direction").empty())
+    towards = value_of(tags, "traffic_signals:direction");
+  const int direction = towards == "forward" ? 1 : towards == "backward" ? -1 : 0;
+  std::vector<NodeSign> signs;
+  for (const NodeSignKind kind : {NodeSignKind::stop, NodeSignKind::give_way, NodeSignKind::traffic_signals})
+    if (highway == to_string(kind)) signs.push_back({osm_node, kind, direction});
+  if (highway == "crossing" || (!crossing.empty() && crossing != "no"))
+    signs.push_back({osm_node, crossing_kind(tags), 0});
+  return signs;
+}
+
 }  // namespace orthodrive::io

@@ -33,4 +33,8 @@ struct WayAttributes {
 /// sides and directions are turned round with the way. Part of way_attributes.
 void read_lane_tags(const OsmTags& tags, WayAttributes& way);
 
+/// What a node's tags say of who waits there and who walks across (highway=stop, give_way, traffic_signals, crossing;
+/// crossing, crossing:markings, crossing_ref; direction). https://wiki.openstreetmap.org/wiki/Key:crossing.
+[[nodiscard]] std::vector<NodeSign> node_signs(std::int64_t osm_node, const OsmTags& tags);
+
 }  // namespace orthodrive::io

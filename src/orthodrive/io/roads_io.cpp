@@ -1,5 +1,5 @@
-// roads.gpkg: layers centrelines, nodes and surface, table restrictions. The nodes are the truth; lines and polygons
-// are made from them for people and for other tools, and carry the attributes of the way.
+// roads.gpkg: layers centrelines, nodes and surface, tables restrictions and signs. The nodes are the truth; lines and
+// polygons are made from them for people and for other tools, and carry the attributes of the way.
 
 #include <fmt/format.h>
 
@@ -35,6 +35,7 @@ constexpr Field lane_fields[] = {{"lanes_forward", OFTInteger}, {"lanes_backward
 constexpr Field class_fields[] = {{"surface_class", OFTString}, {"surface_source", OFTString}};
 constexpr Field restriction_fields[] = {
     {"from_way", OFTInteger64}, {"via_node", OFTInteger64}, {"to_way", OFTInteger64}, {"only", OFTInteger}};
+constexpr Field sign_fields[] = {{"osm_node", OFTInteger64}, {"kind", OFTString}, {"direction", OFTInteger}};
 constexpr Field node_fields[] = {{"osm_id", OFTInteger64},
                                  {"part", OFTInteger},
                                  {"osm_node", OFTInteger64},
@@ -216,6 +217,22 @@ void write_restrictions(GDALDataset& dataset, const std::vector<TurnRestriction>
     add_feature(*layer, row, file, errors);
   }
 }
+
+/// Likewise.
+void write_signs(GDALDataset& dataset, const std::vector<NodeSign>& signs, const std::string& file,
+                 const GdalErrors& errors) {
+  if (signs.empty()) return;
+  OGRLayer* layer = dataset.CreateLayer("signs", nullptr, wkbNone, nullptr);
+  if (!layer) throw Error("layer 'signs' cannot be made, is the disk full?");
+  for (const Field& field : sign_fields) create_field(*layer, field.name, field.type);
+  for (const NodeSign& sign : signs) {
+    OGRFeature row(layer->GetLayerDefn());
+    row.SetField("osm_node", static_cast<GIntBig>(sign.osm_node));
+    row.SetField("kind", to_string(sign.kind));
+    row.SetField("direction", sign.direction);
+    add_feature(*layer, row, file, errors);
+  }
+}
 }  // namespace
 
 void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vector<RoughnessStretch>& roughness) {
@@ -225,6 +242,7 @@ void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vect
     for (const RoadPath& road : roads.paths) writer.add(road);
     if (!roughness.empty()) write_roughness(dataset, reference, roads, roughness, path.string(), errors);
     write_restrictions(dataset, roads.restrictions, path.string(), errors);
+    write_signs(dataset, roads.signs, path.string(), errors);
   });
 }
 
@@ -348,6 +366,14 @@ RoadNetwork read_roads(const fs::path& path) {
     for (const auto& row : *restrictions)
       roads.restrictions.push_back({row->GetFieldAsInteger64("from_way"), row->GetFieldAsInteger64("via_node"),
                                     row->GetFieldAsInteger64("to_way"), row->GetFieldAsInteger("only") != 0});
+  }
+  if (OGRLayer* signs = dataset->GetLayerByName("signs")) {
+    need_fields(path, *signs, sign_fields);
+    for (const auto& row : *signs) {
+      const auto kind = node_sign_kind_of(row->GetFieldAsString("kind"));
+      if (!kind) throw InputError(path.string(), fmt::format("has a sign '{}'", row->GetFieldAsString("kind")));
+      roads.signs.push_back({row->GetFieldAsInteger64("osm_node"), *kind, row->GetFieldAsInteger("direction")});
+    }
   }
   if (errors.any())
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); make it again", errors.text()));

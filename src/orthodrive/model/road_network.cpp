@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 namespace orthodrive {
@@ -42,6 +43,19 @@ double default_width_m(const std::string& highway, int lanes, Oneway oneway) {
   // A narrow one-way lane still gets 3.5 m: parked cars and kerbs need it.
   const int count = lanes > 0 ? lanes : (oneway == Oneway::no ? c->lanes_two_way : c->lanes_one_way);
   return std::max(3.0, count * c->lane_m + c->edge_m) + (count == 1 && c->lane_m < 3.5 ? 0.5 : 0.0);
+}
+
+namespace {
+constexpr std::string_view sign_names[] = {"stop",  "give_way",        "traffic_signals",
+                                           "zebra", "signal_crossing", "plain_crossing"};
+}  // namespace
+
+const char* to_string(NodeSignKind kind) { return sign_names[static_cast<std::size_t>(kind)].data(); }
+
+std::optional<NodeSignKind> node_sign_kind_of(std::string_view text) {
+  const auto found = std::find(std::begin(sign_names), std::end(sign_names), text);
+  if (found == std::end(sign_names)) return std::nullopt;
+  return static_cast<NodeSignKind>(found - std::begin(sign_names));
 }
 
 int road_rank(const std::string& highway) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -85,10 +86,30 @@ struct TurnRestriction {
   bool only = false;
 };
 
+/// What the tags of a node on a road say: who waits there, who walks across.
+enum class NodeSignKind : std::int8_t {
+  stop,
+  give_way,
+  traffic_signals,
+  zebra,            ///< a crossing with its own marking
+  signal_crossing,  ///< a crossing with traffic lights
+  plain_crossing    ///< without a marking, or none told
+};
+/// As the column `kind` of roads.gpkg has it.
+[[nodiscard]] const char* to_string(NodeSignKind kind);
+[[nodiscard]] std::optional<NodeSignKind> node_sign_kind_of(std::string_view text);
+
+struct NodeSign {
+  std::int64_t osm_node = 0;
+  NodeSignKind kind = NodeSignKind::stop;
+  int direction = 0;  ///< 1: for who drives along the path, -1: against it, 0: not told
+};
+
 struct RoadNetwork {
   Crs crs;
   std::vector<RoadPath> paths;
   std::vector<TurnRestriction> restrictions;
+  std::vector<NodeSign> signs;  ///< sorted by node, then kind
 };
 
 /// Carriageway width in metres for a way without a width tag: by highway value, lanes and oneway.

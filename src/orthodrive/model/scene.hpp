@@ -18,6 +18,8 @@ enum class MeshKind : std::uint8_t {
   road_body,  ///< sides and undersides of bridge decks, facing outwards
   verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
   marking,    ///< paint, a few millimetres over the road
+  kerb,       ///< lanes that lie higher than the road, and their faces
+  structure,  ///< piers, girders and parapets of bridges, guard rails
   building,   ///< walls and roofs
   tree,       ///< copies of a few shapes
 };
@@ -34,6 +36,10 @@ enum class MeshKind : std::uint8_t {
       return "verge";
     case MeshKind::marking:
       return "marking";
+    case MeshKind::kerb:
+      return "road_kerb";
+    case MeshKind::structure:
+      return "road_structure";
     case MeshKind::building:
       return "building";
     case MeshKind::tree:

@@ -8,14 +8,18 @@
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/network/crossing_nodes.hpp"
+#include "orthodrive/network/crosswalks.hpp"
 #include "orthodrive/network/ease_arms.hpp"
 #include "orthodrive/network/junction_surface.hpp"
+#include "orthodrive/network/lane_arrows.hpp"
 #include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/raise_sidewalks.hpp"
 #include "orthodrive/network/rings.hpp"
 #include "orthodrive/network/road_cuts.hpp"
 #include "orthodrive/network/road_parts.hpp"
 #include "orthodrive/network/room_beside.hpp"
 #include "orthodrive/network/roundabouts.hpp"
+#include "orthodrive/network/waiting_lines.hpp"
 
 namespace orthodrive {
 namespace {
@@ -114,6 +118,10 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   if (options.junction_surfaces)
     result.junction_surfaces = add_junction_surfaces(
         result.map, parts.straight, {.threads = options.threads, .kerb_radius_m = parts.kerb_radius_m});
+  add_crosswalks(plan, parts.straight, result.map);
+  add_waiting_lines(plan, ends, result.map);
+  add_lane_arrows(plan, ends, result.map);
+  raise_sidewalks(result.map);
   report_many_roads(ends, result.map, result.findings);
   set_bounds(result.map);
   report_lost_ways(roads, result.map, result.findings);

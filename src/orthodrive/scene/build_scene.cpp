@@ -11,6 +11,7 @@
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/drape.hpp"
+#include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_materials.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
@@ -292,6 +293,15 @@ std::vector<MarkingPiece> markings_of(const LevelLines& lines, TileAddress addre
   return local;
 }
 
+std::vector<KerbPiece> kerbs_of(const LevelLines& lines, TileAddress address, Vec2 center) {
+  const auto found = lines.kerbs.find(address);
+  if (found == lines.kerbs.end()) return {};
+  std::vector<KerbPiece> local = found->second;
+  for (KerbPiece& piece : local)
+    for (Vec2& p : piece.corners) p = p - center;
+  return local;
+}
+
 double plan_area_m2(const TriMesh& mesh) {
   double twice = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -338,18 +348,25 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
   MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
-  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking};
+  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
+      structure{.kind = MeshKind::structure};
   add_ground(layout, address, terrain, road);
   add_verge(layout, terrain.mesh, center, verge);
   drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
+  add_kerbs(road.mesh, 0, kerbs_of(layout.ground_lines, address, center), kerb);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
     const std::size_t first_index = road.mesh.indices.size();
     add_deck(layout, deck, address, road, body);
     drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
+    add_kerbs(road.mesh, first_index, kerbs_of(layout.deck_lines[deck], address, center), kerb);
   }
   add_road_materials(layout, center, road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
+  add_material(SurfaceMaterial::concrete, kerb);
+  if (const auto found = layout.structures.find(address); found != layout.structures.end())
+    add_faces(found->second, tile.origin, structure);
+  add_material(SurfaceMaterial::concrete, structure);
   TriMesh buildings{.kind = MeshKind::building};
   if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end())
     buildings = building_mesh(found->second, tile.origin);
@@ -357,7 +374,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     tile.instanced = tree_instances(found->second, tile.origin);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &buildings}) {
+  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &kerb, &structure, &buildings}) {
     if (mesh->indices.empty()) continue;
     for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
     tile.meshes.push_back(std::move(*mesh));

@@ -39,8 +39,8 @@ std::array<double, 3> barycentric(const Corners& t, Vec2 p) {
 
 }  // namespace
 
-void drape(const TriMesh& mesh, std::size_t first_index, std::span<const std::array<Vec2, 4>> polygons, double lift_m,
-           TriMesh& target) {
+void cut_at_mesh(const TriMesh& mesh, std::size_t first_index, std::span<const std::array<Vec2, 4>> polygons,
+                 const std::function<void(std::size_t, std::span<const DrapedCorner>)>& use) {
   if (polygons.empty() || first_index >= mesh.indices.size()) return;
   const auto corners = [&](std::size_t first) {
     Corners result;
@@ -62,7 +62,9 @@ void drape(const TriMesh& mesh, std::size_t first_index, std::span<const std::ar
     for (std::size_t c = 0; c < 3; ++c) sum += w[c] * static_cast<double>(values[mesh.indices[first + c]][k]);
     return sum;
   };
-  for (const auto& polygon : polygons) {
+  std::vector<DrapedCorner> draped;
+  for (std::size_t number = 0; number < polygons.size(); ++number) {
+    const auto& polygon = polygons[number];
     Box2 box{polygon[0].x, polygon[0].y, polygon[0].x, polygon[0].y};
     for (const Vec2 p : polygon)
       box = {std::min(box.min_x, p.x), std::min(box.min_y, p.y), std::max(box.max_x, p.x), std::max(box.max_y, p.y)};
@@ -72,23 +74,34 @@ void drape(const TriMesh& mesh, std::size_t first_index, std::span<const std::ar
       std::vector<Vec2> part(polygon.begin(), polygon.end());
       for (std::size_t k = 0; k < 3 && part.size() >= 3; ++k) part = left_part(part, t[k], t[(k + 1) % 3]);
       if (part.size() < 3 || area_m2(part) < min_area_m2) continue;
-      const auto base = static_cast<std::uint32_t>(target.positions.size());
+      draped.clear();
       for (const Vec2 p : part) {
         const auto w = barycentric(t, p);
-        target.positions.push_back({static_cast<float>(p.x), static_cast<float>(p.y),
-                                    static_cast<float>(blend(mesh.positions, first, w, 2) + lift_m)});
         std::array<double, 3> n = {blend(mesh.normals, first, w, 0), blend(mesh.normals, first, w, 1),
                                    blend(mesh.normals, first, w, 2)};
         const double length = std::hypot(n[0], n[1], n[2]);
-        target.normals.push_back(
-            {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)});
-        target.uv.push_back(
-            {static_cast<float>(blend(mesh.uv, first, w, 0)), static_cast<float>(blend(mesh.uv, first, w, 1))});
+        for (double& v : n) v /= length;
+        draped.push_back(
+            {p, blend(mesh.positions, first, w, 2), n, {blend(mesh.uv, first, w, 0), blend(mesh.uv, first, w, 1)}});
       }
-      for (std::uint32_t k = 2; k < part.size(); ++k)
-        target.indices.insert(target.indices.end(), {base, base + k - 1, base + k});
+      use(number, draped);
     }
   }
+}
+
+void drape(const TriMesh& mesh, std::size_t first_index, std::span<const std::array<Vec2, 4>> polygons, double lift_m,
+           TriMesh& target) {
+  cut_at_mesh(mesh, first_index, polygons, [&](std::size_t, std::span<const DrapedCorner> part) {
+    const auto base = static_cast<std::uint32_t>(target.positions.size());
+    const auto f = [](double v) { return static_cast<float>(v); };
+    for (const DrapedCorner& c : part) {
+      target.positions.push_back({f(c.p.x), f(c.p.y), f(c.z + lift_m)});
+      target.normals.push_back({f(c.normal[0]), f(c.normal[1]), f(c.normal[2])});
+      target.uv.push_back({f(c.uv[0]), f(c.uv[1])});
+    }
+    for (std::uint32_t k = 2; k < part.size(); ++k)
+      target.indices.insert(target.indices.end(), {base, base + k - 1, base + k});
+  });
 }
 
 }  // namespace orthodrive::scene

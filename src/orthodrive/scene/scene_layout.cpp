@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/scene/label_footprints.hpp"
+#include "orthodrive/scene/road_paint.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -120,15 +121,38 @@ void add_axis_points(const RoadLevel& level, LevelLines& lines) {
   }
 }
 
+/// Calls visit(address) for the tiles that a polygon's box touches.
+template <typename Visit>
+void visit_tiles(const std::array<Vec2, 4>& piece, const Visit& visit) {
+  const auto [west, east] = std::minmax({piece[0].x, piece[1].x, piece[2].x, piece[3].x});
+  const auto [south, north] = std::minmax({piece[0].y, piece[1].y, piece[2].y, piece[3].y});
+  const TileAddress first = tile_at({west, south}), last = tile_at({east, north});
+  for (int c = first.column; c <= last.column; ++c)
+    for (int r = first.row; r <= last.row; ++r) visit(TileAddress{c, r});
+}
+
+/// `raised`: the map with the heights of lanes, which that of the level's query lacks.
+void add_kerbs(const RoadLevel& level, const roadquery::RoadQuery& query, const roadquery::RoadMap& raised,
+               LevelLines& lines) {
+  for (const roadquery::Road* road : level.roads())
+    for (const KerbPiece& piece : kerb_pieces(raised.roads[static_cast<std::size_t>(road - query.map().roads.data())]))
+      visit_tiles(piece.corners, [&](TileAddress address) { lines.kerbs[address].push_back(piece); });
+}
+
+roadquery::RoadMap without_heights(roadquery::RoadMap map) {
+  for (roadquery::Road& road : map.roads)
+    for (roadquery::LaneSection& section : road.sections)
+      for (auto* side : {&section.left, &section.right})
+        for (roadquery::Lane& lane : *side) lane.heights.clear();
+  return map;
+}
+
 void add_markings(const RoadLevel& level, LevelLines& lines) {
   for (const roadquery::Road* road : level.roads()) {
-    for (const MarkingPiece& piece : road_markings(*road)) {
-      const auto [west, east] = std::minmax({piece[0].x, piece[1].x, piece[2].x, piece[3].x});
-      const auto [south, north] = std::minmax({piece[0].y, piece[1].y, piece[2].y, piece[3].y});
-      const TileAddress first = tile_at({west, south}), last = tile_at({east, north});
-      for (int c = first.column; c <= last.column; ++c)
-        for (int r = first.row; r <= last.row; ++r) lines.markings[{c, r}].push_back(piece);
-    }
+    std::vector<MarkingPiece> pieces = road_markings(*road);
+    std::ranges::move(road_paint(*road), std::back_inserter(pieces));
+    for (const MarkingPiece& piece : pieces)
+      visit_tiles(piece, [&](TileAddress address) { lines.markings[address].push_back(piece); });
   }
 }
 
@@ -217,7 +241,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   area = Outline(area_polygons, area_reach_m);
   const Box2 bounds = bounds_of(input.area.outer);
 
-  query = std::make_shared<const roadquery::RoadQuery>(input.roads);
+  query = std::make_shared<const roadquery::RoadQuery>(without_heights(input.roads));
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
       .reach_m = std::max(options.verge_m + 1.0, tree_reach_m),
@@ -237,12 +261,15 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   ground_lines = cut_at_tiles(std::move(lines), bounds);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
+  add_kerbs(roads, *query, input.roads, ground_lines);
   for (const RoadLevel& deck : decks) {
     lines.clear();
     append_rings(deck.polygons(), lines);
     add_axis_points(deck, deck_lines.emplace_back(cut_at_tiles(std::move(lines), bounds)));
     add_markings(deck, deck_lines.back());
+    add_kerbs(deck, *query, input.roads, deck_lines.back());
   }
+  structures = by_tile(build_structures({roads, decks, *ground, *query, options.deck_thickness_m}));
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   tint = RoadTint(levels, input.photo);

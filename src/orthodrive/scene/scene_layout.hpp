@@ -10,10 +10,12 @@
 #include "orthodrive/scene/build_scene.hpp"
 #include "orthodrive/scene/buildings.hpp"
 #include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_level.hpp"
 #include "orthodrive/scene/road_markings.hpp"
 #include "orthodrive/scene/road_tint.hpp"
+#include "orthodrive/scene/structures.hpp"
 #include "orthodrive/scene/trees.hpp"
 
 namespace orthodrive {
@@ -32,6 +34,7 @@ struct LevelLines {
   std::map<TileAddress, std::vector<Vec2>> axis_points;  ///< on the reference lines of the roads
   /// Paint on the roads; pieces over a tile border stand in both tiles.
   std::map<TileAddress, std::vector<MarkingPiece>> markings;
+  std::map<TileAddress, std::vector<KerbPiece>> kerbs;  ///< likewise
 };
 
 }  // namespace scene
@@ -53,12 +56,13 @@ class SceneLayout {
   std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer
   std::vector<scene::LevelLines> deck_lines;
   std::optional<scene::Ground> ground;
-  std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads
+  std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
   scene::RoadTint tint;
   std::vector<scene::PlacedBuilding> buildings;
   std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
   std::vector<scene::PlacedTree> trees;
   std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
+  std::map<TileAddress, std::vector<scene::StructureFace>> structures;  ///< by their middles
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
 };

@@ -123,11 +123,13 @@ void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
 }
 
 void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh) {
+  mesh.colors.assign(mesh.positions.size(), mesh_color(color));
+  add_material(material, mesh);
+}
+
+void add_material(SurfaceMaterial material, TriMesh& mesh) {
   mesh.parts = {{material, 0, mesh.indices.size()}};
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    add_tile_place(i, mesh);
-    mesh.colors.push_back(mesh_color(color));
-  }
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) add_tile_place(i, mesh);
 }
 
 }  // namespace orthodrive::scene

@@ -30,4 +30,7 @@ void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road);
 /// One colour; textures lie flat on what looks up or down, and upright on sides.
 void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh);
 
+/// The same for a mesh that has its colours.
+void add_material(SurfaceMaterial material, TriMesh& mesh);
+
 }  // namespace orthodrive::scene

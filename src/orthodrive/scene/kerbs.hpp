@@ -1,0 +1,31 @@
+#pragma once
+// Lanes that lie higher than the road: sidewalks with their kerbs.
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "orthodrive/model/scene.hpp"
+#include "roadquery/road_map.hpp"
+
+namespace orthodrive::scene {
+
+/// A piece of a raised lane. Edge i runs from corner i to the next.
+struct KerbPiece {
+  std::array<Vec2, 4> corners;      ///< plan, counter-clockwise; 0 and 3 at the lower s
+  std::array<double, 4> lift_m{};   ///< over the road
+  std::array<bool, 4> is_border{};  ///< where the lane steps down to what lies beside it
+  bool is_stone = false;            ///< the stone along the carriageway, else the walk behind it
+};
+
+/// Width of the stone along the carriageway, m (DIN EN 1340: 0.12 to 0.18).
+inline constexpr double kerb_stone_m = 0.15;
+
+/// Pieces of all lanes of a road that have heights, where they have any. At most 5 m long, chords within 1 cm.
+[[nodiscard]] std::vector<KerbPiece> kerb_pieces(const roadquery::Road& road);
+
+/// The pieces (in the frame of the mesh) laid over the road's triangles from first_index on, with vertical faces at
+/// their borders: they follow the mesh as paint does, and end with it at tile borders.
+void add_kerbs(const TriMesh& road, std::size_t first_index, std::span<const KerbPiece> pieces, TriMesh& kerbs);
+
+}  // namespace orthodrive::scene

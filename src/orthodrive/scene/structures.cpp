@@ -1,0 +1,304 @@
+#include "orthodrive/scene/structures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tile_materials.hpp"
+#include "roadquery/road_surface.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+constexpr LinearColor concrete = {0.36F, 0.35F, 0.33F}, steel = {0.30F, 0.31F, 0.32F};
+
+constexpr double beam_width_m = 0.5, beam_rise_m = 0.15;                           // RIZ-ING Kap: edge beams
+constexpr double railing_m = 1.0, bar_m = 0.05, post_step_m = 2.0, post_m = 0.06;  // above the beam
+constexpr double rail_off_m = 0.75, rail_low_m = 0.44, rail_high_m = 0.75, rail_thick_m = 0.08, rail_post_step_m = 4.0;
+constexpr double longest_span_m = 25.0, pier_m = 0.9, pier_depth_m = 0.6, least_clearance_m = 2.5;
+constexpr double girder_m = 0.5, girder_height_m = 0.7;
+constexpr double look_m = 0.3;          // beyond a border: what is there
+constexpr double free_of_road_m = 0.8;  // of piers
+
+Vec3 at(Vec2 p, double z) { return {p.x, p.y, z}; }
+
+class Faces {
+ public:
+  std::vector<StructureFace> all;
+
+  void quad(Vec3 a, Vec3 b, Vec3 c, Vec3 d, const LinearColor& color) { all.push_back({{a, b, c, d}, color}); }
+
+  /// A bar between two cross sections of four corners each (right low, right high, left high, left low, seen along the
+  /// bar): its sides, and its ends where they are asked for.
+  void bar(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& to, const LinearColor& color, bool first,
+           bool last) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t k = (i + 1) % 4;
+      quad(from[i], to[i], to[k], from[k], color);
+    }
+    if (first) quad(from[0], from[1], from[2], from[3], color);
+    if (last) quad(to[3], to[2], to[1], to[0], color);
+  }
+
+  /// Upright, with a rectangle of half sizes `u` (along) and `v` (across) as plan.
+  void post(Vec2 p, Vec2 u, Vec2 v, double low, double high, const LinearColor& color) {
+    const std::array<Vec2, 4> c = {p - u - v, p + u - v, p + u + v, p - u + v};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::size_t k = (i + 1) % 4;
+      quad(at(c[i], low), at(c[k], low), at(c[k], high), at(c[i], high), color);
+    }
+    quad(at(c[0], high), at(c[1], high), at(c[2], high), at(c[3], high), color);
+  }
+};
+
+// ---- along borders
+
+/// Places of a border in a row, with the directions in which an offset line lies outwards.
+struct BorderRun {
+  std::vector<Vec3> points;
+  std::vector<Vec2> outwards;  ///< times an offset: mitred at corners
+};
+
+/// The runs of a level's border for which `wanted(a, b, outwards)` holds.
+template <typename Wanted>
+std::vector<BorderRun> runs_of(const RoadLevel& level, const Wanted& wanted) {
+  std::vector<BorderRun> runs;
+  std::vector<std::vector<Vec2>> normals;
+  Vec2 last_end{};
+  for (const BorderSegment& s : level.outline().segments()) {
+    const Vec2 outwards = left_normal(normalized(s.b - s.a)) * -1.0;
+    if (!wanted(s, outwards)) {
+      last_end = {};
+      continue;
+    }
+    if (runs.empty() || !(last_end == s.a)) {
+      runs.push_back({{at(s.a, s.a_z_m)}, {}});
+      normals.emplace_back();
+    }
+    runs.back().points.push_back(at(s.b, s.b_z_m));
+    normals.back().push_back(outwards);
+    last_end = s.b;
+  }
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const std::vector<Vec2>& n = normals[r];
+    for (std::size_t i = 0; i <= n.size(); ++i) {
+      const Vec2 a = n[i == 0 ? 0 : i - 1], b = n[std::min(i, n.size() - 1)];
+      const Vec2 sum = a + b;
+      const double square = dot(sum, sum);
+      // The mitre: as far out as both lines; blunt where it would be longer than twice the offset.
+      runs[r].outwards.push_back(square > 1.0 ? sum * (2.0 / square) : a);
+    }
+  }
+  return runs;
+}
+
+/// A bar of a rectangular profile along a run: from `near` to `far` m outwards and `low` to `high` m above the border.
+void add_bar(const BorderRun& run, double near_m, double far_m, double low_m, double high_m, const LinearColor& color,
+             Faces& faces) {
+  const auto section = [&](std::size_t i) {
+    const Vec3 p = run.points[i];
+    const Vec2 inside = Vec2{p.x, p.y} + run.outwards[i] * near_m, outside = Vec2{p.x, p.y} + run.outwards[i] * far_m;
+    return std::array{at(outside, p.z + low_m), at(outside, p.z + high_m), at(inside, p.z + high_m),
+                      at(inside, p.z + low_m)};
+  };
+  for (std::size_t i = 0; i + 1 < run.points.size(); ++i)
+    faces.bar(section(i), section(i + 1), color, i == 0, i + 2 == run.points.size());
+}
+
+void add_posts(const BorderRun& run, double off_m, double step_m, double low_m, double high_m, const LinearColor& color,
+               Faces& faces) {
+  double to_next_m = 0.5 * step_m;
+  for (std::size_t i = 0; i + 1 < run.points.size(); ++i) {
+    const Vec3 a = run.points[i], b = run.points[i + 1];
+    const Vec2 line{b.x - a.x, b.y - a.y};
+    const double length_m = std::hypot(line.x, line.y);
+    if (!(length_m > 0.0)) continue;
+    const Vec2 along = line * (1.0 / length_m), out = left_normal(along) * -1.0;
+    for (; to_next_m < length_m; to_next_m += step_m) {
+      const Vec3 p = a + (b - a) * (to_next_m / length_m);
+      faces.post(Vec2{p.x, p.y} + out * off_m, along * (0.5 * post_m), out * (-0.5 * post_m), p.z + low_m, p.z + high_m,
+                 color);
+    }
+    to_next_m -= length_m;
+  }
+}
+
+bool is_paved(const StructureInput& input, Vec2 p, double z) {
+  constexpr double level_m = 2.0;
+  const auto near = [&](const RoadLevel& level) {
+    const auto on = level.sample(p, 0.0);
+    return on && std::abs(on->z_m - z) < level_m;
+  };
+  return near(input.roads) || std::ranges::any_of(input.decks, near);
+}
+
+/// Both ends of the strip beside a border are free.
+bool is_free_beside(const StructureInput& input, const BorderSegment& s, Vec2 outwards, double reach_m) {
+  const double z = 0.5 * (s.a_z_m + s.b_z_m);
+  for (const double share : {0.05, 0.5, 0.95})
+    for (const double off_m : {look_m, reach_m})
+      if (is_paved(input, s.a + (s.b - s.a) * share + outwards * off_m, z)) return false;
+  return true;
+}
+
+/// The road inside a border if the border runs along it; nullptr at the open end of a road.
+const roadquery::Road* road_along(const StructureInput& input, const BorderSegment& s, Vec2 outwards) {
+  constexpr double along = 0.7;  // cosine
+  const Vec2 p = (s.a + s.b) * 0.5 - outwards * look_m;
+  roadquery::Cursor cursor;
+  const auto hit = input.query.find(p.x, p.y, 0.5 * (s.a_z_m + s.b_z_m), cursor, 0);
+  if (!hit) return nullptr;
+  const roadquery::Road& road = input.query.map().roads[static_cast<std::size_t>(hit->road)];
+  const double hdg = roadquery::reference_point(road, hit->s).hdg;
+  const Vec2 line = normalized(s.b - s.a);
+  return std::abs(line.x * std::cos(hdg) + line.y * std::sin(hdg)) > along ? &road : nullptr;
+}
+
+void add_deck_sides(const StructureInput& input, const RoadLevel& deck, Faces& faces) {
+  for (const BorderRun& run : runs_of(deck, [&](const BorderSegment&s, Vec2 outwards) {
+         return road_along(input, s, outwards) != nullptr && is_free_beside(input, s, outwards, beam_width_m);
+       })) {
+    add_bar(run, 0.0, beam_width_m, -input.deck_thickness_m, beam_rise_m, concrete, faces);
+    const double off_m = 0.5 * beam_width_m, top_m = beam_rise_m + railing_m;
+    for (const double height_m : {top_m - bar_m, beam_rise_m + 0.5 * railing_m, beam_rise_m + 0.12})
+      add_bar(run, off_m - 0.5 * bar_m, off_m + 0.5 * bar_m, height_m, height_m + bar_m, steel, faces);
+    add_posts(run, off_m, post_step_m, beam_rise_m, top_m - bar_m, steel, faces);
+  }
+}
+
+void add_guard_rails(const StructureInput& input, Faces& faces) {
+  for (const BorderRun& run : runs_of(input.roads, [&](const BorderSegment&s, Vec2 outwards) {
+         const roadquery::Road* road = road_along(input, s, outwards);
+         return road != nullptr && (road->highway.starts_with("motorway") || road->highway.starts_with("trunk")) &&
+                is_free_beside(input, s, outwards, rail_off_m + 0.5);
+       })) {
+    add_bar(run, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, steel, faces);
+    add_posts(run, rail_off_m + rail_thick_m + 0.5 * post_m, rail_post_step_m, -0.5, rail_high_m - 0.05, steel, faces);
+  }
+}
+
+// ---- below decks
+
+struct DeckPlace {
+  Vec2 p, along;
+  double under_z = 0.0, clearance_m = 0.0, half_width_m = 0.0;
+};
+
+DeckPlace deck_place(const StructureInput& input, const roadquery::Road& road, double s) {
+  const roadquery::Edges edges = roadquery::road_edges(road, s);
+  const double t = 0.5 * (edges.left_t + edges.right_t);
+  const auto middle = roadquery::surface_point(road, s, t);
+  const double hdg = roadquery::reference_point(road, s).hdg;
+  DeckPlace place{{middle.x, middle.y}, {std::cos(hdg), std::sin(hdg)}};
+  place.under_z = middle.z - input.deck_thickness_m;
+  place.clearance_m = place.under_z - input.ground.height_m(place.p);
+  place.half_width_m = 0.5 * (edges.left_t - edges.right_t);
+  return place;
+}
+
+/// Whether a pier's foot keeps off all roads below.
+bool may_stand(const StructureInput& input, const DeckPlace& place) {
+  const Vec2 across = left_normal(place.along);
+  for (double along = -0.5 * pier_m - free_of_road_m; along <= 0.5 * pier_m + free_of_road_m + 1e-9; along += 0.5)
+    for (double side = -0.7 * place.half_width_m - free_of_road_m;
+         side <= 0.7 * place.half_width_m + free_of_road_m + 1e-9; side += 0.5) {
+      const Vec2 p = place.p + place.along * along + across * side;
+      if (input.roads.sample(p, 0.0)) return false;
+      for (const RoadLevel& deck : input.decks) {
+        const auto on = deck.sample(p, 0.0);
+        if (on && on->z_m < place.under_z - 1.0) return false;
+      }
+    }
+  return true;
+}
+
+void add_pier(const StructureInput& input, const DeckPlace& place, Faces& faces) {
+  const Vec2 across = left_normal(place.along);
+  double foot_z = place.under_z;
+  for (const double side : {-0.7, 0.0, 0.7})
+    foot_z = std::min(foot_z, input.ground.height_m(place.p + across * (side * place.half_width_m)));
+  faces.post(place.p, place.along * (0.5 * pier_m), across * (0.7 * place.half_width_m), foot_z - pier_depth_m,
+             place.under_z + 0.05, concrete);
+}
+
+void add_piers(const StructureInput& input, const roadquery::Road& road, Faces& faces) {
+  const int spans = static_cast<int>(std::ceil(road.length / longest_span_m));
+  for (int i = 1; i < spans; ++i) {
+    const double s = road.length * i / spans, most_m = 0.35 * road.length / spans;
+    for (int k = 0; k <= static_cast<int>(most_m) * 2; ++k) {  // to the nearest free place
+      const double moved = (k + 1) / 2 * (k % 2 == 0 ? 1.0 : -1.0);
+      const DeckPlace place = deck_place(input, road, s + moved);
+      if (place.clearance_m < least_clearance_m || !may_stand(input, place)) continue;
+      add_pier(input, place, faces);
+      break;
+    }
+  }
+}
+
+void add_girders(const StructureInput& input, const roadquery::Road& road, Faces& faces) {
+  constexpr double step_m = 3.0;
+  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+  for (const double side : {-0.5, 0.5}) {
+    std::optional<std::array<Vec3, 4>> before;
+    bool is_first = true;
+    for (int i = 0; i <= steps; ++i) {
+      const DeckPlace place = deck_place(input, road, road.length * i / steps);
+      if (place.clearance_m < least_clearance_m) {
+        before.reset(), is_first = true;
+        continue;
+      }
+      const Vec2 right = left_normal(place.along) * -1.0, p = place.p + right * (side * place.half_width_m);
+      const Vec2 outer = p + right * (0.5 * girder_m), inner = p - right * (0.5 * girder_m);
+      const double low = place.under_z - girder_height_m, high = place.under_z + 0.05;
+      const std::array<Vec3, 4> here = {at(outer, low), at(outer, high), at(inner, high), at(inner, low)};
+      if (before) faces.bar(*before, here, concrete, is_first, i == steps), is_first = false;
+      before = here;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<StructureFace> build_structures(const StructureInput& input) {
+  Faces faces;
+  for (const RoadLevel& deck : input.decks) {
+    add_deck_sides(input, deck, faces);
+    for (const roadquery::Road* road : deck.roads()) {
+      add_girders(input, *road, faces);
+      add_piers(input, *road, faces);
+    }
+  }
+  add_guard_rails(input, faces);
+  return std::move(faces.all);
+}
+
+std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces) {
+  std::map<TileAddress, std::vector<StructureFace>> tiles;
+  for (const StructureFace& face : faces) {
+    const auto& c = face.corners;
+    tiles[tile_at({0.25 * (c[0].x + c[1].x + c[2].x + c[3].x), 0.25 * (c[0].y + c[1].y + c[2].y + c[3].y)})].push_back(
+        face);
+  }
+  return tiles;
+}
+
+void add_faces(std::span<const StructureFace> faces, Vec3 origin, TriMesh& mesh) {
+  const auto f = [](double v) { return static_cast<float>(v); };
+  for (const StructureFace& face : faces) {
+    const Vec3 a = face.corners[2] - face.corners[0], b = face.corners[3] - face.corners[1];
+    const Vec3 n = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+    const double length = std::hypot(n.x, n.y, n.z);
+    if (!(length > 1e-9)) continue;
+    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const Vec3& corner : face.corners) {
+      const Vec3 p = corner - origin;
+      mesh.positions.push_back({f(p.x), f(p.y), f(p.z)});
+      mesh.normals.push_back({f(n.x / length), f(n.y / length), f(n.z / length)});
+      mesh.colors.push_back(mesh_color(face.color));
+    }
+    mesh.indices.insert(mesh.indices.end(), {base, base + 1, base + 2, base, base + 2, base + 3});
+  }
+}
+
+}  // namespace orthodrive::scene

@@ -1,0 +1,43 @@
+#pragma once
+// What stands at roads and carries them: edge beams, railings, girders and piers of bridges, guard rails.
+
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "orthodrive/model/scene.hpp"
+#include "orthodrive/scene/build_scene.hpp"
+#include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/road_level.hpp"
+#include "orthodrive/scene/road_tint.hpp"
+
+namespace orthodrive::scene {
+
+/// A flat face, counter-clockwise from outside; site CRS.
+struct StructureFace {
+  std::array<Vec3, 4> corners;
+  LinearColor color{};
+};
+
+struct StructureInput {
+  const RoadLevel& roads;  ///< on the ground
+  std::span<const RoadLevel> decks;
+  const Ground& ground;
+  const roadquery::RoadQuery& query;
+  double deck_thickness_m = 0.8;
+};
+
+/// Along the sides of decks: an edge beam of concrete 0.5 m wide outside of the deck, 0.15 m higher than it, and on it
+/// a railing of 1 m. Below decks that are 2.5 m and more above the ground: two girders a road, and walls as piers at
+/// most 25 m apart, on the ground and on no road. Beside motorways and trunk roads on the ground: a guard rail, 0.75 m
+/// high and 0.75 m beside the edge (RPS 2009). Nothing stands where another road runs. The same for every tile.
+[[nodiscard]] std::vector<StructureFace> build_structures(const StructureInput& input);
+
+/// Faces by the tile of their middle.
+[[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces);
+
+/// Adds faces to a mesh whose positions are relative to `origin`.
+void add_faces(std::span<const StructureFace> faces, Vec3 origin, TriMesh& mesh);
+
+}  // namespace orthodrive::scene

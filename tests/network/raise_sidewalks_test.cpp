@@ -1,0 +1,104 @@
+#include "orthodrive/network/raise_sidewalks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "network_support.hpp"
+#include "roadquery/road_query.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace orthodrive::testing;
+using network::kerb_m;
+using network::lowered_kerb_m;
+using roadquery::Lane;
+using roadquery::LaneType;
+using roadquery::Road;
+
+/// Height of the walk on a side over the road's surface, nothing where there is no walk.
+std::optional<double> walk_height(const Road& road, bool left, double s) {
+  for (const Lane& lane : left ? road.sections[0].left : road.sections[0].right)
+    if (lane.type == LaneType::sidewalk) return roadquery::lane_height_at(lane.heights, s).value[0];
+  return std::nullopt;
+}
+
+const Road& road_of(const roadquery::RoadMap& map, const std::string& osm_id) {
+  for (const Road& road : map.roads)
+    if (road.junction < 0 && road.osm_id == osm_id) return road;
+  throw std::runtime_error("no road of way " + osm_id);
+}
+
+TEST(RaiseSidewalks, kerbs_fade_out_before_junctions_and_are_low_at_crosswalks) {
+  RoadPath west = make_path({{-100, 0}, {-50, 0}, {0, 0}}, {1, 7, 9}, {.osm_id = 1, .width_m = 7.0});
+  west.sidewalk = Sides::right;
+  RoadNetwork roads = network_of({west, make_path({{0, 0}, {100, 0}}, {9, 2}, {.osm_id = 2}),
+                                  make_path({{0, 0}, {0, 100}}, {9, 3}, {.osm_id = 3})});
+  roads.signs = {{7, NodeSignKind::zebra, 0}};
+  const roadquery::RoadMap map = build_network(roads).map;
+  const Road& road = road_of(map, "1");
+  EXPECT_FALSE(walk_height(road, true, 20.0));
+  EXPECT_EQ(walk_height(road, false, 0.0), 0.0);
+  EXPECT_NEAR(*walk_height(road, false, 0.5), 0.5 * kerb_m, 1e-9);
+  EXPECT_EQ(walk_height(road, false, 20.0), kerb_m);
+  EXPECT_NEAR(*walk_height(road, false, 50.0), lowered_kerb_m, 1e-9);
+  EXPECT_NEAR(*walk_height(road, false, 48.1), lowered_kerb_m, 1e-9);
+  EXPECT_NEAR(*walk_height(road, false, 47.0), kerb_m, 1e-9);
+  EXPECT_NEAR(*walk_height(road, false, road.length - 1.0), kerb_m, 1e-3);
+  EXPECT_EQ(walk_height(road, false, road.length), 0.0);
+}
+
+TEST(RaiseSidewalks, joints_of_roads_have_one_height) {
+  RoadPath a = make_path({{-60, 0}, {0, 0}}, {1, 9}, {.osm_id = 1}),
+           b = make_path({{60, 0}, {0, 0}}, {2, 9}, {.osm_id = 2});
+  a.sidewalk = Sides::left, b.sidewalk = Sides::both;  // b runs the other way: its right is a's left
+  RoadNetwork roads = network_of({a, b});
+  roadquery::RoadMap map = build_network(roads).map;
+  EXPECT_EQ(walk_height(road_of(map, "1"), true, 60.0), kerb_m) << "the walk goes on";
+  EXPECT_EQ(walk_height(road_of(map, "2"), false, 60.0), kerb_m);
+  EXPECT_EQ(walk_height(road_of(map, "2"), true, 60.0), 0.0) << "no walk beyond";
+  // A crosswalk on the joint's far side: as low on both.
+  roads.paths[1] = make_path({{60, 0}, {2, 0}, {0, 0}}, {2, 7, 9}, {.osm_id = 2});
+  roads.paths[1].sidewalk = Sides::both;
+  roads.signs = {{7, NodeSignKind::zebra, 0}};
+  map = build_network(roads).map;
+  EXPECT_NEAR(*walk_height(road_of(map, "1"), true, 60.0), *walk_height(road_of(map, "2"), false, 60.0), 1e-3);
+  EXPECT_NEAR(*walk_height(road_of(map, "1"), true, 60.0), lowered_kerb_m, 1e-3);
+}
+
+TEST(RaiseSidewalks, nothing_steps_on_driving_lanes) {
+  // Two roads with walks, whose lanes and walks overlap for some way, and a junction of both.
+  RoadPath a = make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 9, 2}, {.osm_id = 1, .width_m = 7.0});
+  RoadPath b = make_path({{0, 0}, {30, 20}, {80, 9}}, {9, 0, 3}, {.osm_id = 2, .width_m = 6.0});
+  a.sidewalk = b.sidewalk = Sides::both;
+  const roadquery::RoadMap with = build_network(network_of({a, b})).map;
+  roadquery::RoadMap without = with;
+  int raised = 0;
+  for (Road& road : without.roads)
+    for (auto* side : {&road.sections[0].left, &road.sections[0].right})
+      for (Lane& lane : *side) raised += static_cast<int>(lane.heights.size() > 2), lane.heights.clear();
+  EXPECT_GE(raised, 4);
+  const roadquery::RoadQuery one(with), two(without);
+  int walked = 0;
+  for (const Road& road : with.roads) {
+    for (double s = 0.05; s < road.length; s += 0.4) {
+      const roadquery::Edges edges = roadquery::road_edges(road, s);
+      for (double t = edges.right_t + 0.05; t < edges.left_t; t += 0.23) {
+        const auto p = roadquery::surface_point(road, s, t);
+        roadquery::Cursor c, d;
+        const auto hit = one.find(p.x, p.y, p.z, c), flat = two.find(p.x, p.y, p.z, d);
+        ASSERT_TRUE(hit && flat);
+        const int id = roadquery::lane_id_at(road, s, t);
+        const auto& lanes = id > 0 ? road.sections[0].left : road.sections[0].right;
+        const bool driving = id != 0 && lanes[static_cast<std::size_t>(std::abs(id)) - 1].type == LaneType::driving;
+        if (driving) {
+          EXPECT_NEAR(hit->z, flat->z, 1e-6) << road.osm_id << ' ' << s << ' ' << t;
+        }
+        walked += static_cast<int>(hit->z > flat->z + 0.1);
+      }
+    }
+  }
+  EXPECT_GT(walked, 1000) << "walks are high";
+}
+
+}  // namespace
+}  // namespace orthodrive
