@@ -289,6 +289,24 @@ TEST(BuildScene, bridge_deck_stays_above_the_terrain_and_does_not_cut_it) {
   }
 }
 
+TEST(BuildScene, corners_of_a_junction_far_from_its_roads_have_its_height) {
+  // The corners of the paved square lie 7 m beside the only road, and off the plan grid.
+  Site site = make_site(480.0, {{.start = {west_m + 230.0, south_m + 240.0}, .length_m = 20.0}});
+  site.roads.roads[0].junction = 7;
+  roadquery::JunctionSurface surface{.x = west_m + 228.0, .y = south_m + 228.0, .columns = 25, .rows = 25};
+  surface.z.assign(25U * 25U, 10.0);
+  for (const auto& [x, y] :
+       {std::pair{230.0001, 230.0002}, {250.0003, 230.0004}, {250.0001, 250.0003}, {230.0002, 250.0001}})
+    surface.boundary.push_back({west_m + x, south_m + y});
+  site.roads.junctions.push_back({.id = 7, .surface = surface});
+  const SceneTile tile = build_one(site);
+  const TriMesh* road = find_mesh(tile, MeshKind::road);
+  ASSERT_NE(road, nullptr);
+  EXPECT_NEAR(plan_area_m2(road), 400.0, 0.1);
+  for (const MeshKind kind : {MeshKind::road, MeshKind::terrain})
+    for (const auto& p : find_mesh(tile, kind)->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
+}
+
 TEST(BuildScene, tunnels_leave_the_ground_alone) {
   const Site site = make_site(
       480.0,

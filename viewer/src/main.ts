@@ -65,7 +65,7 @@ function start(site: Site): Api {
   const renderer = makeRenderer(canvas);
   const scene = new Scene();
   const sky = new Sky(scene);
-  const tiles = new TileLayers(site.localFromEcef, renderer.capabilities.getMaxAnisotropy());
+  const tiles = new TileLayers(renderer.capabilities.getMaxAnisotropy());
   const findings = new FindingsLayer(site);
   const fly = new FlyCamera(canvas), top = new FlyCamera(canvas, true);
   scene.add(tiles.group, findings.object);

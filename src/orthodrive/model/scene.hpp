@@ -109,9 +109,11 @@ struct SurfaceTexture {
 };
 
 struct SceneTile {
-  int column = 0, row = 0;  ///< of the 480 m tile grid, row 0 in the south
+  int level = 0;            ///< of detail: 0 has all, a tile of level k is 480 m * 2^k wide
+  int column = 0, row = 0;  ///< of the level's grid of tiles, row 0 in the south
   Vec3 origin;              ///< site CRS; also the frame of the positions
   double min_z_m = 0.0, max_z_m = 0.0;
+  double geometric_error_m = 0.0;  ///< what is lost to level 0: heights, silhouettes, texels
   std::vector<TriMesh> meshes;
   std::vector<InstancedMesh> instanced;
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile

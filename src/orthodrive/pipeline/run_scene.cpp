@@ -101,29 +101,31 @@ class TilePicture {
 /// Takes tiles from any thread.
 class TileFolder {
  public:
-  explicit TileFolder(const SceneFiles& files)
+  TileFolder(const SceneFiles& files, const io::TileFileOptions& options)
       // A trailing slash would leave the folder without a name.
-      : folder_(files.folder.has_filename() ? files.folder : files.folder.parent_path()), picture_file_(files.picture) {
+      : folder_(files.folder.has_filename() ? files.folder : files.folder.parent_path()),
+        picture_file_(files.picture),
+        options_(options) {
     fs::create_directories(folder_.path());
   }
   void write(const SceneTile& tile, Vec3 site_origin) {
-    io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, site_origin);
+    io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, options_);
     const std::lock_guard lock(mutex_);
     entries_.push_back(std::move(entry));
     for (const TriMesh& mesh : tile.meshes)
       for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
     if (!tile.instanced.empty()) materials_.insert(SurfaceMaterial::foliage);
     origin_ = site_origin;
-    if (!picture_file_.empty()) picture_.offer(tile);
+    if (!picture_file_.empty() && tile.level == 0) picture_.offer(tile);
   }
   [[nodiscard]] bool empty() const { return entries_.empty(); }
-  void finish(const Crs& crs, int threads) {
+  void finish(const Crs& crs, int threads, Findings& findings) {
     materials_.erase(SurfaceMaterial::photo);
     const std::vector<SurfaceMaterial> materials(materials_.begin(), materials_.end());
     parallel_for(materials.size(), threads, [&](std::size_t i) {
       io::write_material(folder_.path(), materials[i], scene::make_surface_texture(materials[i]));
     });
-    io::write_tileset(folder_.path(), entries_, crs, origin_);
+    io::write_tileset(folder_.path(), entries_, crs, origin_, findings);
     folder_.commit();
     if (!picture_file_.empty()) io::write_png(picture_file_, picture_of_tile(picture_.best(), scene_tile_m, 900).rgb);
   }
@@ -131,6 +133,7 @@ class TileFolder {
  private:
   AtomicFile folder_;
   fs::path picture_file_;
+  io::TileFileOptions options_;
   std::mutex mutex_;
   std::vector<io::TileEntry> entries_;
   std::set<SurfaceMaterial> materials_;
@@ -148,7 +151,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   Findings findings;
   const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
   const std::vector<Vec2> trees = io::read_trees(files.trees, site);
-  TileFolder folder(files);
+  TileFolder folder(files, options.files);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const SceneResult scene = build_scene(
@@ -158,24 +161,26 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   if (folder.empty())
     throw InputError(files.photo.string(),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
-  folder.finish(site.crs, context.threads);
+  folder.finish(site.crs, context.threads, findings);
   if (!files.terrain_grid.empty()) {
     HeightGrid filled = terrain;
     scene::fill_holes(filled.height_m);
     io::write_terrain_grid(files.terrain_grid, filled);
   }
   findings.insert(findings.end(), scene.findings.begin(), scene.findings.end());
-  return {.numbers = {{"tiles", scene.tiles},
+  return {.numbers = {{"levels", scene.levels},
+                      {"tiles", scene.tiles},
                       {"terrain_triangles", scene.terrain_triangles},
                       {"road_triangles", scene.road_triangles},
                       {"road_surface_m2", scene.road_surface_m2},
                       {"buildings", scene.buildings},
                       {"trees", scene.trees}},
           .findings = std::move(findings),
-          .summary = {
-              fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings, {} trees",
-                          files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
-                          scene.road_surface_m2, scene.buildings, scene.trees)}};
+          .summary = {fmt::format(
+              "{}: {} tiles, {} levels, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings, {} "
+              "trees",
+              files.folder.string(), scene.tiles, scene.levels, scene.terrain_triangles, scene.road_triangles,
+              scene.road_surface_m2, scene.buildings, scene.trees)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {

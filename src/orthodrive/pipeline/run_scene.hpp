@@ -1,6 +1,7 @@
 #pragma once
 // Stage "scene": roads, photo, labels and terrain -> textured 3D Tiles.
 
+#include "orthodrive/io/scene_io.hpp"
 #include "orthodrive/pipeline/build_stage.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 
@@ -21,6 +22,7 @@ struct RunSceneOptions {
   /// None: what the photo shows, in the CRS of the roads.
   std::optional<SiteFrame> site;
   SceneOptions scene;
+  io::TileFileOptions files;
 };
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);

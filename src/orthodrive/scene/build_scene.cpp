@@ -12,6 +12,7 @@
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/drape.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tile_levels.hpp"
 #include "orthodrive/scene/tile_materials.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
 #include "orthodrive/scene/triangulate.hpp"
@@ -379,21 +380,21 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
                         const SceneOptions& options, Monitor* monitor) {
   if (monitor) monitor->progress(0.0, "scene");
   const auto layout = lay_out_scene(input, options);
-  const auto& addresses = scene_tiles(*layout);
+  TileLevels levels(scene_tiles(*layout), [&](const SceneTile& tile) { write(tile, layout->origin); });
+  const auto& addresses = levels.order();
   std::vector<SceneResult> parts(addresses.size());
   parallel_for(
       addresses.size(), options.threads,
       [&](std::size_t i) {
-        const SceneTile tile = build_scene_tile(*layout, addresses[i]);
-        if (tile.meshes.empty()) return;
-        parts[i].tiles = 1;
+        SceneTile tile = build_scene_tile(*layout, addresses[i]);
+        parts[i].tiles = tile.meshes.empty() ? 0 : 1;
         for (const TriMesh& mesh : tile.meshes) {
           if (mesh.kind == MeshKind::terrain) parts[i].terrain_triangles += mesh.indices.size() / 3;
           if (mesh.kind != MeshKind::road) continue;
           parts[i].road_triangles += mesh.indices.size() / 3;
           parts[i].road_surface_m2 += plan_area_m2(mesh);
         }
-        write(tile, layout->origin);
+        levels.finish(std::move(tile));
       },
       [&](std::size_t done) {
         if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(addresses.size()), "scene");
@@ -405,6 +406,7 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
     result.road_triangles += part.road_triangles;
     result.road_surface_m2 += part.road_surface_m2;
   }
+  result.levels = 1 + levels.coarse_levels();
   result.buildings = layout->buildings.size();
   result.trees = layout->trees.size();
   result.findings = scene_findings(*layout);
