@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -100,6 +101,33 @@ TEST(SceneIo, labels_become_feature_ids_with_a_table) {
   for (const Json& view : glb.json["bufferViews"]) EXPECT_EQ(view.value("byteOffset", 0) % 8, 0);
 }
 
+TEST(SceneIo, roads_and_buildings_are_rows_of_a_table) {
+  SceneTile tile = small_tile();
+  tile.labels = Raster<std::uint8_t>(16, 16, 1, 1);
+  tile.classes = {"small", {{.name = "ground", .role = Role::ground}}};
+  tile.features = {{.kind = "road", .id = "7", .osm_id = "way/12", .name = "Straße"}, {.kind = "building"}};
+  tile.meshes[1].features = {0, 0, 1};
+  const fs::path own = folder / "objects";
+  const Glb glb = read_glb(own / io::write_tile_glb(own, tile, plain).uri);
+  const Json& primitive = glb.json["meshes"][1]["primitives"][0];
+  const Json& ids = primitive["extensions"]["EXT_mesh_features"]["featureIds"];
+  ASSERT_EQ(ids.size(), 2U);
+  EXPECT_EQ(ids[1]["attribute"], 0);
+  EXPECT_EQ(ids[1]["featureCount"], 2);
+  const Json& table =
+      glb.json["extensions"]["EXT_structural_metadata"]["propertyTables"][ids[1]["propertyTable"].get<int>()];
+  EXPECT_EQ(table["class"], "object");
+  const Json& names = glb.json["bufferViews"][table["properties"]["name"]["values"].get<int>()];
+  EXPECT_EQ(glb.bytes.substr(names["byteOffset"].get<std::size_t>(), names["byteLength"].get<std::size_t>()), "Straße");
+  const Json& accessor = glb.json["accessors"][primitive["attributes"]["_FEATURE_ID_0"].get<int>()];
+  std::array<float, 3> rows{};
+  std::memcpy(rows.data(),
+              &glb.bytes[glb.json["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"].get<std::size_t>()],
+              12);
+  EXPECT_EQ(rows, (std::array<float, 3>{0.0F, 0.0F, 1.0F}));
+  EXPECT_EQ(glb.json["meshes"][0]["primitives"][0]["extensions"]["EXT_mesh_features"]["featureIds"].size(), 1U);
+}
+
 /// A tile whose road has two tileable materials.
 SceneTile tile_with_materials() {
   SceneTile tile = small_tile();
@@ -174,6 +202,33 @@ TEST(SceneIo, trees_are_copies_of_one_mesh) {
   EXPECT_EQ(primitive["TEXCOORD_0"], primitive["TEXCOORD_1"]) << "no photo: one set under both names";
 }
 
+TEST(SceneIo, area_is_one_file_with_all_in_it) {
+  std::array<SceneTile, 2> tiles = {tile_with_trees(), tile_with_materials()};
+  tiles[1].column = 6, tiles[1].origin.x += 480.0;
+  const SurfaceTexture grey{Raster<std::uint8_t>(64, 64, 3, 128), Raster<std::uint8_t>(64, 64, 3, 128),
+                            Raster<std::uint8_t>(64, 64, 3, 128)};
+  const fs::path own = folder / "area";
+  fs::create_directories(own);
+  io::write_area_glb(own / "area.glb", tiles, {500000.0, 5400000.0, 190.0}, [&](SurfaceMaterial) { return grey; });
+  const Glb glb = read_glb(own / "area.glb");
+  std::map<std::string, int> count;
+  for (const Json& node : glb.json["nodes"]) ++count[node["name"]];
+  EXPECT_EQ(count,
+            (std::map<std::string, int>{{"terrain", 2}, {"road", 2}, {"tree", 2}, {"tile_5_7", 1}, {"tile_6_7", 1}}));
+  ASSERT_EQ(glb.json["scenes"][0]["nodes"].size(), 2U);
+  const Json& first = glb.json["nodes"][glb.json["scenes"][0]["nodes"][0].get<int>()];
+  EXPECT_EQ(first["translation"], (Json{240.0, 10.0, -240.0}));
+  EXPECT_EQ(first["children"].size(), 4U);
+  EXPECT_EQ(glb.json["nodes"][2]["translation"], (Json{10.0, 3.0, -20.0}));
+  EXPECT_FALSE(glb.json.contains("extensionsRequired"));
+  EXPECT_FALSE(glb.json.contains("extensionsUsed")) << "lit, and no extension";
+  for (const Json& image : glb.json["images"]) EXPECT_TRUE(image.contains("bufferView"));
+  if (!fs::exists(fs::path(paths::source_dir) / "viewer/node_modules/gltf-validator"))
+    GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix viewer";
+  const std::string script = (fs::path(paths::source_dir) / "tools/validate_gltf.mjs").string();
+  EXPECT_EQ(std::system(("node '" + script + "' '" + (own / "area.glb").string() + "' > /dev/null").c_str()), 0);
+}
+
 TEST(SceneIo, same_tile_gives_the_same_bytes) {
   (void)io::write_tile_glb(folder, small_tile());
   const std::string first = read(folder / "tile_5_7.glb");
@@ -189,6 +244,8 @@ TEST(SceneIo, khronos_validator_finds_no_error) {
   SceneTile labelled = small_tile();
   labelled.labels = Raster<std::uint8_t>(16, 16, 1, 1);
   labelled.classes = default_class_table();
+  labelled.features = {{.kind = "road", .id = "7"}};
+  labelled.meshes[1].features = {0, 0, 0};
   const auto entry = io::write_tile_glb(own, labelled);
   SceneTile with_materials = tile_with_materials();
   with_materials.row = 9;

@@ -2,12 +2,13 @@
 
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
 import {
-  Camera, Group, Material, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Raycaster, Sphere, Texture, Vector3,
+  Camera, Group, Material, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Raycaster, Sphere, Texture, Vector2, Vector3,
   WebGLRenderer,
 } from 'three';
 
 import {tilesetUrl} from './site';
 import {SurfaceMaterials} from './surface_materials';
+import {describeHit} from './tile_features';
 
 export interface Layers {
   terrain: boolean;
@@ -103,6 +104,14 @@ export class TileLayers {
     if (!tile.parent?.content) return '';
     tile.parent.geometricError = 0;
     return '; a coarser one is shown in its place';
+  }
+
+  /** What stands or lies under a place of the picture (-1..1 to the right and up); empty: nothing that is known. */
+  async describe(place: Vector2, camera: Camera): Promise<Record<string, string>> {
+    const ray = new Raycaster();
+    ray.setFromCamera(place, camera);
+    const hit = ray.intersectObject(this.group, true).find(({object}) => object.visible && !['verge', 'marking'].includes(kindOf(object as Mesh)));
+    return hit ? describeHit(hit) : {};
   }
 
   /** Height of the topmost shown surface at most at `below_z_m`; undefined where no tile is loaded. */

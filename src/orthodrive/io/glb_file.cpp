@@ -169,7 +169,11 @@ int GlbFile::add_shares(const std::vector<std::array<float, 2>>& values) {
                       unsigned_short_type, "VEC2", true);
 }
 
-int GlbFile::add_colors(const std::vector<std::array<std::uint16_t, 4>>& values) {
+int GlbFile::add_colors(std::vector<std::array<std::uint16_t, 4>> values) {
+  constexpr int step = 64;  // of linear colour: below a step of 8 bits sRGB in all but the darkest
+  if (compressed_)
+    for (auto& color : values)
+      for (std::uint16_t& v : color) v = static_cast<std::uint16_t>(std::min((v + step / 2) / step * step, 65535));
   return add_accessor(add_block({values.data(), values.size(), sizeof(values[0]), array_buffer, nullptr}),
                       values.size(), unsigned_short_type, "VEC4", true);
 }

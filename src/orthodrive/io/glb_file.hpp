@@ -46,8 +46,8 @@ class GlbFile {
   }
   /// 0..1. Compressed: 16 bits.
   int add_shares(const std::vector<std::array<float, 2>>& values);
-  /// 0..65535 for 0..1.
-  int add_colors(const std::vector<std::array<std::uint16_t, 4>>& values);
+  /// 0..65535 for 0..1. Compressed: 10 bits.
+  int add_colors(std::vector<std::array<std::uint16_t, 4>> values);
   int add_indices(std::span<const std::uint32_t> values, std::size_t vertex_count);
 
   /// Writes the file as a whole or not at all. Throws Error when it cannot be written.

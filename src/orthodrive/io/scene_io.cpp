@@ -57,15 +57,21 @@ TriMesh in_drawing_order(const TriMesh& mesh) {
   reorder(ordered.tile_uv);
   reorder(ordered.tangents);
   reorder(ordered.colors);
+  reorder(ordered.features);
   return ordered;
 }
+
+using TextureOf = std::function<SurfaceTexture(SurfaceMaterial)>;
 
 /// The indices of all materials and pictures of a file.
 class Materials {
  public:
-  Materials(GlbFile& file, PhotoFormat format, const Raster<std::uint8_t>& photo) : file_(file) {
-    at_[SurfaceMaterial::photo] = add_photo(format, photo);
-  }
+  Materials(GlbFile& file, PhotoFormat format) : file_(file), format_(format) {}
+  /// With pictures inside, and a photo that is lit like all else.
+  Materials(GlbFile& file, TextureOf texture_of) : file_(file), texture_of_(std::move(texture_of)) {}
+
+  /// Of the meshes that are added from here on.
+  void set_photo(const Raster<std::uint8_t>& rgb) { at_[SurfaceMaterial::photo] = add_photo(rgb); }
   int index(SurfaceMaterial material) {
     const auto [at, is_new] = at_.try_emplace(material, 0);
     if (is_new) at->second = add_tileable(material);
@@ -102,36 +108,44 @@ class Materials {
   }
 
   /// The photo holds its own light, so the material is unlit where the viewer can do that.
-  int add_photo(PhotoFormat format, const Raster<std::uint8_t>& rgb) {
+  int add_photo(const Raster<std::uint8_t>& rgb) {
     GltfJson material = {{"name", "photo"},
-                         {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
-                         {"extensions", {{"KHR_materials_unlit", GltfJson::object()}}}};
-    file_.use_extension("KHR_materials_unlit", false);
+                         {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}};
+    if (!texture_of_) {
+      material["extensions"]["KHR_materials_unlit"] = GltfJson::object();
+      file_.use_extension("KHR_materials_unlit", false);
+    }
     if (!rgb.empty()) {
-      const auto bytes = format == PhotoFormat::webp ? encode_webp(rgb) : encode_jpeg(rgb);
+      const bool webp = format_ == PhotoFormat::webp;
+      const auto bytes = webp ? encode_webp(rgb) : encode_jpeg(rgb);
       material["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
-          add_picture(bytes, format == PhotoFormat::webp ? "image/webp" : "image/jpeg", linear_mipmap_linear, linear);
+          add_picture(bytes, webp ? "image/webp" : "image/jpeg", linear_mipmap_linear, linear);
     }
     return add(std::move(material));
   }
 
   /// The mesh's colours times a tileable texture, both in the mesh's second set of coordinates.
   int add_tileable(SurfaceMaterial of) {
-    const auto texture = [&](std::string_view picture) {
-      const int index = add_texture({{"uri", material_file(of, picture)}}, linear_mipmap_linear, linear, repeat);
+    const SurfaceTexture inside = texture_of_ ? texture_of_(of) : SurfaceTexture{};
+    const auto texture = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
+      GltfJson image = {{"uri", material_file(of, picture)}};
+      if (texture_of_) image = {{"mimeType", "image/jpeg"}, {"bufferView", file_.add_bytes(encode_jpeg(rgb))}};
+      const int index = add_texture(std::move(image), linear_mipmap_linear, linear, repeat);
       return GltfJson{{"index", index}, {"texCoord", 1}};
     };
     GltfJson material = {{"name", to_string(of)},
                          {"pbrMetallicRoughness",
-                          {{"baseColorTexture", texture("color")},
+                          {{"baseColorTexture", texture("color", inside.color_rgb)},
                            {"metallicFactor", 0.0},
-                           {"metallicRoughnessTexture", texture("roughness")}}},
-                         {"normalTexture", texture("normal")}};
+                           {"metallicRoughnessTexture", texture("roughness", inside.roughness)}}},
+                         {"normalTexture", texture("normal", inside.normal_rgb)}};
     if (of == SurfaceMaterial::verge) material["alphaMode"] = "BLEND";
     return add(std::move(material));
   }
 
   GlbFile& file_;
+  PhotoFormat format_ = PhotoFormat::jpeg;
+  TextureOf texture_of_;
   std::map<SurfaceMaterial, int> at_;
 };
 
@@ -142,33 +156,56 @@ GltfJson strings_property(GlbFile& file, const std::vector<std::string>& strings
     text += s;
     offsets.push_back(static_cast<std::uint32_t>(text.size()));
   }
+  if (text.empty()) text = " ";  // a view of a buffer has at least a byte
   const int values = file.add_bytes(text);
   const int ends = file.add_bytes(
       std::span(reinterpret_cast<const std::uint8_t*>(offsets.data()), offsets.size() * sizeof(offsets[0])));
   return {{"values", values}, {"stringOffsets", ends}};
 }
 
-/// What the photo shows, the 3D Tiles 1.1 way: a feature id texture (EXT_mesh_features) whose ids are the rows of a
-/// table with each class's name and role (EXT_structural_metadata). Returns the feature ids of the primitives.
-GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8_t>& labels, const ClassTable& table) {
-  const int texture = materials.add_picture(encode_png(labels), "image/png", nearest, nearest);
-  std::vector<std::string> names, roles;
-  for (const ClassInfo& info : table.classes) names.push_back(info.name), roles.push_back(to_string(info.role));
+/// A table of strings (EXT_structural_metadata). Returns its index.
+std::size_t add_table(GlbFile& file, const char* class_name,
+                      const std::vector<std::pair<const char*, std::vector<std::string>>>& columns) {
   file.use_extension("EXT_structural_metadata", false);
   file.use_extension("EXT_mesh_features", false);
   GltfJson& metadata = file.json["extensions"]["EXT_structural_metadata"];
   metadata["schema"]["id"] = "orthodrive";
-  metadata["schema"]["classes"]["label"]["properties"] = {{"name", {{"type", "STRING"}}},
-                                                          {"role", {{"type", "STRING"}}}};
-  GltfJson rows = {{"class", "label"}, {"count", names.size()}};
-  rows["properties"]["name"] = strings_property(file, names);
-  rows["properties"]["role"] = strings_property(file, roles);
+  GltfJson rows = {{"class", class_name}, {"count", columns.front().second.size()}};
+  for (const auto& [name, values] : columns) {
+    metadata["schema"]["classes"][class_name]["properties"][name] = {{"type", "STRING"}};
+    rows["properties"][name] = strings_property(file, values);
+  }
   metadata["propertyTables"].push_back(std::move(rows));
+  return metadata["propertyTables"].size() - 1;
+}
+
+/// What the photo shows, the 3D Tiles 1.1 way: a feature id texture (EXT_mesh_features) whose ids are the rows of a
+/// table with each class's name and role. Returns the feature ids of the primitives.
+GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8_t>& labels, const ClassTable& table) {
+  const int texture = materials.add_picture(encode_png(labels), "image/png", nearest, nearest);
+  std::vector<std::string> names, roles;
+  for (const ClassInfo& info : table.classes) names.push_back(info.name), roles.push_back(to_string(info.role));
   return {{"featureCount", names.size()},
           {"nullFeatureId", static_cast<int>(label_nodata)},
           {"label", "label"},
           {"texture", {{"index", texture}, {"texCoord", 0}, {"channels", GltfJson::array({0})}}},
-          {"propertyTable", 0}};
+          {"propertyTable", add_table(file, "label", {{"name", names}, {"role", roles}})}};
+}
+
+/// Roads and buildings: ids of vertices, rows of a table of their own.
+GltfJson add_objects(GlbFile& file, const std::vector<SceneFeature>& features) {
+  std::vector<std::string> kinds, ids, osm_ids, names, types;
+  for (const SceneFeature& f : features) {
+    kinds.push_back(f.kind), ids.push_back(f.id), osm_ids.push_back(f.osm_id);
+    names.push_back(f.name), types.push_back(f.type);
+  }
+  const std::size_t table =
+      add_table(file, "object", {{"kind", kinds}, {"id", ids}, {"osm_id", osm_ids}, {"name", names}, {"type", types}});
+  return {{"featureCount", features.size()},
+          {"nullFeatureId", features.size()},
+          {"label", "object"},
+          {"attribute", 0},
+          {"propertyTable", table}};
 }
 
 /// The vertices of a mesh, as the primitives of its parts share them.
@@ -189,6 +226,11 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
     attributes["TANGENT"] = file.add_directions(tangents);
   }
   if (!mesh.colors.empty()) attributes["COLOR_0"] = file.add_colors(mesh.colors);
+  if (!mesh.features.empty()) {
+    std::vector<float> ids;
+    for (const std::uint32_t id : mesh.features) ids.push_back(static_cast<float>(id));
+    attributes["_FEATURE_ID_0"] = file.add_scalars(ids);
+  }
   return attributes;
 }
 
@@ -216,14 +258,26 @@ class Nodes {
   Nodes(GlbFile& file, Materials& materials, double origin_m)
       : file_(file), materials_(materials), origin_m_(origin_m) {}
 
-  /// Feature ids of what shows the photo.
-  std::optional<GltfJson> labels;
+  /// Feature ids of what shows the photo, and of what has features.
+  std::optional<GltfJson> labels, objects;
 
   void add(const TriMesh& given) { (void)add_node(given); }
   void add(const InstancedMesh& copied) {
     file_.use_extension("EXT_mesh_gpu_instancing", true);  // who draws no copies would draw one in the middle
     GltfJson copies = instancing(file_, copied.instances, origin_m_);
     add_node(copied.mesh, 0.0)["extensions"]["EXT_mesh_gpu_instancing"] = std::move(copies);
+  }
+  /// Without an extension: a node a copy.
+  void add_each(const InstancedMesh& copied) {
+    const GltfJson first = add_node(copied.mesh, 0.0);
+    file_.json["nodes"].erase(file_.json["nodes"].size() - 1);
+    for (const MeshInstance& copy : copied.instances) {
+      GltfJson node = first;
+      node["translation"] = y_up(copy.position);
+      node["rotation"] = {0.0F, std::sin(0.5F * copy.yaw_rad), 0.0F, std::cos(0.5F * copy.yaw_rad)};
+      node["scale"] = {copy.scale[0], copy.scale[2], copy.scale[1]};
+      file_.json["nodes"].push_back(std::move(node));
+    }
   }
 
  private:
@@ -238,8 +292,12 @@ class Nodes {
       primitives.push_back({{"attributes", vertices},
                             {"indices", file_.add_indices(indices, mesh.positions.size())},
                             {"material", materials_.index(part.material)}});
-      if (labels && !mesh.uv.empty())
-        primitives.back()["extensions"]["EXT_mesh_features"]["featureIds"] = GltfJson::array({*labels});
+      GltfJson& primitive = primitives.back();
+      const auto add_ids = [&](const GltfJson& ids) {
+        primitive["extensions"]["EXT_mesh_features"]["featureIds"].push_back(ids);
+      };
+      if (labels && !mesh.uv.empty()) add_ids(*labels);
+      if (objects && !mesh.features.empty()) add_ids(*objects);
     }
     file_.json["meshes"].push_back({{"name", to_string(mesh.kind)}, {"primitives", std::move(primitives)}});
     auto& nodes = file_.json["nodes"];
@@ -279,9 +337,11 @@ std::string file_name(const SceneTile& tile) {
 TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, const TileFileOptions& options) {
   const double lift_m = std::floor(0.5 * (tile.min_z_m + tile.max_z_m) - tile.origin.z);
   GlbFile file(options.compressed);
-  Materials materials(file, options.photo, tile.texture_rgb);
+  Materials materials(file, options.photo);
+  materials.set_photo(tile.texture_rgb);
   Nodes nodes(file, materials, lift_m);
   if (!tile.labels.empty()) nodes.labels = add_labels(file, materials, tile.labels, tile.classes);
+  if (!tile.features.empty()) nodes.objects = add_objects(file, tile.features);
   for (const TriMesh& mesh : tile.meshes) nodes.add(mesh);
   for (const InstancedMesh& copied : tile.instanced) nodes.add(copied);
   GltfJson roots = GltfJson::array();
@@ -299,6 +359,29 @@ TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& t
                         .geometric_error_m = tile.geometric_error_m};
   file.write(folder / entry.uri);
   return entry;
+}
+
+void write_area_glb(const std::filesystem::path& path, std::span<const SceneTile> tiles, Vec3 origin,
+                    const TextureOf& texture_of) {
+  GlbFile file(false);
+  Materials materials(file, texture_of);
+  Nodes nodes(file, materials, 0.0);
+  GltfJson roots = GltfJson::array();
+  for (const SceneTile& tile : tiles) {
+    materials.set_photo(tile.texture_rgb);
+    const std::size_t first = file.json.contains("nodes") ? file.json["nodes"].size() : 0;
+    for (const TriMesh& mesh : tile.meshes) nodes.add(mesh);
+    for (const InstancedMesh& copied : tile.instanced) nodes.add_each(copied);
+    const Vec3 shift = tile.origin - origin;
+    GltfJson node = {{"name", fmt::format("tile_{}_{}", tile.column, tile.row)},
+                     {"translation", {shift.x, shift.z, -shift.y}}};
+    for (std::size_t i = first; i < file.json["nodes"].size(); ++i) node["children"].push_back(i);
+    roots.push_back(file.json["nodes"].size());
+    file.json["nodes"].push_back(std::move(node));
+  }
+  file.json["scenes"] = GltfJson::array({{{"nodes", std::move(roots)}}});
+  file.json["scene"] = 0;
+  file.write(path);
 }
 
 std::string material_file(SurfaceMaterial material, std::string_view picture) {

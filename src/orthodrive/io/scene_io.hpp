@@ -2,6 +2,8 @@
 // glTF 2.0 of the scene's tiles (3D Tiles 1.1; the tree of them is in tileset_io.hpp).
 
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -24,6 +26,12 @@ struct TileFileOptions {
 /// feature ids with a table of their classes (EXT_mesh_features, EXT_structural_metadata).
 TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile,
                          const TileFileOptions& options = {});
+
+/// Tiles of level 0 in one .glb for programs that are no viewers (Blender, game engines): plain floats, all pictures
+/// inside, materials lit, a node "tile_<column>_<row>" for each tile with its meshes, each tree a node of its own.
+/// Positions count from `origin`, y up.
+void write_area_glb(const std::filesystem::path& file, std::span<const SceneTile> tiles, Vec3 origin,
+                    const std::function<SurfaceTexture(SurfaceMaterial)>& texture_of);
 
 /// Where write_material() puts a picture of a material ("color", "normal", "roughness"), relative to the folder.
 [[nodiscard]] std::string material_file(SurfaceMaterial material, std::string_view picture);

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -87,6 +89,17 @@ struct TriMesh {
   /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
   /// 65535: 1.
   std::vector<std::array<std::uint16_t, 4>> colors;
+  std::vector<std::uint32_t> features;  ///< one a vertex, or empty: index into SceneTile::features, or no_feature
+};
+constexpr std::uint32_t no_feature = std::numeric_limits<std::uint32_t>::max();
+
+/// A road or building, for those who click on it.
+struct SceneFeature {
+  std::string kind;    ///< "road" or "building"
+  std::string id;      ///< of the OpenDRIVE road; empty: none
+  std::string osm_id;  ///< "way/123", "relation/45"; empty: not of OSM
+  std::string name;
+  std::string type;  ///< OSM's highway=* or building=*
 };
 
 /// A copy of a mesh: stretched, turned about z, then moved.
@@ -119,6 +132,7 @@ struct SceneTile {
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile
   Raster<std::uint8_t> labels;       ///< of the whole tile: what the photo shows; empty: not known
   ClassTable classes;                ///< of the labels
+  std::vector<SceneFeature> features;
 };
 
 }  // namespace orthodrive

@@ -8,6 +8,7 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
@@ -16,6 +17,7 @@
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
 
 namespace orthodrive {
@@ -181,6 +183,54 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
               "trees",
               files.folder.string(), scene.tiles, scene.levels, scene.terrain_triangles, scene.road_triangles,
               scene.road_surface_m2, scene.buildings, scene.trees)}};
+}
+
+namespace {
+/// The largest part of the area within the bounds.
+Polygon part_of_area(const Polygon& area, const std::optional<Box2>& bounds) {
+  if (!bounds) return area;
+  const Box2& b = *bounds;
+  const Polygon box{{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
+  MultiPolygon common = intersection_of({area}, {box}, scene::plan_grid_m);
+  if (common.empty()) throw OptionError("--bbox: shares no ground with what the photo shows");
+  return *std::ranges::max_element(common, {}, [](const Polygon& p) { return area_m2(p); });
+}
+}  // namespace
+
+StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, StageContext& context) {
+  const roadquery::RoadMap roads = roadquery::read_opendrive(files.network.string());
+  const PlacedPhoto placed = read_placed_photo(files, roads, {}, context);
+  const SiteFrame& site = placed.site;
+  const HeightGrid terrain = read_merged_terrain(files, site, {}, context);
+  const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
+  Findings findings;
+  const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
+  const std::vector<Vec2> trees = io::read_trees(files.trees, site);
+  SceneOptions scene_options = options.scene;
+  scene_options.threads = context.threads;
+  const auto layout = lay_out_scene({roads, terrain, placed.photo(), part_of_area(site.area, options.bounds),
+                                     labels ? &*labels : nullptr, buildings, trees},
+                                    scene_options);
+  const auto& addresses = scene_tiles(*layout);
+  std::vector<SceneTile> tiles(addresses.size());
+  parallel_for(addresses.size(), context.threads,
+               [&](std::size_t i) { tiles[i] = build_scene_tile(*layout, addresses[i]); });
+  std::erase_if(tiles, [](const SceneTile& tile) { return tile.meshes.empty(); });
+  io::write_area_glb(options.glb, tiles, scene_origin(*layout),
+                     [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
+  std::size_t meshes = 0, copies = 0;
+  for (const SceneTile& tile : tiles) {
+    meshes += tile.meshes.size();
+    for (const InstancedMesh& copied : tile.instanced) copies += copied.instances.size();
+  }
+  const Vec3 origin = scene_origin(*layout);
+  const Findings& of_scene = scene_findings(*layout);
+  findings.insert(findings.end(), of_scene.begin(), of_scene.end());
+  return {.numbers = {{"tiles", tiles.size()}, {"meshes", meshes}, {"trees", copies}},
+          .findings = std::move(findings),
+          .summary = {fmt::format("{}: {} tiles with {} meshes, {} trees; origin {:.0f} {:.0f} {:.0f} of {}",
+                                  options.glb.string(), tiles.size(), meshes, copies, origin.x, origin.y, origin.z,
+                                  site.crs.definition)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {

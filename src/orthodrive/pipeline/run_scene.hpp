@@ -27,6 +27,14 @@ struct RunSceneOptions {
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);
 
+struct ExportOptions {
+  std::filesystem::path glb;   ///< written
+  std::optional<Box2> bounds;  ///< site CRS; none: the whole area
+  SceneOptions scene;
+};
+/// The scene of an area in one file with all in it. Of the files folder, terrain_grid and picture are not used.
+StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, StageContext& context);
+
 [[nodiscard]] BuildStage scene_stage(SiteBuild& build);
 
 }  // namespace orthodrive

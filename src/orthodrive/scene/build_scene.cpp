@@ -12,6 +12,7 @@
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/drape.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tile_features.hpp"
 #include "orthodrive/scene/tile_levels.hpp"
 #include "orthodrive/scene/tile_materials.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
@@ -348,12 +349,17 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     add_deck(layout, deck, address, road, body);
     drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
   }
+  name_roads(*layout.query, tile, road.mesh);
   add_road_materials(layout, center, road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
   TriMesh buildings{.kind = MeshKind::building};
-  if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end())
+  if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
     buildings = building_mesh(found->second, tile.origin);
+    for (std::uint32_t& feature : buildings.features) feature += static_cast<std::uint32_t>(tile.features.size());
+    for (const PlacedBuilding* building : found->second)
+      tile.features.push_back({.kind = "building", .osm_id = building->osm_id, .type = building->use});
+  }
   if (const auto found = layout.trees_in.find(address); found != layout.trees_in.end())
     tile.instanced = tree_instances(found->second, tile.origin);
 

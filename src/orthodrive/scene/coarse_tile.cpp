@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "orthodrive/scene/coarse_ground.hpp"
@@ -289,6 +290,7 @@ double add_trees(std::span<const SceneTile* const> tiles, SceneTile& coarse) {
 
 SceneTile ready_to_coarsen(SceneTile tile) {
   std::erase_if(tile.meshes, [](const TriMesh& mesh) { return is_flat(mesh.kind); });
+  tile.features = {};
   for (TriMesh& mesh : tile.meshes)
     if (is_ground(mesh.kind)) mesh.uv = {}, mesh.tile_uv = {}, mesh.tangents = {}, mesh.colors = {};
   return tile;
@@ -313,7 +315,11 @@ SceneTile coarse_tile(std::span<const SceneTile* const> tiles) {
   double change_m = ground.error_m;
   for (TriMesh* mesh : {&ground.terrain, &ground.road})
     if (!mesh->indices.empty()) coarse.meshes.push_back(std::move(*mesh));
-  for (const MeshKind kind : {MeshKind::road_body, MeshKind::building}) {
+  std::set<MeshKind> standing;
+  for (const SceneTile* tile : tiles)
+    for (const TriMesh& mesh : tile->meshes)
+      if (!is_ground(mesh.kind) && !is_flat(mesh.kind)) standing.insert(mesh.kind);
+  for (const MeshKind kind : standing) {
     TriMesh mesh = joined(tiles, kind, coarse.origin);
     change_m = std::max(change_m, simplify(mesh, tolerance_m));
     if (!mesh.indices.empty()) coarse.meshes.push_back(std::move(mesh));
