@@ -1,6 +1,8 @@
 // orthodrive scene: textured terrain with the roads cut in, as 3D Tiles.
 
+#include <map>
 #include <memory>
+#include <string>
 
 #include "commands.hpp"
 #include "orthodrive/pipeline/run_scene.hpp"
@@ -37,9 +39,18 @@ void add_scene(CLI::App& app, Context& context) {
   cmd->add_option("--terrain-step", o.terrain_step_m, "distance of terrain vertices, m")->capture_default_str();
   cmd->add_option("--verge", o.verge_m, "width of the strip from a road's edge to the DTM, m")->capture_default_str();
   cmd->add_option("--max-texture", o.max_texture_px, "texture pixels along a tile's side")->capture_default_str();
+  cmd->add_option("--photo-format", command->options.files.photo, "of the photo in the tiles: jpeg or webp")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, io::PhotoFormat>{{"jpeg", io::PhotoFormat::jpeg}, {"webp", io::PhotoFormat::webp}}))
+      ->default_str("jpeg");
+  cmd->add_flag_callback(
+      "--uncompressed", [command] { command->options.files.compressed = false; },
+      "plain floats, for readers without EXT_meshopt_compression");
   cmd->footer(
-      "Reads roads, photo and terrain; writes DIR/tileset.json (3D Tiles 1.1) and one .glb for each 480 m tile.\n"
-      "Memory: the photo (4 bytes a pixel) and some 20 MB a thread.\n"
+      "Reads roads, photo and terrain; writes DIR/tileset.json (3D Tiles 1.1) and one .glb for each 480 m tile and "
+      "for\n"
+      "each tile of the coarser levels.\n"
+      "Memory: the photo (4 bytes a pixel) and some 40 MB a thread.\n"
       "Examples:\n"
       "  orthodrive scene --network out/roads.xodr --labels out/labels.tif --photo out/photo.tif --dtm dtm.tif -o "
       "out/scene\n"

@@ -22,6 +22,7 @@ void add_refine(CLI::App& app, Context& context);
 void add_elevate(CLI::App& app, Context& context);
 void add_network(CLI::App& app, Context& context);
 void add_scene(CLI::App& app, Context& context);
+void add_export(CLI::App& app, Context& context);
 void add_drive(CLI::App& app, Context& context);
 void add_fmu(CLI::App& app, Context& context);
 void add_build(CLI::App& app, Context& context);

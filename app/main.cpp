@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   add_elevate(app, context);
   add_network(app, context);
   add_scene(app, context);
+  add_export(app, context);
   add_drive(app, context);
   add_fmu(app, context);
   add_view(app, context);

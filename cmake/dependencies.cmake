@@ -16,7 +16,7 @@ find_package(Boost REQUIRED)  # headers: the R-tree of Boost.Geometry
 find_package(Ceres REQUIRED)
 find_package(GEOS REQUIRED)
 find_package(CGAL REQUIRED)
-find_package(TinyGLTF REQUIRED)
+find_package(meshoptimizer REQUIRED)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc ml ximgproc)
 find_package(Torch REQUIRED)
 find_package(Protobuf REQUIRED)

@@ -9,7 +9,7 @@ using testing::AnyOf;
 using testing::HasSubstr;
 
 const std::vector<std::string> commands{"build",   "synth", "train", "segment", "forests",  "refine", "elevate",
-                                        "network", "scene", "drive", "view",    "evaluate", "tune"};
+                                        "network", "scene", "drive", "view",    "evaluate", "tune",   "export"};
 
 TEST(CommandLine, help_lists_all_commands) {
   const ToolRun run = run_tool({"--help"});
@@ -80,6 +80,7 @@ TEST(CommandLine, missing_input_is_one_line_naming_the_file_and_writes_nothing) 
       {"network", "--roads", missing + ".gpkg", "-o", out},
       {"scene", "--network", missing + ".xodr", "--labels", missing + ".tif", "--photo", missing + ".tif", "--dtm",
        missing + ".tif", "-o", out + ".d"},
+      {"export", "--network", missing + ".xodr", "--photo", missing + ".tif", "--dtm", missing + ".tif", "--glb", out},
       {"drive", "--network", missing + ".xodr", "-o", out + ".d"},
       {"view", missing},
       {"evaluate", "labels", missing + ".tif", missing + "2.tif"},

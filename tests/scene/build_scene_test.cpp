@@ -289,6 +289,61 @@ TEST(BuildScene, bridge_deck_stays_above_the_terrain_and_does_not_cut_it) {
   }
 }
 
+TEST(BuildScene, corners_of_a_junction_far_from_its_roads_have_its_height) {
+  // The corners of the paved square lie 7 m beside the only road, and off the plan grid.
+  Site site = make_site(480.0, {{.start = {west_m + 230.0, south_m + 240.0}, .length_m = 20.0}});
+  site.roads.roads[0].junction = 7;
+  roadquery::JunctionSurface surface{.x = west_m + 228.0, .y = south_m + 228.0, .columns = 25, .rows = 25};
+  surface.z.assign(25U * 25U, 10.0);
+  for (const auto& [x, y] :
+       {std::pair{230.0001, 230.0002}, {250.0003, 230.0004}, {250.0001, 250.0003}, {230.0002, 250.0001}})
+    surface.boundary.push_back({west_m + x, south_m + y});
+  site.roads.junctions.push_back({.id = 7, .surface = surface});
+  const SceneTile tile = build_one(site);
+  const TriMesh* road = find_mesh(tile, MeshKind::road);
+  ASSERT_NE(road, nullptr);
+  EXPECT_NEAR(plan_area_m2(road), 400.0, 0.1);
+  for (const MeshKind kind : {MeshKind::road, MeshKind::terrain})
+    for (const auto& p : find_mesh(tile, kind)->positions) EXPECT_NEAR(world(tile, p).z, 10.0, 1e-5);
+}
+
+TEST(BuildScene, every_triangle_of_roads_and_buildings_says_what_it_is) {
+  Site site = make_site(480.0, {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0},
+                                {.start = {west_m + 180.0, south_m + 240.0}, .length_m = 140.0}});
+  site.roads.roads[0].osm_id = "17", site.roads.roads[0].name = "Hauptstraße";
+  const std::vector<Building> houses = {
+      {.footprint = {square(west_m + 100.0, south_m + 100.0, 12.0), {}}, .use = "house", .osm_id = "way/5"},
+      {.footprint = {square(west_m + 200.0, south_m + 100.0, 20.0), {}}, .use = "barn"}};
+  SceneInput input = site.input();
+  input.buildings = houses;
+  const SceneTile tile = build_scene_tile(*lay_out_scene(input), {1000, 13000});
+  const TriMesh &road = *find_mesh(tile, MeshKind::road), &building = *find_mesh(tile, MeshKind::building);
+  ASSERT_EQ(road.features.size(), road.positions.size());
+  ASSERT_EQ(building.features.size(), building.positions.size());
+  const auto each = [&](const TriMesh& mesh, const auto& check) {
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      Vec3 middle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(mesh.features[mesh.indices[i]], mesh.features[mesh.indices[i + k]]);
+        middle = middle + world(tile, mesh.positions[mesh.indices[i + k]]) * (1.0 / 3.0);
+      }
+      check(tile.features.at(mesh.features[mesh.indices[i]]), middle);
+    }
+  };
+  each(road, [&](const SceneFeature& feature, Vec3 middle) {
+    EXPECT_EQ(feature.kind, "road");
+    const bool first = middle.x < west_m + 180.0;
+    EXPECT_EQ(feature.id, first ? "1" : "2");
+    EXPECT_EQ(feature.osm_id, first ? "way/17" : "");
+    EXPECT_EQ(feature.name, first ? "Hauptstraße" : "");
+  });
+  each(building, [&](const SceneFeature& feature, Vec3 middle) {
+    EXPECT_EQ(feature.kind, "building");
+    EXPECT_EQ(feature.type, middle.x < west_m + 150.0 ? "house" : "barn");
+    EXPECT_EQ(feature.osm_id, middle.x < west_m + 150.0 ? "way/5" : "");
+  });
+}
+
 TEST(BuildScene, tunnels_leave_the_ground_alone) {
   const Site site = make_site(
       480.0,

@@ -32,6 +32,8 @@ interface Api {
   readonly cameraPosition: [number, number, number];
   readonly sun: [number, number, number]; // towards it
   readonly link: string; // address that restores the view
+  /** What stands or lies under a place of the picture, -1..1 to the right and up. */
+  describe(x: number, y: number): Promise<Record<string, string>>;
   /** Height of the first surface below a place 2 m above z_m: what wheels at z_m should stand on. */
   groundUnder(x_m: number, y_m: number, z_m: number): number | undefined;
   setCamera(mode: CameraMode): void;
@@ -59,13 +61,20 @@ function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
   }
 }
 
+/** One line of what was clicked on. */
+function textOf(what: Record<string, string>): string {
+  const {kind, id, name, type, osm_id: osm, class: label, role} = what;
+  const parts = [kind && `${kind}${id ? ` ${id}` : ''}`, name, type, osm && `OSM ${osm}`, label && `${label} (${role})`];
+  return parts.filter(Boolean).join(' · ');
+}
+
 function start(site: Site): Api {
   const wanted = parseView(location.search);
   const canvas = document.getElementById('canvas') as HTMLCanvasElement;
   const renderer = makeRenderer(canvas);
   const scene = new Scene();
   const sky = new Sky(scene);
-  const tiles = new TileLayers(site.localFromEcef, renderer.capabilities.getMaxAnisotropy());
+  const tiles = new TileLayers(renderer.capabilities.getMaxAnisotropy());
   const findings = new FindingsLayer(site);
   const fly = new FlyCamera(canvas), top = new FlyCamera(canvas, true);
   scene.add(tiles.group, findings.object);
@@ -193,7 +202,8 @@ function start(site: Site): Api {
   canvas.addEventListener('click', (event) => {
     const place = new Vector2((2 * event.clientX) / viewport.x - 1, 1 - (2 * event.clientY) / viewport.y);
     const finding = findings.at(place, activeCamera(), viewport);
-    panel.showMessage(finding ? `${finding.code}: ${finding.message}` : '', false);
+    if (finding) panel.showMessage(`${finding.code}: ${finding.message}`, false);
+    else void tiles.describe(place, activeCamera()).then((what) => panel.showMessage(textOf(what), false));
   });
 
   const cameras: Record<CameraMode, () => PerspectiveCamera> = {
@@ -258,6 +268,7 @@ function start(site: Site): Api {
     ++frame;
   }
 
+  let shownFailures = 0;
   let last_ms = performance.now();
   function tick(now_ms: number): void {
     const elapsed_s = Math.min(0.25, (now_ms - last_ms) / 1000); // a hidden page stands still
@@ -277,7 +288,7 @@ function start(site: Site): Api {
       stale = false;
       ready = tiles.complete && tiles.visible > 0;
     }
-    if (tiles.failures.length > 0) panel.showMessage(tiles.failures[0], true);
+    if (tiles.failures.length > shownFailures) panel.showMessage(tiles.failures[shownFailures++], true);
     requestAnimationFrame(tick);
   }
   resize();
@@ -294,6 +305,7 @@ function start(site: Site): Api {
     get cameraPosition() { return activeCamera().position.toArray() as [number, number, number]; },
     get sun() { return toSun.toArray() as [number, number, number]; },
     get link() { return link(); },
+    describe: (x, y) => tiles.describe(new Vector2(x, y), activeCamera()),
     groundUnder: (x_m, y_m, z_m) => tiles.heightAt(x_m, y_m, z_m + 2),
     setCamera, setLayer, setTime, setPlaying, setDay,
   };

@@ -1,11 +1,13 @@
 // Tileable materials of roads, verges and paint, shared by all tiles: their pictures lie in scene/materials once.
 
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
+import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
 import {
   LoadingManager, Material, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
 } from 'three';
 
 import {tilesetUrl} from './site';
+import {tileFeaturesPlugin} from './tile_features';
 
 /** What the file says about its materials, as far as it is used here. */
 interface GltfJson {
@@ -23,7 +25,7 @@ export class SurfaceMaterials {
 
   /** A loader that leaves materials with tileable pictures to this class: it gives them by name, without textures. */
   gltfLoader(manager: LoadingManager): GLTFLoader {
-    return new GLTFLoader(manager).register((parser) => ({
+    return new GLTFLoader(manager).setMeshoptDecoder(MeshoptDecoder).register(tileFeaturesPlugin).register((parser) => ({
       name: 'shared_surface_materials',
       loadMaterial(index: number): Promise<Material> | null {
         const json = parser.json as GltfJson;

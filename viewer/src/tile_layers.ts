@@ -1,13 +1,14 @@
 // The 3D Tiles of the site and what of them is shown.
 
-import {TilesRenderer} from '3d-tiles-renderer';
+import {type Tile, TilesRenderer} from '3d-tiles-renderer';
 import {
-  Camera, Group, Material, Matrix4, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Raycaster, Sphere, Texture, Vector3,
+  Camera, Group, Material, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Raycaster, Sphere, Texture, Vector2, Vector3,
   WebGLRenderer,
 } from 'three';
 
 import {tilesetUrl} from './site';
 import {SurfaceMaterials} from './surface_materials';
+import {describeHit} from './tile_features';
 
 export interface Layers {
   terrain: boolean;
@@ -19,6 +20,7 @@ export interface Layers {
   wireframe: boolean;
 }
 
+const alwaysRefined_m = 1e4;
 const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'terrain'] as const;
 type SurfaceKind = (typeof kinds)[number];
 
@@ -32,8 +34,21 @@ function stands(mesh: Mesh): boolean {
   return ['building', 'tree'].includes(kindOf(mesh));
 }
 
+/** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
+class FlatPlaces {
+  readonly name = 'flat_places';
+  private readonly origins = new WeakMap<object, [number, number, number]>();
+
+  preprocessNode(tile: {transform?: number[]; extras?: {origin?: [number, number, number]}}, _folder: string, parent: object | null): void {
+    const origin = tile.extras?.origin ?? [0, 0, 0];
+    const from = (parent && this.origins.get(parent)) ?? [0, 0, 0];
+    this.origins.set(tile, origin);
+    tile.transform = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, origin[0] - from[0], origin[1] - from[1], origin[2] - from[2], 1];
+  }
+}
+
 export class TileLayers {
-  /** In the site's local frame: the tileset's root transform (local to ECEF) is undone. */
+  /** In the site's local frame: tiles lie on the flat map, see FlatPlaces. */
   readonly group = new Group();
   readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, buildings: true, trees: true, wireframe: false};
   loaded = 0;
@@ -52,21 +67,20 @@ export class TileLayers {
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
 
-  constructor(localFromEcef: Matrix4, private readonly anisotropy: number) {
+  constructor(private readonly anisotropy: number) {
     this.surfaceMaterials = new SurfaceMaterials(anisotropy);
     this.surfaceMaterials.onChange = () => this.onChange();
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.surfaceMaterials.gltfLoader(this.tiles.manager));
-    this.group.matrixAutoUpdate = false;
-    this.group.matrix.copy(localFromEcef);
     this.group.add(this.tiles.group);
-    this.tiles.errorTarget = 1; // pixels: there is one level of detail, so that all tiles in view are wanted
-    // A whole town at 0.5 m/px has 0.7 GB of textures; the default limit of 0.4 GB would load and drop them in turns.
-    this.tiles.lruCache.minBytesSize = 1.5e9;
-    this.tiles.lruCache.maxBytesSize = 2e9;
+    this.tiles.registerPlugin(new FlatPlaces());
+    this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
+    this.tiles.lruCache.minBytesSize = 3e8;
+    this.tiles.lruCache.maxBytesSize = 4e8;
     this.tiles.addEventListener('load-model', ({scene}) => this.adopt(scene));
     this.tiles.addEventListener('dispose-model', ({scene}) => this.release(scene));
-    this.tiles.addEventListener('load-error', ({error, url}) => {
-      this.failures.push(`${url}: ${error.message}`);
+    this.tiles.addEventListener('load-error', ({tile, error, url}) => {
+      const shown = tile ? this.standIn(tile as Tile) : '';
+      this.failures.push(`${url}: ${error.message}${shown}`);
       this.onChange();
     });
     for (const event of ['load-root-tileset', 'tile-visibility-change', 'needs-update'] as const)
@@ -81,6 +95,25 @@ export class TileLayers {
     return this.tiles.root !== null && this.tiles.loadProgress === 1;
   }
 
+  /** The renderer takes a tile that failed for a finished one and would leave a hole: its parent is shown, or its parts. */
+  private standIn(tile: Tile): string {
+    if (tile.children?.length) {
+      tile.geometricError = alwaysRefined_m;
+      return '; finer tiles are shown in its place';
+    }
+    if (!tile.parent?.content) return '';
+    tile.parent.geometricError = 0;
+    return '; a coarser one is shown in its place';
+  }
+
+  /** What stands or lies under a place of the picture (-1..1 to the right and up); empty: nothing that is known. */
+  async describe(place: Vector2, camera: Camera): Promise<Record<string, string>> {
+    const ray = new Raycaster();
+    ray.setFromCamera(place, camera);
+    const hit = ray.intersectObject(this.group, true).find(({object}) => object.visible && !['verge', 'marking'].includes(kindOf(object as Mesh)));
+    return hit ? describeHit(hit) : {};
+  }
+
   /** Height of the topmost shown surface at most at `below_z_m`; undefined where no tile is loaded. */
   heightAt(x_m: number, y_m: number, below_z_m: number): number | undefined {
     const ray = new Raycaster(new Vector3(x_m, y_m, below_z_m), new Vector3(0, 0, -1));
@@ -90,7 +123,7 @@ export class TileLayers {
   /** Bounding sphere in the local frame, once the tileset is there. */
   bounds(): Sphere | undefined {
     const sphere = new Sphere();
-    return this.tiles.getBoundingSphere(sphere) ? sphere.applyMatrix4(this.group.matrix) : undefined;
+    return this.tiles.getBoundingSphere(sphere) ? sphere : undefined;
   }
 
   update(camera: Camera, renderer: WebGLRenderer): void {

@@ -171,6 +171,58 @@ async function checkNarrow(page) {
   await page.click('#fold');
 }
 
+/** A click on the road ahead tells what road it is, and of what way of the map. */
+async function checkClick(page) {
+  await page.evaluate(() => {
+    window.orthodrive.setCamera('driver');
+    window.orthodrive.setLayer('route', false);
+  });
+  await waitUntilDrawn(page);
+  const road = await page.evaluate(() => window.orthodrive.describe(0, -0.15));
+  console.log('click:', road);
+  assert.equal(road.kind, 'road');
+  assert.match(road.id, /^[0-9]+$/);
+  assert.ok(road.class && road.role, 'the road has no class of the photo');
+  const {width, height} = page.viewportSize();
+  await page.mouse.click(width / 2, (height * 1.15) / 2);
+  await page.waitForFunction(() => document.getElementById('message').textContent.includes('road'), null, {timeout: 60_000});
+  await page.evaluate(() => window.orthodrive.setLayer('route', true));
+}
+
+/** A tile that cannot be had: its parent is shown in its place, and the page says so. */
+async function checkBrokenTile(context, url) {
+  const tileset = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8'));
+  const withParent = [];
+  const walk = (tile, parent) => {
+    if (parent?.content && tile.content && !tile.children) withParent.push(tile.content.uri);
+    for (const child of tile.children ?? []) walk(child, tile);
+  };
+  walk(tileset.root, undefined);
+  assert.ok(withParent.length > 0, 'the site has no coarser tiles');
+  for (const breakTile of [(route) => route.fulfill({status: 404, body: ''}), (route) => route.fulfill({body: 'not a tile'})]) {
+    const page = await context.newPage();
+    await page.route(`**/${withParent[0]}`, breakTile);
+    await page.goto(`${url}?play=0&camera=top`);
+    await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready, null, {timeout: 240_000});
+    const [failure] = await page.evaluate(() => window.orthodrive.failures);
+    console.log('broken tile:', failure);
+    assert.match(failure, /a coarser one is shown in its place/);
+    assert.match(await page.textContent('#message'), /coarser/);
+    const {origin} = findTile(tileset.root, withParent[0]).extras;
+    assert.ok((await page.evaluate(([x, y, z]) => window.orthodrive.groundUnder(x, y, z + 500), origin)) !== undefined, 'there is a hole');
+    await page.close();
+  }
+}
+
+function findTile(tile, uri) {
+  if (tile.content?.uri === uri) return tile;
+  for (const child of tile.children ?? []) {
+    const found = findTile(child, uri);
+    if (found) return found;
+  }
+  return undefined;
+}
+
 /** Without WebGL the page says so. */
 async function checkNoWebGl(context, url) {
   const page = await context.newPage();
@@ -197,10 +249,12 @@ try {
   await checkLayers(page);
   await checkPlaying(page);
   await checkCameras(page);
+  await checkClick(page);
   await checkSun(page);
   await checkLink(page);
   await checkNarrow(page);
   assert.deepEqual(problems, [], 'the page reports errors');
+  await checkBrokenTile(context, server.url);
   await checkNoWebGl(context, server.url);
 } finally {
   await context?.close();

@@ -47,7 +47,7 @@ std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& f
         if (box.max_x < area.min_x || box.min_x > area.max_x || box.max_y < area.min_y || box.min_y > area.max_y)
           continue;
         const Vec2 at = polygon.outer.front();
-        Building building{.footprint = std::move(polygon), .use = *use};
+        Building building{.footprint = std::move(polygon), .use = *use, .osm_id = feature.osm_id};
         building.height_m = number(feature.tags, {"height", "h"}, max_height_m, "height", at, findings);
         building.levels = number(feature.tags, {"building:levels", "lv"}, max_levels, "levels", at, findings);
         if (const std::string* shape = tag(feature.tags, {"roof:shape"})) building.roof_shape = *shape;

@@ -57,7 +57,8 @@ class LineHandler : public osmium::handler::Handler {
 };
 
 Feature feature_of(const osmium::Area& area, const CoordinateTransform& transform) {
-  Feature feature{.tags = tags_of(area.tags())};
+  Feature feature{.tags = tags_of(area.tags()),
+                  .osm_id = (area.from_way() ? "way/" : "relation/") + std::to_string(area.orig_id())};
   for (const osmium::OuterRing& outer : area.outer_rings()) {
     Polygon polygon{ring_of(outer, transform), {}};
     for (const osmium::InnerRing& inner : area.inner_rings(outer)) polygon.holes.push_back(ring_of(inner, transform));

@@ -100,6 +100,7 @@ void write_dtm(const std::filesystem::path& path, const HeightGrid& grid);
 
 /// Encoded images for glTF and the report. rgb has 3 channels.
 [[nodiscard]] std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quality = 85);
+[[nodiscard]] std::vector<std::uint8_t> encode_webp(const Raster<std::uint8_t>& rgb, int quality = 80);
 /// Lossless; 1 or 3 channels.
 [[nodiscard]] std::vector<std::uint8_t> encode_png(const Raster<std::uint8_t>& image);
 void write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& rgb);

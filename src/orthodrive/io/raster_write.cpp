@@ -158,6 +158,10 @@ std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quali
   return encode(rgb, "JPEG", {fmt::format("QUALITY={}", quality)});
 }
 
+std::vector<std::uint8_t> encode_webp(const Raster<std::uint8_t>& rgb, int quality) {
+  return encode(rgb, "WEBP", {fmt::format("QUALITY={}", quality)});
+}
+
 std::vector<std::uint8_t> encode_png(const Raster<std::uint8_t>& image) { return encode(image, "PNG", {}); }
 
 }  // namespace orthodrive::io

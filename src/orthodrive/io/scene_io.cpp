@@ -1,378 +1,387 @@
 #include "orthodrive/io/scene_io.hpp"
 
 #include <fmt/format.h>
-#include <tiny_gltf.h>
+#include <meshoptimizer.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <numbers>
 #include <optional>
 
 #include "orthodrive/core/atomic_file.hpp"
-#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/glb_file.hpp"
 #include "orthodrive/io/raster_io.hpp"
 
 namespace orthodrive::io {
 namespace {
 
+constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
+constexpr int place_exponent = -12;     // of tileable textures: a texel of 4 mm in 4 m is 2^-10
+constexpr int instance_exponent = -12;
+// glTF 2.0: filters and wrap modes of samplers.
+constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071, repeat = 10497;
+
 /// glTF is y up: east, up, south. 3D Tiles turns it back.
 std::array<float, 3> y_up(const std::array<float, 3>& v) { return {v[0], v[2], -v[1]}; }
 
-/// Appends values to the only buffer, each block on a multiple of eight bytes (EXT_structural_metadata wants that; glTF
-/// four), and describes them by view and accessor.
-class GltfBuffer {
- public:
-  explicit GltfBuffer(tinygltf::Model& model) : model_(model) { model_.buffers.emplace_back(); }
+/// Multiples of 1/1024 m, of the height before it is lowered: so those of neighbours whose origins differ stay equal.
+float lowered(float z, double origin_m) {
+  constexpr double steps = 1024.0;
+  return static_cast<float>(std::floor(static_cast<double>(z) * steps + 0.5) / steps - origin_m);
+}
 
-  int add_view(const void* bytes, std::size_t size, int target) {
-    auto& data = model_.buffers[0].data;
-    data.resize((data.size() + 7) / 8 * 8);
-    tinygltf::BufferView view;
-    view.buffer = 0;
-    view.byteOffset = data.size();
-    view.byteLength = size;
-    view.target = target;
-    const auto* first = static_cast<const unsigned char*>(bytes);
-    data.insert(data.end(), first, first + size);
-    model_.bufferViews.push_back(view);
-    return static_cast<int>(model_.bufferViews.size()) - 1;
-  }
-  template <typename T>
-  tinygltf::Accessor& add_accessor(const std::vector<T>& values, int target, int component_type, int type) {
-    tinygltf::Accessor accessor;
-    accessor.bufferView = add_view(values.data(), values.size() * sizeof(T), target);
-    accessor.componentType = component_type;
-    accessor.type = type;
-    accessor.count = values.size();
-    model_.accessors.push_back(accessor);
-    return model_.accessors.back();
-  }
-  [[nodiscard]] int last_accessor() const { return static_cast<int>(model_.accessors.size()) - 1; }
-
- private:
-  tinygltf::Model& model_;
-};
-
-/// The vertices of a mesh, as the primitives of its parts share them.
-std::map<std::string, int> add_vertices(GltfBuffer& buffer, const TriMesh& mesh) {
-  std::map<std::string, int> attributes;
-  const auto add = [&](const char* name, const auto& values, int component_type, int type) -> tinygltf::Accessor& {
-    auto& accessor = buffer.add_accessor(values, TINYGLTF_TARGET_ARRAY_BUFFER, component_type, type);
-    attributes[name] = buffer.last_accessor();
-    return accessor;
+/// Order in which vertices are used, for compression and caches.
+TriMesh in_drawing_order(const TriMesh& mesh) {
+  TriMesh ordered = mesh;
+  const std::size_t count = mesh.positions.size();
+  const std::vector<MeshPart> whole = {{SurfaceMaterial::photo, 0, mesh.indices.size()}};
+  for (const MeshPart& part : mesh.parts.empty() ? whole : mesh.parts)
+    if (part.index_count > 0)
+      meshopt_optimizeVertexCache(&ordered.indices[part.first_index], &mesh.indices[part.first_index], part.index_count,
+                                  count);
+  std::vector<std::uint32_t> remap(count);
+  const std::size_t used =
+      meshopt_optimizeVertexFetchRemap(remap.data(), ordered.indices.data(), ordered.indices.size(), count);
+  for (std::uint32_t& v : ordered.indices) v = remap[v];
+  const auto reorder = [&](auto& values) {
+    if (values.empty()) return;
+    auto moved = values;
+    for (std::size_t i = 0; i < count; ++i)
+      if (remap[i] < used) moved[remap[i]] = values[i];
+    moved.resize(used);
+    values = std::move(moved);
   };
-  std::vector<std::array<float, 3>> positions, normals;
-  std::array<float, 3> low, high;
-  low.fill(std::numeric_limits<float>::max());
-  high.fill(std::numeric_limits<float>::lowest());
-  for (const auto& p : mesh.positions) {
-    positions.push_back(y_up(p));
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], positions.back()[k]);
-      high[k] = std::max(high[k], positions.back()[k]);
-    }
-  }
-  for (const auto& n : mesh.normals) normals.push_back(y_up(n));
-  auto& accessor = add("POSITION", positions, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
-  accessor.minValues.assign(low.begin(), low.end());
-  accessor.maxValues.assign(high.begin(), high.end());
-  add("NORMAL", normals, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3);
-  // glTF counts sets of coordinates from 0 without a gap: what shows no photo has the second set as its first, too.
-  if (!mesh.uv.empty()) add("TEXCOORD_0", mesh.uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
-  if (!mesh.tile_uv.empty()) add("TEXCOORD_1", mesh.tile_uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2);
-  if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
-  if (!mesh.tangents.empty()) {
-    std::vector<std::array<float, 4>> tangents;
-    for (const auto& t : mesh.tangents) tangents.push_back({t[0], t[2], -t[1], t[3]});
-    add("TANGENT", tangents, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4);
-  }
-  if (!mesh.colors.empty()) {
-    add("COLOR_0", mesh.colors, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4).normalized = true;
-  }
-  return attributes;
+  reorder(ordered.positions);
+  reorder(ordered.normals);
+  reorder(ordered.uv);
+  reorder(ordered.tile_uv);
+  reorder(ordered.tangents);
+  reorder(ordered.colors);
+  reorder(ordered.features);
+  return ordered;
 }
 
-tinygltf::Primitive add_part(GltfBuffer& buffer, const TriMesh& mesh, const MeshPart& part,
-                             const std::map<std::string, int>& vertices, int material) {
-  tinygltf::Primitive primitive;
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = material;
-  primitive.attributes = vertices;
-  const auto first = mesh.indices.begin() + static_cast<std::ptrdiff_t>(part.first_index);
-  const std::vector<std::uint32_t> indices(first, first + static_cast<std::ptrdiff_t>(part.index_count));
-  buffer.add_accessor(indices, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-                      TINYGLTF_TYPE_SCALAR);
-  primitive.indices = buffer.last_accessor();
-  return primitive;
-}
+using TextureOf = std::function<SurfaceTexture(SurfaceMaterial)>;
 
-using Value = tinygltf::Value;
-
-int add_texture(tinygltf::Model& model, tinygltf::Image image, int min_filter, int mag_filter, int wrap) {
-  model.images.push_back(std::move(image));
-  tinygltf::Sampler sampler;
-  sampler.minFilter = min_filter;
-  sampler.magFilter = mag_filter;
-  sampler.wrapS = sampler.wrapT = wrap;
-  model.samplers.push_back(sampler);
-  tinygltf::Texture texture;
-  texture.source = static_cast<int>(model.images.size()) - 1;
-  texture.sampler = static_cast<int>(model.samplers.size()) - 1;
-  model.textures.push_back(texture);
-  return static_cast<int>(model.textures.size()) - 1;
-}
-
-/// A picture of the whole tile, inside the file. Returns the index of the new texture.
-int add_tile_texture(tinygltf::Model& model, int image_view, const char* mime_type, int min_filter, int mag_filter) {
-  tinygltf::Image image;
-  image.mimeType = mime_type;
-  image.bufferView = image_view;
-  return add_texture(model, std::move(image), min_filter, mag_filter, TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE);
-}
-
-/// A tileable picture beside the file.
-int add_tileable_texture(tinygltf::Model& model, std::string uri) {
-  tinygltf::Image image;
-  image.uri = std::move(uri);
-  return add_texture(model, std::move(image), TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR,
-                     TINYGLTF_TEXTURE_FILTER_LINEAR, TINYGLTF_TEXTURE_WRAP_REPEAT);
-}
-
-/// The photo holds its own light, so the material is unlit where the viewer can do that.
-int add_photo_material(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& rgb) {
-  tinygltf::Material material;
-  material.name = "photo";
-  material.pbrMetallicRoughness.metallicFactor = 0.0;
-  material.pbrMetallicRoughness.roughnessFactor = 1.0;
-  material.extensions["KHR_materials_unlit"] = Value(Value::Object{});
-  model.extensionsUsed.push_back("KHR_materials_unlit");
-  if (!rgb.empty()) {
-    const auto jpeg = encode_jpeg(rgb);
-    material.pbrMetallicRoughness.baseColorTexture.index =
-        add_tile_texture(model, buffer.add_view(jpeg.data(), jpeg.size(), 0), "image/jpeg",
-                         TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR, TINYGLTF_TEXTURE_FILTER_LINEAR);
-  }
-  model.materials.push_back(material);
-  return 0;
-}
-
-/// The mesh's colours times a tileable texture, both in the mesh's second set of coordinates.
-int add_tileable_material(tinygltf::Model& model, SurfaceMaterial of) {
-  tinygltf::Material material;
-  material.name = std::string(to_string(of));
-  const auto texture = [&](std::string_view picture) {
-    return add_tileable_texture(model, material_file(of, picture));
-  };
-  auto& pbr = material.pbrMetallicRoughness;
-  pbr.baseColorTexture.index = texture("color");
-  pbr.metallicRoughnessTexture.index = texture("roughness");
-  material.normalTexture.index = texture("normal");
-  pbr.baseColorTexture.texCoord = pbr.metallicRoughnessTexture.texCoord = material.normalTexture.texCoord = 1;
-  pbr.metallicFactor = 0.0;
-  if (of == SurfaceMaterial::verge) material.alphaMode = "BLEND";
-  model.materials.push_back(material);
-  return static_cast<int>(model.materials.size()) - 1;
-}
-
-/// The index of each material that the tile's meshes have.
-class TileMaterials {
+/// The indices of all materials and pictures of a file.
+class Materials {
  public:
-  TileMaterials(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& photo) : model_(model) {
-    at_[SurfaceMaterial::photo] = add_photo_material(model, buffer, photo);
-  }
+  Materials(GlbFile& file, PhotoFormat format) : file_(file), format_(format) {}
+  /// With pictures inside, and a photo that is lit like all else.
+  Materials(GlbFile& file, TextureOf texture_of) : file_(file), texture_of_(std::move(texture_of)) {}
+
+  /// Of the meshes that are added from here on.
+  void set_photo(const Raster<std::uint8_t>& rgb) { at_[SurfaceMaterial::photo] = add_photo(rgb); }
   int index(SurfaceMaterial material) {
     const auto [at, is_new] = at_.try_emplace(material, 0);
-    if (is_new) at->second = add_tileable_material(model_, material);
+    if (is_new) at->second = add_tileable(material);
     return at->second;
   }
 
+  /// A picture inside the file. Returns the texture.
+  int add_picture(std::span<const std::uint8_t> bytes, const char* mime_type, int min_filter, int mag_filter) {
+    return add_texture({{"mimeType", mime_type}, {"bufferView", file_.add_bytes(bytes)}}, min_filter, mag_filter,
+                       clamp_to_edge);
+  }
+
  private:
-  tinygltf::Model& model_;
+  int add(GltfJson material) {
+    file_.json["materials"].push_back(std::move(material));
+    return static_cast<int>(file_.json["materials"].size()) - 1;
+  }
+
+  int add_texture(GltfJson image, int min_filter, int mag_filter, int wrap) {
+    const bool webp = image.value("mimeType", "") == "image/webp";
+    file_.json["images"].push_back(std::move(image));
+    file_.json["samplers"].push_back(
+        {{"magFilter", mag_filter}, {"minFilter", min_filter}, {"wrapS", wrap}, {"wrapT", wrap}});
+    const std::size_t source = file_.json["images"].size() - 1;
+    GltfJson texture = {{"sampler", file_.json["samplers"].size() - 1}};
+    if (webp) {
+      texture["extensions"]["EXT_texture_webp"]["source"] = source;
+      file_.use_extension("EXT_texture_webp", true);
+    } else {
+      texture["source"] = source;
+    }
+    file_.json["textures"].push_back(std::move(texture));
+    return static_cast<int>(file_.json["textures"].size()) - 1;
+  }
+
+  /// The photo holds its own light, so the material is unlit where the viewer can do that.
+  int add_photo(const Raster<std::uint8_t>& rgb) {
+    GltfJson material = {{"name", "photo"},
+                         {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}}};
+    if (!texture_of_) {
+      material["extensions"]["KHR_materials_unlit"] = GltfJson::object();
+      file_.use_extension("KHR_materials_unlit", false);
+    }
+    if (!rgb.empty()) {
+      const bool webp = format_ == PhotoFormat::webp;
+      const auto bytes = webp ? encode_webp(rgb) : encode_jpeg(rgb);
+      material["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
+          add_picture(bytes, webp ? "image/webp" : "image/jpeg", linear_mipmap_linear, linear);
+    }
+    return add(std::move(material));
+  }
+
+  /// The mesh's colours times a tileable texture, both in the mesh's second set of coordinates.
+  int add_tileable(SurfaceMaterial of) {
+    const SurfaceTexture inside = texture_of_ ? texture_of_(of) : SurfaceTexture{};
+    const auto texture = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
+      GltfJson image = {{"uri", material_file(of, picture)}};
+      if (texture_of_) image = {{"mimeType", "image/jpeg"}, {"bufferView", file_.add_bytes(encode_jpeg(rgb))}};
+      const int index = add_texture(std::move(image), linear_mipmap_linear, linear, repeat);
+      return GltfJson{{"index", index}, {"texCoord", 1}};
+    };
+    GltfJson material = {{"name", to_string(of)},
+                         {"pbrMetallicRoughness",
+                          {{"baseColorTexture", texture("color", inside.color_rgb)},
+                           {"metallicFactor", 0.0},
+                           {"metallicRoughnessTexture", texture("roughness", inside.roughness)}}},
+                         {"normalTexture", texture("normal", inside.normal_rgb)}};
+    if (of == SurfaceMaterial::verge) material["alphaMode"] = "BLEND";
+    return add(std::move(material));
+  }
+
+  GlbFile& file_;
+  PhotoFormat format_ = PhotoFormat::jpeg;
+  TextureOf texture_of_;
   std::map<SurfaceMaterial, int> at_;
 };
 
-Value strings_property(GltfBuffer& buffer, const std::vector<std::string>& strings) {
+GltfJson strings_property(GlbFile& file, const std::vector<std::string>& strings) {
   std::string text;
   std::vector<std::uint32_t> offsets = {0};
   for (const std::string& s : strings) {
     text += s;
     offsets.push_back(static_cast<std::uint32_t>(text.size()));
   }
-  const int values = buffer.add_view(text.data(), text.size(), 0);
-  const int ends = buffer.add_view(offsets.data(), offsets.size() * sizeof(offsets[0]), 0);
-  return Value(Value::Object{{"values", Value(values)}, {"stringOffsets", Value(ends)}});
+  if (text.empty()) text = " ";  // a view of a buffer has at least a byte
+  const int values = file.add_bytes(text);
+  const int ends = file.add_bytes(
+      std::span(reinterpret_cast<const std::uint8_t*>(offsets.data()), offsets.size() * sizeof(offsets[0])));
+  return {{"values", values}, {"stringOffsets", ends}};
+}
+
+/// A table of strings (EXT_structural_metadata). Returns its index.
+std::size_t add_table(GlbFile& file, const char* class_name,
+                      const std::vector<std::pair<const char*, std::vector<std::string>>>& columns) {
+  file.use_extension("EXT_structural_metadata", false);
+  file.use_extension("EXT_mesh_features", false);
+  GltfJson& metadata = file.json["extensions"]["EXT_structural_metadata"];
+  metadata["schema"]["id"] = "orthodrive";
+  GltfJson rows = {{"class", class_name}, {"count", columns.front().second.size()}};
+  for (const auto& [name, values] : columns) {
+    metadata["schema"]["classes"][class_name]["properties"][name] = {{"type", "STRING"}};
+    rows["properties"][name] = strings_property(file, values);
+  }
+  metadata["propertyTables"].push_back(std::move(rows));
+  return metadata["propertyTables"].size() - 1;
 }
 
 /// What the photo shows, the 3D Tiles 1.1 way: a feature id texture (EXT_mesh_features) whose ids are the rows of a
-/// table with each class's name and role (EXT_structural_metadata). Returns the extension of the primitives.
-Value add_labels(tinygltf::Model& model, GltfBuffer& buffer, const Raster<std::uint8_t>& labels,
-                 const ClassTable& table) {
-  const auto png = encode_png(labels);
-  const int texture = add_tile_texture(model, buffer.add_view(png.data(), png.size(), 0), "image/png",
-                                       TINYGLTF_TEXTURE_FILTER_NEAREST, TINYGLTF_TEXTURE_FILTER_NEAREST);
+/// table with each class's name and role. Returns the feature ids of the primitives.
+GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8_t>& labels, const ClassTable& table) {
+  const int texture = materials.add_picture(encode_png(labels), "image/png", nearest, nearest);
   std::vector<std::string> names, roles;
   for (const ClassInfo& info : table.classes) names.push_back(info.name), roles.push_back(to_string(info.role));
-  const int count = static_cast<int>(names.size());
-  const Value string_type(Value::Object{{"type", Value(std::string("STRING"))}});
-  const Value schema(Value::Object{
-      {"id", Value(std::string("orthodrive"))},
-      {"classes", Value(Value::Object{
-                      {"label", Value(Value::Object{{"properties", Value(Value::Object{{"name", string_type},
-                                                                                       {"role", string_type}})}})}})}});
-  const Value properties(
-      Value::Object{{"name", strings_property(buffer, names)}, {"role", strings_property(buffer, roles)}});
-  const Value rows(
-      Value::Object{{"class", Value(std::string("label"))}, {"count", Value(count)}, {"properties", properties}});
-  model.extensions["EXT_structural_metadata"] =
-      Value(Value::Object{{"schema", schema}, {"propertyTables", Value(Value::Array{rows})}});
-  model.extensionsUsed.push_back("EXT_structural_metadata");
-  model.extensionsUsed.push_back("EXT_mesh_features");
-  const Value channel(Value::Array{Value(0)});
-  const Value ids(Value::Object{
-      {"featureCount", Value(count)},
-      {"nullFeatureId", Value(static_cast<int>(label_nodata))},
-      {"label", Value(std::string("label"))},
-      {"texture", Value(Value::Object{{"index", Value(texture)}, {"texCoord", Value(0)}, {"channels", channel}})},
-      {"propertyTable", Value(0)}});
-  return Value(Value::Object{{"featureIds", Value(Value::Array{ids})}});
+  return {{"featureCount", names.size()},
+          {"nullFeatureId", static_cast<int>(label_nodata)},
+          {"label", "label"},
+          {"texture", {{"index", texture}, {"texCoord", 0}, {"channels", GltfJson::array({0})}}},
+          {"propertyTable", add_table(file, "label", {{"name", names}, {"role", roles}})}};
 }
 
-struct Frame {
-  Vec3 east, north, up, at;
-};
-
-Vec3 cross_product(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-double norm(Vec3 a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
-
-/// How one metre of the site CRS to the east, to the north and up lies in ECEF at the origin: turned by the meridian
-/// convergence and stretched by the scale of the projection (UTM: conformal). Heights are stretched alike, by 0.04 % at
-/// most, because renderers expect a uniform scale.
-Frame ecef_frame(const Crs& crs, Vec3 origin) {
-  constexpr double step_m = 100.0;
-  const CoordinateTransform to_geographic(crs, Crs{"EPSG:4326"});
-  const auto ecef = [&](double dx, double dy) {
-    const Vec2 lonlat = to_geographic.target_from_source({origin.x + dx, origin.y + dy});
-    return ecef_from_geographic(lonlat.x, lonlat.y, origin.z);
-  };
-  const Vec2 lonlat = to_geographic.target_from_source({origin.x, origin.y});
-  const double lon = lonlat.x * std::numbers::pi / 180.0, lat = lonlat.y * std::numbers::pi / 180.0;
-  const Vec3 up{std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
-  const Vec3 east = (ecef(step_m, 0.0) - ecef(-step_m, 0.0)) * (0.5 / step_m);
-  const Vec3 north = (ecef(0.0, step_m) - ecef(0.0, -step_m)) * (0.5 / step_m);
-  const double scale = 0.5 * (norm(east) + norm(north));
-  const Vec3 unit_east = east * (1.0 / norm(east));
-  return {unit_east * scale, cross_product(up, unit_east) * scale, up * scale, ecef(0.0, 0.0)};
+/// Roads and buildings: ids of vertices, rows of a table of their own.
+GltfJson add_objects(GlbFile& file, const std::vector<SceneFeature>& features) {
+  std::vector<std::string> kinds, ids, osm_ids, names, types;
+  for (const SceneFeature& f : features) {
+    kinds.push_back(f.kind), ids.push_back(f.id), osm_ids.push_back(f.osm_id);
+    names.push_back(f.name), types.push_back(f.type);
+  }
+  const std::size_t table =
+      add_table(file, "object", {{"kind", kinds}, {"id", ids}, {"osm_id", osm_ids}, {"name", names}, {"type", types}});
+  return {{"featureCount", features.size()},
+          {"nullFeatureId", features.size()},
+          {"label", "object"},
+          {"attribute", 0},
+          {"propertyTable", table}};
 }
 
-using Json = nlohmann::ordered_json;
-
-Json box_json(const Box2& b, double min_z, double max_z) {
-  const double x = 0.5 * b.width(), y = 0.5 * b.height(), z = 0.5 * (max_z - min_z);
-  return {{"box", {b.min_x + x, b.min_y + y, min_z + z, x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z}}};
+/// The vertices of a mesh, as the primitives of its parts share them.
+GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
+  GltfJson attributes;
+  std::vector<std::array<float, 3>> positions, normals;
+  for (const auto& p : mesh.positions) positions.push_back(y_up({p[0], p[1], lowered(p[2], origin_m)}));
+  for (const auto& n : mesh.normals) normals.push_back(y_up(n));
+  attributes["POSITION"] = file.add_positions(positions, position_exponent);
+  attributes["NORMAL"] = file.add_directions(normals);
+  // glTF counts sets of coordinates from 0 without a gap: what shows no photo has the second set as its first, too.
+  if (!mesh.uv.empty()) attributes["TEXCOORD_0"] = file.add_shares(mesh.uv);
+  if (!mesh.tile_uv.empty()) attributes["TEXCOORD_1"] = file.add_numbers(mesh.tile_uv, place_exponent);
+  if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
+  if (!mesh.tangents.empty()) {
+    std::vector<std::array<float, 4>> tangents;
+    for (const auto& t : mesh.tangents) tangents.push_back({t[0], t[2], -t[1], t[3]});
+    attributes["TANGENT"] = file.add_directions(tangents);
+  }
+  if (!mesh.colors.empty()) attributes["COLOR_0"] = file.add_colors(mesh.colors);
+  if (!mesh.features.empty()) {
+    std::vector<float> ids;
+    for (const std::uint32_t id : mesh.features) ids.push_back(static_cast<float>(id));
+    attributes["_FEATURE_ID_0"] = file.add_scalars(ids);
+  }
+  return attributes;
 }
-
-}  // namespace
 
 /// EXT_mesh_gpu_instancing: where the copies of a node's mesh stand. _COLOR_0 is their tint (three.js reads it).
-Value instancing(GltfBuffer& buffer, const std::vector<MeshInstance>& instances) {
+GltfJson instancing(GlbFile& file, const std::vector<MeshInstance>& instances, double origin_m) {
   std::vector<std::array<float, 3>> translations, scales, tints;
   std::vector<std::array<float, 4>> rotations;
   for (const MeshInstance& copy : instances) {
-    translations.push_back(y_up(copy.position));
+    translations.push_back(y_up({copy.position[0], copy.position[1], lowered(copy.position[2], origin_m)}));
     scales.push_back({copy.scale[0], copy.scale[2], copy.scale[1]});
     rotations.push_back({0.0F, std::sin(0.5F * copy.yaw_rad), 0.0F, std::cos(0.5F * copy.yaw_rad)});
     tints.push_back(copy.tint);
   }
-  Value::Object attributes;
-  const auto add = [&](const char* name, const auto& values, int type) {
-    (void)buffer.add_accessor(values, 0, TINYGLTF_COMPONENT_TYPE_FLOAT, type);
-    attributes[name] = Value(buffer.last_accessor());
-  };
-  add("TRANSLATION", translations, TINYGLTF_TYPE_VEC3);
-  add("ROTATION", rotations, TINYGLTF_TYPE_VEC4);
-  add("SCALE", scales, TINYGLTF_TYPE_VEC3);
-  add("_COLOR_0", tints, TINYGLTF_TYPE_VEC3);
-  return Value(Value::Object{{"attributes", Value(attributes)}});
+  GltfJson attributes;
+  attributes["TRANSLATION"] = file.add_numbers(translations, position_exponent);
+  attributes["ROTATION"] = file.add_numbers(rotations, instance_exponent);
+  attributes["SCALE"] = file.add_numbers(scales, instance_exponent);
+  attributes["_COLOR_0"] = file.add_numbers(tints, instance_exponent);
+  return {{"attributes", attributes}};
 }
 
-TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, Vec3 site_origin) {
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "Orthodrive";
-  GltfBuffer buffer(model);
-  TileMaterials materials(model, buffer, tile.texture_rgb);
-  std::optional<Value> features;
-  if (!tile.labels.empty()) features = add_labels(model, buffer, tile.labels, tile.classes);
-  const Vec3 shift = tile.origin - site_origin;
-  tinygltf::Scene scene;
-  TileEntry entry{fmt::format("tile_{}_{}.glb", tile.column, tile.row)};
-  bool first = true;
+/// Adds meshes with their nodes.
+class Nodes {
+ public:
+  Nodes(GlbFile& file, Materials& materials, double origin_m)
+      : file_(file), materials_(materials), origin_m_(origin_m) {}
+
+  /// Feature ids of what shows the photo, and of what has features.
+  std::optional<GltfJson> labels, objects;
+
+  void add(const TriMesh& given) { (void)add_node(given); }
+  void add(const InstancedMesh& copied) {
+    file_.use_extension("EXT_mesh_gpu_instancing", true);  // who draws no copies would draw one in the middle
+    GltfJson copies = instancing(file_, copied.instances, origin_m_);
+    add_node(copied.mesh, 0.0)["extensions"]["EXT_mesh_gpu_instancing"] = std::move(copies);
+  }
+  /// Without an extension: a node a copy.
+  void add_each(const InstancedMesh& copied) {
+    const GltfJson first = add_node(copied.mesh, 0.0);
+    file_.json["nodes"].erase(file_.json["nodes"].size() - 1);
+    for (const MeshInstance& copy : copied.instances) {
+      GltfJson node = first;
+      node["translation"] = y_up(copy.position);
+      node["rotation"] = {0.0F, std::sin(0.5F * copy.yaw_rad), 0.0F, std::cos(0.5F * copy.yaw_rad)};
+      node["scale"] = {copy.scale[0], copy.scale[2], copy.scale[1]};
+      file_.json["nodes"].push_back(std::move(node));
+    }
+  }
+
+ private:
+  GltfJson& add_node(const TriMesh& given) { return add_node(given, origin_m_); }
+  GltfJson& add_node(const TriMesh& given, double origin_m) {
+    const TriMesh mesh = file_.compressed() ? in_drawing_order(given) : given;
+    const GltfJson vertices = add_vertices(file_, mesh, origin_m);
+    GltfJson primitives = GltfJson::array();
+    const std::vector<MeshPart> whole = {{SurfaceMaterial::photo, 0, mesh.indices.size()}};
+    for (const MeshPart& part : mesh.parts.empty() ? whole : mesh.parts) {
+      const auto indices = std::span(mesh.indices).subspan(part.first_index, part.index_count);
+      primitives.push_back({{"attributes", vertices},
+                            {"indices", file_.add_indices(indices, mesh.positions.size())},
+                            {"material", materials_.index(part.material)}});
+      GltfJson& primitive = primitives.back();
+      const auto add_ids = [&](const GltfJson& ids) {
+        primitive["extensions"]["EXT_mesh_features"]["featureIds"].push_back(ids);
+      };
+      if (labels && !mesh.uv.empty()) add_ids(*labels);
+      if (objects && !mesh.features.empty()) add_ids(*objects);
+    }
+    file_.json["meshes"].push_back({{"name", to_string(mesh.kind)}, {"primitives", std::move(primitives)}});
+    auto& nodes = file_.json["nodes"];
+    nodes.push_back({{"name", to_string(mesh.kind)}, {"mesh", file_.json["meshes"].size() - 1}});
+    return nodes.back();
+  }
+
+  GlbFile& file_;
+  Materials& materials_;
+  double origin_m_ = 0.0;
+};
+
+/// What the tile covers in plan, crowns included.
+Box2 bounds_of(const SceneTile& tile) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  Box2 bounds{far, far, -far, -far};
   const auto include = [&](const std::array<float, 3>& p, float reach_m) {
     const Vec2 q{tile.origin.x + static_cast<double>(p[0]), tile.origin.y + static_cast<double>(p[1])};
     const Box2 box = Box2{q.x, q.y, q.x, q.y}.grown(static_cast<double>(reach_m));
-    if (first) entry.bounds = box;
-    first = false;
-    entry.bounds = {std::min(entry.bounds.min_x, box.min_x), std::min(entry.bounds.min_y, box.min_y),
-                    std::max(entry.bounds.max_x, box.max_x), std::max(entry.bounds.max_y, box.max_y)};
+    bounds = {std::min(bounds.min_x, box.min_x), std::min(bounds.min_y, box.min_y), std::max(bounds.max_x, box.max_x),
+              std::max(bounds.max_y, box.max_y)};
   };
-  for (const TriMesh& mesh : tile.meshes) {
-    tinygltf::Mesh gltf_mesh;
-    gltf_mesh.name = std::string(to_string(mesh.kind));
-    const auto vertices = add_vertices(buffer, mesh);
-    const std::vector<MeshPart> whole = {{SurfaceMaterial::photo, 0, mesh.indices.size()}};
-    for (const MeshPart& part : mesh.parts.empty() ? whole : mesh.parts) {
-      gltf_mesh.primitives.push_back(add_part(buffer, mesh, part, vertices, materials.index(part.material)));
-      if (features && !mesh.uv.empty()) gltf_mesh.primitives.back().extensions["EXT_mesh_features"] = *features;
-    }
-    tinygltf::Node node;
-    node.name = gltf_mesh.name;
-    node.mesh = static_cast<int>(model.meshes.size());
-    node.translation = {shift.x, shift.z, -shift.y};
-    scene.nodes.push_back(static_cast<int>(model.nodes.size()));
-    model.meshes.push_back(std::move(gltf_mesh));
-    model.nodes.push_back(std::move(node));
+  for (const TriMesh& mesh : tile.meshes)
     for (const auto& p : mesh.positions) include(p, 0.0F);
-  }
-  for (const InstancedMesh& copied : tile.instanced) {
-    tinygltf::Mesh gltf_mesh;
-    gltf_mesh.name = std::string(to_string(copied.mesh.kind));
-    const auto vertices = add_vertices(buffer, copied.mesh);
-    for (const MeshPart& part : copied.mesh.parts)
-      gltf_mesh.primitives.push_back(add_part(buffer, copied.mesh, part, vertices, materials.index(part.material)));
-    tinygltf::Node node;
-    node.name = gltf_mesh.name;
-    node.mesh = static_cast<int>(model.meshes.size());
-    node.translation = {shift.x, shift.z, -shift.y};
+  for (const InstancedMesh& copied : tile.instanced)
     for (const MeshInstance& copy : copied.instances) include(copy.position, std::max(copy.scale[0], copy.scale[1]));
-    node.extensions["EXT_mesh_gpu_instancing"] = instancing(buffer, copied.instances);
-    scene.nodes.push_back(static_cast<int>(model.nodes.size()));
-    model.meshes.push_back(std::move(gltf_mesh));
-    model.nodes.push_back(std::move(node));
-  }
-  if (!tile.instanced.empty()) {  // a reader that draws no copies would draw one in the middle: better none
-    model.extensionsUsed.push_back("EXT_mesh_gpu_instancing");
-    model.extensionsRequired.push_back("EXT_mesh_gpu_instancing");
-  }
-  entry.min_z_m = tile.min_z_m, entry.max_z_m = tile.max_z_m;
-  model.scenes.push_back(scene);
-  model.defaultScene = 0;
+  return bounds;
+}
 
-  const std::filesystem::path target = folder / entry.uri;
-  AtomicFile out(target);
-  std::ofstream stream(out.path(), std::ios::binary);
-  tinygltf::TinyGLTF writer;
-  writer.SetImageWriter(nullptr, nullptr);  // pictures are in the buffer or files of their own
-  const bool written = writer.WriteGltfSceneToStream(&model, stream, false, true);
-  stream.close();
-  if (!written || !stream)
-    throw Error(target.string() + ": cannot be written, is the disk full or the folder read-only?");
-  out.commit();
+std::string file_name(const SceneTile& tile) {
+  return tile.level == 0 ? fmt::format("tile_{}_{}.glb", tile.column, tile.row)
+                         : fmt::format("level{}_{}_{}.glb", tile.level, tile.column, tile.row);
+}
+
+}  // namespace
+
+TileEntry write_tile_glb(const std::filesystem::path& folder, const SceneTile& tile, const TileFileOptions& options) {
+  const double lift_m = std::floor(0.5 * (tile.min_z_m + tile.max_z_m) - tile.origin.z);
+  GlbFile file(options.compressed);
+  Materials materials(file, options.photo);
+  materials.set_photo(tile.texture_rgb);
+  Nodes nodes(file, materials, lift_m);
+  if (!tile.labels.empty()) nodes.labels = add_labels(file, materials, tile.labels, tile.classes);
+  if (!tile.features.empty()) nodes.objects = add_objects(file, tile.features);
+  for (const TriMesh& mesh : tile.meshes) nodes.add(mesh);
+  for (const InstancedMesh& copied : tile.instanced) nodes.add(copied);
+  GltfJson roots = GltfJson::array();
+  for (std::size_t i = 0; i < file.json["nodes"].size(); ++i) roots.push_back(i);
+  file.json["scenes"] = GltfJson::array({{{"nodes", std::move(roots)}}});
+  file.json["scene"] = 0;
+  const TileEntry entry{.uri = file_name(tile),
+                        .level = tile.level,
+                        .column = tile.column,
+                        .row = tile.row,
+                        .origin = {tile.origin.x, tile.origin.y, tile.origin.z + lift_m},
+                        .bounds = bounds_of(tile),
+                        .min_z_m = tile.min_z_m,
+                        .max_z_m = tile.max_z_m,
+                        .geometric_error_m = tile.geometric_error_m};
+  file.write(folder / entry.uri);
   return entry;
+}
+
+void write_area_glb(const std::filesystem::path& path, std::span<const SceneTile> tiles, Vec3 origin,
+                    const TextureOf& texture_of) {
+  GlbFile file(false);
+  Materials materials(file, texture_of);
+  Nodes nodes(file, materials, 0.0);
+  GltfJson roots = GltfJson::array();
+  for (const SceneTile& tile : tiles) {
+    materials.set_photo(tile.texture_rgb);
+    const std::size_t first = file.json.contains("nodes") ? file.json["nodes"].size() : 0;
+    for (const TriMesh& mesh : tile.meshes) nodes.add(mesh);
+    for (const InstancedMesh& copied : tile.instanced) nodes.add_each(copied);
+    const Vec3 shift = tile.origin - origin;
+    GltfJson node = {{"name", fmt::format("tile_{}_{}", tile.column, tile.row)},
+                     {"translation", {shift.x, shift.z, -shift.y}}};
+    for (std::size_t i = first; i < file.json["nodes"].size(); ++i) node["children"].push_back(i);
+    roots.push_back(file.json["nodes"].size());
+    file.json["nodes"].push_back(std::move(node));
+  }
+  file.json["scenes"] = GltfJson::array({{{"nodes", std::move(roots)}}});
+  file.json["scene"] = 0;
+  file.write(path);
 }
 
 std::string material_file(SurfaceMaterial material, std::string_view picture) {
@@ -389,44 +398,6 @@ void write_material(const std::filesystem::path& folder, SurfaceMaterial materia
   write("color", texture.color_rgb);
   write("normal", texture.normal_rgb);
   write("roughness", texture.roughness);
-}
-
-void write_tileset(const std::filesystem::path& folder, const std::vector<TileEntry>& tiles, const Crs& crs,
-                   Vec3 site_origin) {
-  // Not drawn, only compared: the error of a scene without any tile. Bigger than any screen error a viewer accepts.
-  constexpr double nothing_drawn_error_m = 1e4;
-  const Frame f = ecef_frame(crs, site_origin);
-  std::vector<TileEntry> sorted = tiles;  // tiles come in the order in which threads were done
-  std::sort(sorted.begin(), sorted.end(), [](const TileEntry& a, const TileEntry& b) { return a.uri < b.uri; });
-  Json children = Json::array();
-  Box2 all;
-  double min_z = 0.0, max_z = 0.0;
-  for (const TileEntry& tile : sorted) {
-    const Box2 local{tile.bounds.min_x - site_origin.x, tile.bounds.min_y - site_origin.y,
-                     tile.bounds.max_x - site_origin.x, tile.bounds.max_y - site_origin.y};
-    const double low = tile.min_z_m - site_origin.z, high = tile.max_z_m - site_origin.z;
-    if (children.empty()) all = local, min_z = low, max_z = high;
-    all = {std::min(all.min_x, local.min_x), std::min(all.min_y, local.min_y), std::max(all.max_x, local.max_x),
-           std::max(all.max_y, local.max_y)};
-    min_z = std::min(min_z, low), max_z = std::max(max_z, high);
-    children.push_back(
-        {{"boundingVolume", box_json(local, low, high)}, {"geometricError", 0.0}, {"content", {{"uri", tile.uri}}}});
-  }
-  Json root = {{"transform",
-                {f.east.x, f.east.y, f.east.z, 0.0, f.north.x, f.north.y, f.north.z, 0.0, f.up.x, f.up.y, f.up.z, 0.0,
-                 f.at.x, f.at.y, f.at.z, 1.0}},
-               {"boundingVolume", box_json(all, min_z, max_z)},
-               {"geometricError", nothing_drawn_error_m},
-               {"refine", "ADD"}};
-  if (!children.empty()) root["children"] = std::move(children);
-  const Json tileset = {
-      {"asset",
-       {{"version", "1.1"},
-        {"extras",
-         {{"orthodrive", {{"crs", crs.definition}, {"origin", {site_origin.x, site_origin.y, site_origin.z}}}}}}}},
-      {"geometricError", nothing_drawn_error_m},
-      {"root", std::move(root)}};
-  write_text_file(folder / "tileset.json", tileset.dump(1) + "\n");
 }
 
 }  // namespace orthodrive::io

@@ -30,6 +30,7 @@ struct Feature {
   std::vector<Polyline> lines;
   std::vector<Vec2> points;
   std::map<std::string, std::string> tags;
+  std::string osm_id;  ///< of areas: "way/123", "relation/45"; empty: not of OSM
 };
 [[nodiscard]] std::vector<Feature> read_features(const std::filesystem::path& path, const Crs& target_crs);
 /// Closed and open ways and multipolygon relations of an OSM file with at least one tag, and nodes with natural=tree.

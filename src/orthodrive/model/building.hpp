@@ -15,6 +15,7 @@ struct Building {
   double height_m = 0.0;    ///< ground to the top of the roof; 0: not known
   double levels = 0.0;      ///< storeys below the roof; 0: not known
   std::string roof_shape;   ///< OSM's roof:shape; empty: not known
+  std::string osm_id;       ///< "way/123", "relation/45"; empty: not of OSM
 };
 
 }  // namespace orthodrive

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -93,6 +95,17 @@ struct TriMesh {
   /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
   /// 65535: 1.
   std::vector<std::array<std::uint16_t, 4>> colors;
+  std::vector<std::uint32_t> features;  ///< one a vertex, or empty: index into SceneTile::features, or no_feature
+};
+constexpr std::uint32_t no_feature = std::numeric_limits<std::uint32_t>::max();
+
+/// A road or building, for those who click on it.
+struct SceneFeature {
+  std::string kind;    ///< "road" or "building"
+  std::string id;      ///< of the OpenDRIVE road; empty: none
+  std::string osm_id;  ///< "way/123", "relation/45"; empty: not of OSM
+  std::string name;
+  std::string type;  ///< OSM's highway=* or building=*
 };
 
 /// A copy of a mesh: stretched, turned about z, then moved.
@@ -115,14 +128,17 @@ struct SurfaceTexture {
 };
 
 struct SceneTile {
-  int column = 0, row = 0;  ///< of the 480 m tile grid, row 0 in the south
+  int level = 0;            ///< of detail: 0 has all, a tile of level k is 480 m * 2^k wide
+  int column = 0, row = 0;  ///< of the level's grid of tiles, row 0 in the south
   Vec3 origin;              ///< site CRS; also the frame of the positions
   double min_z_m = 0.0, max_z_m = 0.0;
+  double geometric_error_m = 0.0;  ///< what is lost to level 0: heights, silhouettes, texels
   std::vector<TriMesh> meshes;
   std::vector<InstancedMesh> instanced;
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile
   Raster<std::uint8_t> labels;       ///< of the whole tile: what the photo shows; empty: not known
   ClassTable classes;                ///< of the labels
+  std::vector<SceneFeature> features;
 };
 
 }  // namespace orthodrive

@@ -8,6 +8,7 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
@@ -16,6 +17,7 @@
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
 #include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
 
 namespace orthodrive {
@@ -101,29 +103,31 @@ class TilePicture {
 /// Takes tiles from any thread.
 class TileFolder {
  public:
-  explicit TileFolder(const SceneFiles& files)
+  TileFolder(const SceneFiles& files, const io::TileFileOptions& options)
       // A trailing slash would leave the folder without a name.
-      : folder_(files.folder.has_filename() ? files.folder : files.folder.parent_path()), picture_file_(files.picture) {
+      : folder_(files.folder.has_filename() ? files.folder : files.folder.parent_path()),
+        picture_file_(files.picture),
+        options_(options) {
     fs::create_directories(folder_.path());
   }
   void write(const SceneTile& tile, Vec3 site_origin) {
-    io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, site_origin);
+    io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, options_);
     const std::lock_guard lock(mutex_);
     entries_.push_back(std::move(entry));
     for (const TriMesh& mesh : tile.meshes)
       for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
     if (!tile.instanced.empty()) materials_.insert(SurfaceMaterial::foliage);
     origin_ = site_origin;
-    if (!picture_file_.empty()) picture_.offer(tile);
+    if (!picture_file_.empty() && tile.level == 0) picture_.offer(tile);
   }
   [[nodiscard]] bool empty() const { return entries_.empty(); }
-  void finish(const Crs& crs, int threads) {
+  void finish(const Crs& crs, int threads, Findings& findings) {
     materials_.erase(SurfaceMaterial::photo);
     const std::vector<SurfaceMaterial> materials(materials_.begin(), materials_.end());
     parallel_for(materials.size(), threads, [&](std::size_t i) {
       io::write_material(folder_.path(), materials[i], scene::make_surface_texture(materials[i]));
     });
-    io::write_tileset(folder_.path(), entries_, crs, origin_);
+    io::write_tileset(folder_.path(), entries_, crs, origin_, findings);
     folder_.commit();
     if (!picture_file_.empty()) io::write_png(picture_file_, picture_of_tile(picture_.best(), scene_tile_m, 900).rgb);
   }
@@ -131,6 +135,7 @@ class TileFolder {
  private:
   AtomicFile folder_;
   fs::path picture_file_;
+  io::TileFileOptions options_;
   std::mutex mutex_;
   std::vector<io::TileEntry> entries_;
   std::set<SurfaceMaterial> materials_;
@@ -148,7 +153,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   Findings findings;
   const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
   const std::vector<Vec2> trees = io::read_trees(files.trees, site);
-  TileFolder folder(files);
+  TileFolder folder(files, options.files);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const SceneResult scene = build_scene(
@@ -158,24 +163,74 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   if (folder.empty())
     throw InputError(files.photo.string(),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
-  folder.finish(site.crs, context.threads);
+  folder.finish(site.crs, context.threads, findings);
   if (!files.terrain_grid.empty()) {
     HeightGrid filled = terrain;
     scene::fill_holes(filled.height_m);
     io::write_terrain_grid(files.terrain_grid, filled);
   }
   findings.insert(findings.end(), scene.findings.begin(), scene.findings.end());
-  return {.numbers = {{"tiles", scene.tiles},
+  return {.numbers = {{"levels", scene.levels},
+                      {"tiles", scene.tiles},
                       {"terrain_triangles", scene.terrain_triangles},
                       {"road_triangles", scene.road_triangles},
                       {"road_surface_m2", scene.road_surface_m2},
                       {"buildings", scene.buildings},
                       {"trees", scene.trees}},
           .findings = std::move(findings),
-          .summary = {
-              fmt::format("{}: {} tiles, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings, {} trees",
-                          files.folder.string(), scene.tiles, scene.terrain_triangles, scene.road_triangles,
-                          scene.road_surface_m2, scene.buildings, scene.trees)}};
+          .summary = {fmt::format(
+              "{}: {} tiles, {} levels, {} terrain and {} road triangles, {:.0f} m2 of road, {} buildings, {} "
+              "trees",
+              files.folder.string(), scene.tiles, scene.levels, scene.terrain_triangles, scene.road_triangles,
+              scene.road_surface_m2, scene.buildings, scene.trees)}};
+}
+
+namespace {
+/// The largest part of the area within the bounds.
+Polygon part_of_area(const Polygon& area, const std::optional<Box2>& bounds) {
+  if (!bounds) return area;
+  const Box2& b = *bounds;
+  const Polygon box{{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
+  MultiPolygon common = intersection_of({area}, {box}, scene::plan_grid_m);
+  if (common.empty()) throw OptionError("--bbox: shares no ground with what the photo shows");
+  return *std::ranges::max_element(common, {}, [](const Polygon& p) { return area_m2(p); });
+}
+}  // namespace
+
+StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, StageContext& context) {
+  const roadquery::RoadMap roads = roadquery::read_opendrive(files.network.string());
+  const PlacedPhoto placed = read_placed_photo(files, roads, {}, context);
+  const SiteFrame& site = placed.site;
+  const HeightGrid terrain = read_merged_terrain(files, site, {}, context);
+  const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
+  Findings findings;
+  const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
+  const std::vector<Vec2> trees = io::read_trees(files.trees, site);
+  SceneOptions scene_options = options.scene;
+  scene_options.threads = context.threads;
+  const auto layout = lay_out_scene({roads, terrain, placed.photo(), part_of_area(site.area, options.bounds),
+                                     labels ? &*labels : nullptr, buildings, trees},
+                                    scene_options);
+  const auto& addresses = scene_tiles(*layout);
+  std::vector<SceneTile> tiles(addresses.size());
+  parallel_for(addresses.size(), context.threads,
+               [&](std::size_t i) { tiles[i] = build_scene_tile(*layout, addresses[i]); });
+  std::erase_if(tiles, [](const SceneTile& tile) { return tile.meshes.empty(); });
+  io::write_area_glb(options.glb, tiles, scene_origin(*layout),
+                     [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
+  std::size_t meshes = 0, copies = 0;
+  for (const SceneTile& tile : tiles) {
+    meshes += tile.meshes.size();
+    for (const InstancedMesh& copied : tile.instanced) copies += copied.instances.size();
+  }
+  const Vec3 origin = scene_origin(*layout);
+  const Findings& of_scene = scene_findings(*layout);
+  findings.insert(findings.end(), of_scene.begin(), of_scene.end());
+  return {.numbers = {{"tiles", tiles.size()}, {"meshes", meshes}, {"trees", copies}},
+          .findings = std::move(findings),
+          .summary = {fmt::format("{}: {} tiles with {} meshes, {} trees; origin {:.0f} {:.0f} {:.0f} of {}",
+                                  options.glb.string(), tiles.size(), meshes, copies, origin.x, origin.y, origin.z,
+                                  site.crs.definition)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {

@@ -1,6 +1,7 @@
 #pragma once
 // Stage "scene": roads, photo, labels and terrain -> textured 3D Tiles.
 
+#include "orthodrive/io/scene_io.hpp"
 #include "orthodrive/pipeline/build_stage.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 
@@ -21,9 +22,18 @@ struct RunSceneOptions {
   /// None: what the photo shows, in the CRS of the roads.
   std::optional<SiteFrame> site;
   SceneOptions scene;
+  io::TileFileOptions files;
 };
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);
+
+struct ExportOptions {
+  std::filesystem::path glb;   ///< written
+  std::optional<Box2> bounds;  ///< site CRS; none: the whole area
+  SceneOptions scene;
+};
+/// The scene of an area in one file with all in it. Of the files folder, terrain_grid and picture are not used.
+StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, StageContext& context);
 
 [[nodiscard]] BuildStage scene_stage(SiteBuild& build);
 

@@ -13,6 +13,8 @@
 #include "orthodrive/scene/drape.hpp"
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
+#include "orthodrive/scene/tile_features.hpp"
+#include "orthodrive/scene/tile_levels.hpp"
 #include "orthodrive/scene/tile_materials.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
 #include "orthodrive/scene/triangulate.hpp"
@@ -360,6 +362,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
     add_kerbs(road.mesh, first_index, kerbs_of(layout.deck_lines[deck], address, center), kerb);
   }
+  name_roads(*layout.query, tile, road.mesh);
   add_road_materials(layout, center, road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
@@ -368,8 +371,12 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     add_faces(found->second, tile.origin, structure);
   add_material(SurfaceMaterial::concrete, structure);
   TriMesh buildings{.kind = MeshKind::building};
-  if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end())
+  if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
     buildings = building_mesh(found->second, tile.origin);
+    for (std::uint32_t& feature : buildings.features) feature += static_cast<std::uint32_t>(tile.features.size());
+    for (const PlacedBuilding* building : found->second)
+      tile.features.push_back({.kind = "building", .osm_id = building->osm_id, .type = building->use});
+  }
   if (const auto found = layout.trees_in.find(address); found != layout.trees_in.end())
     tile.instanced = tree_instances(found->second, tile.origin);
 
@@ -396,21 +403,21 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
                         const SceneOptions& options, Monitor* monitor) {
   if (monitor) monitor->progress(0.0, "scene");
   const auto layout = lay_out_scene(input, options);
-  const auto& addresses = scene_tiles(*layout);
+  TileLevels levels(scene_tiles(*layout), [&](const SceneTile& tile) { write(tile, layout->origin); });
+  const auto& addresses = levels.order();
   std::vector<SceneResult> parts(addresses.size());
   parallel_for(
       addresses.size(), options.threads,
       [&](std::size_t i) {
-        const SceneTile tile = build_scene_tile(*layout, addresses[i]);
-        if (tile.meshes.empty()) return;
-        parts[i].tiles = 1;
+        SceneTile tile = build_scene_tile(*layout, addresses[i]);
+        parts[i].tiles = tile.meshes.empty() ? 0 : 1;
         for (const TriMesh& mesh : tile.meshes) {
           if (mesh.kind == MeshKind::terrain) parts[i].terrain_triangles += mesh.indices.size() / 3;
           if (mesh.kind != MeshKind::road) continue;
           parts[i].road_triangles += mesh.indices.size() / 3;
           parts[i].road_surface_m2 += plan_area_m2(mesh);
         }
-        write(tile, layout->origin);
+        levels.finish(std::move(tile));
       },
       [&](std::size_t done) {
         if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(addresses.size()), "scene");
@@ -422,6 +429,7 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
     result.road_triangles += part.road_triangles;
     result.road_surface_m2 += part.road_surface_m2;
   }
+  result.levels = 1 + levels.coarse_levels();
   result.buildings = layout->buildings.size();
   result.trees = layout->trees.size();
   result.findings = scene_findings(*layout);

@@ -38,7 +38,7 @@ struct SceneOptions {
   int threads = 0;                 ///< 0 = all cores; the result does not depend on it
 };
 
-/// Tiles are squares of 480 m whose corners are multiples of 480 m in the site CRS.
+/// Tiles of level 0 are squares of 480 m whose corners are multiples of 480 m in the site CRS.
 constexpr double scene_tile_m = 480.0;
 
 struct TileAddress {
@@ -66,13 +66,15 @@ class SceneLayout;
 [[nodiscard]] SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address);
 
 struct SceneResult {
-  std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;
+  int levels = 1;                                                    ///< of detail
+  std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;  ///< of level 0
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
   std::size_t buildings = 0, trees = 0;
   Findings findings;
 };
 
-/// All tiles, in parallel, each handed to `write` from a worker thread as soon as it is done and then forgotten.
+/// All tiles of all levels (scene/coarse_tile.hpp), in parallel, each handed to `write` from a worker thread as soon as
+/// it is done, and forgotten when the one above it is.
 SceneResult build_scene(const SceneInput& input, const std::function<void(const SceneTile&, Vec3 site_origin)>& write,
                         const SceneOptions& options = {}, Monitor* monitor = nullptr);
 

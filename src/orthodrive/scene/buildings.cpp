@@ -161,6 +161,7 @@ Outlined outline_of(const Building& building, std::span<const RoadLevel* const> 
 void dress(const Building& building, const Ground& ground, const Photo& photo, PlacedBuilding& placed) {
   const Style style = style_of(building, area_m2(placed.footprint));
   placed.windows = style.windows;
+  placed.use = building.use, placed.osm_id = building.osm_id;
   placed.roof = make_roof(placed.footprint, style.roof, house_pitch, max_rise_share * style.height_m);
   const double eaves_m = style.with_roof ? style.height_m - placed.roof.rise_m : style.height_m;
   placed.storeys = style.storeys > 0 ? style.storeys : std::max(1, static_cast<int>(std::lround(eaves_m / 3.0)));
@@ -293,9 +294,11 @@ std::vector<PlacedBuilding> place_buildings(std::span<const Building> buildings,
 TriMesh building_mesh(std::span<const PlacedBuilding* const> buildings, Vec3 origin) {
   TriMesh mesh{.kind = MeshKind::building};
   FaceBuilder faces(mesh, origin);
+  std::uint32_t feature = 0;
   for (const PlacedBuilding* building : buildings) {
     add_walls(*building, faces);
     add_roof(*building, faces);
+    mesh.features.resize(mesh.positions.size(), feature++);
   }
   faces.finish();
   return mesh;

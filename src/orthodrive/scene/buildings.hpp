@@ -25,6 +25,7 @@ struct PlacedBuilding {
   int storeys = 1;
   bool windows = true;
   LinearColor wall_color{}, roof_color{};
+  std::string use, osm_id;  ///< as in Building
 };
 
 /// Dresses buildings and puts them on the ground, in the order given. Heights, storeys and roofs come from the tags,
@@ -38,7 +39,7 @@ struct PlacedBuilding {
                                                           const Ground& ground, const Photo& photo, int threads,
                                                           Findings& findings);
 
-/// All of them in one mesh; positions relative to `origin`.
+/// All of them in one mesh; positions relative to `origin`, features are their places in the list.
 [[nodiscard]] TriMesh building_mesh(std::span<const PlacedBuilding* const> buildings, Vec3 origin);
 
 }  // namespace orthodrive::scene

@@ -8,6 +8,7 @@
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
+#include "roadquery/junction_surface.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::scene {
@@ -45,6 +46,12 @@ std::vector<Polygon> strip_pieces(const roadquery::Road& road, const std::vector
     if (ring.size() >= 3 && signed_area_m2(ring) > min_piece_area_m2) pieces.push_back({std::move(ring), {}});
   }
   return pieces;
+}
+
+double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const double length2 = dot(b - a, b - a);
+  const double u = length2 > 0.0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0.0;
+  return distance(p, a + (b - a) * u);
 }
 
 bool is_sliver(const Ring& ring) {
@@ -104,8 +111,9 @@ MultiPolygon RoadLevel::paved_near(const Box2& box, Vec2 from) const {
   return near;
 }
 
-MultiPolygon RoadLevel::junction_areas() const {
+MultiPolygon RoadLevel::junction_areas() {
   MultiPolygon areas;
+  std::vector<Box2> boxes;
   const roadquery::RoadMap& map = query_->map();
   for (const roadquery::Junction& junction : map.junctions) {
     const auto is_on_level = [&](const roadquery::Road& road) {
@@ -114,15 +122,37 @@ MultiPolygon RoadLevel::junction_areas() const {
     if (!junction.surface || std::ranges::none_of(map.roads, is_on_level)) continue;
     Polygon paved;
     for (const auto& [x, y] : junction.surface->boundary) paved.outer.push_back(snap_to_grid({x, y}));
-    if (paved.outer.size() >= 3 && signed_area_m2(paved.outer) > min_piece_area_m2) areas.push_back(std::move(paved));
+    if (paved.outer.size() < 3 || !(signed_area_m2(paved.outer) > min_piece_area_m2)) continue;
+    junctions_.push_back(&junction);
+    boxes.push_back(bounds_of(paved.outer));
+    areas.push_back(std::move(paved));
   }
+  junction_index_ = SpatialIndex(boxes);
   return areas;
 }
 
 std::optional<SurfaceSample> RoadLevel::sample(Vec2 p, double reach_m) const {
   const auto on = query_->sample(p.x, p.y, reach_m, is_on_level_);
-  if (!on) return std::nullopt;
+  if (!on) return reach_m > 0.0 ? beside_junction(p, reach_m) : std::nullopt;
   return SurfaceSample{on->z, {on->normal[0], on->normal[1], on->normal[2]}, on->inside_m};
+}
+
+/// A corner of a junction's area lies on its boundary, but for the plan grid, and there may be no road near it: the
+/// nearest junction's surface goes on over its boundary.
+std::optional<SurfaceSample> RoadLevel::beside_junction(Vec2 p, double reach_m) const {
+  const roadquery::Junction* nearest = nullptr;
+  for (const std::uint32_t i : junction_index_.near(p, reach_m)) {
+    const auto& boundary = junctions_[i]->surface->boundary;
+    for (std::size_t k = 0; k < boundary.size(); ++k) {
+      const std::array<double, 2>&a = boundary[k], &b = boundary[(k + 1) % boundary.size()];
+      const double away_m = distance_to_segment(p, {a[0], a[1]}, {b[0], b[1]});
+      if (away_m < reach_m) nearest = junctions_[i], reach_m = away_m;
+    }
+  }
+  if (nearest == nullptr) return std::nullopt;
+  const roadquery::JunctionHeight at = roadquery::evaluate(*nearest->surface, p.x, p.y);
+  const double length = std::hypot(at.dz_dx, at.dz_dy, 1.0);
+  return SurfaceSample{at.z, {-at.dz_dx / length, -at.dz_dy / length, 1.0 / length}, 0.0};
 }
 
 }  // namespace orthodrive::scene

@@ -37,9 +37,9 @@ class RoadLevel {
 
   /// The highest surface of the level at p as the road query has it: where roads overlap (junctions) it is the mean of
   /// those within 1.5 m of height, of whatever level, see roadquery/blend.hpp.
-  /// Nothing when p is further than `sample_reach_m` from every road of the level.
+  /// Nothing when p is further than `sample_reach_m` from every road and junction of the level.
   [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p) const { return sample(p, sample_reach_m); }
-  /// Nothing when p is further than reach_m (at most sample_reach_m) from every road; 0: on none.
+  /// Nothing when p is further than reach_m (at most sample_reach_m) from every road and junction; 0: on none.
   [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p, double reach_m) const;
   [[nodiscard]] const std::vector<const roadquery::Road*>& roads() const { return roads_; }
   [[nodiscard]] const MultiPolygon& polygons() const { return polygons_; }  ///< union of the carriageways, in the area
@@ -52,12 +52,15 @@ class RoadLevel {
   static constexpr double sample_reach_m = 1.0;
 
  private:
-  [[nodiscard]] MultiPolygon junction_areas() const;
+  [[nodiscard]] MultiPolygon junction_areas();
+  [[nodiscard]] std::optional<SurfaceSample> beside_junction(Vec2 p, double reach_m) const;
 
   std::vector<const roadquery::Road*> roads_;
   std::shared_ptr<const roadquery::RoadQuery> query_;
   std::vector<bool> is_on_level_;  // of the query's roads
   std::vector<std::vector<CrossSection>> strips_;
+  std::vector<const roadquery::Junction*> junctions_;  // with a surface of their own, on this level
+  SpatialIndex junction_index_;
   std::vector<Polygon> pieces_;  // between two sections of a road, and junctions
   SpatialIndex piece_index_;
   MultiPolygon polygons_;

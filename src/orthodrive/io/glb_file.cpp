@@ -1,0 +1,223 @@
+#include "orthodrive/io/glb_file.hpp"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive::io {
+namespace {
+
+// glTF 2.0, 3.6.2 and 5.11: names of component types and targets.
+constexpr int short_type = 5122, unsigned_short_type = 5123, unsigned_int_type = 5125, float_type = 5126;
+constexpr int array_buffer = 34962, element_array_buffer = 34963;
+constexpr int direction_bits = 12;
+constexpr int largest_mantissa = (1 << 23) - 1;
+
+/// EXT_meshopt_compression, filter EXPONENTIAL: a signed mantissa of 24 bits, then the exponent of 2.
+std::uint32_t exponential_word(float value, int exponent) {
+  const double steps = std::floor(std::ldexp(static_cast<double>(value), -exponent) + 0.5);
+  return (static_cast<std::uint32_t>(static_cast<std::int32_t>(steps)) & 0xffffffU) |
+         (static_cast<std::uint32_t>(exponent) << 24U);
+}
+
+/// The smallest exponent, at least the one given, at which all values fit.
+int fitting_exponent(std::span<const float> values, int exponent) {
+  double largest = 0.0;
+  for (const float v : values) largest = std::max(largest, std::abs(static_cast<double>(v)));
+  while (std::ldexp(largest, -exponent) > largest_mantissa - 1) ++exponent;
+  return exponent;
+}
+
+std::string_view vector_type(std::size_t width) {
+  constexpr std::array<std::string_view, 4> names = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+  return names[width - 1];
+}
+
+std::span<const std::uint8_t> as_bytes(const void* data, std::size_t size) {
+  return {static_cast<const std::uint8_t*>(data), size};
+}
+
+}  // namespace
+
+GlbFile::GlbFile(bool compressed) : compressed_(compressed) {
+  json = {{"asset", {{"version", "2.0"}, {"generator", "Orthodrive"}}}};
+  if (compressed) use_extension("EXT_meshopt_compression", true);
+}
+
+void GlbFile::use_extension(std::string_view name, bool required) {
+  const auto add = [&](const char* list) {
+    if (!json.contains(list) || std::ranges::find(json[list], name) == json[list].end()) json[list].push_back(name);
+  };
+  add("extensionsUsed");
+  if (required) add("extensionsRequired");
+}
+
+/// Each block on a multiple of eight bytes: EXT_structural_metadata wants that, glTF four.
+std::size_t GlbFile::append(std::span<const std::uint8_t> bytes) {
+  bytes_.resize((bytes_.size() + 7) / 8 * 8);
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  return bytes_.size() - bytes.size();
+}
+
+int GlbFile::add_bytes(std::span<const std::uint8_t> bytes) {
+  const std::size_t offset = append(bytes);
+  auto& views = json["bufferViews"];
+  views.push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
+  return static_cast<int>(views.size()) - 1;
+}
+
+int GlbFile::add_bytes(std::string_view text) { return add_bytes(as_bytes(text.data(), text.size())); }
+
+int GlbFile::add_packed_view(std::span<const std::uint8_t> packed, const Block& block, const char* mode) {
+  const std::size_t offset = append(packed), size = block.count * block.stride;
+  GltfJson compression = {
+      {"buffer", 0},          {"byteOffset", offset}, {"byteLength", packed.size()}, {"byteStride", block.stride},
+      {"count", block.count}, {"mode", mode}};
+  if (block.filter != nullptr) compression["filter"] = block.filter;
+  GltfJson view = {{"buffer", 1}, {"byteOffset", unpacked_size_}, {"byteLength", size}};
+  if (block.target == array_buffer) view["byteStride"] = block.stride;
+  if (block.target != 0) view["target"] = block.target;
+  view["extensions"]["EXT_meshopt_compression"] = std::move(compression);
+  unpacked_size_ += (size + 7) / 8 * 8;
+  auto& views = json["bufferViews"];
+  views.push_back(std::move(view));
+  return static_cast<int>(views.size()) - 1;
+}
+
+int GlbFile::add_block(const Block& block) {
+  if (compressed_ && block.count > 0) {
+    std::vector<std::uint8_t> packed(meshopt_encodeVertexBufferBound(block.count, block.stride));
+    packed.resize(meshopt_encodeVertexBuffer(packed.data(), packed.size(), block.bytes, block.count, block.stride));
+    return add_packed_view(packed, block, "ATTRIBUTES");
+  }
+  const int view = add_bytes(as_bytes(block.bytes, block.count * block.stride));
+  auto& made = json["bufferViews"].back();
+  if (block.target != 0) made["target"] = block.target;
+  return view;
+}
+
+int GlbFile::add_accessor(int view, std::size_t count, int component_type, std::string_view type, bool normalized) {
+  GltfJson accessor = {{"bufferView", view}, {"componentType", component_type}, {"count", count}, {"type", type}};
+  if (normalized) accessor["normalized"] = true;
+  auto& accessors = json["accessors"];
+  accessors.push_back(std::move(accessor));
+  return static_cast<int>(accessors.size()) - 1;
+}
+
+int GlbFile::add_floats(std::span<const float> values, std::size_t width, int exponent) {
+  const std::size_t count = values.size() / width, stride = width * sizeof(float);
+  if (!compressed_)
+    return add_accessor(add_block({values.data(), count, stride, array_buffer, nullptr}), count, float_type,
+                        vector_type(width));
+  exponent = fitting_exponent(values, exponent);
+  std::vector<std::uint32_t> words;
+  words.reserve(values.size());
+  for (const float v : values) words.push_back(exponential_word(v, exponent));
+  return add_accessor(add_block({words.data(), count, stride, array_buffer, "EXPONENTIAL"}), count, float_type,
+                      vector_type(width));
+}
+
+int GlbFile::add_positions(const std::vector<std::array<float, 3>>& values, int exponent) {
+  const int accessor = add_numbers(values, exponent);
+  std::array<double, 3> low{}, high{};
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  if (!values.empty()) exponent = fitting_exponent({values.front().data(), values.size() * 3}, exponent);
+  for (const auto& p : values) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double v = static_cast<double>(p[k]);
+      const double kept = compressed_ ? std::ldexp(std::floor(std::ldexp(v, -exponent) + 0.5), exponent) : v;
+      low[k] = std::min(low[k], kept);
+      high[k] = std::max(high[k], kept);
+    }
+  }
+  json["accessors"].back()["min"] = low;
+  json["accessors"].back()["max"] = high;
+  return accessor;
+}
+
+int GlbFile::add_unit_vectors(std::span<const float> values, std::size_t width) {
+  if (!compressed_) return add_floats(values, width, 0);
+  const std::size_t count = values.size() / width;
+  std::vector<float> padded(4 * count, 0.0F);
+  for (std::size_t i = 0; i < count; ++i) std::copy_n(&values[i * width], width, &padded[4 * i]);
+  constexpr std::size_t stride = 4 * sizeof(std::int16_t);
+  std::vector<std::int16_t> words(4 * count);
+  meshopt_encodeFilterOct(words.data(), count, stride, direction_bits, padded.data());
+  use_extension("KHR_mesh_quantization", true);
+  return add_accessor(add_block({words.data(), count, stride, array_buffer, "OCTAHEDRAL"}), count, short_type,
+                      vector_type(width), true);
+}
+
+int GlbFile::add_shares(const std::vector<std::array<float, 2>>& values) {
+  if (!compressed_) return add_numbers(values, 0);
+  std::vector<std::array<std::uint16_t, 2>> words;
+  for (const auto& v : values) {
+    const auto word = [](float share) {
+      return static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0F, 1.0F) * 65535.0F));
+    };
+    words.push_back({word(v[0]), word(v[1])});
+  }
+  return add_accessor(add_block({words.data(), words.size(), sizeof(words[0]), array_buffer, nullptr}), words.size(),
+                      unsigned_short_type, "VEC2", true);
+}
+
+int GlbFile::add_colors(std::vector<std::array<std::uint16_t, 4>> values) {
+  constexpr int step = 64;  // of linear colour: below a step of 8 bits sRGB in all but the darkest
+  if (compressed_)
+    for (auto& color : values)
+      for (std::uint16_t& v : color) v = static_cast<std::uint16_t>(std::min((v + step / 2) / step * step, 65535));
+  return add_accessor(add_block({values.data(), values.size(), sizeof(values[0]), array_buffer, nullptr}),
+                      values.size(), unsigned_short_type, "VEC4", true);
+}
+
+int GlbFile::add_indices(std::span<const std::uint32_t> values, std::size_t vertex_count) {
+  if (!compressed_) {
+    const int view = add_bytes(as_bytes(values.data(), values.size_bytes()));
+    json["bufferViews"].back()["target"] = element_array_buffer;
+    return add_accessor(view, values.size(), unsigned_int_type, "SCALAR");
+  }
+  const bool wide = vertex_count > 65535;  // glTF keeps the largest index of a type for itself
+  const std::size_t stride = wide ? sizeof(std::uint32_t) : sizeof(std::uint16_t);
+  std::vector<std::uint8_t> packed(meshopt_encodeIndexBufferBound(values.size(), vertex_count));
+  packed.resize(meshopt_encodeIndexBuffer(packed.data(), packed.size(), values.data(), values.size()));
+  const int view =
+      add_packed_view(packed, {values.data(), values.size(), stride, element_array_buffer, nullptr}, "TRIANGLES");
+  return add_accessor(view, values.size(), wide ? unsigned_int_type : unsigned_short_type, "SCALAR");
+}
+
+void GlbFile::write(const std::filesystem::path& path) {
+  bytes_.resize((bytes_.size() + 3) / 4 * 4);
+  json["buffers"] = GltfJson::array({{{"byteLength", bytes_.size()}}});
+  if (unpacked_size_ > 0)
+    json["buffers"].push_back(
+        {{"byteLength", unpacked_size_}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto word = [](std::size_t v) { return static_cast<std::uint32_t>(v); };
+  const std::array<std::uint32_t, 5> head = {0x46546c67U, 2U, word(28 + text.size() + bytes_.size()), word(text.size()),
+                                             0x4e4f534aU};  // "glTF", version, length; length and "JSON"
+  const std::array<std::uint32_t, 2> bin = {word(bytes_.size()), 0x004e4942U};  // length and "BIN"
+
+  AtomicFile out(path);
+  std::ofstream stream(out.path(), std::ios::binary);
+  const auto put = [&](const void* data, std::size_t size) {
+    stream.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+  };
+  put(head.data(), sizeof head);
+  put(text.data(), text.size());
+  put(bin.data(), sizeof bin);
+  put(bytes_.data(), bytes_.size());
+  stream.close();
+  if (!stream) throw Error(path.string() + ": cannot be written, is the disk full or the folder read-only?");
+  out.commit();
+}
+
+}  // namespace orthodrive::io

@@ -1,0 +1,13 @@
+#pragma once
+// What the parts of a tile are, for those who click on them.
+
+#include "orthodrive/model/scene.hpp"
+#include "roadquery/road_query.hpp"
+
+namespace orthodrive::scene {
+
+/// Gives each triangle of the mesh the road under its middle: sets TriMesh::features and appends the roads to the
+/// tile's. Vertices between triangles of two roads are doubled.
+void name_roads(const roadquery::RoadQuery& query, SceneTile& tile, TriMesh& road);
+
+}  // namespace orthodrive::scene

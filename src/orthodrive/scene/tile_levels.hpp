@@ -1,0 +1,42 @@
+#pragma once
+// The order in which tiles of all levels are made, so that few of them are held at a time.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "orthodrive/scene/coarse_tile.hpp"
+
+namespace orthodrive::scene {
+
+/// Takes finished tiles of level 0 from any thread and makes the levels above. A coarse tile is made by the thread that
+/// finishes the last of its parts and depends on these alone, so neither threads nor their order change it.
+class TileLevels {
+ public:
+  /// Called with every tile that has a mesh, from any thread.
+  using Write = std::function<void(const SceneTile&)>;
+  TileLevels(const std::vector<TileAddress>& addresses, Write write);
+
+  /// Tiles of level 0, those of one parent beside each other, and so on up.
+  [[nodiscard]] const std::vector<TileAddress>& order() const { return order_; }
+  /// Levels above 0: until one tile is left, or until the next level would have as many; 6 at most.
+  [[nodiscard]] int coarse_levels() const { return static_cast<int>(levels_.size()); }
+  /// Each tile once; those without a mesh too.
+  void finish(SceneTile tile);
+
+ private:
+  struct Parts {
+    std::size_t missing = 0;
+    std::vector<std::unique_ptr<const SceneTile>> tiles;
+  };
+  void hand_up(int level, TileAddress address, std::unique_ptr<const SceneTile> tile);
+
+  std::vector<TileAddress> order_;
+  std::vector<std::map<TileAddress, Parts>> levels_;  ///< level 1 first
+  Write write_;
+  std::mutex mutex_;
+};
+
+}  // namespace orthodrive::scene

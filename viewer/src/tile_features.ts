@@ -1,0 +1,90 @@
+// What the parts of a tile are: roads and buildings by ids of the vertices (EXT_mesh_features), classes by the labels'
+// picture, both with rows of a table (EXT_structural_metadata).
+
+import type {GLTFLoaderPlugin, GLTFParser} from 'three/addons/loaders/GLTFLoader.js';
+import type {BufferGeometry, Intersection, Mesh, Object3D} from 'three';
+
+type Row = Record<string, string>;
+
+interface TableJson {
+  class: string;
+  count: number;
+  properties: Record<string, {values: number; stringOffsets: number}>;
+}
+interface FeatureIdsJson {
+  label: string;
+  texture?: {index: number};
+}
+interface GltfJson {
+  extensions?: {EXT_structural_metadata?: {propertyTables: TableJson[]}};
+  meshes: {primitives: {extensions?: {EXT_mesh_features?: {featureIds: FeatureIdsJson[]}}}[]}[];
+  textures: {source: number}[];
+  images: {bufferView: number}[];
+}
+
+/** Of one tile; kept in userData.features of its scene. */
+interface TileFeatures {
+  objects: Row[];
+  labels: Row[];
+  labelPicture?: Blob;
+}
+
+async function bytesOf(parser: GLTFParser, view: number): Promise<ArrayBuffer> {
+  return (await parser.getDependency('bufferView', view)) as ArrayBuffer;
+}
+
+async function readTable(parser: GLTFParser, table: TableJson | undefined): Promise<Row[]> {
+  if (!table) return [];
+  const rows: Row[] = Array.from({length: table.count}, () => ({}));
+  for (const [name, {values, stringOffsets}] of Object.entries(table.properties)) {
+    const text = new Uint8Array(await bytesOf(parser, values));
+    const ends = new Uint32Array(await bytesOf(parser, stringOffsets), 0, table.count + 1);
+    rows.forEach((row, i) => (row[name] = new TextDecoder().decode(text.subarray(ends[i], ends[i + 1]))));
+  }
+  return rows;
+}
+
+/** For GLTFLoader.register(). */
+export function tileFeaturesPlugin(parser: GLTFParser): GLTFLoaderPlugin {
+  return {
+    name: 'tile_features',
+    async afterRoot(gltf): Promise<void> {
+      const json = parser.json as GltfJson;
+      const tables = json.extensions?.EXT_structural_metadata?.propertyTables ?? [];
+      const find = (name: string) => tables.find((table) => table.class === name);
+      const ids = json.meshes.flatMap((mesh) => mesh.primitives).flatMap((part) => part.extensions?.EXT_mesh_features?.featureIds ?? []);
+      const texture = ids.find((id) => id.label === 'label')?.texture;
+      const features: TileFeatures = {objects: await readTable(parser, find('object')), labels: await readTable(parser, find('label'))};
+      if (texture)
+        features.labelPicture = new Blob([await bytesOf(parser, json.images[json.textures[texture.index].source].bufferView)], {type: 'image/png'});
+      gltf.scene.userData.features = features;
+    },
+  };
+}
+
+function featuresOf(object: Object3D | null): TileFeatures | undefined {
+  for (; object; object = object.parent) if (object.userData.features) return object.userData.features as TileFeatures;
+  return undefined;
+}
+
+/** The label at a place of the photo. */
+async function labelAt({labels, labelPicture}: TileFeatures, u: number, v: number): Promise<Row | undefined> {
+  if (!labelPicture) return undefined;
+  const picture = await createImageBitmap(labelPicture, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'});
+  const at = (share: number, size: number) => Math.min(size - 1, Math.max(0, Math.floor(share * size)));
+  const pixel = new OffscreenCanvas(1, 1).getContext('2d')!;
+  pixel.drawImage(picture, -at(u, picture.width), -at(v, picture.height));
+  return labels[pixel.getImageData(0, 0, 1, 1).data[0]];
+}
+
+/** What was hit: kind, id, osm_id, name, type of a road or building; class and role of the photo there. */
+export async function describeHit(hit: Intersection): Promise<Row> {
+  const mesh = hit.object as Mesh<BufferGeometry>;
+  const features = featuresOf(mesh);
+  if (!features || !hit.face) return {};
+  const ids = mesh.geometry.getAttribute('_feature_id_0');
+  const object = ids && features.objects[ids.getX(hit.face.a)];
+  const label = !object || object.kind === 'road' ? hit.uv && (await labelAt(features, hit.uv.x, hit.uv.y)) : undefined;
+  const row: Row = {...object, ...(label ? {class: label.name, role: label.role} : {})};
+  return Object.fromEntries(Object.entries(row).filter(([, value]) => value !== ''));
+}
