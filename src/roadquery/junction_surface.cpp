@@ -140,7 +140,7 @@ bool arm_at(const JunctionArm& arm, double x, double y, ArmAt& at) {
 
 /// Where the cross section of a road may bend: its edges, the reference line and the starts of the lateral shapes.
 std::vector<double> bends_across(const Road& road, double s, double curvature) {
-  constexpr double between_m = 2.0;
+  constexpr double between_m = 2.0, widest_m = 2000.0;  // a wider road is refused later
   const Edges edges = road_edges(road, s);
   std::vector<double> ts = {edges.right_t, edges.left_t};
   const auto add = [&](double t) {
@@ -158,7 +158,7 @@ std::vector<double> bends_across(const Road& road, double s, double curvature) {
   const std::vector<double> bends = ts;
   for (std::size_t i = 1; i < bends.size(); ++i) {
     const double width = bends[i] - bends[i - 1];
-    const int parts = curvature == 0.0 ? 1 : static_cast<int>(std::ceil(width / between_m));
+    const int parts = curvature == 0.0 ? 1 : static_cast<int>(std::ceil(std::min(widest_m, width) / between_m));
     for (int k = 1; k < parts; ++k) ts.push_back(bends[i - 1] + width * k / parts);
   }
   std::sort(ts.begin(), ts.end());

@@ -35,7 +35,9 @@ PlanPoint evaluate_spiral(const PlanElement& e, const Spiral& spiral, double ds)
   const double slope = e.length > 0.0 ? (spiral.curvature_end - k0) / e.length : 0.0;
   const double k1 = k0 + slope * ds;
   const double turn = std::max(std::abs(k0), std::abs(k1)) * std::abs(ds);
-  const int panels = 1 + static_cast<int>(turn / max_turn_in_panel_rad);
+  constexpr double most_panels = 1000.0;  // no tables are made of a line that turns so often, nor of a NaN
+  const double wished = turn / max_turn_in_panel_rad;
+  const int panels = 1 + static_cast<int>(wished < most_panels ? wished : most_panels);
   const double half = 0.5 * ds / panels;
   double dx = 0.0, dy = 0.0;
   for (int panel = 0; panel < panels; ++panel) {

@@ -179,6 +179,8 @@ TEST(ReadOpenDrive, roads_without_bounds_are_refused) {
   EXPECT_THAT(query_error_with("curvature=\"0.01\"", "curvature=\"1e300\""), HasSubstr("road 7 turns more than"));
   EXPECT_THAT(query_error_with("x=\"0\" y=\"0\"", "x=\"1e300\" y=\"0\""), HasSubstr("road 7 leaves the area"));
   EXPECT_THAT(query_error_with("a=\"3.5\"", "a=\"1e9\""), HasSubstr("road 7 is wider than 1 km"));
+  EXPECT_THAT(query_error_with("<arc curvature=\"0.01\"/>", "<spiral curvStart=\"6e110\" curvEnd=\"0.05\"/>"),
+              HasSubstr("road 7 turns more than"));
   EXPECT_THAT(query_error_with("<arc curvature=\"0.01\"/>",
                                "<paramPoly3 pRange=\"arcLength\" aU=\"0\" bU=\"1\" cU=\"0\" dU=\"0.5\" aV=\"0\" "
                                "bV=\"0\" cV=\"0\" dV=\"0.5\"/>"),
