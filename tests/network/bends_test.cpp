@@ -36,15 +36,19 @@ TEST(Bends, EasedCornersLieInThePlaneThatTheirNodesLayIn) {
 TEST(Bends, AnEasedCornerOfAClosedWayHasNoSeam) {
   // The corner is where the way begins and ends.
   const Vec2 slope{0.05, -0.04};
-  const RoadNetwork roads =
-      network_of({make_path({{0, 0}, {60, 0}, {60, 60}, {0, 0}}, {1, 0, 0, 1},
-                            {.width_m = 5.0, .height = [&](Vec2 p) { return 30.0 + dot(slope, p); }})});
+  const auto banking = [&](double s) {
+    const Vec2 direction = s < 60.0 ? Vec2{1, 0} : s < 120.0 ? Vec2{0, 1} : normalized(Vec2{-1, -1});
+    return std::atan(dot(slope, left_normal(direction)));
+  };
+  const RoadNetwork roads = network_of(
+      {make_path({{0, 0}, {60, 0}, {60, 60}, {0, 0}}, {1, 0, 0, 1},
+                 {.width_m = 5.0, .height = [&](Vec2 p) { return 30.0 + dot(slope, p); }, .banking = banking})});
   const auto map = build_network(roads).map;
   expect_sound(map);
   for (const Road& road : map.roads)
     for (double s = 0.0; s <= road.length; s += 0.25) {
       const roadquery::PlanPoint p = roadquery::reference_point(road, s);
-      EXPECT_NEAR(roadquery::elevation(road, s), 30.0 + dot(slope, Vec2{p.x, p.y} - site_origin), 0.1) << s;
+      EXPECT_NEAR(roadquery::elevation(road, s), 30.0 + dot(slope, Vec2{p.x, p.y} - site_origin), 0.03) << s;
     }
 }
 

@@ -100,9 +100,10 @@ function start(site: Site): Api {
   let frame = 0;
   let stale = true; // the picture shows an earlier state
   let ready = false; // no tile is missing in the picture
+  let settled = 0; // pictures in which none was missing
   const invalidate = () => {
     stale = true;
-    ready = false;
+    ready = false, settled = 0;
   };
   tiles.onChange = fly.onChange = top.onChange = invalidate;
   if (orbit) orbit.onChange = invalidate;
@@ -286,7 +287,8 @@ function start(site: Site): Api {
       tiles.update(activeCamera(), renderer); // tells of new tiles through onChange
       if (stale) draw();
       stale = false;
-      ready = tiles.complete && tiles.visible > 0;
+      settled = tiles.complete && tiles.visible > 0 ? settled + 1 : 0;
+      ready = settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
     if (tiles.failures.length > shownFailures) panel.showMessage(tiles.failures[shownFailures++], true);
     requestAnimationFrame(tick);

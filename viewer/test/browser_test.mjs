@@ -26,7 +26,7 @@ function readLap() {
 /** The picture without the page's cards, which lie over it. */
 async function sceneShot(page) {
   await waitUntilDrawn(page);
-  const style = await page.addStyleTag({content: '.card, footer { visibility: hidden }'});
+  const style = await page.addStyleTag({content: '.card, footer, #message { visibility: hidden }'});
   const png = await page.screenshot();
   await style.evaluate((element) => element.remove());
   return png;

@@ -13,7 +13,6 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double fade_m = 30.0;  // a height step of 0.3 m at a joint becomes a slope of 1 in 100 (1.5 in 100 at most)
-constexpr double corner_rad = 0.35;     // ways that meet at one have a plane in common there, not a banking
 constexpr double notable_step_m = 0.5;  // steps between the ends of a vertex that deserve a finding
 constexpr double min_spacing_m = 0.25;
 constexpr double max_spacing_m = 3.0;  // refine resamples to 2 m; coarser lines are filled up along their chords

@@ -8,6 +8,9 @@
 
 namespace orthodrive::network {
 
+/// Ways that meet at more than this have a plane in common there, not a banking.
+inline constexpr double corner_rad = 0.35;
+
 /// One place along a chain, directions along the chain.
 struct ChainLineNode {
   Vec2 p;

@@ -31,6 +31,12 @@ class Ring {
   [[nodiscard]] Vec2 direction(std::ptrdiff_t i) const {
     return normalized(at(has(i + 1) ? i + 1 : i).p - at(has(i - 1) ? i - 1 : i).p);
   }
+  /// Whether ways may meet there that have a plane in common, not a banking: the node has that of one of them.
+  [[nodiscard]] bool is_corner(std::ptrdiff_t i) const {
+    if (!has(i - 1) || !has(i + 1)) return false;
+    const Vec2 in = at(i).p - at(i - 1).p, out = at(i + 1).p - at(i).p;
+    return std::abs(std::atan2(cross(in, out), dot(in, out))) > corner_rad;
+  }
   /// Rise a metre on the way from node i to the next one or the one before.
   [[nodiscard]] double slope(std::ptrdiff_t i, int way) const {
     const double step = distance(at(i).p, at(i + way).p);
@@ -91,6 +97,10 @@ Plane plane_of(const Ring& before, std::ptrdiff_t first, std::ptrdiff_t last) {
   PlaneSum sum(before.at(first).p, before.at(first).z_m);
   for (std::ptrdiff_t i = walk_out(first, -1); i <= walk_out(last, 1); ++i) {
     const ChainLineNode& node = before.at(i);
+    if (before.is_corner(i)) {
+      sum.add(node.p, node.z_m);
+      continue;
+    }
     const Vec2 left = left_normal(before.direction(i)) * (0.25 * (node.width_before_m + node.width_after_m));
     const double rise = length(left) * std::tan(node.banking);
     sum.add(node.p, node.z_m), sum.add(node.p + left, node.z_m + rise), sum.add(node.p - left, node.z_m - rise);
@@ -161,11 +171,12 @@ class BendLayer {
     for (std::ptrdiff_t i = end; i != to; i += way) room_m += distance(now_.at(i).p, now_.at(i + way).p);
     const double fade = std::min(fade_m, to_bend ? 0.5 * room_m : room_m);
     if (fade <= 0.0) return;
-    const std::ptrdiff_t old_end = old_index(end);
-    const Vec2 out = normalized(now_.at(end + way).p - now_.at(end).p);
-    const double z = plane.at(now_.at(end).p) - old_.at(old_end).z_m,
-                 slope = dot(plane.slope, out) - old_.slope(old_end, way),
-                 turned = std::atan(dot(plane.slope, left_normal(out)) * way) - old_.at(old_end).banking;
+    // What did not move keeps its height but for what the plane misses it by.
+    const std::ptrdiff_t old_end = old_index(end), old_next = old_index(end + way);
+    const Vec2 out = normalized(old_.at(old_end + way).p - old_.at(old_end).p);
+    const ChainLineNode& next = old_.at(old_next);
+    const double z = plane.at(next.p) - next.z_m, slope = dot(plane.slope, out) - old_.slope(old_end, way),
+                 turned = std::atan(dot(plane.slope, left_normal(out)) * way) - next.banking;
     double gone_m = 0.0;
     for (std::ptrdiff_t i = end; i != to; i += way) {
       gone_m += distance(now_.at(i).p, now_.at(i + way).p);
