@@ -11,7 +11,6 @@
 namespace {
 
 using roadquery::Cursor;
-using roadquery::GroundHit;
 using roadquery::Hit;
 using roadquery::Place;
 

@@ -67,6 +67,8 @@ export class TileLayers {
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
 
+  private camera?: Camera;
+
   constructor(private readonly anisotropy: number) {
     this.surfaceMaterials = new SurfaceMaterials(anisotropy);
     this.surfaceMaterials.onChange = () => this.onChange();
@@ -127,7 +129,11 @@ export class TileLayers {
   }
 
   update(camera: Camera, renderer: WebGLRenderer): void {
-    this.tiles.setCamera(camera);
+    if (camera !== this.camera) { // one that is left asks for no tiles any more
+      if (this.camera) this.tiles.deleteCamera(this.camera);
+      this.camera = camera;
+      this.tiles.setCamera(camera);
+    }
     this.tiles.setResolutionFromRenderer(camera, renderer);
     this.tiles.update();
   }
