@@ -202,13 +202,14 @@ async function checkBrokenTile(context, url) {
   for (const breakTile of [(route) => route.fulfill({status: 404, body: ''}), (route) => route.fulfill({body: 'not a tile'})]) {
     const page = await context.newPage();
     await page.route(`**/${withParent[0]}`, breakTile);
-    await page.goto(`${url}?play=0&camera=top`);
+    const {origin} = findTile(tileset.root, withParent[0]).extras;
+    const near = [origin[0] + 1, origin[1] - 60, origin[2] + 60]; // so near that the finest level is asked for
+    await page.goto(`${url}?play=0&camera=fly&eye=${near.join(',')}&target=${origin.join(',')}`);
     await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready, null, {timeout: 240_000});
     const [failure] = await page.evaluate(() => window.orthodrive.failures);
     console.log('broken tile:', failure);
     assert.match(failure, /a coarser one is shown in its place/);
     assert.match(await page.textContent('#message'), /coarser/);
-    const {origin} = findTile(tileset.root, withParent[0]).extras;
     assert.ok((await page.evaluate(([x, y, z]) => window.orthodrive.groundUnder(x, y, z + 500), origin)) !== undefined, 'there is a hole');
     await page.close();
   }
