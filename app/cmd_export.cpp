@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_scene.hpp"
+#include "scene_inputs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -19,14 +19,7 @@ struct ExportCommand {
 void add_export(CLI::App& app, Context& context) {
   auto command = std::make_shared<ExportCommand>();
   CLI::App* cmd = app.add_subcommand("export", "Write the scene of an area as one .glb, for Blender and game engines.");
-  cmd->add_option("--network", command->files.network, "roads (OpenDRIVE); their geoReference is the scene's CRS")
-      ->required();
-  cmd->add_option("--photo", command->files.photo, "orthophoto (any GDAL raster): texture and extent")->required();
-  cmd->add_option("--labels", command->files.labels, "label map of that photo: trees, and buildings that maps lack");
-  cmd->add_option("--dtm", command->files.dtm, "bare-earth terrain model, best first; later ones fill its holes")
-      ->required();
-  cmd->add_option("--buildings", command->files.buildings, "maps with building=*");
-  cmd->add_option("--trees", command->files.trees, "maps with natural=tree and natural=tree_row");
+  add_scene_inputs(*cmd, command->files);
   cmd->add_option("--bbox", command->bounds, "west south east north of the area in the CRS of the roads, m; none: all")
       ->expected(4);
   cmd->add_option("--glb", command->options.glb, "file to write")->required();

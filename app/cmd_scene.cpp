@@ -5,7 +5,7 @@
 #include <string>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_scene.hpp"
+#include "scene_inputs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -19,18 +19,7 @@ struct SceneCommand {
 void add_scene(CLI::App& app, Context& context) {
   auto command = std::make_shared<SceneCommand>();
   CLI::App* cmd = app.add_subcommand("scene", "Cut the roads into the terrain and write textured 3D Tiles.");
-  cmd->add_option("--network", command->files.network, "roads (OpenDRIVE); their geoReference is the scene's CRS")
-      ->required();
-  cmd->add_option("--photo", command->files.photo, "orthophoto (any GDAL raster): texture and extent")->required();
-  cmd->add_option(
-      "--labels", command->files.labels,
-      "label map of that photo: its classes become feature ids of the tiles; trees, and buildings that maps lack");
-  cmd->add_option("--dtm", command->files.dtm, "bare-earth terrain model, best first; later ones fill its holes")
-      ->required();
-  cmd->add_option("--buildings", command->files.buildings,
-                  "maps with building=* (.osm, .osm.pbf, GeoJSON, GeoPackage); labels show what they lack");
-  cmd->add_option("--trees", command->files.trees,
-                  "maps with natural=tree and natural=tree_row; labels show what they lack");
+  add_scene_inputs(*cmd, command->files);
   cmd->add_option("-o,--output", command->files.folder, "folder for tileset.json and *.glb; replaced when all is done")
       ->required();
   cmd->add_option("--terrain-grid", command->files.terrain_grid,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "scene_site.hpp"
 
@@ -121,6 +122,27 @@ TEST(Structures, motorways_have_guard_rails_but_no_other_roads_and_none_at_junct
     top = std::max(top, p.z);
   }
   EXPECT_NEAR(top, 10.75, 0.01);
+}
+
+TEST(Structures, guard_rails_follow_a_bend) {
+  constexpr double radius_m = 120.0, width_m = 10.0;
+  Site site = make_site(480.0, {{.start = {west_m + 100.0, south_m + 60.0},
+                                 .length_m = 0.5 * pi * radius_m,
+                                 .width_m = width_m,
+                                 .curvature_1pm = 1.0 / radius_m}});
+  site.roads.roads[0].highway = "motorway";
+  const SceneTile tile = build(site);
+  const TriMesh* rails = structure_of(tile);
+  ASSERT_TRUE(rails);
+  const Vec2 centre{west_m + 100.0, south_m + 60.0 + radius_m};
+  std::set<int> seen_deg[2];  // inside and outside of the bend, in parts of 5 degrees
+  for (const auto& position : rails->positions) {
+    const Vec3 p = world(tile, position);
+    const double off_m = distance({p.x, p.y}, centre) - radius_m;
+    EXPECT_NEAR(std::abs(off_m), 0.5 * width_m + 0.85, 0.2);
+    seen_deg[off_m > 0.0].insert(static_cast<int>(std::atan2(p.x - centre.x, centre.y - p.y) * 180.0 / pi / 5.0));
+  }
+  for (const auto& seen : seen_deg) EXPECT_GE(seen.size(), 17U) << "all along the quarter circle";
 }
 
 }  // namespace

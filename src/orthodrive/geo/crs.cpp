@@ -1,23 +1,14 @@
 #include "orthodrive/geo/crs.hpp"
 
 #include <fmt/format.h>
-#include <proj.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/geo/proj_operation.hpp"
 
 namespace orthodrive {
-
-struct CoordinateTransform::Proj {
-  PJ_CONTEXT* context = proj_context_create();
-  PJ* transform = nullptr;
-  ~Proj() {
-    proj_destroy(transform);
-    proj_context_destroy(context);
-  }
-};
 
 Crs utm_crs(double longitude_deg, double latitude_deg) {
   const int zone = std::min(60, static_cast<int>(std::floor((longitude_deg + 180.0) / 6.0)) + 1);
@@ -25,27 +16,24 @@ Crs utm_crs(double longitude_deg, double latitude_deg) {
 }
 
 std::string proj_string(const Crs& crs) {
-  PJ_CONTEXT* context = proj_context_create();
-  proj_log_level(context, PJ_LOG_NONE);
-  PJ* object = proj_create(context, crs.definition.c_str());
-  const char* text = object ? proj_as_proj_string(context, object, PJ_PROJ_4, nullptr) : nullptr;
+  ProjOperation proj;
+  proj.operation = proj_create(proj.context, crs.definition.c_str());
+  const char* text = proj.operation ? proj_as_proj_string(proj.context, proj.operation, PJ_PROJ_4, nullptr) : nullptr;
   std::string result = text ? text : "";
   // Without what says nothing: "+type=crs" is PROJ's own, and esmini takes every word for a key with a value.
   for (const std::string word : {" +type=crs", " +no_defs"})
     if (const auto at = result.find(word); at != std::string::npos) result.erase(at, word.size());
-  proj_destroy(object);
-  proj_context_destroy(context);
   if (result.empty()) throw Error("CRS '" + crs.definition + "' is unknown or has no PROJ string");
   return result;
 }
 
-CoordinateTransform::CoordinateTransform(const Crs& source, const Crs& target) : proj_(std::make_unique<Proj>()) {
-  proj_log_level(proj_->context, PJ_LOG_NONE);
+CoordinateTransform::CoordinateTransform(const Crs& source, const Crs& target)
+    : proj_(std::make_unique<ProjOperation>()) {
   PJ* raw = proj_create_crs_to_crs(proj_->context, source.definition.c_str(), target.definition.c_str(), nullptr);
   if (!raw) throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
-  proj_->transform = proj_normalize_for_visualization(proj_->context, raw);
+  proj_->operation = proj_normalize_for_visualization(proj_->context, raw);
   proj_destroy(raw);
-  if (!proj_->transform)
+  if (!proj_->operation)
     throw Error("no transformation from CRS '" + source.definition + "' to '" + target.definition + "'");
 }
 CoordinateTransform::~CoordinateTransform() = default;
@@ -61,8 +49,8 @@ Vec2 run(PJ* transform, PJ_DIRECTION direction, Vec2 p) {
 }
 }  // namespace
 
-Vec2 CoordinateTransform::target_from_source(Vec2 p) const { return run(proj_->transform, PJ_FWD, p); }
-Vec2 CoordinateTransform::source_from_target(Vec2 p) const { return run(proj_->transform, PJ_INV, p); }
+Vec2 CoordinateTransform::target_from_source(Vec2 p) const { return run(proj_->operation, PJ_FWD, p); }
+Vec2 CoordinateTransform::source_from_target(Vec2 p) const { return run(proj_->operation, PJ_INV, p); }
 
 Vec3 ecef_from_geographic(double longitude_deg, double latitude_deg, double height_m) {
   constexpr double a = 6378137.0, f = 1.0 / 298.257223563, e2 = f * (2.0 - f);  // WGS84

@@ -8,6 +8,8 @@
 
 namespace orthodrive {
 
+struct ProjOperation;
+
 struct Crs {
   std::string definition;  ///< "EPSG:32633", WKT or a PROJ string
   friend bool operator==(const Crs&, const Crs&) = default;
@@ -30,8 +32,7 @@ class CoordinateTransform {
   [[nodiscard]] Vec2 source_from_target(Vec2 p) const;
 
  private:
-  struct Proj;
-  std::unique_ptr<Proj> proj_;
+  std::unique_ptr<ProjOperation> proj_;
 };
 
 /// WGS84 longitude, latitude (degrees) and ellipsoidal height (m) to earth-centred earth-fixed metres.

@@ -6,6 +6,8 @@
 
 namespace orthodrive {
 
+struct ProjOperation;
+
 /// From the best of PROJ's world-wide grids that is installed (EGM2008, else EGM96; Debian: proj-data has EGM96 at
 /// 15'). Not for use from two threads at once.
 class Geoid {
@@ -20,8 +22,7 @@ class Geoid {
   [[nodiscard]] double height_m(double longitude_deg, double latitude_deg) const;
 
  private:
-  struct Proj;
-  std::unique_ptr<Proj> proj_;
+  std::unique_ptr<ProjOperation> proj_;
   std::string grid_;
 };
 

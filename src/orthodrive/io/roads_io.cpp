@@ -57,10 +57,11 @@ constexpr Field roughness_fields[] = {{"osm_id", OFTInteger64}, {"part", OFTInte
                                       {"s_end_m", OFTReal},     {"iso_8608_class", OFTString}, {"gd_n0_m3", OFTReal},
                                       {"waviness", OFTReal},    {"sigma_ln_gd", OFTReal}};
 
+/// `reference`: nullptr for a table without places.
 template <std::size_t n>
-OGRLayer& create_layer(GDALDataset& dataset, const char* name, OGRwkbGeometryType type, OGRSpatialReference& reference,
+OGRLayer& create_layer(GDALDataset& dataset, const char* name, OGRwkbGeometryType type, OGRSpatialReference* reference,
                        const Field (&fields)[n]) {
-  OGRLayer* layer = dataset.CreateLayer(name, &reference, type, nullptr);
+  OGRLayer* layer = dataset.CreateLayer(name, reference, type, nullptr);
   if (!layer) throw Error(fmt::format("layer '{}' cannot be made, is the disk full?", name));
   for (const Field& field : fields) create_field(*layer, field.name, field.type);
   return *layer;
@@ -87,9 +88,9 @@ std::unique_ptr<OGRGeometry> surface_of(const RoadPath& path) {
 class RoadsWriter {
  public:
   RoadsWriter(GDALDataset& dataset, OGRSpatialReference& reference, std::string file, const GdalErrors& errors)
-      : centrelines_(create_layer(dataset, "centrelines", wkbLineString, reference, centreline_fields)),
-        nodes_(create_layer(dataset, "nodes", wkbPoint, reference, node_fields)),
-        surface_(create_layer(dataset, "surface", wkbUnknown, reference, surface_fields)),
+      : centrelines_(create_layer(dataset, "centrelines", wkbLineString, &reference, centreline_fields)),
+        nodes_(create_layer(dataset, "nodes", wkbPoint, &reference, node_fields)),
+        surface_(create_layer(dataset, "surface", wkbUnknown, &reference, surface_fields)),
         file_(std::move(file)),
         errors_(errors) {
     for (const Field& field : later_node_fields) create_field(nodes_, field.name, field.type);
@@ -175,7 +176,7 @@ void write_roughness(GDALDataset& dataset, OGRSpatialReference& reference, const
                      const GdalErrors& errors) {
   std::map<std::pair<std::int64_t, int>, const RoadPath*> path_of;
   for (const RoadPath& path : roads.paths) path_of[{path.osm_id, path.part}] = &path;
-  OGRLayer& layer = create_layer(dataset, "roughness", wkbLineString, reference, roughness_fields);
+  OGRLayer& layer = create_layer(dataset, "roughness", wkbLineString, &reference, roughness_fields);
   for (const RoughnessStretch& stretch : roughness) {
     OGRFeature row(layer.GetLayerDefn());
     row.SetField("osm_id", static_cast<GIntBig>(stretch.osm_id));
@@ -205,16 +206,14 @@ void write_roughness(GDALDataset& dataset, OGRSpatialReference& reference, const
 void write_restrictions(GDALDataset& dataset, const std::vector<TurnRestriction>& restrictions, const std::string& file,
                         const GdalErrors& errors) {
   if (restrictions.empty()) return;
-  OGRLayer* layer = dataset.CreateLayer("restrictions", nullptr, wkbNone, nullptr);
-  if (!layer) throw Error("layer 'restrictions' cannot be made, is the disk full?");
-  for (const Field& field : restriction_fields) create_field(*layer, field.name, field.type);
+  OGRLayer& layer = create_layer(dataset, "restrictions", wkbNone, nullptr, restriction_fields);
   for (const TurnRestriction& restriction : restrictions) {
-    OGRFeature row(layer->GetLayerDefn());
+    OGRFeature row(layer.GetLayerDefn());
     row.SetField("from_way", static_cast<GIntBig>(restriction.from_way));
     row.SetField("via_node", static_cast<GIntBig>(restriction.via_node));
     row.SetField("to_way", static_cast<GIntBig>(restriction.to_way));
     row.SetField("only", restriction.only ? 1 : 0);
-    add_feature(*layer, row, file, errors);
+    add_feature(layer, row, file, errors);
   }
 }
 
@@ -222,15 +221,13 @@ void write_restrictions(GDALDataset& dataset, const std::vector<TurnRestriction>
 void write_signs(GDALDataset& dataset, const std::vector<NodeSign>& signs, const std::string& file,
                  const GdalErrors& errors) {
   if (signs.empty()) return;
-  OGRLayer* layer = dataset.CreateLayer("signs", nullptr, wkbNone, nullptr);
-  if (!layer) throw Error("layer 'signs' cannot be made, is the disk full?");
-  for (const Field& field : sign_fields) create_field(*layer, field.name, field.type);
+  OGRLayer& layer = create_layer(dataset, "signs", wkbNone, nullptr, sign_fields);
   for (const NodeSign& sign : signs) {
-    OGRFeature row(layer->GetLayerDefn());
+    OGRFeature row(layer.GetLayerDefn());
     row.SetField("osm_node", static_cast<GIntBig>(sign.osm_node));
     row.SetField("kind", to_string(sign.kind));
     row.SetField("direction", sign.direction);
-    add_feature(*layer, row, file, errors);
+    add_feature(layer, row, file, errors);
   }
 }
 }  // namespace

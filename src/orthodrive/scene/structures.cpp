@@ -147,7 +147,7 @@ const roadquery::Road* road_along(const StructureInput& input, const BorderSegme
   constexpr double along = 0.7;  // cosine
   const Vec2 p = (s.a + s.b) * 0.5 - outwards * look_m;
   roadquery::Cursor cursor;
-  const auto hit = input.query.find(p.x, p.y, 0.5 * (s.a_z_m + s.b_z_m), cursor, 0);
+  const auto hit = input.query.find(p.x, p.y, 0.5 * (s.a_z_m + s.b_z_m), cursor, roadquery::hit_position);
   if (!hit) return nullptr;
   const roadquery::Road& road = input.query.map().roads[static_cast<std::size_t>(hit->road)];
   const double hdg = roadquery::reference_point(road, hit->s).hdg;

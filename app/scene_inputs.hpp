@@ -1,0 +1,22 @@
+#pragma once
+// The options of the commands that build a scene: what it is built from.
+
+#include "commands.hpp"
+#include "orthodrive/pipeline/run_scene.hpp"
+
+namespace orthodrive::app {
+
+/// `files` outlives `cmd`.
+inline void add_scene_inputs(CLI::App& cmd, SceneFiles& files) {
+  cmd.add_option("--network", files.network, "roads (OpenDRIVE); their geoReference is the scene's CRS")->required();
+  cmd.add_option("--photo", files.photo, "orthophoto (any GDAL raster): texture and extent")->required();
+  cmd.add_option(
+      "--labels", files.labels,
+      "label map of that photo: its classes become feature ids of the tiles; trees, and buildings that maps lack");
+  cmd.add_option("--dtm", files.dtm, "bare-earth terrain model, best first; later ones fill its holes")->required();
+  cmd.add_option("--buildings", files.buildings,
+                 "maps with building=* (.osm, .osm.pbf, GeoJSON, GeoPackage); labels show what they lack");
+  cmd.add_option("--trees", files.trees, "maps with natural=tree and natural=tree_row; labels show what they lack");
+}
+
+}  // namespace orthodrive::app
