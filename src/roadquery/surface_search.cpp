@@ -139,24 +139,48 @@ void lay_relief(const BakedRoads& roads, const Station& q, double x, double y, F
   found.friction = laid.friction;
 }
 
-bool find_on(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps, double outside_m,
-             Found& found) {
+namespace {
+
+/// find_on() without complete().
+bool find_foot(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps, double outside_m,
+               Found& found) {
   Beyond beyond = Beyond::none;
   if (!find_station(roads, range, x, y, most_steps, found, beyond)) return false;
-  const Station& q = roads.stations[found.station];
-  const LaneStretch& lanes = roads.stretches[q.lanes];
   found.along_rest_m = 0.0;
-  if (beyond != Beyond::none) {
-    const double rest = std::abs(found.line.ahead_m);
-    if (rest > std::max(outside_m, seam_m)) return false;
-    if (beyond != Beyond::kink) {
-      const StationRange road = roads.stations_of(lanes.road);
-      const bool is_road_end = found.station == (beyond == Beyond::last ? road.last : road.first);
-      if (!is_road_end && rest > edge_rounding_m) return false;
-      found.along_rest_m = rest;
-    }
+  if (beyond == Beyond::none) return true;
+  const double rest = std::abs(found.line.ahead_m);
+  if (rest > std::max(outside_m, seam_m)) return false;
+  if (beyond == Beyond::kink) return true;
+  const StationRange road = roads.stations_of(roads.road_of(roads.stations[found.station]));
+  const bool is_road_end = found.station == (beyond == Beyond::last ? road.last : road.first);
+  if (!is_road_end && rest > edge_rounding_m) return false;
+  found.along_rest_m = rest;
+  return true;
+}
+
+bool complete(const BakedRoads& roads, double x, double y, double outside_m, Found& found) {
+  const Station& q = roads.stations[found.station];
+  return complete(roads, q, roads.stretches[q.lanes], x, y, outside_m, found);
+}
+
+/// Those of the list from `first` on have feet: completes them, and drops those that are not under the point. Feet
+/// first, as each step of a foot waits for the one before it, and the feet of several surfaces do not wait for each
+/// other.
+void complete_all(const BakedRoads& roads, std::size_t first, double x, double y, double outside_m, FoundList& list) {
+  std::size_t kept = first;
+  for (std::size_t i = first; i < list.count; ++i) {
+    if (!complete(roads, x, y, outside_m, list.items[i])) continue;
+    if (kept != i) list.items[kept] = list.items[i];
+    ++kept;
   }
-  return complete(roads, q, lanes, x, y, outside_m, found);
+  list.count = kept;
+}
+
+}  // namespace
+
+bool find_on(const BakedRoads& roads, const StationRange& range, double x, double y, int most_steps, double outside_m,
+             Found& found) {
+  return find_foot(roads, range, x, y, most_steps, outside_m, found) && complete(roads, x, y, outside_m, found);
 }
 
 void find_starts(const BakedRoads& roads, const Cell& cell, double outside_m, StartList& starts) {
@@ -175,6 +199,7 @@ void find_starts(const BakedRoads& roads, const Cell& cell, double outside_m, St
 void search_starts(const BakedRoads& roads, const StartList& starts, double x, double y, double outside_m,
                    FoundList& list) {
   constexpr int most_steps = 24;
+  const std::size_t first = list.count;
   for (std::size_t i = 0; i < starts.count; ++i) {
     const Start& start = starts.items[i];
     __builtin_prefetch(roads.shapes.data() + roads.stations[start.station].shapes);
@@ -183,8 +208,9 @@ void search_starts(const BakedRoads& roads, const StartList& starts, double x, d
   for (std::size_t i = 0; i < starts.count && list.count < FoundList::most; ++i) {
     Found& found = list.items[list.count];
     found.station = starts.items[i].station;
-    if (find_on(roads, starts.items[i].range, x, y, most_steps, outside_m, found)) ++list.count;
+    if (find_foot(roads, starts.items[i].range, x, y, most_steps, outside_m, found)) ++list.count;
   }
+  complete_all(roads, first, x, y, outside_m, list);
 }
 
 void search_stations(const BakedRoads& roads, const Cell& cell, double x, double y, double outside_m, bool only_folded,
@@ -218,14 +244,16 @@ void search_companions(const BakedRoads& roads, std::uint32_t station, double x,
   const FramePoint p = in_frame(roads.stations[station], x, y);
   const float along = static_cast<float>(p.along) / companion_step_m,
               left = static_cast<float>(p.left) / companion_step_m;
+  const std::size_t first = list.count;
   for (std::uint32_t i = roads.companion_begin[station]; i < roads.companion_begin[station + 1]; ++i) {
-    if (list.count == FoundList::most) return;
+    if (list.count == FoundList::most) break;
     if (!may_touch(roads.companions[i], along, left)) continue;
     const StationRange& range = roads.companions[i].range;
     Found& found = list.items[list.count];
     found.station = range.first + (range.last - range.first) / 2;
-    if (find_on(roads, range, x, y, most_steps, edge_rounding_m, found)) ++list.count;
+    if (find_foot(roads, range, x, y, most_steps, edge_rounding_m, found)) ++list.count;
   }
+  complete_all(roads, first, x, y, edge_rounding_m, list);
 }
 
 }  // namespace roadquery

@@ -105,10 +105,13 @@ void search_companions(const BakedRoads& roads, std::uint32_t station, double x,
 template <typename IsAnchor>
 [[nodiscard]] std::span<Found> level_of(FoundList& list, double z_hint, const IsAnchor& is_anchor) {
   const std::span<Found> all = list.all();
-  const auto distance = [&](const Found& f) { return std::isnan(z_hint) ? -f.on.z : std::abs(f.on.z - z_hint); };
+  const bool is_highest = std::isnan(z_hint);
   const Found* nearest = nullptr;
-  for (const Found& f : all)
-    if (is_anchor(f) && (nearest == nullptr || distance(f) < distance(*nearest))) nearest = &f;
+  double least = 0.0;
+  for (const Found& f : all) {
+    const double distance = is_highest ? -f.on.z : std::abs(f.on.z - z_hint);
+    if (is_anchor(f) && (nearest == nullptr || distance < least)) nearest = &f, least = distance;
+  }
   if (nearest == nullptr) return {};
   const double level_z = nearest->on.z;
   auto end = std::remove_if(all.begin(), all.end(), [&](const Found& f) { return !is_same_level(f.on.z, level_z); });
