@@ -155,7 +155,7 @@ export class OrbitCamera {
 
 /** At the driver's eyes: moves with the body. */
 export class DriverCamera {
-  readonly camera = new PerspectiveCamera(60, 1, 0.25, 6000);
+  readonly camera = new PerspectiveCamera(50, 1, 0.25, 6000);
 
   /** `eye_m`: ahead, left and up in the car's frame. */
   constructor(private readonly eye_m: readonly [number, number, number]) {
@@ -164,10 +164,10 @@ export class DriverCamera {
 
   update(car: Object3D): void {
     car.updateMatrixWorld();
-    const ahead_m = 20;
+    const ahead_m = 20; // level: the bonnet takes a fifth of the picture
     const [x, y, z] = this.eye_m;
     this.camera.up.set(0, 0, 1).transformDirection(car.matrixWorld);
     this.camera.position.set(x, y, z).applyMatrix4(car.matrixWorld);
-    this.camera.lookAt(new Vector3(x + ahead_m, y, z - 0.03 * ahead_m).applyMatrix4(car.matrixWorld));
+    this.camera.lookAt(new Vector3(x + ahead_m, y, z).applyMatrix4(car.matrixWorld));
   }
 }
