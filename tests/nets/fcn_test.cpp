@@ -66,14 +66,16 @@ TEST(InferenceNetwork, a_core_is_the_same_wherever_it_is_cut_from) {
     return scores;
   };
   const std::vector<float> whole = part(-5, 100001, 40, 30), inner = part(12, 100010, 9, 7);
-  double largest = 0.0;
+  double largest = 0.0, magnitude = 0.0;
+  for (const float score : whole) magnitude = std::max(magnitude, std::abs(static_cast<double>(score)));
   for (int y = 0; y < 7; ++y)
     for (int x = 0; x < 9; ++x)
       for (int c = 0; c < 4; ++c)
         largest = std::max(
             largest, std::abs(static_cast<double>(whole[static_cast<std::size_t>(((y + 9) * 40 + x + 17) * 4 + c)]) -
                               inner[static_cast<std::size_t>((y * 9 + x) * 4 + c)]));
-  EXPECT_LT(largest, 1e-4);
+  // Sums of single precision: their order differs between the kernels that processors have.
+  EXPECT_LT(largest, 1e-6 * magnitude) << magnitude;
 }
 
 /// Pixels beyond the margin change nothing, those within it do.

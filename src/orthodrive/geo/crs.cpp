@@ -1,6 +1,7 @@
 #include "orthodrive/geo/crs.hpp"
 
 #include <fmt/format.h>
+#include <proj.h>
 
 #include <cmath>
 #include <numbers>

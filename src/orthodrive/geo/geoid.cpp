@@ -1,5 +1,7 @@
 #include "orthodrive/geo/geoid.hpp"
 
+#include <proj.h>
+
 #include <cmath>
 
 #include "orthodrive/geo/proj_operation.hpp"

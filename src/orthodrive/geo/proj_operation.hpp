@@ -1,22 +1,20 @@
 #pragma once
 // Owner of one operation of the PROJ library; for the sources of this room.
 
-#include <proj.h>
+struct pj_ctx;
+struct PJconsts;
 
 namespace orthodrive {
 
-/// Says nothing of its own; null until made.
+/// Says nothing of its own.
 struct ProjOperation {
-  PJ_CONTEXT* context = proj_context_create();
-  PJ* operation = nullptr;
+  pj_ctx* context;                ///< PJ_CONTEXT
+  PJconsts* operation = nullptr;  ///< PJ; null until made
 
-  ProjOperation() { proj_log_level(context, PJ_LOG_NONE); }
+  ProjOperation();
   ProjOperation(const ProjOperation&) = delete;
   ProjOperation& operator=(const ProjOperation&) = delete;
-  ~ProjOperation() {
-    proj_destroy(operation);
-    proj_context_destroy(context);
-  }
+  ~ProjOperation();
 };
 
 }  // namespace orthodrive
