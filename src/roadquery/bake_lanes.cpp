@@ -78,7 +78,7 @@ void bake_stretch(const Road& road, const LaneSection& section, double s, double
   stretch.left_count = static_cast<std::uint16_t>(section.left.size());
   stretch.right_count = static_cast<std::uint16_t>(section.right.size());
   const std::span<const BakedLane> lanes = std::span<const BakedLane>(baked.lanes).subspan(stretch.first);
-  stretch.one_material = !lanes.empty() && std::ranges::all_of(lanes, [&](const BakedLane& lane) {
+  stretch.one_material = !lanes.empty() && std::all_of(lanes.begin(), lanes.end(), [&](const BakedLane& lane) {
     return lane.surface == lanes.front().surface && lane.friction == lanes.front().friction &&
            lane.roughness_m == lanes.front().roughness_m;
   });

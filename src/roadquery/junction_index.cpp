@@ -92,7 +92,7 @@ bool is_usable(const JunctionSurface& surface) {
   constexpr double most_m = 1e9;
   return surface.columns >= 4 && surface.rows >= 4 && surface.spacing_m > 0.0 &&
          surface.z.size() == static_cast<std::size_t>(surface.columns) * static_cast<std::size_t>(surface.rows) &&
-         std::ranges::all_of(surface.z, [](double z) { return std::abs(z) <= most_m; });
+         std::all_of(surface.z.begin(), surface.z.end(), [](double z) { return std::abs(z) <= most_m; });
 }
 
 }  // namespace

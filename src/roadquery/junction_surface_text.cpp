@@ -1,11 +1,12 @@
 #include "roadquery/junction_surface_text.hpp"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
+
+#include "roadquery/number_text.hpp"
 
 namespace roadquery {
 namespace {
@@ -67,7 +68,7 @@ class Numbers {
   [[nodiscard]] T next(double largest) {
     T value{};
     if (!more()) fail("ends too early");
-    const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
+    const auto [end, error] = number_from_text(text_, value);
     if (error != std::errc{} || !(std::abs(static_cast<double>(value)) <= largest)) fail_here();
     text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
     return value;

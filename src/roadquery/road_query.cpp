@@ -386,8 +386,10 @@ std::optional<SurfaceSample> RoadQuery::sample(double x, double y, double reach_
   } else {  // between the roads of a junction
     level.junction = junctions_.over(cell, x, y, highest);
     const auto is_own = [&](std::uint32_t road) { return is_on_level[road]; };
-    if (level.junction.junction != no_index && std::ranges::none_of(junctions_.roads(level.junction.junction), is_own))
-      level.junction = {};
+    if (level.junction.junction != no_index) {
+      const auto own = junctions_.roads(level.junction.junction);
+      if (std::none_of(own.begin(), own.end(), is_own)) level.junction = {};
+    }
   }
   constexpr double chord_m = 0.03;  // points of a mesh's border miss the road's by about this
   if (level.empty() && reach_m > chord_m) level.roads = nearest_beside(x, y, chord_m, is_on_level, list);

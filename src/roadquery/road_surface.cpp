@@ -206,7 +206,9 @@ ShapePoint lane_height(const Road& road, double s, double t) {
   if (road.sections.empty()) return {};
   const LaneSection& section = section_at(road, s);
   const auto has_height = [](const Lane& lane) { return !lane.heights.empty(); };
-  if (std::ranges::none_of(section.left, has_height) && std::ranges::none_of(section.right, has_height)) return {};
+  if (std::none_of(section.left.begin(), section.left.end(), has_height) &&
+      std::none_of(section.right.begin(), section.right.end(), has_height))
+    return {};
   const int id = lane_id_at(road, s, t);
   if (id == 0) return {};
   const bool left = id > 0;

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "vehicle/car_model.hpp"
-#include "vehicle/read_car.hpp"
+#include "vehicle/parse_car.hpp"
 
 namespace vehicle {
 

@@ -78,7 +78,7 @@ struct State {
 /// One car. step() does not allocate, lock or look at a clock; the same calls give the same bytes.
 class Car {
  public:
-  /// Throws std::invalid_argument for parameters that check() of read_car.hpp refuses.
+  /// Throws std::invalid_argument for parameters that check() of parse_car.hpp refuses.
   explicit Car(CarParameters parameters);
   Car(const Car& other);
   Car& operator=(const Car& other);

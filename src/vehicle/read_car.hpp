@@ -1,23 +1,12 @@
 #pragma once
-// Parameter files of cars (models/vehicles): a small part of TOML. docs/vehicle.md lists keys, units and ranges.
 
 #include <filesystem>
-#include <string>
-#include <string_view>
 
-#include "vehicle/car_parameters.hpp"
+#include "vehicle/parse_car.hpp"
 
 namespace vehicle {
 
-/// Reads the text of a file; `file` is its name in messages. Throws std::runtime_error "FILE:LINE: what is wrong" for
-/// unknown, double or missing sections and keys, values of the wrong kind, not finite or out of range, and values that
-/// do not fit together.
-[[nodiscard]] CarParameters parse_car(std::string_view text, const std::string& file);
-
-/// Opens and reads; throws std::runtime_error as well when it cannot be read or is larger than 1 MB.
+/// parse_car() of a file; throws std::runtime_error as well when it cannot be read or is larger than 1 MB.
 [[nodiscard]] CarParameters read_car(const std::filesystem::path& file);
-
-/// Throws std::invalid_argument with one clear line when a value is not finite, out of range or does not fit others.
-void check(const CarParameters& car);
 
 }  // namespace vehicle

@@ -4,7 +4,7 @@ import {Object3D, PerspectiveCamera, Sphere, Vector3} from 'three';
 import {MapControls} from 'three/addons/controls/MapControls.js';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 
-import type {Lap} from './lap';
+import type {CarState} from './lap';
 
 export const cameraModes = ['fly', 'top', 'follow', 'orbit', 'driver'] as const;
 export type CameraMode = (typeof cameraModes)[number];
@@ -98,20 +98,19 @@ export class FlyCamera {
   }
 }
 
-/** Behind and above the car. A function of the lap's time alone: the same time gives the same picture. */
+/** Behind and above the car. */
+export const followLag_s = 0.35;
 export class FollowCamera {
   readonly camera = new PerspectiveCamera(55, 1, 0.4, 6000);
   private readonly behind_m = 8.5;
   private readonly above_m = 2.9;
-  private readonly lag_s = 0.35; // looks where the car headed a moment ago, as a driver behind it would
 
-  constructor(private readonly lap: Lap) {
+  constructor() {
     this.camera.up.set(0, 0, 1);
   }
 
-  update(t_s: number): void {
-    const car = this.lap.at(t_s);
-    const heading = this.lap.at(t_s - this.lag_s).heading_rad;
+  /** `heading`: where the car headed followLag_s ago: looks there, as a driver behind it would. */
+  update(car: CarState, heading: number): void {
     const ahead = new Vector3(Math.cos(heading), Math.sin(heading), car.gradient);
     const position = new Vector3(car.x_m, car.y_m, car.z_m);
     this.camera.position.copy(position).addScaledVector(ahead, -this.behind_m);

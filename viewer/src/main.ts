@@ -5,13 +5,15 @@ import './style.css';
 import {PCFShadowMap, PerspectiveCamera, Scene, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
 import {Car} from './car';
-import {CameraMode, DriverCamera, FlyCamera, FollowCamera, OrbitCamera} from './cameras';
+import {CameraMode, DriverCamera, FlyCamera, FollowCamera, followLag_s, OrbitCamera} from './cameras';
 import {Dashboard} from './dashboard';
+import {DriverInput} from './driver_input';
 import {FindingsLayer} from './findings_layer';
 import type {CarState} from './lap';
 import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
+import {SelfDrive} from './self_drive';
 import {loadSite, Site} from './site';
 import {Sky} from './sky';
 import {sunDirection, zoneHours} from './sun';
@@ -29,6 +31,8 @@ interface Api {
   readonly failures: string[];
   readonly mode: CameraMode;
   readonly car: CarState | undefined; // x, y, z from the site's origin
+  readonly driving: boolean; // somebody drives, no lap is shown
+  readonly wheelsOnRoad: number; // of the car that somebody drives
   readonly cameraPosition: [number, number, number];
   readonly sun: [number, number, number]; // towards it
   readonly link: string; // address that restores the view
@@ -40,6 +44,8 @@ interface Api {
   setLayer(layer: LayerName, on: boolean): void;
   setTime(t_s: number): void;
   setPlaying(on: boolean): void;
+  /** Takes over the car where it is in the lap, or gives it back. */
+  setDriving(on: boolean): Promise<void>;
   /** `date`: YYYY-MM-DD, `hour`: 0 to 24 of the zone's clocks. */
   setDay(date: string, hour: number): void;
 }
@@ -80,7 +86,7 @@ function start(site: Site): Api {
   scene.add(tiles.group, findings.object);
 
   const lap = site.lap;
-  const follow = lap && new FollowCamera(lap);
+  const follow = lap && new FollowCamera();
   const car = lap && new Car(site.vehicle);
   if (car) car.place(lap.at(wanted.t_s));
   const orbit = car && new OrbitCamera(canvas, car.object);
@@ -89,6 +95,10 @@ function start(site: Site): Api {
   const map = lap && new MapInset(lap);
   const route = lap && routeLine(lap);
   if (car && route) scene.add(car.object, car.marker, route);
+
+  const input = new DriverInput();
+  let self: SelfDrive | undefined; // loaded once asked for
+  let driving = false;
 
   let mode: CameraMode = 'fly';
   let time_s = wanted.t_s;
@@ -129,10 +139,34 @@ function start(site: Site): Api {
     invalidate();
   }
   function setPlaying(on: boolean): void {
+    if (on && driving) void setDriving(false);
     playing = on && lap !== undefined;
     panel.showPlaying(playing);
   }
+  async function setDriving(on: boolean): Promise<void> {
+    if (!lap) return;
+    if (on) {
+      setPlaying(false);
+      try {
+        self ??= await SelfDrive.load(site.origin);
+        self.takeOver(lap.at(time_s));
+      } catch (error) {
+        panel.showMessage((error as Error).message, true);
+        on = false;
+      }
+      input.reset();
+    }
+    driving = on;
+    panel.showDriving(driving);
+    if (driving && !atCar()) setCamera('driver');
+    invalidate();
+  }
+  /** Of the car that is shown, now or somewhat before. */
+  const carNow = () => (driving ? self!.state : lap!.at(time_s));
+  const headingBefore = () => (driving ? self!.headingBefore : lap!.at(time_s - followLag_s).heading_rad);
+
   function setTime(t_s: number): void {
+    if (driving) void setDriving(false);
     time_s = t_s;
     invalidate();
   }
@@ -168,8 +202,9 @@ function start(site: Site): Api {
   if (lap) addLayer('route', 'Driven route', true);
   if (findings.findings.length > 0) addLayer('findings', `Findings (${findings.findings.length})`, false);
 
-  const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...(lap ? ['C camera', 'Space play'] : [])];
+  const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...(lap ? ['C camera', 'Space play', 'arrows or gamepad drive'] : [])];
   panel.showTexts(site.name, site.attribution, keys.join(' · '));
+  if (lap) panel.setUpDriving(() => void setDriving(!driving));
   if (lap) panel.setUpTimeline(lap, {seek: setTime, togglePlay: () => setPlaying(!playing), setRate: (factor) => (rate = factor)});
   panel.setUpButtons(() => navigator.clipboard.writeText(link()));
   showShadows(true);
@@ -196,10 +231,15 @@ function start(site: Site): Api {
   window.addEventListener('resize', resize);
   window.addEventListener('keydown', (event) => {
     if (!lap || event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
+    if (driving && atCar() && input.key(event.code, true)) {
+      event.preventDefault();
+      return;
+    }
     const names = Object.keys(modes) as CameraMode[];
     if (event.code === 'KeyC') setCamera(names[(names.indexOf(mode) + 1) % names.length]);
     if (event.code === 'Space') setPlaying(!playing), event.preventDefault();
   });
+  window.addEventListener('keyup', (event) => input.key(event.code, false));
   canvas.addEventListener('click', (event) => {
     const place = new Vector2((2 * event.clientX) / viewport.x - 1, 1 - (2 * event.clientY) / viewport.y);
     const finding = findings.at(place, activeCamera(), viewport);
@@ -234,9 +274,9 @@ function start(site: Site): Api {
 
   function placeCar(): void {
     if (!lap || !car) return;
-    const state = lap.at(time_s);
+    const state = carNow();
     car.place(state);
-    follow!.update(time_s);
+    follow!.update(state, headingBefore());
     orbit!.update(car.object);
     driver!.update(car.object);
     panel.showDashboard(state, lap.originHeight_m);
@@ -280,6 +320,10 @@ function start(site: Site): Api {
       time_s += rate * elapsed_s;
       stale = true;
     }
+    if (driving) {
+      self!.advance(elapsed_s, input.controls(self!.state.speed_mps, elapsed_s));
+      stale = true;
+    }
     if (findings.dropOnto(tiles)) stale = true;
     if (stale || !ready) {
       placeCar();
@@ -303,13 +347,15 @@ function start(site: Site): Api {
     get tilesVisible() { return tiles.visible; },
     get failures() { return tiles.failures; },
     get mode() { return mode; },
-    get car() { return lap?.at(time_s); },
+    get car() { return lap && carNow(); },
+    get driving() { return driving; },
+    get wheelsOnRoad() { return driving ? self!.wheelsOnRoad : 4; },
     get cameraPosition() { return activeCamera().position.toArray() as [number, number, number]; },
     get sun() { return toSun.toArray() as [number, number, number]; },
     get link() { return link(); },
     describe: (x, y) => tiles.describe(new Vector2(x, y), activeCamera()),
     groundUnder: (x_m, y_m, z_m) => tiles.heightAt(x_m, y_m, z_m + 2),
-    setCamera, setLayer, setTime, setPlaying, setDay,
+    setCamera, setLayer, setTime, setPlaying, setDriving, setDay,
   };
 }
 

@@ -116,6 +116,21 @@ export function setUpTimeline(lap: Lap, actions: TimelineActions): void {
   drawSpeedProfile(lap);
 }
 
+export function setUpDriving(toggle: () => void): void {
+  const button = element('drive');
+  button.hidden = false;
+  button.onclick = () => {
+    button.blur(); // the keys are the car's
+    toggle();
+  };
+}
+
+export function showDriving(driving: boolean): void {
+  element('drive').textContent = driving ? 'Back to the lap' : 'Drive it yourself';
+  element('drive').classList.toggle('on', driving);
+  element('pads').hidden = !driving;
+}
+
 export function showPlaying(playing: boolean): void {
   element('play').classList.toggle('playing', playing);
 }

@@ -104,6 +104,33 @@ async function checkPlaying(page) {
   await page.click('#play');
 }
 
+/** Somebody takes over the car: it drives off on the throttle, turns with the wheel, stays on what is seen, and stops. */
+async function checkDriving(page) {
+  await page.evaluate(() => (window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(5)));
+  const start = await page.evaluate(() => window.orthodrive.car);
+  await page.click('#drive');
+  await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
+  const hold = async (key, until, argument) => {
+    await page.keyboard.down(key);
+    await page.waitForFunction(until, argument, {timeout: 240_000, polling: 20});
+    await page.keyboard.up(key);
+  };
+  await hold('ArrowUp', (speed) => window.orthodrive.car.speed_mps > speed + 3, start.speed_mps);
+  const fast = await page.evaluate(() => ({...window.orthodrive.car, wheels: window.orthodrive.wheelsOnRoad}));
+  assert.ok(Math.hypot(fast.x_m - start.x_m, fast.y_m - start.y_m) > 2, 'the car stays where it was');
+  assert.equal(fast.wheels, 4, 'the car is not on the road');
+  await hold('ArrowLeft', (heading) => Math.sin(window.orthodrive.car.heading_rad - heading) > 0.03, fast.heading_rad);
+  await hold('ArrowDown', () => window.orthodrive.car.speed_mps < 0.3);
+  const {car, ground_m} = await page.evaluate(() => {
+    const {car, groundUnder} = window.orthodrive;
+    return {car, ground_m: groundUnder(car.x_m, car.y_m, car.z_m)};
+  });
+  console.log(`driving: ${(fast.speed_mps * 3.6).toFixed(0)} km/h reached, ${Math.abs(car.z_m - ground_m).toFixed(3)} m over the surface when it stopped`);
+  assert.ok(Math.abs(car.z_m - ground_m) < 0.25, 'the car floats above or sinks into the surface');
+  await page.click('#drive');
+  await page.waitForFunction(() => !window.orthodrive.driving);
+}
+
 /** Every camera shows something, from where its name says. */
 async function checkCameras(page) {
   for (const [mode, nearest_m, farthest_m] of [['orbit', 3, 200], ['driver', 0.5, 2], ['top', 100, 1e5]]) {
@@ -249,6 +276,7 @@ try {
   await checkFollowCamera(page);
   await checkLayers(page);
   await checkPlaying(page);
+  await checkDriving(page);
   await checkCameras(page);
   await checkClick(page);
   await checkSun(page);

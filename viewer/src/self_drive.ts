@@ -1,0 +1,45 @@
+// The car that somebody drives: fetches roads, vehicle and module once they are asked for.
+
+import carText from '../../models/vehicles/family_car.toml?raw';
+import wasmUrl from '../../build/driving/driving.wasm?url';
+import {followLag_s} from './cameras';
+import {Controls, Driving} from './driving';
+import type {CarState} from './lap';
+
+const roadsUrl = 'site/roads.xodr';
+
+export class SelfDrive {
+  private headings: {t_s: number; heading_rad: number}[] = [];
+
+  private constructor(private readonly car: Driving) {}
+
+  static async load(origin: readonly [number, number, number]): Promise<SelfDrive> {
+    const [wasm, roads] = await Promise.all([fetch(wasmUrl), fetch(roadsUrl)]);
+    for (const response of [wasm, roads])
+      if (!response.ok) throw new Error(`${response.url}: the server answers ${response.status}, so nobody can drive here`);
+    return new SelfDrive(await Driving.load(await wasm.arrayBuffer(), await roads.text(), carText, origin));
+  }
+
+  takeOver(car: CarState): void {
+    this.car.takeOver(car);
+    this.headings = [];
+  }
+
+  advance(elapsed_s: number, controls: Controls): void {
+    this.car.advance(elapsed_s, controls);
+    const {t_s, heading_rad} = this.car.state;
+    this.headings.push({t_s, heading_rad});
+    while (this.headings.length > 1 && this.headings[1].t_s <= t_s - followLag_s) this.headings.shift();
+  }
+
+  get state(): CarState {
+    return this.car.state;
+  }
+  get wheelsOnRoad(): number {
+    return this.car.wheelsOnRoad;
+  }
+  /** Where the car headed a moment ago. */
+  get headingBefore(): number {
+    return this.headings[0]?.heading_rad ?? this.car.state.heading_rad;
+  }
+}
