@@ -39,10 +39,30 @@ namespace {
 
 constexpr double step_s = 0.001;
 
+/// Roads, and beside them the plane that the page has last told.
+class SiteGround final : public vehicle::Ground {
+ public:
+  explicit SiteGround(const roadquery::RoadQuery& query) : roads_(query) {}
+
+  [[nodiscard]] vehicle::GroundPoint at(int wheel, double x_m, double y_m, double z_guess_m) override {
+    vehicle::GroundPoint point = roads_.at(wheel, x_m, y_m, z_guess_m);
+    if (point.on_road || !beside_) return point;
+    const vehicle::GroundPoint beside = beside_->at(wheel, x_m, y_m, z_guess_m);
+    return {beside.z_m, beside.normal, beside.friction, false};
+  }
+  void set_beside(const vehicle::PlaneGround& plane) { beside_ = plane; }
+
+ private:
+  vehicle::RoadGround roads_;
+  std::optional<vehicle::PlaneGround> beside_;
+};
+
+constexpr double grass_friction = 0.55;  // of dry asphalt's
+
 std::unique_ptr<roadquery::OpenDriveBuilder> builder;
 std::unique_ptr<roadquery::RoadQuery> roads;
 std::unique_ptr<vehicle::Car> car;
-std::optional<vehicle::RoadGround> ground;
+std::optional<SiteGround> ground;
 double time_owed_s = 0.0;
 
 // In the order of `stateNames` in src/driving.ts.
@@ -111,6 +131,11 @@ EXPORT(place) const double* place(double x_m, double y_m, double heading_rad, do
   car->place(x_m, y_m, heading_rad, speed_mps, *ground, z_m);
   write_state();
   return values.data();
+}
+
+/// What lies beside the roads near the car: z = z0 + gradient_x x + gradient_y y.
+EXPORT(set_beside) void set_beside(double z0_m, double gradient_x, double gradient_y) {
+  ground->set_beside(vehicle::PlaneGround(z0_m, gradient_x, gradient_y, grass_friction));
 }
 
 /// Drives on; gear 1: the gearbox chooses, 0: neutral, -1: reverse.

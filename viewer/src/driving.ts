@@ -18,6 +18,7 @@ interface Exports {
   finish_roads(): void;
   set_car(at: number, count: number): void;
   place(x_m: number, y_m: number, heading_rad: number, speed_mps: number, z_m: number): number;
+  set_beside(z0_m: number, gradient_x: number, gradient_y: number): void;
   advance(elapsed_s: number, steering_rad: number, throttle: number, brake: number, gear: number): void;
 }
 
@@ -101,13 +102,25 @@ export class Driving {
     this.time_s = this.way_m = 0;
   }
 
-  advance(elapsed_s: number, controls: Controls): void {
+  /** `heightAt`: of what is drawn, at a place of the scene near a height; asked for where a wheel is beside the roads. */
+  advance(elapsed_s: number, controls: Controls, heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined): void {
+    if (this.wheelsOnRoad < wheelCount) this.lookBeside(heightAt);
     this.module.advance(elapsed_s, controls.steering_rad, controls.throttle, controls.brake, controls.gear);
     this.time_s += elapsed_s;
     this.way_m += Math.abs(this.state.speed_mps) * elapsed_s;
     this.brake = controls.brake;
   }
   private brake = 0;
+
+  private lookBeside(heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined): void {
+    const {x_m, y_m, z_m} = this.state;
+    const apart_m = 2;
+    const middle = heightAt(x_m, y_m, z_m), east = heightAt(x_m + apart_m, y_m, z_m), north = heightAt(x_m, y_m + apart_m, z_m);
+    if (middle === undefined || east === undefined || north === undefined) return;
+    const [gradientX, gradientY] = [(east - middle) / apart_m, (north - middle) / apart_m];
+    const [x, y, z] = this.origin;
+    this.module.set_beside(middle + z - gradientX * (x_m + x) - gradientY * (y_m + y), gradientX, gradientY);
+  }
 
   get state(): CarState {
     const values = new Float64Array(this.module.memory.buffer, this.at, stateNames.length);

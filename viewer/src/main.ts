@@ -161,6 +161,7 @@ function start(site: Site): Api {
     if (driving && !atCar()) setCamera('driver');
     invalidate();
   }
+  const groundUnder = (x_m: number, y_m: number, z_m: number) => tiles.heightAt(x_m, y_m, z_m + 2);
   /** Of the car that is shown, now or somewhat before. */
   const carNow = () => (driving ? self!.state : lap!.at(time_s));
   const headingBefore = () => (driving ? self!.headingBefore : lap!.at(time_s - followLag_s).heading_rad);
@@ -321,7 +322,7 @@ function start(site: Site): Api {
       stale = true;
     }
     if (driving) {
-      self!.advance(elapsed_s, input.controls(self!.state.speed_mps, elapsed_s));
+      self!.advance(elapsed_s, input.controls(self!.state.speed_mps, elapsed_s), groundUnder);
       stale = true;
     }
     if (findings.dropOnto(tiles)) stale = true;
@@ -354,7 +355,7 @@ function start(site: Site): Api {
     get sun() { return toSun.toArray() as [number, number, number]; },
     get link() { return link(); },
     describe: (x, y) => tiles.describe(new Vector2(x, y), activeCamera()),
-    groundUnder: (x_m, y_m, z_m) => tiles.heightAt(x_m, y_m, z_m + 2),
+    groundUnder,
     setCamera, setLayer, setTime, setPlaying, setDriving, setDay,
   };
 }

@@ -25,8 +25,8 @@ export class SelfDrive {
     this.headings = [];
   }
 
-  advance(elapsed_s: number, controls: Controls): void {
-    this.car.advance(elapsed_s, controls);
+  advance(elapsed_s: number, controls: Controls, heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined): void {
+    this.car.advance(elapsed_s, controls, heightAt);
     const {t_s, heading_rad} = this.car.state;
     this.headings.push({t_s, heading_rad});
     while (this.headings.length > 1 && this.headings[1].t_s <= t_s - followLag_s) this.headings.shift();

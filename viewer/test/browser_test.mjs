@@ -104,7 +104,7 @@ async function checkPlaying(page) {
   await page.click('#play');
 }
 
-/** Somebody takes over the car: it drives off on the throttle, turns with the wheel, stays on what is seen, and stops. */
+/** Somebody takes over the car: it drives off on the throttle, turns with the wheel, off the road too, and stops on what is seen. */
 async function checkDriving(page) {
   await page.evaluate(() => (window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(5)));
   const start = await page.evaluate(() => window.orthodrive.car);
