@@ -124,8 +124,8 @@ MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& conn
     taken.push_back(std::move(gore.area));
   }
   // No corner is further from the connecting roads than its own radius.
-  MultiPolygon corners = without(
-      intersection_of(closed(radius_m), buffer_of(connecting, radius_m, near_arc_steps), grid_m), taken);
+  MultiPolygon corners =
+      without(intersection_of(closed(radius_m), buffer_of(connecting, radius_m, near_arc_steps), grid_m), taken);
   if (!turned_round.empty()) {
     taken.resize(roads_taken);
     const MultiPolygon gores = buffer_of(turned_round, join_m, 1);

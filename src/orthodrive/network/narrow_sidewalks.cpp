@@ -15,8 +15,8 @@ using roadquery::Road;
 using roadquery::RoadMap;
 
 constexpr double step_m = 0.5, across_step_m = 0.1;
-constexpr double taper = 0.5;        // change of the width, m per m
-constexpr double margin_m = 0.1;     // kept to the other carriageway: between two places it may come nearer
+constexpr double taper = 0.5;         // change of the width, m per m
+constexpr double margin_m = 0.1;      // kept to the other carriageway: between two places it may come nearer
 constexpr double least_free_m = 0.3;  // nobody walks on less
 
 /// Widths at evenly spaced places of one road, its ends included.

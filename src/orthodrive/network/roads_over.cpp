@@ -8,6 +8,17 @@
 
 namespace orthodrive::network {
 
+namespace {
+
+bool goes_on_into(const roadquery::Road& road, const roadquery::Road& other) {
+  const auto links = [&other](const roadquery::RoadLink& link) {
+    return link.kind == roadquery::LinkKind::road && link.id == other.id;
+  };
+  return links(road.predecessor) || links(road.successor);
+}
+
+}  // namespace
+
 RoadsOver::RoadsOver(const roadquery::RoadMap& map) : map_(map) {
   if (map.roads.empty()) return;
   const auto& first = map.roads.front().plan.front();
@@ -34,6 +45,7 @@ bool RoadsOver::is_covered(const roadquery::SurfacePoint& p, std::size_t own_roa
   const Vec2 at = Vec2{p.x, p.y} - origin_;
   return std::ranges::any_of(road_index_.near(at, 0.0), [&](std::uint32_t i) {
     if (i == own_road || (map_.roads[i].junction >= 0) != connecting) return false;
+    if (own_road < map_.roads.size() && goes_on_into(map_.roads[own_road], map_.roads[i])) return false;
     const auto place = covers_[i].find(at, false);
     return place && roadquery::is_same_level(covers_[i].height(*place), p.z);
   });

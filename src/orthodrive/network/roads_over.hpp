@@ -14,7 +14,7 @@ class RoadsOver {
  public:
   explicit RoadsOver(const roadquery::RoadMap& map);
 
-  /// The carriageway of a road outside junctions other than `own_road` (an index).
+  /// The carriageway of a road outside junctions other than `own_road` (an index) and those that it goes on into.
   [[nodiscard]] bool is_carriageway(const roadquery::SurfacePoint& p, std::size_t own_road) const;
   /// A connecting road, or the area of a junction.
   [[nodiscard]] bool is_junction(const roadquery::SurfacePoint& p) const;
