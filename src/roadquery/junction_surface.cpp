@@ -138,10 +138,11 @@ bool arm_at(const JunctionArm& arm, double x, double y, ArmAt& at) {
   return true;
 }
 
-/// Where the cross section of a road may bend: its edges, the reference line and the starts of the lateral shapes.
+/// Where the cross section of a carriageway may bend: its edges, the reference line and the starts of the lateral
+/// shapes.
 std::vector<double> bends_across(const Road& road, double s, double curvature) {
   constexpr double between_m = 2.0, widest_m = 2000.0;  // a wider road is refused later
-  const Edges edges = road_edges(road, s);
+  const Edges edges = carriageway_edges(road, s);
   std::vector<double> ts = {edges.right_t, edges.left_t};
   const auto add = [&](double t) {
     if (t > edges.right_t && t < edges.left_t) ts.push_back(t);
@@ -209,6 +210,21 @@ JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, doub
 }
 
 double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }
+
+Edges carriageway_edges(const Road& road, double s) {
+  s = std::clamp(s, 0.0, road.length);
+  const LaneSection& section = section_at(road, s);
+  const double offset = evaluate(road.lane_offset, s);
+  const auto width_m = [&](const std::vector<Lane>& lanes) {
+    double width = 0.0;
+    for (const Lane& lane : lanes) {
+      if (lane.type == LaneType::sidewalk || lane.type == LaneType::none) break;
+      width += lane_width(lane, s - section.s);
+    }
+    return width;
+  };
+  return {offset + width_m(section.left), offset - width_m(section.right)};
+}
 
 JunctionArm junction_arm(const Road& road, ContactPoint end) {
   const bool at_end = end == ContactPoint::end;

@@ -17,6 +17,7 @@
 #include <span>
 
 #include "roadquery/road_map.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace roadquery {
 
@@ -59,7 +60,11 @@ struct JunctionField {
 [[nodiscard]] JunctionHeight blend_arms(const JunctionHeight& field, std::span<const JunctionArm> arms, double x,
                                         double y);
 
-/// The end of a road that a junction begins at. Its cross section: edges, reference line and every <shape> between.
+/// t of the edges of what cars use: lanes from the centre outwards up to a sidewalk.
+[[nodiscard]] Edges carriageway_edges(const Road& road, double s);
+
+/// The end of a road that a junction begins at. The cross section of its carriageway: edges, reference line and every
+/// <shape> between.
 [[nodiscard]] JunctionArm junction_arm(const Road& road, ContactPoint end);
 
 /// Height of an arm's strip `in_m` into the junction and `left_m` beside its line, seen into the junction. The arm has

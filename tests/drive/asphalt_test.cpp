@@ -32,6 +32,23 @@ TEST(Asphalt, a_bend_that_tightens_is_not_cut) {
   EXPECT_LT(lap.max_line_error_m, 0.08);
 }
 
+TEST(Asphalt, a_hairpin_sharper_than_the_car_turns_is_rounded_where_there_is_room) {
+  // A fork whose prongs lie 8 degrees apart, on a place of 60 m: the line through its lanes bends to 1.3 m.
+  const double radius_m = 0.3, turn_rad = 3.0, way_m = 60.0;
+  Road a = make_road(1, {0.0, 0.0, 0.0, 0.0, way_m, Line{}}, 0.0, 2.0),
+       b = make_road(2, {0.0, way_m, 0.0, 0.0, radius_m * turn_rad, Arc{1.0 / radius_m}}, 0.0, 2.0);
+  const roadquery::PlanPoint end = roadquery::reference_point(b, b.length);
+  Road c = make_road(3, {0.0, end.x, end.y, turn_rad, way_m, Line{}}, 0.0, 2.0);
+  link(a, b), link(b, c);
+  const Road place = make_road(4, {0.0, 0.5 * way_m, 0.0, 0.0, way_m, Line{}}, 0.0, 0.5 * way_m);
+  const roadquery::RoadQuery query(map_of({a, b, c, place}));
+  const DriveOptions options = family();
+  const Route route{{{0, true}, {1, true}, {2, true}}, false, "hairpin", 2.0 * way_m + b.length};
+  const DriveResult lap = drive_route(query, route, options, EnvelopeTable(options.car));
+  EXPECT_TRUE(lap.finished);
+  EXPECT_EQ(lap.tyre_misses, 0u);
+}
+
 TEST(Asphalt, a_notch_shorter_than_the_line_s_steps_is_driven_round) {
   Road road = make_road(1, {0.0, 0.0, 0.0, 0.0, 120.0, Line{}});
   auto& width = road.sections[0].right[0].width;

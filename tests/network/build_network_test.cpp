@@ -650,6 +650,54 @@ TEST(BuildNetwork, CarriagewaysDoNotLieOnEachOther) {
     }
 }
 
+TEST(BuildNetwork, OneWayRoadsBesideOthersKeepWhatACarNeeds) {
+  // A service road of one direction, measured too wide, 4.3 m beside a main road: 3.5 + 2 m of half widths.
+  const auto width_of = [](const roadquery::RoadMap& map, double along_m) {
+    for (const roadquery::Road& road : map.roads) {
+      const roadquery::Edges edges = roadquery::road_edges(road, along_m);
+      if (road.osm_id == "2") return edges.left_t - edges.right_t;
+    }
+    return 0.0;
+  };
+  const PathOptions main{.highway = "tertiary", .width_m = 7.0},
+      side{.osm_id = 2, .highway = "service", .width_m = 4.0, .oneway = Oneway::forward};
+  const roadquery::RoadMap straight = build_network(network_of({make_path({{0, 0}, {200, 0}}, {1, 2}, main),
+                                                                make_path({{20, 4.3}, {180, 4.3}}, {3, 4}, side)}))
+                                          .map;
+  EXPECT_NEAR(width_of(straight, 80.0), 2.2, 0.06) << "a car with its mirrors";
+  const roadquery::RoadMap bend =
+      build_network(network_of({make_path(circle_points({0, 0}, 24.0, 0.0, 3.0), {}, main),
+                                make_path(circle_points({0, 0}, 19.7, 0.3, 2.4), {}, side)}))
+          .map;
+  EXPECT_NEAR(width_of(bend, 24.0), 2.2 + 2.7 * 2.7 / (2.0 * 19.7), 0.06) << "and what its wheels stray";
+}
+
+TEST(BuildNetwork, NobodyTurnsBackIntoARoadThatLeadsToTheJunctionOneComesFrom) {
+  // A service road leaves the main road at 35 degrees and comes back to it 100 m further on.
+  const double out_m = 50.0 * std::tan(35.0 * M_PI / 180.0);
+  const PathOptions main{.width_m = 5.0}, loop{.osm_id = 2, .highway = "service", .width_m = 4.0};
+  RoadNetwork roads = network_of({make_path({{-80, 0}, {0, 0}, {100, 0}, {180, 0}}, {1, 8, 9, 2}, main),
+                                  make_path({{0, 0}, {50, out_m}, {100, 0}}, {8, 0, 9}, loop)});
+  const auto turns_between = [](const roadquery::RoadMap& map, const std::string& from, const std::string& to) {
+    int count = 0;
+    for (const roadquery::Road* road : connecting_roads(map)) {
+      const roadquery::Road *in = road_by_id(map, road->predecessor.id), *out = road_by_id(map, road->successor.id);
+      count += static_cast<int>(in->osm_id == from && out->osm_id == to);
+    }
+    return count;
+  };
+  NetworkResult result = build_network(roads);
+  EXPECT_EQ(turns_between(result.map, "1", "2"), 2) << "from outside";
+  EXPECT_EQ(turns_between(result.map, "2", "1"), 2) << "outwards";
+  EXPECT_EQ(count_findings(result, "network.turn_left_out"), 4);
+  // The same fork without the way back: cars turn round its end.
+  roads.paths[1] = make_path({{0, 0}, {50, out_m}, {100, 2.0 * out_m}}, {8, 0, 3}, loop);
+  result = build_network(roads);
+  EXPECT_EQ(turns_between(result.map, "1", "2"), 2);
+  EXPECT_EQ(turns_between(result.map, "2", "1"), 2);
+  EXPECT_EQ(count_findings(result, "network.turn_left_out"), 0);
+}
+
 TEST(BuildNetwork, DeadEndsThatLieBesideTheOtherRoadsHaveNoRoad) {
   // An access of 9 m that leaves by 12 degrees: as far as it goes it lies on the road that it leaves.
   const NetworkResult result =

@@ -248,6 +248,40 @@ TEST(JunctionSurfaces, LittleGapsThatArmsCloseArePaved) {
   EXPECT_FALSE(is_paved(network::junction_area({{&across}, {&upper, &parallel}, {false, false}, {}}, 5.0, {})));
 }
 
+TEST(JunctionSurfaces, CarsHaveRoomRoundTheEndOfAGoreThatTheyTurnRound) {
+  // A track forks by 32 degrees: both prongs are 4 m wide and lead away from the stem.
+  const double angle = 32.0 * M_PI / 180.0, half_m = 2.0, radius_m = 4.0;
+  const Vec2 way{std::cos(angle), std::sin(angle)}, middle{std::cos(0.5 * angle), std::sin(0.5 * angle)};
+  const auto paved = [&](Oneway oneway, double away_m) {
+    const PathOptions o{.highway = "track", .width_m = 2.0 * half_m};
+    PathOptions prong = o;
+    prong.osm_id = 2, prong.oneway = oneway;
+    const RoadMap map = build_network(network_of({make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 9, 2}, o),
+                                                  make_path({{0, 0}, way * 80.0}, {9, 3}, prong)}))
+                            .map;
+    const Vec2 p = site_origin + middle * away_m;
+    return roadquery::contains(only_surface(map), p.x, p.y);
+  };
+  // The kerb touches both edges with an arc of 4 m.
+  const double kerb_m = (half_m + radius_m) / std::sin(0.5 * angle) - radius_m;
+  EXPECT_TRUE(paved(Oneway::no, kerb_m - 0.2));
+  EXPECT_FALSE(paved(Oneway::no, kerb_m + 0.2));
+}
+
+TEST(JunctionSurfaces, GoresThatNobodyTurnsRoundStay) {
+  // A ramp leaves a one-way road: between them lies a verge from where they have parted on.
+  const PathOptions main{.highway = "track", .width_m = 4.0, .oneway = Oneway::forward};
+  PathOptions ramp = main;
+  ramp.osm_id = 2;
+  const double angle = 32.0 * M_PI / 180.0;
+  const RoadMap map =
+      build_network(network_of({make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 9, 2}, main),
+                                make_path({{0, 0}, Vec2{std::cos(angle), std::sin(angle)} * 80.0}, {9, 3}, ramp)}))
+          .map;
+  const Vec2 p = site_origin + Vec2{std::cos(0.5 * angle), std::sin(0.5 * angle)} * 15.0;
+  EXPECT_FALSE(roadquery::contains(only_surface(map), p.x, p.y));
+}
+
 TEST(JunctionSurfaces, IslandOfARingStaysOutside) {
   const Ring outer = circle_points({0, 0}, 20.0, 0.0, 2.0 * M_PI), inner = circle_points({0, 0}, 9.0, 0.0, -2.0 * M_PI);
   const Ring ring = network::woven_ring({{outer, {inner}}, {{{30, 0}, {40, 0}, {40, 5}, {30, 5}}, {}}});

@@ -465,7 +465,7 @@ TEST(LaneLayout, a_car_fits_into_every_lane) {
   for (const Road* road : plain_roads(result.map))
     for (const auto* side : {&road->sections[0].left, &road->sections[0].right})
       for (const Lane& lane : *side)
-        EXPECT_NEAR(roadquery::lane_width(lane, 10.0), road->osm_id == "3" ? 2.0 : 1.85, 1e-6);
+        EXPECT_NEAR(roadquery::lane_width(lane, 10.0), road->osm_id == "3" ? 2.2 : 1.85, 1e-6);
 }
 
 TEST(Lanes, carriageways_are_multiples_of_a_centimetre_wide_where_pieces_of_their_width_end) {

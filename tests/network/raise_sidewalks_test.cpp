@@ -65,6 +65,47 @@ TEST(RaiseSidewalks, joints_of_roads_have_one_height) {
   EXPECT_NEAR(*walk_height(road_of(map, "1"), true, 60.0), lowered_kerb_m, 1e-3);
 }
 
+TEST(RaiseSidewalks, what_cars_drive_on_is_the_same_with_and_without_them) {
+  // A road forks off another one and falls beside it: sidewalks of full width would lie on the other's lanes, up to
+  // half a metre off.
+  const auto map_of = [](Sides sidewalk) {
+    RoadPath a = make_path({{-80, 0}, {0, 0}, {120, 0}}, {1, 9, 2}, {.osm_id = 1, .width_m = 7.0});
+    RoadPath b = make_path({{0, 0}, {60, 22}, {120, 14}}, {9, 0, 3}, {.osm_id = 2, .width_m = 6.0});
+    for (RoadNode& node : a.nodes) node.z_m = 10.0;
+    for (RoadNode& node : b.nodes) node.z_m = 10.0 - 0.05 * node.s_m;
+    a.sidewalk = b.sidewalk = sidewalk;
+    return build_network(network_of({a, b})).map;
+  };
+  const roadquery::RoadMap with = map_of(Sides::both), without = map_of(Sides::none);
+  const roadquery::RoadQuery one(with), two(without);
+  int asked = 0;
+  double narrowest = 2.0, widest = 0.0;
+  for (const Road& road : without.roads) {
+    if (road.junction >= 0) continue;
+    for (double s = 0.05; s < road.length; s += 0.5) {
+      const roadquery::Edges edges = roadquery::road_edges(road, s);
+      for (double t = edges.right_t + 0.05; t < edges.left_t; t += 0.3, ++asked) {
+        const auto p = roadquery::surface_point(road, s, t);
+        roadquery::Cursor c, d;
+        const auto hit = one.find(p.x, p.y, p.z, c), flat = two.find(p.x, p.y, p.z, d);
+        ASSERT_TRUE(hit && flat);
+        EXPECT_NEAR(hit->z, flat->z, 1e-6) << road.osm_id << ' ' << s << ' ' << t;
+      }
+    }
+  }
+  for (const Road& road : with.roads)
+    for (const auto* side : {&road.sections[0].left, &road.sections[0].right})
+      for (const Lane& lane : *side)
+        for (double s = 0.0; s < road.length && lane.type == LaneType::sidewalk; s += 1.0) {
+          const double width = roadquery::lane_width(lane, s);
+          narrowest = std::min(narrowest, width), widest = std::max(widest, width);
+        }
+  EXPECT_GT(asked, 1000);
+  EXPECT_LT(narrowest, 0.6) << "beside the fork";
+  EXPECT_GE(narrowest, 0.0);
+  EXPECT_EQ(widest, 2.0);
+}
+
 TEST(RaiseSidewalks, nothing_steps_on_driving_lanes) {
   // Two roads with walks, whose lanes and walks overlap for some way, and a junction of both.
   RoadPath a = make_path({{-80, 0}, {0, 0}, {80, 0}}, {1, 9, 2}, {.osm_id = 1, .width_m = 7.0});

@@ -16,7 +16,7 @@ namespace orthodrive {
 namespace {
 
 constexpr double shortest_wave_m = 15.0;
-constexpr int axle_rounds = 3, wheel_rounds = 10;
+constexpr int axle_rounds = 3, wheel_rounds = 10, turn_rounds = 3;
 constexpr double profile_reach_m = 2.5;  // a car feels the road over about its wheelbase
 // What lines cost (bounded_line.hpp). Racing: curvature, and its change over less than 5 m so that it can be steered.
 constexpr LineCosts racing_costs{.curvature_m4 = 1e4, .curvature_rate_m6 = 25e4};
@@ -193,16 +193,13 @@ DrivingLine line_through(const roadquery::RoadQuery& query, const std::vector<Ve
   return line;
 }
 
-DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route, const LineOptions& options) {
+namespace {
+
+/// Follows the lanes, moved sideways from `reference` as far as the car needs.
+DrivingLine line_beside(const roadquery::RoadQuery& query, const Route& route, const LanePath& path,
+                        const Polyline& smoothed, const LineOptions& options) {
   const double z_m = start_z(query.map(), route);
-  const LanePath path = options.racing ? path_along_middle(query.map(), route) : path_along_lanes(query.map(), route);
-  Polyline smoothed = path.points;
-  smooth(smoothed, path.closed, spacing_of(path));
   const DrivingLine reference = line_through(query, smoothed, path.closed, z_m);
-  if (options.racing) {
-    const LineBetweenEdges task = racing_task(path, smoothed, reference, options);
-    return line_through(query, moved(task, best_offsets(task, racing_costs)), path.closed, z_m, path.step);
-  }
   LineBetweenEdges task = lane_task(path, smoothed);
   const std::vector<Room> rooms = room_beside(query, reference, task.wanted_m);
   for (std::size_t i = 0; i < rooms.size(); ++i)
@@ -219,6 +216,41 @@ DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& ro
     const LineEnds ends = room_for_wheels(query.map(), route, line, options);
     if (!keep_wheels_on_road(task, offset, query, rooms, line, ends, options)) break;
     improve();
+  }
+  return line;
+}
+
+/// Largest mean of the curvature over a wheelbase.
+double sharpest_1pm(const DrivingLine& line, double wheelbase_m) {
+  double sharpest = 0.0;
+  for (const LinePoint& p : line.points) {
+    const double turn_rad =
+        line.at(p.s_m + 0.5 * wheelbase_m).heading_rad - line.at(p.s_m - 0.5 * wheelbase_m).heading_rad;
+    sharpest = std::max(sharpest, std::abs(turn_rad) / wheelbase_m);
+  }
+  return sharpest;
+}
+
+}  // namespace
+
+DrivingLine make_driving_line(const roadquery::RoadQuery& query, const Route& route, const LineOptions& options) {
+  const double z_m = start_z(query.map(), route);
+  const LanePath path = options.racing ? path_along_middle(query.map(), route) : path_along_lanes(query.map(), route);
+  Polyline smoothed = path.points;
+  smooth(smoothed, path.closed, spacing_of(path));
+  if (options.racing) {
+    const DrivingLine reference = line_through(query, smoothed, path.closed, z_m);
+    const LineBetweenEdges task = racing_task(path, smoothed, reference, options);
+    return line_through(query, moved(task, best_offsets(task, racing_costs)), path.closed, z_m, path.step);
+  }
+  DrivingLine line = line_beside(query, route, path, smoothed, options);
+  for (int round = 0; round < turn_rounds; ++round) {
+    const double sharpest = sharpest_1pm(line, options.wheelbase_m);
+    if (sharpest <= options.most_curvature_1pm) break;
+    for (std::size_t i = 0; i < smoothed.size(); ++i) smoothed[i] = {line.points[i].x_m, line.points[i].y_m};
+    DrivingLine wider = line_beside(query, route, path, smoothed, options);
+    if (sharpest_1pm(wider, options.wheelbase_m) >= sharpest) break;
+    line = std::move(wider);
   }
   return line;
 }

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -21,8 +23,9 @@ using roadquery::LinkKind;
 using roadquery::Road;
 using roadquery::RoadMap;
 
-// Sharper than this is turning round: between the prongs of a fork. Allowed only where there is no other way on.
-constexpr double max_turn_rad = 150.0 * std::numbers::pi / 180.0;
+// Sharper than this is turning round: between the prongs of a fork, or into a road that leads back to the junction that
+// one comes from. Allowed only where there is no other way on.
+constexpr double max_turn_rad = 150.0 * std::numbers::pi / 180.0, max_turn_back_rad = 140.0 * std::numbers::pi / 180.0;
 
 // What a driver still calls straight on when arrows are read.
 constexpr double straight_turn_rad = 35.0 * std::numbers::pi / 180.0;
@@ -162,11 +165,21 @@ void choose_lanes(Movement& m, bool main, std::size_t surplus, const Gate& in, c
   m.first_in = inwards ? 0 : lanes_in - m.count_in, m.first_out = inwards ? 0 : lanes_out - m.count_out;
 }
 
+/// Whether both roads lead to the same other junction.
+bool leads_back(const JunctionPlan& junctions, const JunctionEnd& from, const JunctionEnd& to) {
+  const auto far_junction = [&](const JunctionEnd& end) {
+    const Stretch& stretch = junctions.stretches[end.stretch];
+    const VertexIndex vertex = end.at_begin ? stretch.vertex1 : stretch.vertex0;
+    return vertex ? junctions.junction_of_vertex[vertex] : -1;
+  };
+  return far_junction(from) >= 0 && far_junction(from) == far_junction(to);
+}
+
 /// Movements from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
-/// `sharp` collects turns over 150 degrees; they are used only where a road has no other way in.
-std::vector<Movement> movements_from(const Restrictions& restrictions, const std::vector<VertexIndex>& vertices,
-                                     const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in,
-                                     const std::vector<Gate>& out, std::size_t from,
+/// `sharp` collects turns that turn round; they are used only where a road has no other way in.
+std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions& restrictions,
+                                     const std::vector<VertexIndex>& vertices, const std::vector<JunctionEnd>& ends,
+                                     const std::vector<Gate>& in, const std::vector<Gate>& out, std::size_t from,
                                      const std::set<VertexIndex>& reached, std::vector<Movement>& sharp) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
@@ -183,7 +196,10 @@ std::vector<Movement> movements_from(const Restrictions& restrictions, const std
                                      [&](const Movement& a, const Movement& b) { return bend(a) < bend(b); });
   std::rotate(movements.begin(), main, main + 1);
   const int main_to = movements.front().to;
-  const auto is_sharp = [&](const Movement& m) { return m.to != main_to && std::abs(m.turn_rad) > max_turn_rad; };
+  const auto is_sharp = [&](const Movement& m) {
+    const bool back = leads_back(plan.junctions, ends[from], ends[at(m.to)]);
+    return m.to != main_to && std::abs(m.turn_rad) > (back ? max_turn_back_rad : max_turn_rad);
+  };
   std::copy_if(movements.begin(), movements.end(), std::back_inserter(sharp), is_sharp);
   std::erase_if(movements, is_sharp);
   return movements;
@@ -202,6 +218,23 @@ std::vector<Movement> only_ways_in(const std::vector<Movement>& movements, const
     if (widest) only.push_back(*widest);
   }
   return only;
+}
+
+/// Turns back that are left out: from there a driver comes to that road only after turning round elsewhere.
+void report_left_out(const NetworkPlan& plan, const std::vector<JunctionEnd>& ends, const std::vector<Gate>& in,
+                     const std::vector<Movement>& movements, const std::vector<Movement>& sharp, Findings& findings) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  for (const Movement& m : sharp) {
+    const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
+    const bool kept = std::ranges::any_of(
+        movements, [&m](const Movement& other) { return other.from == m.from && other.to == m.to; });
+    if (kept || std::abs(m.turn_rad) > max_turn_rad) continue;
+    findings.push_back({Severity::info, "network.turn_left_out",
+                        fmt::format("no turn of {:.0f} degrees from way {} into way {}, which leads back",
+                                    std::abs(m.turn_rad) * degrees, plan.roads.paths[from.path].osm_id,
+                                    plan.roads.paths[to.path].osm_id),
+                        in[at(m.from)].pose.p.x, in[at(m.from)].pose.p.y});
+  }
 }
 
 /// Every lane out of the junction is fed: where more lanes lead out than any way in brings, the outermost lane (or
@@ -439,7 +472,8 @@ double seen_kerb_radius_m(const NetworkPlan& plan, const std::vector<VertexIndex
 
 }  // namespace
 
-JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map) {
+JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map,
+                            Findings& findings) {
   JunctionParts parts;
   std::vector<std::vector<std::size_t>> inside(ends.size());
   for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
@@ -461,7 +495,8 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     std::vector<Movement> movements, sharp;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
       const std::set<VertexIndex> reached = reachable_vertices(plan, inside[j], ends[j][from].vertex);
-      std::vector<Movement> on = movements_from(restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
+      std::vector<Movement> on =
+          movements_from(plan, restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[at(on[0].to)].lanes.size();
         choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)],
@@ -473,6 +508,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
       choose_lanes(m, false, 0, in[at(m.from)], out[at(m.to)], plan.options.driving_side);
       movements.push_back(m);
     }
+    report_left_out(plan, ends[j], in, movements, sharp, findings);
     feed_all_lanes(ends[j], out, movements);
     roadquery::Junction junction{.id = static_cast<int>(j) + 1};
     std::vector<int> connecting;

@@ -13,6 +13,7 @@
 #include "orthodrive/network/junction_surface.hpp"
 #include "orthodrive/network/lane_arrows.hpp"
 #include "orthodrive/network/lanes.hpp"
+#include "orthodrive/network/narrow_sidewalks.hpp"
 #include "orthodrive/network/raise_sidewalks.hpp"
 #include "orthodrive/network/rings.hpp"
 #include "orthodrive/network/road_cuts.hpp"
@@ -114,7 +115,8 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
   const NetworkPlan plan{roads, topology, geometry, junctions, cuts, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
-  const JunctionParts parts = add_junctions(plan, ends, result.map);
+  const JunctionParts parts = add_junctions(plan, ends, result.map, result.findings);
+  narrow_sidewalks(result.map);
   if (options.junction_surfaces)
     result.junction_surfaces = add_junction_surfaces(
         result.map, parts.straight, {.threads = options.threads, .kerb_radius_m = parts.kerb_radius_m});

@@ -9,6 +9,7 @@
 
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/network/road_cover.hpp"
+#include "roadquery/junction_surface.hpp"
 
 namespace orthodrive::network {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/network/fit_plan.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -16,6 +17,7 @@ constexpr double overlap_m = 0.015, simplify_m = 0.005;  // the first holds the 
 constexpr double sliver_m = 0.05;                        // tips of corners narrower than twice this are left out
 constexpr double other_width_m = 15.0;                   // half the width of other roads, at most
 constexpr double side_by_side_m = 15.0, side_by_side_cos = 0.77;  // arms so near to each other, 40 degrees apart
+constexpr double turned_round_m = 4.0;  // radius of the end of a gore: a car turns in and out while it goes round
 // Of a quarter circle: chords of kerbs within 1.5 cm of their arcs; what only bounds or rounds needs no more than a
 // few.
 constexpr double arc_steps_of_1_m = 4.5;
@@ -51,46 +53,62 @@ bool touches(const Polygon& part, const MultiPolygon& other) {
   return std::any_of(part.outer.begin(), part.outer.end(), [&](Vec2 p) { return contains(other, p); });
 }
 
-/// The verge or island between two arms that leave side by side: a kerb goes round its end, and does not fill it.
-std::vector<Polygon> between_arms(const JunctionRoads& roads, Vec2 origin) {
-  struct Arm {
-    Vec2 end, outwards;
-    std::vector<Vec2> corners;
-  };
-  std::vector<Arm> arms;
-  for (std::size_t i = 0; i < roads.arms.size(); ++i) {
+/// Whether cars turn from one arm into the other.
+bool is_turn_between(const JunctionRoads& roads, std::size_t a, std::size_t b) {
+  const int id_a = roads.arms[a]->id, id_b = roads.arms[b]->id;
+  return std::ranges::any_of(roads.connecting, [&](const roadquery::Road* road) {
+    const int from = road->predecessor.id, to = road->successor.id;
+    return (from == id_a && to == id_b) || (from == id_b && to == id_a);
+  });
+}
+
+/// The verge or island between two arms that leave side by side.
+struct Gore {
+  Polygon area;
+  bool is_turned_round = false;  ///< by cars from the one arm to the other
+};
+
+std::vector<Gore> gores_of(const JunctionRoads& roads, Vec2 origin) {
+  const auto end_of = [&](std::size_t i) {
     const roadquery::Road& road = *roads.arms[i];
-    const double s = roads.at_end[i] ? road.length : 0.0, sign = roads.at_end[i] ? -1.0 : 1.0;
-    const double reach = std::min(side_by_side_m, road.length);
-    const roadquery::PlanPoint p = roadquery::reference_point(road, s);
-    Arm arm{Vec2{p.x, p.y} - origin, Vec2{std::cos(p.hdg), std::sin(p.hdg)} * sign, {}};
-    const double s0 = roads.at_end[i] ? road.length - reach : 0.0;
+    const roadquery::PlanPoint p = roadquery::reference_point(road, roads.at_end[i] ? road.length : 0.0);
+    const double outwards = roads.at_end[i] ? -1.0 : 1.0;
+    return Pose{Vec2{p.x, p.y} - origin, Vec2{std::cos(p.hdg), std::sin(p.hdg)} * outwards};
+  };
+  const auto add_corners = [&](std::size_t i, double reach_m, std::vector<Vec2>& corners) {
+    const roadquery::Road& road = *roads.arms[i];
+    const double reach = std::min(reach_m, road.length), s0 = roads.at_end[i] ? road.length - reach : 0.0;
     for (const Polygon& piece : RoadCover(road, origin, s0, s0 + reach).pieces(true, everywhere))
-      arm.corners.insert(arm.corners.end(), piece.outer.begin(), piece.outer.end());
-    arms.push_back(std::move(arm));
-  }
-  std::vector<Polygon> between;
-  for (std::size_t i = 0; i < arms.size(); ++i)
-    for (std::size_t k = i + 1; k < arms.size(); ++k) {
-      if (dot(arms[i].outwards, arms[k].outwards) < side_by_side_cos) continue;
-      if (distance(arms[i].end, arms[k].end) > side_by_side_m) continue;
-      std::vector<Vec2> corners = arms[i].corners;
-      corners.insert(corners.end(), arms[k].corners.begin(), arms[k].corners.end());
+      corners.insert(corners.end(), piece.outer.begin(), piece.outer.end());
+  };
+  std::vector<Gore> gores;
+  for (std::size_t i = 0; i < roads.arms.size(); ++i)
+    for (std::size_t k = i + 1; k < roads.arms.size(); ++k) {
+      const Pose a = end_of(i), b = end_of(k);
+      if (dot(a.direction, b.direction) < side_by_side_cos || distance(a.p, b.p) > side_by_side_m) continue;
+      const bool is_turned_round = is_turn_between(roads, i, k);
+      std::vector<Vec2> corners;
+      for (const std::size_t arm : {i, k}) add_corners(arm, is_turned_round ? arm_reach_m : side_by_side_m, corners);
       Ring hull = convex_hull(std::move(corners));
-      if (hull.size() >= 3) between.push_back({std::move(hull), {}});
+      if (hull.size() >= 3) gores.push_back({{std::move(hull), {}}, is_turned_round});
     }
-  return between;
+  return gores;
+}
+
+MultiPolygon without(MultiPolygon area, const std::vector<Polygon>& taken) {
+  return taken.empty() ? area : difference_of(area, buffer_of(taken, join_m, 1), grid_m);
 }
 
 /// The corners and gaps that closing adds to the connecting roads, without what belongs to other roads and without
-/// pieces that lie apart from the connecting roads.
+/// pieces that lie apart from the connecting roads. A kerb goes round the end of a gore and does not fill it; where
+/// cars turn round that end it leaves them the room that they need.
 MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& connecting, double radius_m, Vec2 origin) {
   std::vector<Polygon> open = arm_pieces(roads, origin, false);
   open.insert(open.end(), connecting.begin(), connecting.end());
-  const int steps = static_cast<int>(std::ceil(arc_steps_of_1_m * std::sqrt(radius_m)));
-  const MultiPolygon closed = buffer_of(buffer_of(open, radius_m, steps), -radius_m, steps);
-  // No corner is further from the connecting roads than its own radius.
-  const MultiPolygon near = intersection_of(closed, buffer_of(connecting, radius_m, near_arc_steps), grid_m);
+  const auto closed = [&open](double by_m) {
+    const int steps = static_cast<int>(std::ceil(arc_steps_of_1_m * std::sqrt(by_m)));
+    return buffer_of(buffer_of(open, by_m, steps), -by_m, steps);
+  };
   Box2 box = bounds_of(connecting.front().outer);
   for (const Polygon& part : connecting) {
     const Box2 b = bounds_of(part.outer);
@@ -99,9 +117,22 @@ MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& conn
   }
   std::vector<Polygon> taken = pieces_of(roads.others, origin, true, box.grown(radius_m + other_width_m));
   for (Polygon& piece : arm_pieces(roads, origin, true)) taken.push_back(std::move(piece));
-  for (Polygon& gap : between_arms(roads, origin)) taken.push_back(std::move(gap));
-  MultiPolygon corners = near;
-  if (!taken.empty()) corners = difference_of(near, buffer_of(taken, join_m, 1), grid_m);
+  std::vector<Polygon> turned_round;
+  const std::size_t roads_taken = taken.size();
+  for (Gore& gore : gores_of(roads, origin)) {
+    if (gore.is_turned_round) turned_round.push_back(gore.area);
+    taken.push_back(std::move(gore.area));
+  }
+  // No corner is further from the connecting roads than its own radius.
+  MultiPolygon corners =
+      without(intersection_of(closed(radius_m), buffer_of(connecting, radius_m, near_arc_steps), grid_m), taken);
+  if (!turned_round.empty()) {
+    taken.resize(roads_taken);
+    const MultiPolygon gores = buffer_of(turned_round, join_m, 1);
+    for (Polygon& tip : without(intersection_of(closed(turned_round_m), gores, grid_m), taken))
+      corners.push_back(std::move(tip));
+    corners = buffer_of(corners, join_m, 1);
+  }
   corners = buffer_of(buffer_of(corners, -sliver_m, tip_arc_steps), sliver_m, tip_arc_steps);
   const MultiPolygon reach = buffer_of(connecting, 2.0 * overlap_m, tip_arc_steps);
   std::erase_if(corners, [&](const Polygon& part) { return !touches(part, reach); });
@@ -111,7 +142,7 @@ MultiPolygon filled_corners(const JunctionRoads& roads, const MultiPolygon& conn
 /// What arms that leave side by side and touch further out keep between them and the area, where that is too little for
 /// a verge.
 MultiPolygon closed_gaps(const JunctionRoads& roads, const MultiPolygon& area, Vec2 origin) {
-  if (between_arms(roads, origin).empty()) return {};
+  if (gores_of(roads, origin).empty()) return {};
   std::vector<Polygon> paved = arm_pieces(roads, origin, true);
   paved.insert(paved.end(), area.begin(), area.end());
   MultiPolygon gaps;

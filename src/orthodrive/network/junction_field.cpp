@@ -166,8 +166,7 @@ FieldRoad over_grid(const FieldGrid& grid, const RoadCover& cover, RoadRole role
     for (int c = column0; c <= column1; ++c) {
       const auto i = static_cast<std::size_t>(r) * static_cast<std::size_t>(grid.columns) + static_cast<std::size_t>(c);
       if (!asked.empty() && asked[i] == 0) continue;
-      if (const auto place = cover.find(grid.node(i), role == RoadRole::arm))
-        road.nodes.push_back({i, cover.height(*place)});
+      if (const auto place = cover.find(grid.node(i), false)) road.nodes.push_back({i, cover.height(*place)});
     }
   return road;
 }

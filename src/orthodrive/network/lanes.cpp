@@ -20,6 +20,7 @@ using roadquery::RoadMark;
 constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
 constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
 constexpr double min_lane_m = 1.85, notable_widening_m = 0.3;
+constexpr double wheelbase_m = 2.7;    // of a family car
 constexpr int max_untagged_lanes = 4;  // a direction
 constexpr double taper_m =
     30.0;  // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
@@ -199,9 +200,16 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide 
                                            : LaneLayout{backward, forward, reduced};
 }
 
+double least_carriageway_m(Oneway oneway, double curvature_1pm) {
+  if (oneway == Oneway::no) return 2.0 * min_lane_m;
+  // With the middle of the wheelbase on a circle the rear axle runs wheelbase^2 / 8 R within, the front axle three
+  // times that without.
+  return min_tagged_lane_m + 0.5 * wheelbase_m * wheelbase_m * std::abs(curvature_1pm);
+}
+
 RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
   for (RoadPath& path : roads.paths) {
-    const double least_m = min_lane_m * (path.oneway == Oneway::no ? 2.0 : 1.0);
+    const double least_m = least_carriageway_m(path.oneway);
     const RoadNode* narrowest = nullptr;
     double narrowest_m = least_m - notable_widening_m;
     for (RoadNode& node : path.nodes) {

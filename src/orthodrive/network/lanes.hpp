@@ -30,8 +30,12 @@ struct LaneLayout {
 /// for the sake of a tag.
 [[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide driving_side);
 
-/// Widens carriageways that are narrower than a lane of 1.85 m for each direction: a car of 1.8 m has to fit, and SUMO
-/// leaves narrower lanes out. Finding network.widened where that is by more than 0.3 m.
+/// What a carriageway needs at least, m: lanes of 1.85 m for two directions, for SUMO leaves narrower ones out; a car
+/// takes the middle of them. One direction alone has no other lane to swing out into: a car with its mirrors (2.2 m),
+/// and what its wheels stray to both sides of its way in a bend.
+[[nodiscard]] double least_carriageway_m(Oneway oneway, double curvature_1pm = 0.0);
+
+/// Widens carriageways that are narrower than that. Finding network.widened where that is by more than 0.3 m.
 [[nodiscard]] RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings);
 
 /// The lanes of a side that are open at an end of a road, counted from the inside; the others taper out towards it.

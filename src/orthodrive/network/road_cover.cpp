@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "roadquery/junction_surface.hpp"
+
 namespace orthodrive::network {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr double off_line_m = 1e-6;  // further from the foot of the perpendicul
 constexpr double straight_m = 1e-3;  // corners of pieces that lie so near to a straight edge are left out
 constexpr double foot_m = 1e-7;
 constexpr double min_piece_area_m2 = 1e-6, right_angle_rad = 0.5 * std::numbers::pi;
-
-bool is_carriageway(const roadquery::Lane& lane) {
-  return lane.type != roadquery::LaneType::sidewalk && lane.type != roadquery::LaneType::none;
-}
 
 /// Without the points that lie on the straight line between their neighbours. The ends stay.
 std::vector<Vec2> without_straight(const std::vector<Vec2>& points) {
@@ -32,26 +30,6 @@ std::vector<Vec2> without_straight(const std::vector<Vec2>& points) {
   if (points.size() > 1) kept.push_back(points.back());
   return kept;
 }
-
-}  // namespace
-
-roadquery::Edges carriageway_edges(const roadquery::Road& road, double s) {
-  s = std::clamp(s, 0.0, road.length);
-  const double offset = roadquery::evaluate(road.lane_offset, s);
-  const roadquery::LaneSection& section = roadquery::section_at(road, s);
-  roadquery::Edges edges{offset, offset};
-  const auto add = [&](const std::vector<roadquery::Lane>& lanes, double sign, double& t) {
-    for (const roadquery::Lane& lane : lanes) {
-      if (!is_carriageway(lane)) break;
-      t += sign * roadquery::lane_width(lane, s - section.s);
-    }
-  };
-  add(section.left, 1.0, edges.left_t);
-  add(section.right, -1.0, edges.right_t);
-  return edges;
-}
-
-namespace {
 
 /// Cross sections so many that neither the reference line nor an edge runs further than a metre between two: where the
 /// line turns within less than that, at the inner edge of a tight turn, the outer edge still goes round in an arc.

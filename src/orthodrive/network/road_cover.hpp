@@ -9,9 +9,6 @@
 
 namespace orthodrive::network {
 
-/// t of the edges of what cars use: lanes from the centre outwards up to a sidewalk.
-[[nodiscard]] roadquery::Edges carriageway_edges(const roadquery::Road& road, double s);
-
 /// Coordinates are relative to `origin` (those of UTM cost digits). The road must outlive the cover.
 class RoadCover {
  public:

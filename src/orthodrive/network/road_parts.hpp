@@ -45,8 +45,9 @@ struct JunctionParts {
 };
 
 /// Connecting roads and junctions. From every incoming lane group to every other road of the junction that can be
-/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out.
+/// reached: no U-turns, one-way roads in their direction. Junctions without any connection are left out. Finding
+/// network.turn_left_out: turns of 140 to 150 degrees into a road that leads back to the same other junction.
 JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends,
-                            roadquery::RoadMap& map);
+                            roadquery::RoadMap& map, Findings& findings);
 
 }  // namespace orthodrive::network

@@ -5,14 +5,15 @@
 #include <map>
 
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/network/lanes.hpp"
 #include "roadquery/blend.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {
 
 constexpr double step_m = 1.0, margin_m = 0.1;  // the second: widths are fitted within 5 cm, on both roads
 constexpr double side_by_side_sin = 0.5, deepest_m = 1.5;
-constexpr double least_lane_m = 1.85;
 constexpr double taper = 0.06;  // the middle of a lane moves by a quarter of that: below 1 degree
 constexpr double taper_reach_m = 2.0 * deepest_m / taper;
 constexpr double shortest_road_m = 4.0;  // shorter ones lie inside the surfaces of their junctions
@@ -32,6 +33,12 @@ double height_at(const ChainGeometry& geometry, double s) {
   return geometry.elevation.empty() ? 0.0 : value_at(after == geometry.elevation.begin() ? *after : *(after - 1), s);
 }
 
+double curvature_at(const std::vector<roadquery::PlanElement>& plan, double s) {
+  const auto after = std::upper_bound(plan.begin() + 1, plan.end(), s,
+                                      [](double v, const roadquery::PlanElement& e) { return v < e.s; });
+  return roadquery::evaluate(*(after - 1), s - (after - 1)->s).curvature;
+}
+
 std::vector<Section> sections_of(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                                  const ChainGeometries& geometry) {
   std::vector<Section> sections;
@@ -48,7 +55,7 @@ std::vector<Section> sections_of(const RoadNetwork& roads, const Topology& topol
       const DirectedPiece piece = topology.chains[stretch.chain].pieces[piece_at(chain, s)];
       const RoadPath& path = roads.paths[topology.pieces[piece.piece].path];
       const double half = 0.5 * width_at(chain, s);
-      const double least = 0.5 * least_lane_m * (path.oneway == Oneway::no ? 2.0 : 1.0);
+      const double least = 0.5 * least_carriageway_m(path.oneway, curvature_at(chain.plan, s));
       sections.push_back({stretch.chain, i, s, half, std::min(half, least), height_at(chain, s),
                           road_rank(path.highway), pose.p, pose.direction});
     }
