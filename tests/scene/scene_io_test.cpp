@@ -135,7 +135,6 @@ SceneTile tile_with_materials() {
   road.indices = {0, 1, 2, 0, 1, 2};
   road.parts = {{SurfaceMaterial::asphalt, 0, 3}, {SurfaceMaterial::verge, 3, 3}};
   road.tile_uv.assign(3, {0.5F, 0.25F});
-  road.tangents.assign(3, {1.0F, 0.0F, 0.0F, 1.0F});
   road.colors.assign(3, {65535, 32768, 0, 65535});
   return tile;
 }
@@ -167,7 +166,6 @@ SceneTile tile_with_trees() {
                .indices = {0, 1, 2},
                .parts = {{SurfaceMaterial::foliage, 0, 3}},
                .tile_uv = {{0.0F, 0.0F}, {1.0F, 0.0F}, {0.5F, 1.0F}}};
-  tree.mesh.tangents.assign(3, {1.0F, 0.0F, 0.0F, 1.0F});
   tree.mesh.colors.assign(3, {1000, 2000, 500, 65535});
   tree.instances = {{.position = {10.0F, 20.0F, 3.0F}, .yaw_rad = 0.5F, .scale = {2.0F, 2.5F, 8.0F}},
                     {.position = {-239.0F, 5.0F, 1.0F}, .scale = {3.0F, 3.0F, 9.0F}, .tint = {0.9F, 1.1F, 0.7F}}};
@@ -339,7 +337,7 @@ TEST(SceneIo, compressed_tiles_decode_to_what_was_written) {
       for (std::size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], truth[i], tolerance) << name;
     }
   }
-  for (const char* name : {"TEXCOORD_1", "TANGENT", "COLOR_0"}) {
+  for (const char* name : {"TEXCOORD_1", "COLOR_0"}) {
     const auto got = values_of(packed, packed.json["meshes"][1]["primitives"][0]["attributes"][name]);
     const auto truth = values_of(flat, flat.json["meshes"][1]["primitives"][0]["attributes"][name]);
     ASSERT_EQ(got.size(), truth.size());

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
 constexpr int place_exponent = -12;     // of tileable textures: a texel of 4 mm in 4 m is 2^-10
-constexpr int instance_exponent = -12;
+constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth
 // glTF 2.0: filters and wrap modes of samplers.
 constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071, repeat = 10497;
 
@@ -55,7 +55,6 @@ TriMesh in_drawing_order(const TriMesh& mesh) {
   reorder(ordered.normals);
   reorder(ordered.uv);
   reorder(ordered.tile_uv);
-  reorder(ordered.tangents);
   reorder(ordered.colors);
   reorder(ordered.features);
   return ordered;
@@ -90,13 +89,20 @@ class Materials {
     return static_cast<int>(file_.json["materials"].size()) - 1;
   }
 
+  int sampler(int min_filter, int mag_filter, int wrap) {
+    const GltfJson wanted = {{"magFilter", mag_filter}, {"minFilter", min_filter}, {"wrapS", wrap}, {"wrapT", wrap}};
+    GltfJson& all = file_.json["samplers"];
+    const auto found = std::ranges::find(all, wanted);
+    if (found != all.end()) return static_cast<int>(found - all.begin());
+    all.push_back(wanted);
+    return static_cast<int>(all.size()) - 1;
+  }
+
   int add_texture(GltfJson image, int min_filter, int mag_filter, int wrap) {
     const bool webp = image.value("mimeType", "") == "image/webp";
     file_.json["images"].push_back(std::move(image));
-    file_.json["samplers"].push_back(
-        {{"magFilter", mag_filter}, {"minFilter", min_filter}, {"wrapS", wrap}, {"wrapT", wrap}});
     const std::size_t source = file_.json["images"].size() - 1;
-    GltfJson texture = {{"sampler", file_.json["samplers"].size() - 1}};
+    GltfJson texture = {{"sampler", sampler(min_filter, mag_filter, wrap)}};
     if (webp) {
       texture["extensions"]["EXT_texture_webp"]["source"] = source;
       file_.use_extension("EXT_texture_webp", true);
@@ -220,11 +226,6 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   if (!mesh.uv.empty()) attributes["TEXCOORD_0"] = file.add_shares(mesh.uv);
   if (!mesh.tile_uv.empty()) attributes["TEXCOORD_1"] = file.add_numbers(mesh.tile_uv, place_exponent);
   if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
-  if (!mesh.tangents.empty()) {
-    std::vector<std::array<float, 4>> tangents;
-    for (const auto& t : mesh.tangents) tangents.push_back({t[0], t[2], -t[1], t[3]});
-    attributes["TANGENT"] = file.add_directions(tangents);
-  }
   if (!mesh.colors.empty()) attributes["COLOR_0"] = file.add_colors(mesh.colors);
   if (!mesh.features.empty()) {
     std::vector<float> ids;
@@ -245,7 +246,7 @@ GltfJson instancing(GlbFile& file, const std::vector<MeshInstance>& instances, d
     tints.push_back(copy.tint);
   }
   GltfJson attributes;
-  attributes["TRANSLATION"] = file.add_numbers(translations, position_exponent);
+  attributes["TRANSLATION"] = file.add_numbers(translations, instance_exponent);
   attributes["ROTATION"] = file.add_numbers(rotations, instance_exponent);
   attributes["SCALE"] = file.add_numbers(scales, instance_exponent);
   attributes["_COLOR_0"] = file.add_numbers(tints, instance_exponent);

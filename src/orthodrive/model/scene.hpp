@@ -89,9 +89,6 @@ struct TriMesh {
   std::vector<MeshPart> parts;  ///< in the order of their materials, all triangles; empty: all show the photo
   /// One a vertex, or empty where all show the photo: place in tileable textures, in their sides.
   std::vector<std::array<float, 2>> tile_uv;
-  /// One a vertex, or empty: direction of tile_uv's first coordinate, at right angles to the normal; fourth: 1 where
-  /// normal x tangent points up in the picture, else -1.
-  std::vector<std::array<float, 4>> tangents;
   /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
   /// 65535: 1.
   std::vector<std::array<std::uint16_t, 4>> colors;

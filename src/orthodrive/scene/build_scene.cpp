@@ -403,7 +403,7 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
                         const SceneOptions& options, Monitor* monitor) {
   if (monitor) monitor->progress(0.0, "scene");
   const auto layout = lay_out_scene(input, options);
-  TileLevels levels(scene_tiles(*layout), [&](const SceneTile& tile) { write(tile, layout->origin); });
+  TileLevels levels(scene_tiles(*layout), layout->buildings_in, [&](const SceneTile& tile) { write(tile, layout->origin); });
   const auto& addresses = levels.order();
   std::vector<SceneResult> parts(addresses.size());
   parallel_for(
