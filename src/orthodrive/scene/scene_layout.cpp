@@ -8,6 +8,7 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/scene/label_footprints.hpp"
 #include "orthodrive/scene/road_paint.hpp"
 #include "roadquery/road_surface.hpp"
@@ -236,6 +237,26 @@ HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findin
 
 SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
     : options(scene_options), photo(&input.photo), labels(input.labels) {
+  std::vector<Building> known(input.buildings.begin(), input.buildings.end());
+  std::vector<TreeCrown> crowns;
+  const auto read_labels = [&] {  // needs no roads
+    if (labels == nullptr) return;
+    std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
+    crowns = find_crowns(*labels, input.photo);
+  };
+  parallel_for(2, options.threads, [&](std::size_t task) { task == 0 ? lay_roads(input) : read_labels(); });
+
+  std::vector<const RoadLevel*> levels = {&roads};
+  for (const RoadLevel& deck : decks) levels.push_back(&deck);
+  buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
+  for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
+  trees = plant_trees(crowns, input.trees, {levels, buildings, area}, *ground, input.photo, options.threads);
+  for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
+  choose_tiles(bounds_of(input.area.outer));
+  add_terrain_points();
+}
+
+void SceneLayout::lay_roads(const SceneInput& input) {
   const Polygon site_area = on_grid(input.area);
   const MultiPolygon area_polygons = dense_area(site_area, options.terrain_step_m);
   area = Outline(area_polygons, area_reach_m);
@@ -273,16 +294,10 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   tint = RoadTint(levels, input.photo);
-  std::vector<Building> known(input.buildings.begin(), input.buildings.end());
-  if (labels != nullptr) std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
-  buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
-  for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
-  const std::vector<TreeCrown> crowns =
-      labels != nullptr ? find_crowns(*labels, input.photo) : std::vector<TreeCrown>{};
-  trees = plant_trees(crowns, input.trees, {levels, buildings, area}, *ground, input.photo, options.threads);
-  for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
+}
 
-  // Tiles: those that the area's border passes through, and those whose middle lies inside.
+/// Those that the area's border passes through, and those whose middle lies inside.
+void SceneLayout::choose_tiles(const Box2& bounds) {
   std::set<TileAddress> inside;
   for (const auto& [address, segments] : ground_lines.inside) inside.insert(address);
   const TileAddress first = tile_at({bounds.min_x, bounds.min_y}), last = tile_at({bounds.max_x, bounds.max_y});
@@ -290,7 +305,10 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
     for (int r = first.row; r <= last.row; ++r)
       if (area.contains({(c + 0.5) * scene_tile_m, (r + 0.5) * scene_tile_m})) inside.insert({c, r});
   tiles.assign(inside.begin(), inside.end());
+}
 
+/// Terrain vertices beside roads and below decks.
+void SceneLayout::add_terrain_points() {
   const auto add_terrain_point = [&](Vec2 p) { terrain_points[tile_at(p)].push_back(snap_to_grid(p)); };
   walk_borders(roads.outline(), verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
     for (const double share : {0.25, 0.6, 1.0}) {

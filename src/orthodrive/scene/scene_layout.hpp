@@ -65,6 +65,11 @@ class SceneLayout {
   std::map<TileAddress, std::vector<scene::StructureFace>> structures;  ///< by their middles
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
+
+ private:
+  void lay_roads(const SceneInput& input);
+  void choose_tiles(const Box2& bounds);
+  void add_terrain_points();
 };
 
 }  // namespace orthodrive
