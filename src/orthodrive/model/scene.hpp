@@ -21,7 +21,8 @@ enum class MeshKind : std::uint8_t {
   verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
   marking,    ///< paint, a few millimetres over the road
   kerb,       ///< lanes that lie higher than the road, and their faces
-  structure,  ///< piers, girders and parapets of bridges, guard rails
+  structure,  ///< piers, girders, abutments and edge beams of bridges
+  rails,      ///< railings of bridges, guard rails
   building,   ///< walls and roofs
   tree,       ///< copies of a few shapes
 };
@@ -42,6 +43,8 @@ enum class MeshKind : std::uint8_t {
       return "road_kerb";
     case MeshKind::structure:
       return "road_structure";
+    case MeshKind::rails:
+      return "road_rails";
     case MeshKind::building:
       return "building";
     case MeshKind::tree:

@@ -351,7 +351,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
   TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
-      structure{.kind = MeshKind::structure};
+      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails};
   add_ground(layout, address, terrain, road);
   add_verge(layout, terrain.mesh, center, verge);
   drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
@@ -367,9 +367,12 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
   add_material(SurfaceMaterial::concrete, kerb);
-  if (const auto found = layout.structures.find(address); found != layout.structures.end())
-    add_faces(found->second, tile.origin, structure);
+  if (const auto found = layout.structures.find(address); found != layout.structures.end()) {
+    add_faces(found->second, false, tile.origin, structure);
+    add_faces(found->second, true, tile.origin, rails);
+  }
   add_material(SurfaceMaterial::concrete, structure);
+  add_material(SurfaceMaterial::concrete, rails);
   TriMesh buildings{.kind = MeshKind::building};
   if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
     buildings = building_mesh(found->second, tile.origin);
@@ -381,7 +384,8 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     tile.instanced = tree_instances(found->second, tile.origin);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &kerb, &structure, &buildings}) {
+  for (TriMesh* mesh :
+       {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &kerb, &structure, &rails, &buildings}) {
     if (mesh->indices.empty()) continue;
     for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
     tile.meshes.push_back(std::move(*mesh));
@@ -403,7 +407,8 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
                         const SceneOptions& options, Monitor* monitor) {
   if (monitor) monitor->progress(0.0, "scene");
   const auto layout = lay_out_scene(input, options);
-  TileLevels levels(scene_tiles(*layout), layout->buildings_in, [&](const SceneTile& tile) { write(tile, layout->origin); });
+  TileLevels levels(scene_tiles(*layout), layout->buildings_in,
+                    [&](const SceneTile& tile) { write(tile, layout->origin); });
   const auto& addresses = levels.order();
   std::vector<SceneResult> parts(addresses.size());
   parallel_for(

@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/scene/crossing_roads.hpp"
 #include "orthodrive/scene/label_footprints.hpp"
 #include "orthodrive/scene/road_paint.hpp"
 #include "roadquery/road_surface.hpp"
@@ -270,7 +271,8 @@ void SceneLayout::lay_roads(const SceneInput& input) {
       .query = query};
   const SortedRoads sorted = sort_roads(*query, findings);
   roads = RoadLevel(sorted.ground, site_area, level_options);
-  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, site_area, level_options);
+  for (const auto& [layer, of_layer] : sorted.decks)
+    for (auto& deck_roads : told_apart(of_layer)) decks.emplace_back(std::move(deck_roads), site_area, level_options);
   ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};

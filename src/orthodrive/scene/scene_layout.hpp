@@ -53,7 +53,7 @@ class SceneLayout {
   scene::Outline area;
   scene::RoadLevel roads;  ///< on the ground
   scene::LevelLines ground_lines;
-  std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer
+  std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer; those that cross apart
   std::vector<scene::LevelLines> deck_lines;
   std::optional<scene::Ground> ground;
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
