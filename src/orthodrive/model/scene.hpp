@@ -25,6 +25,10 @@ enum class MeshKind : std::uint8_t {
   rails,      ///< railings of bridges, guard rails
   building,   ///< walls and roofs
   tree,       ///< copies of a few shapes
+  water,      ///< lakes and rivers, each at one level; meets the terrain as roads do
+  barrier,    ///< hedges, walls, fences
+  track,      ///< railways: ballast and rails
+  lamp,       ///< copies: street lamps
 };
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
@@ -47,6 +51,14 @@ enum class MeshKind : std::uint8_t {
       return "road_rails";
     case MeshKind::building:
       return "building";
+    case MeshKind::water:
+      return "water";
+    case MeshKind::barrier:
+      return "barrier";
+    case MeshKind::track:
+      return "track";
+    case MeshKind::lamp:
+      return "lamp";
     case MeshKind::tree:
       break;
   }
@@ -66,12 +78,14 @@ enum class SurfaceMaterial : std::uint8_t {
   facade,      ///< a storey high and a window wide
   roof_tiles,  ///< rows along the eaves
   foliage,     ///< leaves and needles
+  water,       ///< low waves
 };
-constexpr std::size_t surface_material_count = 11;
+constexpr std::size_t surface_material_count = 12;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
-  constexpr std::array<std::string_view, surface_material_count> names = {
-      "photo", "asphalt", "concrete", "setts", "gravel", "ground", "verge", "paint", "facade", "roof_tiles", "foliage"};
+  constexpr std::array<std::string_view, surface_material_count> names = {"photo",  "asphalt",    "concrete", "setts",
+                                                                          "gravel", "ground",     "verge",    "paint",
+                                                                          "facade", "roof_tiles", "foliage",  "water"};
   return names[static_cast<std::size_t>(material)];
 }
 

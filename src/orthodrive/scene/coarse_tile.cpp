@@ -20,11 +20,12 @@ constexpr double base_tolerance_m = 0.25, base_square_m = 2.0;  // times 2^level
 constexpr int first_level_of_squares = 2, first_level_without_trees = 4;
 constexpr std::size_t lump_vertices = 10;
 
-/// Not joined: paint, verges and rails do not show from afar, buildings are made anew.
+/// Not joined: paint, verges, rails and railways do not show from afar, buildings are made anew.
 bool is_left_out(MeshKind kind) {
-  return kind == MeshKind::verge || kind == MeshKind::marking || kind == MeshKind::rails || kind == MeshKind::building;
+  return kind == MeshKind::verge || kind == MeshKind::marking || kind == MeshKind::rails || kind == MeshKind::track ||
+         kind == MeshKind::building;
 }
-bool is_ground(MeshKind kind) { return kind == MeshKind::terrain || kind == MeshKind::road; }
+bool is_ground(MeshKind kind) { return kind == MeshKind::terrain || kind == MeshKind::water || kind == MeshKind::road; }
 
 /// Where a tile lies in its parent.
 struct Quadrant {
@@ -300,6 +301,7 @@ SceneTile ready_to_coarsen(SceneTile tile) {
   if (std::ranges::any_of(tile.meshes, [](const TriMesh& mesh) { return mesh.kind == MeshKind::rails; }))
     tile.geometric_error_m = std::max(tile.geometric_error_m, railing_height_m);
   std::erase_if(tile.meshes, [](const TriMesh& mesh) { return is_left_out(mesh.kind); });
+  std::erase_if(tile.instanced, [](const InstancedMesh& copied) { return copied.mesh.kind == MeshKind::lamp; });
   tile.features = {};
   for (TriMesh& mesh : tile.meshes)
     if (is_ground(mesh.kind)) mesh.uv = {}, mesh.tile_uv = {}, mesh.colors = {};

@@ -251,10 +251,19 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
-  trees = plant_trees(crowns, input.trees, {levels, buildings, area}, *ground, input.photo, options.threads);
+  const FreeSpace space({levels, buildings, area});
+  trees = plant_trees(crowns, input.trees, space, *ground, input.photo, options.threads);
   for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
+  if (input.surroundings) add_surroundings(*input.surroundings, space);
   choose_tiles(bounds_of(input.area.outer));
   add_terrain_points();
+}
+
+void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space) {
+  barriers = by_tile(barrier_faces(surroundings.barriers, space, *ground));
+  tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
+  lamps = place_lamps(surroundings.lamps, roads, space, *ground);
+  for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
 
 void SceneLayout::lay_roads(const SceneInput& input) {
@@ -266,14 +275,17 @@ void SceneLayout::lay_roads(const SceneInput& input) {
   query = std::make_shared<const roadquery::RoadQuery>(without_heights(input.roads));
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
-      .reach_m = std::max(options.verge_m + 1.0, tree_reach_m),
+      .reach_m = std::max({options.verge_m + 1.0, tree_reach_m, track_reach_m}),
       .threads = options.threads,
       .query = query};
   const SortedRoads sorted = sort_roads(*query, findings);
   roads = RoadLevel(sorted.ground, site_area, level_options);
   for (const auto& [layer, of_layer] : sorted.decks)
     for (auto& deck_roads : told_apart(of_layer)) decks.emplace_back(std::move(deck_roads), site_area, level_options);
-  ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
+  HeightGrid terrain = filled_terrain(input.terrain, area, findings);
+  if (input.surroundings)
+    waters = Waters(input.surroundings->water, {roads, terrain, input.photo, site_area, options.verge_m}, findings);
+  ground.emplace(std::move(terrain), roads, decks, waters,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
   origin = {middle.x, middle.y, std::floor(ground->terrain_m(middle))};
@@ -281,6 +293,7 @@ void SceneLayout::lay_roads(const SceneInput& input) {
   std::vector<Polyline> lines;
   append_rings(area_polygons, lines);
   append_rings(roads.polygons(), lines);
+  for (const WaterBody& body : waters.bodies()) append_rings(body.shores, lines);
   ground_lines = cut_at_tiles(std::move(lines), bounds);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);

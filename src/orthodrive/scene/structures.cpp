@@ -31,7 +31,7 @@ class Faces {
   bool are_rails = false;  ///< what is added from here on
 
   void quad(Vec3 a, Vec3 b, Vec3 c, Vec3 d, const LinearColor& color) {
-    all.push_back({{a, b, c, d}, color, are_rails});
+    all.push_back({.corners = {a, b, c, d}, .color = color, .is_rail = are_rails});
   }
 
   /// A bar between two cross sections of four corners each (right low, right high, left high, left low, seen along the
@@ -372,10 +372,10 @@ std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureF
   return tiles;
 }
 
-void add_faces(std::span<const StructureFace> faces, bool rails, Vec3 origin, TriMesh& mesh) {
+void add_faces(std::span<const StructureFace> faces, const FaceFilter& filter, Vec3 origin, TriMesh& mesh) {
   const auto f = [](double v) { return static_cast<float>(v); };
   for (const StructureFace& face : faces) {
-    if (face.is_rail != rails) continue;
+    if (face.is_rail != filter.is_rail || face.material != filter.material) continue;
     const Vec3 a = face.corners[2] - face.corners[0], b = face.corners[3] - face.corners[1];
     const Vec3 n = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
     const double length = std::hypot(n.x, n.y, n.z);

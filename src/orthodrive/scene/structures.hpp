@@ -18,6 +18,7 @@ namespace orthodrive::scene {
 struct StructureFace {
   std::array<Vec3, 4> corners;
   LinearColor color{};
+  SurfaceMaterial material = SurfaceMaterial::concrete;
   bool is_rail = false;  ///< of railings and guard rails: thinner than a decimetre
 };
 
@@ -43,7 +44,12 @@ struct StructureInput {
 /// Faces by the tile of their middle.
 [[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces);
 
-/// Adds faces, but for those of rails or those alone, to a mesh whose positions are relative to `origin`.
-void add_faces(std::span<const StructureFace> faces, bool rails, Vec3 origin, TriMesh& mesh);
+/// Which faces go into a mesh.
+struct FaceFilter {
+  SurfaceMaterial material = SurfaceMaterial::concrete;
+  bool is_rail = false;
+};
+/// Adds such faces to a mesh whose positions are relative to `origin`.
+void add_faces(std::span<const StructureFace> faces, const FaceFilter& filter, Vec3 origin, TriMesh& mesh);
 
 }  // namespace orthodrive::scene

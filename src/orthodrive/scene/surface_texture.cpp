@@ -230,6 +230,14 @@ TexelAt foliage() {
   };
 }
 
+/// Ripples of a decimetre and longer ones.
+TexelAt water() {
+  return [ripples = Fractal(24, 3, 131), waves = Fractal(6, 2, 132)](double u, double v) {
+    const double r = ripples.at(u, v);
+    return Texel{.shade = 0.06 * r, .height_m = 0.006 * r + 0.015 * waves.at(u, v), .roughness = 0.12};
+  };
+}
+
 TexelAt texels_of(SurfaceMaterial material) {
   switch (material) {
     case SurfaceMaterial::concrete:
@@ -250,6 +258,8 @@ TexelAt texels_of(SurfaceMaterial material) {
       return roof_tiles();
     case SurfaceMaterial::foliage:
       return foliage();
+    case SurfaceMaterial::water:
+      return water();
     case SurfaceMaterial::photo:
     case SurfaceMaterial::asphalt:
       break;

@@ -117,6 +117,14 @@ void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
   }
 }
 
+void add_water_material(const SceneLayout& layout, Vec2 center, TriMesh& water) {
+  for (const auto& p : water.positions) {
+    const WaterBody* body = layout.waters.at(center + Vec2{p[0], p[1]});
+    water.colors.push_back(mesh_color(body ? body->color : LinearColor{}));
+  }
+  add_material(SurfaceMaterial::water, water);
+}
+
 void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh) {
   mesh.colors.assign(mesh.positions.size(), mesh_color(color));
   add_material(material, mesh);
