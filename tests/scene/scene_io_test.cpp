@@ -281,7 +281,7 @@ std::vector<double> values_of(const Glb& glb, int accessor_index) {
   const std::size_t count = accessor["count"].get<std::size_t>();
   const std::size_t width = accessor["type"] == "SCALAR" ? 1 : accessor["type"].get<std::string>()[3] - '0';
   const int type = accessor["componentType"];
-  const std::size_t size = type == 5126 || type == 5125 ? 4 : type == 5121 ? 1 : 2;
+  const std::size_t size = type == 5126 || type == 5125 ? 4 : type == 5121 || type == 5120 ? 1 : 2;
   std::size_t stride = view.value("byteStride", width * size);
   std::vector<unsigned char> bytes(view["byteLength"].get<std::size_t>());
   const std::size_t first = accessor.value("byteOffset", 0);
@@ -314,6 +314,7 @@ std::vector<double> values_of(const Glb& glb, int accessor_index) {
       if (type == 5125) read(std::uint32_t{}, at, 1.0);
       if (type == 5123) read(std::uint16_t{}, at, normalized ? 65535.0 : 1.0);
       if (type == 5121) read(std::uint8_t{}, at, 255.0);
+      if (type == 5120) read(std::int8_t{}, at, 127.0);
       if (type == 5122) read(std::int16_t{}, at, 32767.0);
     }
   }
@@ -340,7 +341,8 @@ TEST(SceneIo, compressed_tiles_decode_to_what_was_written) {
       for (std::size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], truth[i], tolerance) << name;
     }
   }
-  for (const auto& [name, tolerance] : {std::pair{"TEXCOORD_1", 6e-4}, {"COLOR_0", 0.5 / 255.0 + 1e-4}}) {
+  for (const auto& [name, tolerance] :
+       {std::pair{"TEXCOORD_1", 6e-4}, {"COLOR_0", 0.5 / 255.0 + 1e-4}, {"TANGENT", 0.012}}) {
     const auto got = values_of(packed, packed.json["meshes"][1]["primitives"][0]["attributes"][name]);
     const auto truth = values_of(flat, flat.json["meshes"][1]["primitives"][0]["attributes"][name]);
     ASSERT_EQ(got.size(), truth.size());

@@ -4,7 +4,6 @@ import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
 import {
   LoadingManager, Material, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
-  Vector2,
 } from 'three';
 
 import {tilesetUrl} from './site';
@@ -51,7 +50,6 @@ export class SurfaceMaterials {
     const material = new MeshStandardMaterial({
       name, map: color, normalMap: this.texture(`${name}_normal.jpg`), roughnessMap: this.texture(`${name}_roughness.jpg`),
       metalness: 0, vertexColors: true,
-      normalScale: new Vector2(1, -1), // the pictures' normals point up in the picture, texture coordinates grow downwards
     });
     // Verge and paint lie on other triangles: they are drawn a little nearer, and after them.
     if (name === 'verge') Object.assign(material, {transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1});

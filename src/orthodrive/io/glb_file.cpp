@@ -15,10 +15,10 @@ namespace orthodrive::io {
 namespace {
 
 // glTF 2.0, 3.6.2 and 5.11: names of component types and targets.
-constexpr int unsigned_byte_type = 5121, short_type = 5122, unsigned_short_type = 5123, unsigned_int_type = 5125,
-              float_type = 5126;
+constexpr int byte_type = 5120, unsigned_byte_type = 5121, short_type = 5122, unsigned_short_type = 5123,
+              unsigned_int_type = 5125, float_type = 5126;
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
-constexpr int direction_bits = 12;
+constexpr int direction_bits = 12, tangent_bits = 8;
 constexpr int largest_mantissa = (1 << 23) - 1;
 
 /// EXT_meshopt_compression, filter EXPONENTIAL: a signed mantissa of 24 bits, then the exponent of 2.
@@ -174,17 +174,28 @@ int GlbFile::add_positions(const std::vector<std::array<float, 3>>& values, int 
   return accessor;
 }
 
-int GlbFile::add_unit_vectors(std::span<const float> values, std::size_t width) {
-  if (!compressed_) return add_floats(values, width, 0);
-  const std::size_t count = values.size() / width;
-  std::vector<float> padded(4 * count, 0.0F);
-  for (std::size_t i = 0; i < count; ++i) std::copy_n(&values[i * width], width, &padded[4 * i]);
+int GlbFile::add_directions(const std::vector<std::array<float, 3>>& values) {
+  if (!compressed_) return add_numbers(values, 0);
+  std::vector<std::array<float, 4>> padded;
+  for (const auto& v : values) padded.push_back({v[0], v[1], v[2], 0.0F});
   constexpr std::size_t stride = 4 * sizeof(std::int16_t);
-  std::vector<std::int16_t> words(4 * count);
-  meshopt_encodeFilterOct(words.data(), count, stride, direction_bits, padded.data());
+  std::vector<std::array<std::int16_t, 4>> words(values.size());
+  meshopt_encodeFilterOct(words.data(), values.size(), stride, direction_bits,
+                          padded.empty() ? nullptr : padded.front().data());
   use_extension("KHR_mesh_quantization", true);
-  return add_accessor(add_block(words.data(), count * stride, {stride, array_buffer, "OCTAHEDRAL"}), count, short_type,
-                      vector_type(width), true);
+  return add_accessor(add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"}),
+                      values.size(), short_type, "VEC3", true);
+}
+
+int GlbFile::add_tangents(const std::vector<std::array<float, 4>>& values) {
+  if (!compressed_) return add_numbers(values, 0);
+  constexpr std::size_t stride = 4 * sizeof(std::int8_t);
+  std::vector<std::array<std::int8_t, 4>> words(values.size());
+  meshopt_encodeFilterOct(words.data(), values.size(), stride, tangent_bits,
+                          values.empty() ? nullptr : values.front().data());
+  use_extension("KHR_mesh_quantization", true);
+  return add_accessor(add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"}),
+                      values.size(), byte_type, "VEC4", true);
 }
 
 int GlbFile::add_shares(const std::vector<std::array<float, 2>>& values) {

@@ -39,11 +39,10 @@ class GlbFile {
   int add_positions(const std::vector<std::array<float, 3>>& values, int exponent);
   /// One number a vertex, such as a feature id.
   int add_scalars(const std::vector<float>& values) { return add_floats(values, 1, 0); }
-  /// Unit vectors; a fourth number of 1 or -1 stays. Compressed: 12 bits in an octahedron, 0.03 degrees.
-  template <std::size_t N>
-  int add_directions(const std::vector<std::array<float, N>>& values) {
-    return add_unit_vectors({values.empty() ? nullptr : values.front().data(), values.size() * N}, N);
-  }
+  /// Unit vectors. Compressed: 12 bits in an octahedron, 0.03 degrees.
+  int add_directions(const std::vector<std::array<float, 3>>& values);
+  /// Unit vectors with a fourth number of 1 or -1, which stays. Compressed: 8 bits, half a degree.
+  int add_tangents(const std::vector<std::array<float, 4>>& values);
   /// 0..1. Compressed: 16 bits.
   int add_shares(const std::vector<std::array<float, 2>>& values);
   /// 0..65535 for 0..1. Compressed: 8 bits.
@@ -73,7 +72,6 @@ class GlbFile {
     std::size_t offset = 0;
   };
   int add_floats(std::span<const float> values, std::size_t width, int exponent);
-  int add_unit_vectors(std::span<const float> values, std::size_t width);
   Place add_block(const void* bytes, std::size_t size, const Layout& layout);
   int add_accessor(Place at, std::size_t count, int component_type, std::string_view type, bool normalized = false);
   void write_view(const View& view);

@@ -214,6 +214,43 @@ GltfJson add_objects(GlbFile& file, const std::vector<SceneFeature>& features) {
           {"propertyTable", table}};
 }
 
+/// Directions of the first coordinate of tileable textures, at right angles to the normals; fourth: 1 where normal x
+/// tangent points up in the picture, else -1 (Lengyel, Computing Tangent Space Basis Vectors for an Arbitrary Mesh,
+/// 2001).
+std::vector<std::array<float, 4>> tangents_of(const TriMesh& mesh) {
+  const auto vec = [](const std::array<float, 3>& p) { return Vec3{p[0], p[1], p[2]}; };
+  const auto dot3 = [](const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+  std::vector<Vec3> along(mesh.positions.size()), up(mesh.positions.size());
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const std::uint32_t a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
+    const Vec3 ab = vec(mesh.positions[b]) - vec(mesh.positions[a]),
+               ac = vec(mesh.positions[c]) - vec(mesh.positions[a]);
+    const auto step = [&](std::uint32_t to) {
+      return Vec2{double{mesh.tile_uv[to][0]} - double{mesh.tile_uv[a][0]},
+                  double{mesh.tile_uv[to][1]} - double{mesh.tile_uv[a][1]}};
+    };
+    const Vec2 ub = step(b), uc = step(c);
+    const double turned = cross(ub, uc) < 0.0 ? -1.0 : 1.0;
+    const Vec3 u = (ab * uc.y - ac * ub.y) * turned, v = (ab * uc.x - ac * ub.x) * turned;
+    for (const std::uint32_t vertex : {a, b, c}) along[vertex] = along[vertex] + u, up[vertex] = up[vertex] + v;
+  }
+  std::vector<std::array<float, 4>> tangents;
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const Vec3 n = vec(mesh.normals[i]);
+    Vec3 t = along[i] - n * dot3(n, along[i]);
+    double length = std::hypot(t.x, t.y, t.z);
+    if (!(length > 1e-9)) {  // no triangle, or one without area in the picture
+      t = std::abs(n.z) > 0.5 ? Vec3{n.z, 0.0, -n.x} : Vec3{-n.y, n.x, 0.0};
+      length = std::hypot(t.x, t.y, t.z);
+    }
+    t = t * (1.0 / length);
+    const Vec3 side{n.y * t.z - n.z * t.y, n.z * t.x - n.x * t.z, n.x * t.y - n.y * t.x};
+    const auto f = [](double value) { return static_cast<float>(value); };
+    tangents.push_back({f(t.x), f(t.y), f(t.z), dot3(side, up[i]) < 0.0 ? -1.0F : 1.0F});
+  }
+  return tangents;
+}
+
 /// The vertices of a mesh, as the primitives of its parts share them.
 GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   GltfJson attributes;
@@ -226,6 +263,11 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   if (!mesh.uv.empty()) attributes["TEXCOORD_0"] = file.add_shares(mesh.uv);
   if (!mesh.tile_uv.empty()) attributes["TEXCOORD_1"] = file.add_numbers(mesh.tile_uv, place_exponent);
   if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
+  if (!mesh.tile_uv.empty()) {
+    std::vector<std::array<float, 4>> tangents = tangents_of(mesh);
+    for (auto& t : tangents) t = {t[0], t[2], -t[1], t[3]};
+    attributes["TANGENT"] = file.add_tangents(tangents);
+  }
   if (!mesh.colors.empty()) attributes["COLOR_0"] = file.add_colors(mesh.colors);
   if (!mesh.features.empty()) {
     std::vector<float> ids;
