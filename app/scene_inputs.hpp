@@ -17,6 +17,7 @@ inline void add_scene_inputs(CLI::App& cmd, SceneFiles& files) {
   cmd.add_option("--buildings", files.buildings,
                  "maps with building=* (.osm, .osm.pbf, GeoJSON, GeoPackage); labels show what they lack");
   cmd.add_option("--trees", files.trees, "maps with natural=tree and natural=tree_row; labels show what they lack");
+  cmd.add_option("--surroundings", files.surroundings, "maps with barrier=*, water, railways and street lamps");
 }
 
 }  // namespace orthodrive::app

@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/scene/building_blocks.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
@@ -268,6 +269,46 @@ TEST(Buildings, thread_count_does_not_change_a_byte) {
   EXPECT_EQ(building_mesh_of(a)->indices, building_mesh_of(b)->indices);
   EXPECT_EQ(building_mesh_of(a)->colors, building_mesh_of(b)->colors);
   EXPECT_EQ(one->findings.size(), four->findings.size());
+}
+
+/// A house with a gabled roof, a hall with a step of 0.3 m in its wall, a garage.
+std::vector<Building> three_sizes() {
+  Building hall = building_at(200.0, 100.0, 30.0, 20.0);
+  hall.use = "industrial";
+  const Vec2 low = hall.footprint.outer[0];
+  hall.footprint.outer = {low,
+                          {low.x + 15.0, low.y},
+                          {low.x + 15.0, low.y + 0.3},
+                          {low.x + 30.0, low.y + 0.3},
+                          {low.x + 30.0, low.y + 20.0},
+                          {low.x, low.y + 20.0}};
+  Building garage = building_at(300.0, 100.0, 4.0, 5.0);
+  garage.use = "garage";
+  return {building_at(100.0, 100.0, 12.0, 10.0), hall, garage};
+}
+
+TEST(Buildings, from_afar_are_blocks_within_the_error_they_state) {
+  const Site site = make_site(480.0, {});
+  const auto layout = lay_out(site, three_sizes());
+  ASSERT_EQ(layout->buildings.size(), 3U);
+  std::vector<const scene::PlacedBuilding*> all;
+  for (const auto& building : layout->buildings) all.push_back(&building);
+  const Vec3 origin = layout->origin;
+  const std::size_t whole = scene::building_mesh(all, origin).indices.size();
+  const auto same = scene::building_blocks(all, origin, {.outline_m = 0.1, .roof_m = 0.1});
+  EXPECT_EQ(same.mesh.indices.size(), whole) << "nothing is that small";
+  EXPECT_EQ(same.error_m, 0.0);
+  const auto straight = scene::building_blocks(all, origin, {.outline_m = 0.5, .roof_m = 1.0});
+  EXPECT_EQ(straight.mesh.indices.size(), whole - 2 * 9) << "two walls of two triangles, and two of the roof";
+  EXPECT_EQ(straight.error_m, 0.5);
+  const auto blocks = scene::building_blocks(all, origin, {.outline_m = 1.0, .roof_m = 2.0, .size_m = 4.0});
+  EXPECT_EQ(blocks.mesh.indices.size(), 2U * 3U * (8U + 2U)) << "two boxes without floors";
+  EXPECT_NEAR(blocks.error_m, 2.6, 1e-9) << "the garage";
+  double highest_m = 0.0;
+  for (const auto& p : blocks.mesh.positions) {
+    if (p[0] < all[0]->middle.x + 10.0 - origin.x) highest_m = std::max(highest_m, double{p[2]});
+  }
+  EXPECT_NEAR(highest_m + origin.z, all[0]->eaves_z_m + 0.5 * all[0]->roof.rise_m, 1e-4);
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ struct GroundSite {
     level = level_of(roads);
     if (!bridges.empty()) decks.push_back(level_of(bridges));
   }
+  Waters waters;  // none
   [[nodiscard]] Ground ground() const {
     HeightGrid terrain;
     terrain.frame = covering_grid({west_m, south_m, west_m + 300.0, south_m + 300.0}, 5.0);
@@ -41,7 +42,7 @@ struct GroundSite {
     for (int row = 0; row < terrain.frame.height; ++row)
       for (int col = 0; col < terrain.frame.width; ++col)
         terrain.height_m.at(col, row) = static_cast<float>(terrain_m(terrain.frame.center_of(col, row)));
-    return {std::move(terrain), level, decks, {.verge_m = 5.0, .deck_clearance_m = 1.1}};
+    return {std::move(terrain), level, decks, waters, {.verge_m = 5.0, .deck_clearance_m = 1.1}};
   }
   static double terrain_m(Vec2 p) { return 12.0 + 0.01 * (p.x - west_m); }
 };

@@ -122,7 +122,8 @@ TEST(SceneIo, roads_and_buildings_are_rows_of_a_table) {
   const Json& accessor = glb.json["accessors"][primitive["attributes"]["_FEATURE_ID_0"].get<int>()];
   std::array<float, 3> rows{};
   std::memcpy(rows.data(),
-              &glb.bytes[glb.json["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"].get<std::size_t>()],
+              &glb.bytes[glb.json["bufferViews"][accessor["bufferView"].get<int>()]["byteOffset"].get<std::size_t>() +
+                         accessor.value("byteOffset", 0)],
               12);
   EXPECT_EQ(rows, (std::array<float, 3>{0.0F, 0.0F, 1.0F}));
   EXPECT_EQ(glb.json["meshes"][0]["primitives"][0]["extensions"]["EXT_mesh_features"]["featureIds"].size(), 1U);
@@ -135,7 +136,6 @@ SceneTile tile_with_materials() {
   road.indices = {0, 1, 2, 0, 1, 2};
   road.parts = {{SurfaceMaterial::asphalt, 0, 3}, {SurfaceMaterial::verge, 3, 3}};
   road.tile_uv.assign(3, {0.5F, 0.25F});
-  road.tangents.assign(3, {1.0F, 0.0F, 0.0F, 1.0F});
   road.colors.assign(3, {65535, 32768, 0, 65535});
   return tile;
 }
@@ -167,7 +167,6 @@ SceneTile tile_with_trees() {
                .indices = {0, 1, 2},
                .parts = {{SurfaceMaterial::foliage, 0, 3}},
                .tile_uv = {{0.0F, 0.0F}, {1.0F, 0.0F}, {0.5F, 1.0F}}};
-  tree.mesh.tangents.assign(3, {1.0F, 0.0F, 0.0F, 1.0F});
   tree.mesh.colors.assign(3, {1000, 2000, 500, 65535});
   tree.instances = {{.position = {10.0F, 20.0F, 3.0F}, .yaw_rad = 0.5F, .scale = {2.0F, 2.5F, 8.0F}},
                     {.position = {-239.0F, 5.0F, 1.0F}, .scale = {3.0F, 3.0F, 9.0F}, .tint = {0.9F, 1.1F, 0.7F}}};
@@ -188,7 +187,8 @@ TEST(SceneIo, trees_are_copies_of_one_mesh) {
     EXPECT_EQ(accessor["count"], 2);
     std::vector<float> result(2 * width);
     std::memcpy(result.data(),
-                &glb.bytes[glb.json["bufferViews"][accessor["bufferView"].get<int>()].value("byteOffset", 0)],
+                &glb.bytes[glb.json["bufferViews"][accessor["bufferView"].get<int>()].value("byteOffset", 0) +
+                           accessor.value("byteOffset", 0)],
                 result.size() * sizeof(float));
     return result;
   };
@@ -281,24 +281,24 @@ std::vector<double> values_of(const Glb& glb, int accessor_index) {
   const std::size_t count = accessor["count"].get<std::size_t>();
   const std::size_t width = accessor["type"] == "SCALAR" ? 1 : accessor["type"].get<std::string>()[3] - '0';
   const int type = accessor["componentType"];
-  const std::size_t size = type == 5126 || type == 5125 ? 4 : 2;
+  const std::size_t size = type == 5126 || type == 5125 ? 4 : type == 5121 || type == 5120 ? 1 : 2;
   std::size_t stride = view.value("byteStride", width * size);
-  std::vector<unsigned char> bytes(count * stride);
+  std::vector<unsigned char> bytes(view["byteLength"].get<std::size_t>());
+  const std::size_t first = accessor.value("byteOffset", 0);
   if (!view.contains("extensions")) {
     std::memcpy(bytes.data(), &glb.bytes[view["byteOffset"].get<std::size_t>()], bytes.size());
   } else {
     const Json& packed = view["extensions"]["EXT_meshopt_compression"];
     const auto* from = reinterpret_cast<const unsigned char*>(&glb.bytes[packed["byteOffset"].get<std::size_t>()]);
     stride = packed["byteStride"];
-    bytes.resize(count * stride);
-    const std::size_t length = packed["byteLength"];
+    const std::size_t all = packed["count"], length = packed["byteLength"];
     if (packed["mode"] == "TRIANGLES") {
-      EXPECT_EQ(meshopt_decodeIndexBuffer(bytes.data(), count, stride, from, length), 0);
+      EXPECT_EQ(meshopt_decodeIndexBuffer(bytes.data(), all, stride, from, length), 0);
     } else {
-      EXPECT_EQ(meshopt_decodeVertexBuffer(bytes.data(), count, stride, from, length), 0);
+      EXPECT_EQ(meshopt_decodeVertexBuffer(bytes.data(), all, stride, from, length), 0);
     }
-    if (packed.value("filter", "") == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), count, stride);
-    if (packed.value("filter", "") == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes.data(), count, stride);
+    if (packed.value("filter", "") == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), all, stride);
+    if (packed.value("filter", "") == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes.data(), all, stride);
   }
   std::vector<double> values;
   const auto read = [&]<typename T>(T, const unsigned char* at, double scale) {
@@ -309,10 +309,12 @@ std::vector<double> values_of(const Glb& glb, int accessor_index) {
   const bool normalized = accessor.value("normalized", false);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < width; ++k) {
-      const unsigned char* at = &bytes[i * stride + k * size];
+      const unsigned char* at = &bytes[first + i * stride + k * size];
       if (type == 5126) read(float{}, at, 1.0);
       if (type == 5125) read(std::uint32_t{}, at, 1.0);
       if (type == 5123) read(std::uint16_t{}, at, normalized ? 65535.0 : 1.0);
+      if (type == 5121) read(std::uint8_t{}, at, 255.0);
+      if (type == 5120) read(std::int8_t{}, at, 127.0);
       if (type == 5122) read(std::int16_t{}, at, 32767.0);
     }
   }
@@ -339,12 +341,21 @@ TEST(SceneIo, compressed_tiles_decode_to_what_was_written) {
       for (std::size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], truth[i], tolerance) << name;
     }
   }
-  for (const char* name : {"TEXCOORD_1", "TANGENT", "COLOR_0"}) {
+  for (const auto& [name, tolerance] :
+       {std::pair{"TEXCOORD_1", 6e-4}, {"COLOR_0", 0.5 / 255.0 + 1e-4}, {"TANGENT", 0.012}}) {
     const auto got = values_of(packed, packed.json["meshes"][1]["primitives"][0]["attributes"][name]);
     const auto truth = values_of(flat, flat.json["meshes"][1]["primitives"][0]["attributes"][name]);
     ASSERT_EQ(got.size(), truth.size());
-    for (std::size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], truth[i], 6e-4) << name;
+    for (std::size_t i = 0; i < got.size(); ++i) EXPECT_NEAR(got[i], truth[i], tolerance) << name;
   }
+  std::set<Json> layouts;  // numbers that lie alike share a view
+  for (const Json& view : packed.json["bufferViews"]) {
+    if (!view.contains("extensions")) continue;
+    const Json& how = view["extensions"]["EXT_meshopt_compression"];
+    EXPECT_TRUE(layouts.insert(Json::array({how["mode"], how["byteStride"], how.value("filter", "")})).second);
+  }
+  EXPECT_GT(layouts.size(), 3U);
+  EXPECT_EQ(flat.json["samplers"].size(), 2U) << "of the photo, and of all that repeats";
 }
 
 TEST(SceneIo, heights_of_a_shared_border_stay_equal_whatever_the_tiles_are_like) {

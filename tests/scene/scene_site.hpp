@@ -108,12 +108,12 @@ inline void expect_upwards(const TriMesh& mesh) {
   EXPECT_EQ(wrong, 0) << to_string(mesh.kind);
 }
 
-/// Terrain and road together are a surface without cracks: each edge inside is used once in each direction, by
+/// Terrain, water and road together are a surface without cracks: each edge inside is used once in each direction, by
 /// positions (heights included); edges used once only lie on the tile's or the area's border.
 inline void expect_closed(const SceneTile& tile, const std::function<bool(Vec2, Vec2)>& may_be_open) {
   using Point = std::array<float, 3>;
   std::map<std::array<Point, 2>, int> edges;
-  for (const MeshKind kind : {MeshKind::terrain, MeshKind::road}) {
+  for (const MeshKind kind : {MeshKind::terrain, MeshKind::water, MeshKind::road}) {
     const TriMesh* mesh = find_mesh(tile, kind);
     if (mesh == nullptr) continue;
     for (std::size_t i = 0; i < mesh->indices.size(); i += 3)

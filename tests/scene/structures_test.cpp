@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
+#include "orthodrive/scene/crossing_roads.hpp"
+#include "orthodrive/scene/scene_layout.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive::scene {
@@ -33,6 +36,7 @@ Site valley_site() {
 }
 
 const TriMesh* structure_of(const SceneTile& tile) { return find_mesh(tile, MeshKind::structure); }
+const TriMesh* rails_of(const SceneTile& tile) { return find_mesh(tile, MeshKind::rails); }
 
 SceneTile build(const Site& site) { return build_scene_tile(*lay_out_scene(site.input()), {1000, 13000}); }
 
@@ -61,7 +65,10 @@ TEST(Structures, decks_have_beams_and_railings_along_their_sides_only) {
   ASSERT_TRUE(mesh);
   double west = 1e9, east = -1e9, top = -1e9;
   int on_road = 0;
-  for (const auto& position : mesh->positions) {
+  ASSERT_TRUE(rails_of(tile));
+  std::vector<std::array<float, 3>> positions = mesh->positions;
+  positions.insert(positions.end(), rails_of(tile)->positions.begin(), rails_of(tile)->positions.end());
+  for (const auto& position : positions) {
     const Vec3 p = world(tile, position);
     west = std::min(west, p.x), east = std::max(east, p.x), top = std::max(top, p.z);
     const double beside = std::abs(p.y - south_m - 240.0);
@@ -94,12 +101,99 @@ TEST(Structures, piers_stand_on_the_ground_and_on_no_road) {
   EXPECT_EQ(piers, 4) << "five spans of 24 m";
 }
 
+TEST(Structures, no_face_of_a_beam_lies_in_the_side_of_the_deck) {
+  const SceneTile tile = build(valley_site());
+  const TriMesh* mesh = structure_of(tile);
+  ASSERT_TRUE(mesh);
+  int in_side = 0;
+  for (std::size_t i = 0; i < mesh->indices.size(); i += 3) {
+    bool is_in_side = true;
+    double low = 1e9;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 p = world(tile, mesh->positions[mesh->indices[i + k]]);
+      is_in_side = is_in_side && std::abs(std::abs(p.y - south_m - 240.0) - 3.0) < 1e-3;
+      low = std::min(low, p.z);
+    }
+    in_side += static_cast<int>(is_in_side && low < 19.0 - 1e-3);
+  }
+  EXPECT_EQ(in_side, 0) << "they would flicker";
+}
+
+TEST(Structures, abutments_close_the_ends_of_decks_down_into_the_ground) {
+  const Site site = valley_site();
+  const auto layout = lay_out_scene(site.input());
+  const SceneTile tile = build_scene_tile(*layout, {1000, 13000});
+  const TriMesh* mesh = structure_of(tile);
+  ASSERT_TRUE(mesh);
+  std::map<bool, std::array<double, 2>> across;  // by bank: lowest and highest of the wall across
+  for (std::size_t i = 0; i < mesh->indices.size(); i += 3) {
+    std::array<Vec3, 3> c;
+    for (std::size_t k = 0; k < 3; ++k) c[k] = world(tile, mesh->positions[mesh->indices[i + k]]);
+    const double wide = std::max({c[0].y, c[1].y, c[2].y}) - std::min({c[0].y, c[1].y, c[2].y});
+    if (c[0].x != c[1].x || c[1].x != c[2].x || wide < 5.5) continue;
+    const bool east = c[0].x > west_m + 240.0;
+    if (std::abs(c[0].x - west_m - 240.0) < 47.0) continue;  // a pier
+    EXPECT_EQ(mesh->normals[mesh->indices[i]][0], east ? -1.0F : 1.0F) << "towards the valley";
+    auto& [low, high] = across.try_emplace(east, std::array{1e9, -1e9}).first->second;
+    for (const Vec3& p : c) {
+      low = std::min(low, p.z), high = std::max(high, p.z);
+      EXPECT_GT(layout->ground->height_m({p.x, p.y}), low);
+    }
+  }
+  ASSERT_EQ(across.size(), 2U) << "one on each bank";
+  for (const auto& [east, extent] : across) EXPECT_NEAR(extent[1], 19.0 - 0.8 + 0.05, 2e-3) << "to the deck";
+}
+
+/// Two bridges of one layer, one 7 m over the other, and one that runs on from the first.
+std::vector<RoadShape> crossing_bridges() {
+  return {{.start = {west_m + 140.0, south_m + 240.0}, .length_m = 100.0, .z_m = 16.0, .layer = 1, .bridge = true},
+          {.start = {west_m + 200.0, south_m + 180.0},
+           .heading_rad = 0.5 * pi,
+           .length_m = 120.0,
+           .z_m = 23.0,
+           .layer = 1,
+           .bridge = true},
+          {.start = {west_m + 240.0, south_m + 240.0}, .length_m = 50.0, .z_m = 16.0, .layer = 1, .bridge = true}};
+}
+
+TEST(Structures, roads_of_one_layer_that_cross_are_told_apart) {
+  Site site = make_site(480.0, crossing_bridges());
+  auto& roads = site.roads.roads;
+  roads[0].successor = {roadquery::LinkKind::road, roads[2].id};
+  const std::vector<const roadquery::Road*> all = {&roads[0], &roads[1], &roads[2]};
+  const auto sets = told_apart(all);
+  ASSERT_EQ(sets.size(), 2U);
+  EXPECT_EQ(sets[0], (std::vector<const roadquery::Road*>{&roads[0], &roads[2]})) << "they run on into each other";
+  EXPECT_EQ(sets[1], std::vector<const roadquery::Road*>{&roads[1]});
+
+  const SceneTile tile = build(site);
+  const TriMesh* road = find_mesh(tile, MeshKind::road);
+  ASSERT_TRUE(road);
+  EXPECT_NEAR(scene_test::plan_area_m2(road), (100.0 + 120.0 + 50.0) * 6.0, 1.0) << "both, where they cross";
+  for (const auto& position : road->positions) {
+    const Vec3 p = world(tile, position);
+    const bool upper = std::abs(p.z - 23.0) < 0.01;
+    EXPECT_TRUE(upper || std::abs(p.z - 16.0) < 0.01) << p.z << ": neither between nor on both";
+    if (upper) {
+      EXPECT_LE(std::abs(p.x - west_m - 200.0), 3.0 + 1e-3);
+    }
+  }
+  // The same height: one surface.
+  roads[1].elevation = {{.a = 16.5}};
+  EXPECT_EQ(told_apart(all).size(), 1U);
+}
+
 TEST(Structures, low_decks_have_no_piers) {
   const Site site = make_site(
       480.0, {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0, .z_m = 12.0},
               {.start = {west_m + 180.0, south_m + 240.0}, .length_m = 80.0, .z_m = 12.0, .layer = 1, .bridge = true}});
   const SceneTile tile = build(site);
-  for (const auto& position : structure_of(tile)->positions) EXPECT_GE(world(tile, position).z, 12.0 - 0.8 - 1e-3);
+  for (const auto& position : structure_of(tile)->positions) {
+    const Vec3 p = world(tile, position);
+    if (std::abs(p.x - west_m - 220.0) < 40.0 - 5.0) {  // the abutments are nearer to the ends
+      EXPECT_GE(p.z, 12.0 - 0.8 - 1e-3);
+    }
+  }
 }
 
 TEST(Structures, motorways_have_guard_rails_but_no_other_roads_and_none_at_junctions) {
@@ -107,10 +201,10 @@ TEST(Structures, motorways_have_guard_rails_but_no_other_roads_and_none_at_junct
       make_site(480.0, {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 200.0, .width_m = 10.0},
                         {.start = {west_m + 40.0, south_m + 100.0}, .length_m = 200.0},
                         {.start = {west_m + 140.0, south_m + 240.0}, .heading_rad = 0.5 * pi, .length_m = 100.0}});
-  EXPECT_EQ(structure_of(build(site)), nullptr);
+  EXPECT_EQ(rails_of(build(site)), nullptr);
   site.roads.roads[0].highway = "motorway";
   const SceneTile tile = build(site);
-  const TriMesh* rails = structure_of(tile);
+  const TriMesh* rails = rails_of(tile);
   ASSERT_TRUE(rails);
   double top = -1e9;
   for (const auto& position : rails->positions) {
@@ -132,7 +226,7 @@ TEST(Structures, guard_rails_follow_a_bend) {
                                  .curvature_1pm = 1.0 / radius_m}});
   site.roads.roads[0].highway = "motorway";
   const SceneTile tile = build(site);
-  const TriMesh* rails = structure_of(tile);
+  const TriMesh* rails = rails_of(tile);
   ASSERT_TRUE(rails);
   const Vec2 centre{west_m + 100.0, south_m + 60.0 + radius_m};
   std::set<int> seen_deg[2];  // inside and outside of the bend, in parts of 5 degrees

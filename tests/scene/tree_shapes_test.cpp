@@ -47,7 +47,6 @@ TEST_P(EveryTreeShape, has_all_that_a_vertex_needs) {
   ASSERT_EQ(mesh.normals.size(), count);
   ASSERT_EQ(mesh.tile_uv.size(), count);
   ASSERT_EQ(mesh.colors.size(), count);
-  ASSERT_EQ(mesh.tangents.size(), count);
   for (const auto& n : mesh.normals) EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1.0F, 1e-5F);
   ASSERT_EQ(mesh.parts.size(), 1U);
   EXPECT_EQ(mesh.parts[0].index_count, mesh.indices.size());

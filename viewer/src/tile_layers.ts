@@ -21,7 +21,7 @@ export interface Layers {
 }
 
 const alwaysRefined_m = 1e4;
-const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'terrain'] as const;
+const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'water', 'terrain'] as const;
 type SurfaceKind = (typeof kinds)[number];
 
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
@@ -29,9 +29,9 @@ function kindOf(mesh: Mesh): SurfaceKind {
   return kinds.find((kind) => mesh.name.startsWith(kind)) ?? 'terrain';
 }
 
-/** What stands beside the roads has no photo of its own. */
+/** What stands beside the roads throws shadows and has no photo of its own. */
 function stands(mesh: Mesh): boolean {
-  return ['building', 'tree'].includes(kindOf(mesh));
+  return ['building', 'tree', 'barrier', 'track', 'lamp'].includes(kindOf(mesh));
 }
 
 /** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
@@ -64,6 +64,10 @@ export class TileLayers {
     road: new MeshLambertMaterial({color: 0x6b7078}),
     building: new MeshLambertMaterial({color: 0xb9b4ab}),
     tree: new MeshLambertMaterial({color: 0x7f8f72}),
+    barrier: new MeshLambertMaterial({color: 0xa9a498}),
+    track: new MeshLambertMaterial({color: 0x8b8378}),
+    lamp: new MeshLambertMaterial({color: 0x8d9094}),
+    water: new MeshLambertMaterial({color: 0x8fb0bd}),
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
 
@@ -151,7 +155,7 @@ export class TileLayers {
     const map: Texture | null = photos[0] ?? null;
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
-      if (kindOf(mesh) === 'tree') mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
+      if (['tree', 'lamp'].includes(kindOf(mesh))) mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
       mesh.castShadow = stands(mesh);
       mesh.receiveShadow = true;
       const own = mesh.material as MeshStandardMaterial;
@@ -174,11 +178,15 @@ export class TileLayers {
   private isShown(kind: SurfaceKind): boolean {
     const {terrain, roads, photo, materials, buildings, trees} = this.layers;
     switch (kind) {
-      case 'terrain': return terrain;
+      case 'terrain':
+      case 'water': return terrain;
       case 'road': return roads;
       case 'verge': return terrain && roads && photo && materials;
       case 'marking': return roads && materials;
-      case 'building': return buildings;
+      case 'building':
+      case 'barrier':
+      case 'track':
+      case 'lamp': return buildings;
       case 'tree': return trees;
     }
   }

@@ -15,9 +15,10 @@ namespace orthodrive::io {
 namespace {
 
 // glTF 2.0, 3.6.2 and 5.11: names of component types and targets.
-constexpr int short_type = 5122, unsigned_short_type = 5123, unsigned_int_type = 5125, float_type = 5126;
+constexpr int byte_type = 5120, unsigned_byte_type = 5121, short_type = 5122, unsigned_short_type = 5123,
+              unsigned_int_type = 5125, float_type = 5126;
 constexpr int array_buffer = 34962, element_array_buffer = 34963;
-constexpr int direction_bits = 12;
+constexpr int direction_bits = 12, tangent_bits = 8;
 constexpr int largest_mantissa = (1 << 23) - 1;
 
 /// EXT_meshopt_compression, filter EXPONENTIAL: a signed mantissa of 24 bits, then the exponent of 2.
@@ -42,6 +43,24 @@ std::string_view vector_type(std::size_t width) {
 
 std::span<const std::uint8_t> as_bytes(const void* data, std::size_t size) {
   return {static_cast<const std::uint8_t*>(data), size};
+}
+
+std::vector<std::uint8_t> packed_values(const std::vector<std::uint8_t>& bytes, std::size_t stride) {
+  const std::size_t count = bytes.size() / stride;
+  std::vector<std::uint8_t> packed(meshopt_encodeVertexBufferBound(count, stride));
+  packed.resize(meshopt_encodeVertexBuffer(packed.data(), packed.size(), bytes.data(), count, stride));
+  return packed;
+}
+
+/// Indices of 2 or 4 bytes.
+std::vector<std::uint8_t> packed_indices(const std::vector<std::uint8_t>& bytes, std::size_t stride) {
+  std::vector<std::uint32_t> indices(bytes.size() / stride);
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    std::memcpy(&indices[i], &bytes[i * stride], stride);  // little endian
+  const std::size_t vertices = std::size_t{*std::ranges::max_element(indices)} + 1;
+  std::vector<std::uint8_t> packed(meshopt_encodeIndexBufferBound(indices.size(), vertices));
+  packed.resize(meshopt_encodeIndexBuffer(packed.data(), packed.size(), indices.data(), indices.size()));
+  return packed;
 }
 
 }  // namespace
@@ -75,36 +94,48 @@ int GlbFile::add_bytes(std::span<const std::uint8_t> bytes) {
 
 int GlbFile::add_bytes(std::string_view text) { return add_bytes(as_bytes(text.data(), text.size())); }
 
-int GlbFile::add_packed_view(std::span<const std::uint8_t> packed, const Block& block, const char* mode) {
-  const std::size_t offset = append(packed), size = block.count * block.stride;
-  GltfJson compression = {
-      {"buffer", 0},          {"byteOffset", offset}, {"byteLength", packed.size()}, {"byteStride", block.stride},
-      {"count", block.count}, {"mode", mode}};
-  if (block.filter != nullptr) compression["filter"] = block.filter;
-  GltfJson view = {{"buffer", 1}, {"byteOffset", unpacked_size_}, {"byteLength", size}};
-  if (block.target == array_buffer) view["byteStride"] = block.stride;
-  if (block.target != 0) view["target"] = block.target;
-  view["extensions"]["EXT_meshopt_compression"] = std::move(compression);
-  unpacked_size_ += (size + 7) / 8 * 8;
-  auto& views = json["bufferViews"];
-  views.push_back(std::move(view));
-  return static_cast<int>(views.size()) - 1;
-}
-
-int GlbFile::add_block(const Block& block) {
-  if (compressed_ && block.count > 0) {
-    std::vector<std::uint8_t> packed(meshopt_encodeVertexBufferBound(block.count, block.stride));
-    packed.resize(meshopt_encodeVertexBuffer(packed.data(), packed.size(), block.bytes, block.count, block.stride));
-    return add_packed_view(packed, block, "ATTRIBUTES");
+GlbFile::Place GlbFile::add_block(const void* bytes, std::size_t size, const Layout& layout) {
+  auto view = std::ranges::find(views_, layout, &View::layout);
+  if (view == views_.end()) {
+    auto& listed = json["bufferViews"];
+    view = views_.insert(view, {layout, static_cast<int>(listed.size()), {}});
+    listed.push_back(nullptr);  // filled in by write_view()
   }
-  const int view = add_bytes(as_bytes(block.bytes, block.count * block.stride));
-  auto& made = json["bufferViews"].back();
-  if (block.target != 0) made["target"] = block.target;
-  return view;
+  const std::size_t offset = view->bytes.size();
+  const auto added = as_bytes(bytes, size);
+  view->bytes.insert(view->bytes.end(), added.begin(), added.end());
+  return {view->index, offset};
 }
 
-int GlbFile::add_accessor(int view, std::size_t count, int component_type, std::string_view type, bool normalized) {
-  GltfJson accessor = {{"bufferView", view}, {"componentType", component_type}, {"count", count}, {"type", type}};
+void GlbFile::write_view(const View& view) {
+  const auto& [stride, target, filter] = view.layout;
+  const std::size_t count = view.bytes.size() / stride;
+  const bool is_index = target == element_array_buffer;
+  GltfJson made;
+  if (!compressed_ || count == 0) {
+    const std::size_t offset = append(view.bytes);
+    made = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", view.bytes.size()}};
+  } else {
+    const std::vector<std::uint8_t> packed =
+        is_index ? packed_indices(view.bytes, stride) : packed_values(view.bytes, stride);
+    const std::size_t offset = append(packed);
+    GltfJson compression = {
+        {"buffer", 0},          {"byteOffset", offset}, {"byteLength", packed.size()},
+        {"byteStride", stride}, {"count", count},       {"mode", is_index ? "TRIANGLES" : "ATTRIBUTES"}};
+    if (filter != nullptr) compression["filter"] = filter;
+    made = {{"buffer", 1}, {"byteOffset", unpacked_size_}, {"byteLength", view.bytes.size()}};
+    made["extensions"]["EXT_meshopt_compression"] = std::move(compression);
+    unpacked_size_ += (view.bytes.size() + 7) / 8 * 8;
+  }
+  if (!is_index) made["byteStride"] = stride;
+  made["target"] = target;
+  json["bufferViews"][static_cast<std::size_t>(view.index)] = std::move(made);
+}
+
+int GlbFile::add_accessor(Place at, std::size_t count, int component_type, std::string_view type, bool normalized) {
+  GltfJson accessor = {{"bufferView", at.view}};
+  if (at.offset > 0) accessor["byteOffset"] = at.offset;
+  accessor["componentType"] = component_type, accessor["count"] = count, accessor["type"] = type;
   if (normalized) accessor["normalized"] = true;
   auto& accessors = json["accessors"];
   accessors.push_back(std::move(accessor));
@@ -114,13 +145,13 @@ int GlbFile::add_accessor(int view, std::size_t count, int component_type, std::
 int GlbFile::add_floats(std::span<const float> values, std::size_t width, int exponent) {
   const std::size_t count = values.size() / width, stride = width * sizeof(float);
   if (!compressed_)
-    return add_accessor(add_block({values.data(), count, stride, array_buffer, nullptr}), count, float_type,
-                        vector_type(width));
+    return add_accessor(add_block(values.data(), values.size_bytes(), {stride, array_buffer, nullptr}), count,
+                        float_type, vector_type(width));
   exponent = fitting_exponent(values, exponent);
   std::vector<std::uint32_t> words;
   words.reserve(values.size());
   for (const float v : values) words.push_back(exponential_word(v, exponent));
-  return add_accessor(add_block({words.data(), count, stride, array_buffer, "EXPONENTIAL"}), count, float_type,
+  return add_accessor(add_block(words.data(), count * stride, {stride, array_buffer, "EXPONENTIAL"}), count, float_type,
                       vector_type(width));
 }
 
@@ -143,17 +174,28 @@ int GlbFile::add_positions(const std::vector<std::array<float, 3>>& values, int 
   return accessor;
 }
 
-int GlbFile::add_unit_vectors(std::span<const float> values, std::size_t width) {
-  if (!compressed_) return add_floats(values, width, 0);
-  const std::size_t count = values.size() / width;
-  std::vector<float> padded(4 * count, 0.0F);
-  for (std::size_t i = 0; i < count; ++i) std::copy_n(&values[i * width], width, &padded[4 * i]);
+int GlbFile::add_directions(const std::vector<std::array<float, 3>>& values) {
+  if (!compressed_) return add_numbers(values, 0);
+  std::vector<std::array<float, 4>> padded;
+  for (const auto& v : values) padded.push_back({v[0], v[1], v[2], 0.0F});
   constexpr std::size_t stride = 4 * sizeof(std::int16_t);
-  std::vector<std::int16_t> words(4 * count);
-  meshopt_encodeFilterOct(words.data(), count, stride, direction_bits, padded.data());
+  std::vector<std::array<std::int16_t, 4>> words(values.size());
+  meshopt_encodeFilterOct(words.data(), values.size(), stride, direction_bits,
+                          padded.empty() ? nullptr : padded.front().data());
   use_extension("KHR_mesh_quantization", true);
-  return add_accessor(add_block({words.data(), count, stride, array_buffer, "OCTAHEDRAL"}), count, short_type,
-                      vector_type(width), true);
+  return add_accessor(add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"}),
+                      values.size(), short_type, "VEC3", true);
+}
+
+int GlbFile::add_tangents(const std::vector<std::array<float, 4>>& values) {
+  if (!compressed_) return add_numbers(values, 0);
+  constexpr std::size_t stride = 4 * sizeof(std::int8_t);
+  std::vector<std::array<std::int8_t, 4>> words(values.size());
+  meshopt_encodeFilterOct(words.data(), values.size(), stride, tangent_bits,
+                          values.empty() ? nullptr : values.front().data());
+  use_extension("KHR_mesh_quantization", true);
+  return add_accessor(add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"}),
+                      values.size(), byte_type, "VEC4", true);
 }
 
 int GlbFile::add_shares(const std::vector<std::array<float, 2>>& values) {
@@ -165,35 +207,37 @@ int GlbFile::add_shares(const std::vector<std::array<float, 2>>& values) {
     };
     words.push_back({word(v[0]), word(v[1])});
   }
-  return add_accessor(add_block({words.data(), words.size(), sizeof(words[0]), array_buffer, nullptr}), words.size(),
+  constexpr std::size_t stride = sizeof(words[0]);
+  return add_accessor(add_block(words.data(), words.size() * stride, {stride, array_buffer, nullptr}), words.size(),
                       unsigned_short_type, "VEC2", true);
 }
 
-int GlbFile::add_colors(std::vector<std::array<std::uint16_t, 4>> values) {
-  constexpr int step = 64;  // of linear colour: below a step of 8 bits sRGB in all but the darkest
-  if (compressed_)
-    for (auto& color : values)
-      for (std::uint16_t& v : color) v = static_cast<std::uint16_t>(std::min((v + step / 2) / step * step, 65535));
-  return add_accessor(add_block({values.data(), values.size(), sizeof(values[0]), array_buffer, nullptr}),
-                      values.size(), unsigned_short_type, "VEC4", true);
+int GlbFile::add_colors(const std::vector<std::array<std::uint16_t, 4>>& values) {
+  const std::size_t count = values.size();
+  if (!compressed_)
+    return add_accessor(add_block(values.data(), count * sizeof(values[0]), {sizeof(values[0]), array_buffer, nullptr}),
+                        count, unsigned_short_type, "VEC4", true);
+  constexpr int step = 65535 / 255;  // linear factors of textures: their grain hides what is rounded
+  std::vector<std::array<std::uint8_t, 4>> words(count);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t c = 0; c < 4; ++c) words[i][c] = static_cast<std::uint8_t>((values[i][c] + step / 2) / step);
+  constexpr std::size_t stride = sizeof(words[0]);
+  return add_accessor(add_block(words.data(), count * stride, {stride, array_buffer, nullptr}), count,
+                      unsigned_byte_type, "VEC4", true);
 }
 
 int GlbFile::add_indices(std::span<const std::uint32_t> values, std::size_t vertex_count) {
-  if (!compressed_) {
-    const int view = add_bytes(as_bytes(values.data(), values.size_bytes()));
-    json["bufferViews"].back()["target"] = element_array_buffer;
-    return add_accessor(view, values.size(), unsigned_int_type, "SCALAR");
-  }
-  const bool wide = vertex_count > 65535;  // glTF keeps the largest index of a type for itself
-  const std::size_t stride = wide ? sizeof(std::uint32_t) : sizeof(std::uint16_t);
-  std::vector<std::uint8_t> packed(meshopt_encodeIndexBufferBound(values.size(), vertex_count));
-  packed.resize(meshopt_encodeIndexBuffer(packed.data(), packed.size(), values.data(), values.size()));
-  const int view =
-      add_packed_view(packed, {values.data(), values.size(), stride, element_array_buffer, nullptr}, "TRIANGLES");
-  return add_accessor(view, values.size(), wide ? unsigned_int_type : unsigned_short_type, "SCALAR");
+  if (!compressed_ || vertex_count > 65535)  // glTF keeps the largest index of a type for itself
+    return add_accessor(add_block(values.data(), values.size_bytes(), {4, element_array_buffer, nullptr}),
+                        values.size(), unsigned_int_type, "SCALAR");
+  const std::vector<std::uint16_t> narrow(values.begin(), values.end());
+  return add_accessor(add_block(narrow.data(), narrow.size() * 2, {2, element_array_buffer, nullptr}), values.size(),
+                      unsigned_short_type, "SCALAR");
 }
 
 void GlbFile::write(const std::filesystem::path& path) {
+  for (const View& view : views_) write_view(view);
+  views_.clear();
   bytes_.resize((bytes_.size() + 3) / 4 * 4);
   json["buffers"] = GltfJson::array({{{"byteLength", bytes_.size()}}});
   if (unpacked_size_ > 0)

@@ -25,12 +25,12 @@ class GlbFile {
   /// Adds to extensionsUsed, and to extensionsRequired where a reader without it would draw something wrong.
   void use_extension(std::string_view name, bool required);
 
-  /// Bytes as they are: pictures, tables. Returns the view.
+  /// Bytes as they are: pictures, tables. Returns their view.
   int add_bytes(std::span<const std::uint8_t> bytes);
   int add_bytes(std::string_view text);
 
-  // Accessors. Compressed numbers are rounded to multiples of 2^exponent, of the number itself: equal numbers stay
-  // equal whatever stands beside them.
+  // Accessors. Those of one layout share a view: a view takes 250 bytes of JSON. Compressed numbers are rounded to
+  // multiples of 2^exponent, of the number itself: equal numbers stay equal whatever stands beside them.
   template <std::size_t N>
   int add_numbers(const std::vector<std::array<float, N>>& values, int exponent) {
     return add_floats({values.empty() ? nullptr : values.front().data(), values.size() * N}, N, exponent);
@@ -39,36 +39,47 @@ class GlbFile {
   int add_positions(const std::vector<std::array<float, 3>>& values, int exponent);
   /// One number a vertex, such as a feature id.
   int add_scalars(const std::vector<float>& values) { return add_floats(values, 1, 0); }
-  /// Unit vectors; a fourth number of 1 or -1 stays. Compressed: 12 bits in an octahedron, 0.03 degrees.
-  template <std::size_t N>
-  int add_directions(const std::vector<std::array<float, N>>& values) {
-    return add_unit_vectors({values.empty() ? nullptr : values.front().data(), values.size() * N}, N);
-  }
+  /// Unit vectors. Compressed: 12 bits in an octahedron, 0.03 degrees.
+  int add_directions(const std::vector<std::array<float, 3>>& values);
+  /// Unit vectors with a fourth number of 1 or -1, which stays. Compressed: 8 bits, half a degree.
+  int add_tangents(const std::vector<std::array<float, 4>>& values);
   /// 0..1. Compressed: 16 bits.
   int add_shares(const std::vector<std::array<float, 2>>& values);
-  /// 0..65535 for 0..1. Compressed: 10 bits.
-  int add_colors(std::vector<std::array<std::uint16_t, 4>> values);
+  /// 0..65535 for 0..1. Compressed: 8 bits.
+  int add_colors(const std::vector<std::array<std::uint16_t, 4>>& values);
   int add_indices(std::span<const std::uint32_t> values, std::size_t vertex_count);
 
   /// Writes the file as a whole or not at all. Throws Error when it cannot be written.
   void write(const std::filesystem::path& path);
 
  private:
-  struct Block {
-    const void* bytes;
-    std::size_t count, stride;
-    int target;
-    const char* filter;  ///< none: nullptr
+  /// How the numbers of a view lie.
+  struct Layout {
+    std::size_t stride;
+    int target;          ///< of glTF
+    const char* filter;  ///< of EXT_meshopt_compression; none: nullptr
+    friend bool operator==(const Layout&, const Layout&) = default;
+  };
+  /// A view under construction: what its accessors have added so far.
+  struct View {
+    Layout layout;
+    int index = 0;  ///< in the JSON
+    std::vector<std::uint8_t> bytes;
+  };
+  /// Where a block begins.
+  struct Place {
+    int view = 0;
+    std::size_t offset = 0;
   };
   int add_floats(std::span<const float> values, std::size_t width, int exponent);
-  int add_unit_vectors(std::span<const float> values, std::size_t width);
-  int add_block(const Block& block);
-  int add_packed_view(std::span<const std::uint8_t> packed, const Block& block, const char* mode);
-  int add_accessor(int view, std::size_t count, int component_type, std::string_view type, bool normalized = false);
+  Place add_block(const void* bytes, std::size_t size, const Layout& layout);
+  int add_accessor(Place at, std::size_t count, int component_type, std::string_view type, bool normalized = false);
+  void write_view(const View& view);
   std::size_t append(std::span<const std::uint8_t> bytes);
 
   bool compressed_ = false;
   std::vector<std::uint8_t> bytes_;
+  std::vector<View> views_;
   std::size_t unpacked_size_ = 0;  ///< of what compressed views decode to
 };
 

@@ -35,13 +35,14 @@ Ring ring_of(const NodeRefs& nodes, const CoordinateTransform& target_from_lonla
   return ring;
 }
 
-/// Lines, and the points that anything here reads: trees.
+/// Lines, and the points that anything here reads: trees and street lamps.
 class LineHandler : public osmium::handler::Handler {
  public:
   LineHandler(std::vector<Feature>& features, const CoordinateTransform& transform)
       : features_(features), transform_(transform) {}
   void node(const osmium::Node& node) {
-    if (!node.tags().has_tag("natural", "tree") || !node.location().valid()) return;
+    const bool is_read = node.tags().has_tag("natural", "tree") || node.tags().has_tag("highway", "street_lamp");
+    if (!is_read || !node.location().valid()) return;
     const Vec2 at = transform_.target_from_source({node.location().lon(), node.location().lat()});
     features_.push_back({.points = {at}, .tags = tags_of(node.tags())});
   }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
 constexpr int place_exponent = -12;     // of tileable textures: a texel of 4 mm in 4 m is 2^-10
-constexpr int instance_exponent = -12;
+constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth
 // glTF 2.0: filters and wrap modes of samplers.
 constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071, repeat = 10497;
 
@@ -55,7 +55,6 @@ TriMesh in_drawing_order(const TriMesh& mesh) {
   reorder(ordered.normals);
   reorder(ordered.uv);
   reorder(ordered.tile_uv);
-  reorder(ordered.tangents);
   reorder(ordered.colors);
   reorder(ordered.features);
   return ordered;
@@ -90,13 +89,20 @@ class Materials {
     return static_cast<int>(file_.json["materials"].size()) - 1;
   }
 
+  int sampler(int min_filter, int mag_filter, int wrap) {
+    const GltfJson wanted = {{"magFilter", mag_filter}, {"minFilter", min_filter}, {"wrapS", wrap}, {"wrapT", wrap}};
+    GltfJson& all = file_.json["samplers"];
+    const auto found = std::ranges::find(all, wanted);
+    if (found != all.end()) return static_cast<int>(found - all.begin());
+    all.push_back(wanted);
+    return static_cast<int>(all.size()) - 1;
+  }
+
   int add_texture(GltfJson image, int min_filter, int mag_filter, int wrap) {
     const bool webp = image.value("mimeType", "") == "image/webp";
     file_.json["images"].push_back(std::move(image));
-    file_.json["samplers"].push_back(
-        {{"magFilter", mag_filter}, {"minFilter", min_filter}, {"wrapS", wrap}, {"wrapT", wrap}});
     const std::size_t source = file_.json["images"].size() - 1;
-    GltfJson texture = {{"sampler", file_.json["samplers"].size() - 1}};
+    GltfJson texture = {{"sampler", sampler(min_filter, mag_filter, wrap)}};
     if (webp) {
       texture["extensions"]["EXT_texture_webp"]["source"] = source;
       file_.use_extension("EXT_texture_webp", true);
@@ -208,6 +214,43 @@ GltfJson add_objects(GlbFile& file, const std::vector<SceneFeature>& features) {
           {"propertyTable", table}};
 }
 
+/// Directions of the first coordinate of tileable textures, at right angles to the normals; fourth: 1 where normal x
+/// tangent points up in the picture, else -1 (Lengyel, Computing Tangent Space Basis Vectors for an Arbitrary Mesh,
+/// 2001).
+std::vector<std::array<float, 4>> tangents_of(const TriMesh& mesh) {
+  const auto vec = [](const std::array<float, 3>& p) { return Vec3{p[0], p[1], p[2]}; };
+  const auto dot3 = [](const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+  std::vector<Vec3> along(mesh.positions.size()), up(mesh.positions.size());
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const std::uint32_t a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
+    const Vec3 ab = vec(mesh.positions[b]) - vec(mesh.positions[a]),
+               ac = vec(mesh.positions[c]) - vec(mesh.positions[a]);
+    const auto step = [&](std::uint32_t to) {
+      return Vec2{double{mesh.tile_uv[to][0]} - double{mesh.tile_uv[a][0]},
+                  double{mesh.tile_uv[to][1]} - double{mesh.tile_uv[a][1]}};
+    };
+    const Vec2 ub = step(b), uc = step(c);
+    const double turned = cross(ub, uc) < 0.0 ? -1.0 : 1.0;
+    const Vec3 u = (ab * uc.y - ac * ub.y) * turned, v = (ab * uc.x - ac * ub.x) * turned;
+    for (const std::uint32_t vertex : {a, b, c}) along[vertex] = along[vertex] + u, up[vertex] = up[vertex] + v;
+  }
+  std::vector<std::array<float, 4>> tangents;
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const Vec3 n = vec(mesh.normals[i]);
+    Vec3 t = along[i] - n * dot3(n, along[i]);
+    double length = std::hypot(t.x, t.y, t.z);
+    if (!(length > 1e-9)) {  // no triangle, or one without area in the picture
+      t = std::abs(n.z) > 0.5 ? Vec3{n.z, 0.0, -n.x} : Vec3{-n.y, n.x, 0.0};
+      length = std::hypot(t.x, t.y, t.z);
+    }
+    t = t * (1.0 / length);
+    const Vec3 side{n.y * t.z - n.z * t.y, n.z * t.x - n.x * t.z, n.x * t.y - n.y * t.x};
+    const auto f = [](double value) { return static_cast<float>(value); };
+    tangents.push_back({f(t.x), f(t.y), f(t.z), dot3(side, up[i]) < 0.0 ? -1.0F : 1.0F});
+  }
+  return tangents;
+}
+
 /// The vertices of a mesh, as the primitives of its parts share them.
 GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   GltfJson attributes;
@@ -220,10 +263,10 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   if (!mesh.uv.empty()) attributes["TEXCOORD_0"] = file.add_shares(mesh.uv);
   if (!mesh.tile_uv.empty()) attributes["TEXCOORD_1"] = file.add_numbers(mesh.tile_uv, place_exponent);
   if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
-  if (!mesh.tangents.empty()) {
-    std::vector<std::array<float, 4>> tangents;
-    for (const auto& t : mesh.tangents) tangents.push_back({t[0], t[2], -t[1], t[3]});
-    attributes["TANGENT"] = file.add_directions(tangents);
+  if (!mesh.tile_uv.empty()) {
+    std::vector<std::array<float, 4>> tangents = tangents_of(mesh);
+    for (auto& t : tangents) t = {t[0], t[2], -t[1], t[3]};
+    attributes["TANGENT"] = file.add_tangents(tangents);
   }
   if (!mesh.colors.empty()) attributes["COLOR_0"] = file.add_colors(mesh.colors);
   if (!mesh.features.empty()) {
@@ -245,7 +288,7 @@ GltfJson instancing(GlbFile& file, const std::vector<MeshInstance>& instances, d
     tints.push_back(copy.tint);
   }
   GltfJson attributes;
-  attributes["TRANSLATION"] = file.add_numbers(translations, position_exponent);
+  attributes["TRANSLATION"] = file.add_numbers(translations, instance_exponent);
   attributes["ROTATION"] = file.add_numbers(rotations, instance_exponent);
   attributes["SCALE"] = file.add_numbers(scales, instance_exponent);
   attributes["_COLOR_0"] = file.add_numbers(tints, instance_exponent);

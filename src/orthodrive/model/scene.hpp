@@ -21,9 +21,14 @@ enum class MeshKind : std::uint8_t {
   verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
   marking,    ///< paint, a few millimetres over the road
   kerb,       ///< lanes that lie higher than the road, and their faces
-  structure,  ///< piers, girders and parapets of bridges, guard rails
+  structure,  ///< piers, girders, abutments and edge beams of bridges
+  rails,      ///< railings of bridges, guard rails
   building,   ///< walls and roofs
   tree,       ///< copies of a few shapes
+  water,      ///< lakes and rivers, each at one level; meets the terrain as roads do
+  barrier,    ///< hedges, walls, fences
+  track,      ///< railways: ballast and rails
+  lamp,       ///< copies: street lamps
 };
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
@@ -42,8 +47,18 @@ enum class MeshKind : std::uint8_t {
       return "road_kerb";
     case MeshKind::structure:
       return "road_structure";
+    case MeshKind::rails:
+      return "road_rails";
     case MeshKind::building:
       return "building";
+    case MeshKind::water:
+      return "water";
+    case MeshKind::barrier:
+      return "barrier";
+    case MeshKind::track:
+      return "track";
+    case MeshKind::lamp:
+      return "lamp";
     case MeshKind::tree:
       break;
   }
@@ -63,12 +78,14 @@ enum class SurfaceMaterial : std::uint8_t {
   facade,      ///< a storey high and a window wide
   roof_tiles,  ///< rows along the eaves
   foliage,     ///< leaves and needles
+  water,       ///< low waves
 };
-constexpr std::size_t surface_material_count = 11;
+constexpr std::size_t surface_material_count = 12;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
-  constexpr std::array<std::string_view, surface_material_count> names = {
-      "photo", "asphalt", "concrete", "setts", "gravel", "ground", "verge", "paint", "facade", "roof_tiles", "foliage"};
+  constexpr std::array<std::string_view, surface_material_count> names = {"photo",  "asphalt",    "concrete", "setts",
+                                                                          "gravel", "ground",     "verge",    "paint",
+                                                                          "facade", "roof_tiles", "foliage",  "water"};
   return names[static_cast<std::size_t>(material)];
 }
 
@@ -89,9 +106,6 @@ struct TriMesh {
   std::vector<MeshPart> parts;  ///< in the order of their materials, all triangles; empty: all show the photo
   /// One a vertex, or empty where all show the photo: place in tileable textures, in their sides.
   std::vector<std::array<float, 2>> tile_uv;
-  /// One a vertex, or empty: direction of tile_uv's first coordinate, at right angles to the normal; fourth: 1 where
-  /// normal x tangent points up in the picture, else -1.
-  std::vector<std::array<float, 4>> tangents;
   /// One a vertex, or empty. Linear red, green and blue that a tileable texture is multiplied by, and opacity;
   /// 65535: 1.
   std::vector<std::array<std::uint16_t, 4>> colors;

@@ -12,6 +12,7 @@
 #include "orthodrive/io/building_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
+#include "orthodrive/io/surroundings_reader.hpp"
 #include "orthodrive/io/terrain_grid_io.hpp"
 #include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/model/sample_height.hpp"
@@ -116,7 +117,8 @@ class TileFolder {
     entries_.push_back(std::move(entry));
     for (const TriMesh& mesh : tile.meshes)
       for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
-    if (!tile.instanced.empty()) materials_.insert(SurfaceMaterial::foliage);
+    for (const InstancedMesh& copied : tile.instanced)
+      for (const MeshPart& part : copied.mesh.parts) materials_.insert(part.material);
     origin_ = site_origin;
     if (!picture_file_.empty() && tile.level == 0) picture_.offer(tile);
   }
@@ -153,11 +155,12 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   Findings findings;
   const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
   const std::vector<Vec2> trees = io::read_trees(files.trees, site);
+  const MapSurroundings surroundings = io::read_surroundings(files.surroundings, site, &findings);
   TileFolder folder(files, options.files);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const SceneResult scene = build_scene(
-      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr, buildings, trees},
+      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr, buildings, trees, &surroundings},
       [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); }, scene_options,
       context.monitor);
   if (folder.empty())
@@ -206,10 +209,11 @@ StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, S
   Findings findings;
   const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
   const std::vector<Vec2> trees = io::read_trees(files.trees, site);
+  const MapSurroundings surroundings = io::read_surroundings(files.surroundings, site, &findings);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const auto layout = lay_out_scene({roads, terrain, placed.photo(), part_of_area(site.area, options.bounds),
-                                     labels ? &*labels : nullptr, buildings, trees},
+                                     labels ? &*labels : nullptr, buildings, trees, &surroundings},
                                     scene_options);
   const auto& addresses = scene_tiles(*layout);
   std::vector<SceneTile> tiles(addresses.size());
@@ -237,17 +241,19 @@ BuildStage scene_stage(SiteBuild& build) {
   const Site& site = build.site;
   const std::vector<fs::path>& buildings = site.buildings.empty() ? site.osm : site.buildings;
   const std::vector<fs::path>& trees = site.trees.empty() ? site.osm : site.trees;
+  const std::vector<fs::path>& surroundings = site.surroundings.empty() ? site.osm : site.surroundings;
   return {.name = "scene",
-          .sources = {{"buildings", buildings}, {"trees", trees}},
+          .sources = {{"buildings", buildings}, {"trees", trees}, {"surroundings", surroundings}},
           .options = {site.attribution},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
-          .run = [&build, &site, buildings, trees] {
+          .run = [&build, &site, buildings, trees, surroundings] {
             return run_scene({.network = build.out_dir / "roads.xodr",
                               .photo = site.photo,
                               .labels = build.out_dir / "labels.tif",
                               .dtm = site.dtm,
                               .buildings = buildings,
                               .trees = trees,
+                              .surroundings = surroundings,
                               .folder = build.out_dir / "scene",
                               .picture = build.out_dir / ".orthodrive/scene_tile.png"},
                              {.site = site.frame}, build.context);

@@ -9,13 +9,14 @@ namespace orthodrive {
 
 struct SceneFiles {
   std::filesystem::path network, photo;
-  std::filesystem::path labels;                  ///< may be empty: tiles then carry no classes
-  std::vector<std::filesystem::path> dtm;        ///< best first
-  std::vector<std::filesystem::path> buildings;  ///< maps with building=*; may be empty
-  std::vector<std::filesystem::path> trees;      ///< maps with natural=tree and tree_row; may be empty
-  std::filesystem::path folder;                  ///< written: tileset.json and *.glb; replaced when all is done
-  std::filesystem::path terrain_grid;            ///< written unless empty: the terrain for simulators, holes filled
-  std::filesystem::path picture;                 ///< written unless empty: PNG of the tile with most road triangles
+  std::filesystem::path labels;                     ///< may be empty: tiles then carry no classes
+  std::vector<std::filesystem::path> dtm;           ///< best first
+  std::vector<std::filesystem::path> buildings;     ///< maps with building=*; may be empty
+  std::vector<std::filesystem::path> trees;         ///< maps with natural=tree and tree_row; may be empty
+  std::vector<std::filesystem::path> surroundings;  ///< maps with barrier=*, water, railways and lamps; may be empty
+  std::filesystem::path folder;                     ///< written: tileset.json and *.glb; replaced when all is done
+  std::filesystem::path terrain_grid;               ///< written unless empty: the terrain for simulators, holes filled
+  std::filesystem::path picture;                    ///< written unless empty: PNG of the tile with most road triangles
 };
 
 struct RunSceneOptions {

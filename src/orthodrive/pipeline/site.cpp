@@ -48,7 +48,7 @@ void check_keys(const toml::table& table, const std::string& where) {
   static const std::map<std::string, std::vector<std::string>> known{
       {"", {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
-      {"sources", {"photo", "osm", "dtm", "buildings", "trees", "gpx", "drive_logs"}},
+      {"sources", {"photo", "osm", "dtm", "buildings", "trees", "surroundings", "gpx", "drive_logs"}},
       {"segment", {"model", "crf"}},
       {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
@@ -164,6 +164,8 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   for (const std::string& name : texts(table, path, "sources", "osm")) site.osm.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "buildings")) site.buildings.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "trees")) site.trees.push_back(located(name));
+  for (const std::string& name : texts(table, path, "sources", "surroundings"))
+    site.surroundings.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "gpx")) site.gpx.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "dtm")) site.dtm.push_back(located(name));
   for (const std::string& name : texts(table, path, "sources", "drive_logs")) site.drive_logs.push_back(located(name));

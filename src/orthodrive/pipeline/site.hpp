@@ -16,12 +16,13 @@ struct Site {
   SiteFrame frame;
   std::filesystem::path photo;
   std::vector<std::filesystem::path> osm;
-  std::vector<std::filesystem::path> gpx;         ///< tracks of GPS receivers; none needed
-  std::vector<std::filesystem::path> dtm;         ///< best first
-  std::vector<std::filesystem::path> buildings;   ///< maps with building=*; empty: those of `osm`
-  std::vector<std::filesystem::path> trees;       ///< maps with natural=tree and tree_row; empty: those of `osm`
-  std::vector<std::filesystem::path> drive_logs;  ///< CSV files and comma2k19 folders; none needed
-  std::filesystem::path truth_dir;                ///< empty: none
+  std::vector<std::filesystem::path> gpx;           ///< tracks of GPS receivers; none needed
+  std::vector<std::filesystem::path> dtm;           ///< best first
+  std::vector<std::filesystem::path> buildings;     ///< maps with building=*; empty: those of `osm`
+  std::vector<std::filesystem::path> trees;         ///< maps with natural=tree and tree_row; empty: those of `osm`
+  std::vector<std::filesystem::path> surroundings;  ///< maps with barriers, water, railways, lamps; empty: `osm`
+  std::vector<std::filesystem::path> drive_logs;    ///< CSV files and comma2k19 folders; none needed
+  std::filesystem::path truth_dir;                  ///< empty: none
   std::vector<std::string> attribution;
   std::string model = "default";         ///< name or file of the segmentation network
   bool crf = false;                      ///< refine the labels by the model's CRF

@@ -140,7 +140,8 @@ void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoin
   std::vector<Vec2> inside;
   const auto add = [&](Vec2 p) {
     if (inner.contains(p) && layout.area.contains(p) && layout.area.nearest(p).distance_m > border_clearance_m &&
-        layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p))
+        layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p) &&
+        layout.waters.shore_distance_m(p) > border_clearance_m)
       inside.push_back(p);
   };
   for (const Vec2 p : in_tile(layout.terrain_points, address)) add(p);
@@ -212,21 +213,30 @@ Vertex road_vertex(const SceneLayout& layout, const RoadLevel& roads, Vec2 p) {
   return on ? Vertex{on->z_m, on->normal} : ground_vertex(layout, p);
 }
 
-void add_ground(const SceneLayout& layout, TileAddress address, MeshBuilder& terrain, MeshBuilder& road) {
+void add_ground(const SceneLayout& layout, TileAddress address, MeshBuilder& terrain, MeshBuilder& water,
+                MeshBuilder& road) {
   TilePoints points(terrain.world({}));
   const Constraints constraints = add_lines(layout.ground_lines, address, layout.options.terrain_step_m, points);
   add_axis_points(layout.roads, layout.ground_lines, address, points);
   add_terrain_points(layout, address, points);
   const Triangulation t = triangulate(points.points(), constraints);
-  std::vector<bool> is_terrain, is_road;
+  std::vector<bool> is_terrain, is_water, is_road;
   for (const Vec2 local : t.region_points) {
     const Vec2 p = terrain.world(local);
     const bool inside = layout.area.contains(p), on_road = layout.roads.outline().contains(p);
-    is_terrain.push_back(inside && !on_road);
+    const bool on_water = inside && !on_road && layout.waters.at(p) != nullptr;
+    is_terrain.push_back(inside && !on_road && !on_water);
+    is_water.push_back(on_water);
     is_road.push_back(inside && on_road);
   }
   add_regions(
       t, is_terrain, [&](Vec2 p) { return ground_vertex(layout, p); }, terrain);
+  add_regions(
+      t, is_water,
+      [&](Vec2 p) {
+        return Vertex{layout.ground->height_m(p), {0.0, 0.0, 1.0}};
+      },
+      water);
   // The height is the ground's, which is the same function on both sides of the road's border.
   add_regions(
       t, is_road,
@@ -304,6 +314,22 @@ std::vector<KerbPiece> kerbs_of(const LevelLines& lines, TileAddress address, Ve
   return local;
 }
 
+std::span<const StructureFace> faces_in(const std::map<TileAddress, std::vector<StructureFace>>& faces,
+                                        TileAddress address) {
+  const auto found = faces.find(address);
+  return found == faces.end() ? std::span<const StructureFace>{} : found->second;
+}
+
+/// Of the faces that have the material; none: no mesh.
+void add_mesh_of(std::span<const StructureFace> faces, MeshKind kind, SurfaceMaterial material, Vec3 origin,
+                 std::vector<TriMesh>& meshes) {
+  TriMesh mesh{.kind = kind};
+  add_faces(faces, {.material = material}, origin, mesh);
+  if (mesh.indices.empty()) return;
+  add_material(material, mesh);
+  meshes.push_back(std::move(mesh));
+}
+
 double plan_area_m2(const TriMesh& mesh) {
   double twice = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -348,11 +374,13 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   const Box2 box = tile_box(address);
   const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
   SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
-  MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z);
+  MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z),
+      water(MeshKind::water, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
   TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
-      structure{.kind = MeshKind::structure};
-  add_ground(layout, address, terrain, road);
+      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails};
+  add_ground(layout, address, terrain, water, road);
+  add_water_material(layout, center, water.mesh);
   add_verge(layout, terrain.mesh, center, verge);
   drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
   add_kerbs(road.mesh, 0, kerbs_of(layout.ground_lines, address, center), kerb);
@@ -367,9 +395,10 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
   add_material(SurfaceMaterial::concrete, kerb);
-  if (const auto found = layout.structures.find(address); found != layout.structures.end())
-    add_faces(found->second, tile.origin, structure);
+  add_faces(faces_in(layout.structures, address), {}, tile.origin, structure);
+  add_faces(faces_in(layout.structures, address), {.is_rail = true}, tile.origin, rails);
   add_material(SurfaceMaterial::concrete, structure);
+  add_material(SurfaceMaterial::concrete, rails);
   TriMesh buildings{.kind = MeshKind::building};
   if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
     buildings = building_mesh(found->second, tile.origin);
@@ -379,15 +408,29 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   }
   if (const auto found = layout.trees_in.find(address); found != layout.trees_in.end())
     tile.instanced = tree_instances(found->second, tile.origin);
+  if (const auto found = layout.lamps_in.find(address); found != layout.lamps_in.end())
+    tile.instanced.push_back(lamp_instances(found->second, tile.origin));
+  std::vector<TriMesh> along_lines;
+  for (const SurfaceMaterial material :
+       {SurfaceMaterial::concrete, SurfaceMaterial::gravel, SurfaceMaterial::foliage}) {
+    add_mesh_of(faces_in(layout.barriers, address), MeshKind::barrier, material, tile.origin, along_lines);
+    add_mesh_of(faces_in(layout.tracks, address), MeshKind::track, material, tile.origin, along_lines);
+  }
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (TriMesh* mesh : {&terrain.mesh, &road.mesh, &body.mesh, &verge, &marking, &kerb, &structure, &buildings}) {
+  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh, &body.mesh, &verge,
+                               &marking,      &kerb,       &structure, &rails,     &buildings};
+  for (TriMesh& mesh : along_lines) all.push_back(&mesh);
+  for (TriMesh* mesh : all) {
     if (mesh->indices.empty()) continue;
     for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
     tile.meshes.push_back(std::move(*mesh));
   }
-  for (const InstancedMesh& tree : tile.instanced)
-    for (const MeshInstance& copy : tree.instances) high = std::max(high, copy.position[2] + copy.scale[2]);
+  for (const InstancedMesh& copied : tile.instanced) {
+    float top = 0.0F;
+    for (const auto& p : copied.mesh.positions) top = std::max(top, p[2]);
+    for (const MeshInstance& copy : copied.instances) high = std::max(high, copy.position[2] + top * copy.scale[2]);
+  }
   if (tile.meshes.empty()) return tile;
   tile.min_z_m = tile.origin.z + static_cast<double>(low);
   tile.max_z_m = tile.origin.z + static_cast<double>(high);
@@ -403,7 +446,8 @@ SceneResult build_scene(const SceneInput& input, const std::function<void(const 
                         const SceneOptions& options, Monitor* monitor) {
   if (monitor) monitor->progress(0.0, "scene");
   const auto layout = lay_out_scene(input, options);
-  TileLevels levels(scene_tiles(*layout), [&](const SceneTile& tile) { write(tile, layout->origin); });
+  TileLevels levels(scene_tiles(*layout), layout->buildings_in,
+                    [&](const SceneTile& tile) { write(tile, layout->origin); });
   const auto& addresses = levels.order();
   std::vector<SceneResult> parts(addresses.size());
   parallel_for(

@@ -12,6 +12,7 @@
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/building.hpp"
+#include "orthodrive/model/map_surroundings.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "roadquery/road_map.hpp"
@@ -23,10 +24,11 @@ struct SceneInput {
   const roadquery::RoadMap& roads;
   const HeightGrid& terrain;  ///< bare earth; holes are filled from their surroundings and found
   const Photo& photo;
-  Polygon area;                              ///< the scene ends here
-  const LabelMap* labels = nullptr;          ///< if given, tiles carry the classes, for simulators and viewers
-  std::span<const Building> buildings = {};  ///< of maps; labels show what they lack
-  std::span<const Vec2> trees = {};          ///< single trees of maps; labels show the others
+  Polygon area;                                   ///< the scene ends here
+  const LabelMap* labels = nullptr;               ///< if given, tiles carry the classes, for simulators and viewers
+  std::span<const Building> buildings = {};       ///< of maps; labels show what they lack
+  std::span<const Vec2> trees = {};               ///< single trees of maps; labels show the others
+  const MapSurroundings* surroundings = nullptr;  ///< barriers, water, railways and lamps of maps
 };
 
 struct SceneOptions {

@@ -222,7 +222,6 @@ class FaceBuilder {
       mesh_.normals.push_back({f(n.x), f(n.y), f(n.z)});
       mesh_.tile_uv.push_back({f((d.x * right.x + d.y * right.y + d.z * right.z) / texture_m.x),
                                f(-(d.x * up.x + d.y * up.y + d.z * up.z) / texture_m.y)});
-      mesh_.tangents.push_back({f(right.x), f(right.y), f(right.z), 1.0F});
       mesh_.colors.push_back(mesh_color(color));
     }
     for (std::uint32_t k = 2; k < corners.size(); ++k) parts_.add(material, {first, first + k - 1, first + k});

@@ -43,7 +43,7 @@ JoinedGround join(std::span<const SceneTile* const> tiles, Vec3 origin) {
     const Vec3 moved = tile->origin - origin;
     const auto f = [](double v) { return static_cast<float>(v); };
     for (const TriMesh& mesh : tile->meshes) {
-      if (mesh.kind != MeshKind::terrain && mesh.kind != MeshKind::road) continue;
+      if (mesh.kind != MeshKind::terrain && mesh.kind != MeshKind::water && mesh.kind != MeshKind::road) continue;
       const bool is_road = mesh.kind == MeshKind::road;
       std::vector<std::uint32_t> slot_of;
       slot_of.reserve(mesh.positions.size());

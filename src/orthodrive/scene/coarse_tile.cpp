@@ -9,7 +9,9 @@
 #include <set>
 #include <tuple>
 
+#include "orthodrive/scene/building_blocks.hpp"
 #include "orthodrive/scene/coarse_ground.hpp"
+#include "orthodrive/scene/structures.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -18,8 +20,12 @@ constexpr double base_tolerance_m = 0.25, base_square_m = 2.0;  // times 2^level
 constexpr int first_level_of_squares = 2, first_level_without_trees = 4;
 constexpr std::size_t lump_vertices = 10;
 
-bool is_flat(MeshKind kind) { return kind == MeshKind::verge || kind == MeshKind::marking; }
-bool is_ground(MeshKind kind) { return kind == MeshKind::terrain || kind == MeshKind::road; }
+/// Not joined: paint, verges, rails and railways do not show from afar, buildings are made anew.
+bool is_left_out(MeshKind kind) {
+  return kind == MeshKind::verge || kind == MeshKind::marking || kind == MeshKind::rails || kind == MeshKind::track ||
+         kind == MeshKind::building;
+}
+bool is_ground(MeshKind kind) { return kind == MeshKind::terrain || kind == MeshKind::water || kind == MeshKind::road; }
 
 /// Where a tile lies in its parent.
 struct Quadrant {
@@ -99,7 +105,6 @@ TriMesh joined(std::span<const SceneTile* const> tiles, MeshKind kind, Vec3 orig
       }
       append(all.normals, mesh.normals);
       append(all.tile_uv, mesh.tile_uv);
-      append(all.tangents, mesh.tangents);
       append(all.colors, mesh.colors);
       for (const MeshPart& part : mesh.parts)
         for (std::size_t i = 0; i < part.index_count; ++i)
@@ -124,7 +129,6 @@ TriMesh without_unused(const TriMesh& mesh) {
     result.positions.push_back(mesh.positions[v]);
     result.normals.push_back(mesh.normals[v]);
     if (!mesh.tile_uv.empty()) result.tile_uv.push_back(mesh.tile_uv[v]);
-    if (!mesh.tangents.empty()) result.tangents.push_back(mesh.tangents[v]);
     if (!mesh.colors.empty()) result.colors.push_back(mesh.colors[v]);
   }
   for (std::uint32_t& v : result.indices) v = slots.at(v);
@@ -183,8 +187,6 @@ TriMesh lump_of(const TriMesh& shape) {
     lump.positions.push_back(p);
     lump.normals.push_back(normal);
     lump.tile_uv.push_back({p[0] - p[1], p[2]});
-    lump.tangents.push_back(normal[2] != 0.0F ? std::array{1.0F, 0.0F, 0.0F, 1.0F}
-                                              : std::array{-normal[1], normal[0], 0.0F, 1.0F});
     auto& word = lump.colors.emplace_back();
     for (std::size_t c = 0; c < 4; ++c) word[c] = static_cast<std::uint16_t>(color[c] / static_cast<double>(count));
   };
@@ -286,17 +288,27 @@ double add_trees(std::span<const SceneTile* const> tiles, SceneTile& coarse) {
   return error_m;
 }
 
+/// As much as the trees of the level may be off: they are left out one by one from the second level on.
+BlockOptions block_options(int level) {
+  return {.outline_m = std::ldexp(base_tolerance_m, level),
+          .roof_m = std::ldexp(2.0 * base_tolerance_m, level),
+          .size_m = level < first_level_of_squares ? 0.0 : std::ldexp(0.5 * base_square_m, level)};
+}
+
 }  // namespace
 
 SceneTile ready_to_coarsen(SceneTile tile) {
-  std::erase_if(tile.meshes, [](const TriMesh& mesh) { return is_flat(mesh.kind); });
+  if (std::ranges::any_of(tile.meshes, [](const TriMesh& mesh) { return mesh.kind == MeshKind::rails; }))
+    tile.geometric_error_m = std::max(tile.geometric_error_m, railing_height_m);
+  std::erase_if(tile.meshes, [](const TriMesh& mesh) { return is_left_out(mesh.kind); });
+  std::erase_if(tile.instanced, [](const InstancedMesh& copied) { return copied.mesh.kind == MeshKind::lamp; });
   tile.features = {};
   for (TriMesh& mesh : tile.meshes)
-    if (is_ground(mesh.kind)) mesh.uv = {}, mesh.tile_uv = {}, mesh.tangents = {}, mesh.colors = {};
+    if (is_ground(mesh.kind)) mesh.uv = {}, mesh.tile_uv = {}, mesh.colors = {};
   return tile;
 }
 
-SceneTile coarse_tile(std::span<const SceneTile* const> tiles) {
+SceneTile coarse_tile(std::span<const SceneTile* const> tiles, std::span<const PlacedBuilding* const> buildings) {
   const SceneTile& first = *tiles.front();
   const TileAddress address = parent_of({first.column, first.row});
   const int level = first.level + 1;
@@ -318,12 +330,14 @@ SceneTile coarse_tile(std::span<const SceneTile* const> tiles) {
   std::set<MeshKind> standing;
   for (const SceneTile* tile : tiles)
     for (const TriMesh& mesh : tile->meshes)
-      if (!is_ground(mesh.kind) && !is_flat(mesh.kind)) standing.insert(mesh.kind);
+      if (!is_ground(mesh.kind) && !is_left_out(mesh.kind)) standing.insert(mesh.kind);
   for (const MeshKind kind : standing) {
     TriMesh mesh = joined(tiles, kind, coarse.origin);
     change_m = std::max(change_m, simplify(mesh, tolerance_m));
     if (!mesh.indices.empty()) coarse.meshes.push_back(std::move(mesh));
   }
+  Blocks blocks = building_blocks(buildings, coarse.origin, block_options(level));
+  if (!blocks.mesh.indices.empty()) coarse.meshes.push_back(std::move(blocks.mesh));
   const double trees_m = add_trees(tiles, coarse);
 
   coarse.texture_rgb = halved_photo(tiles);
@@ -331,7 +345,7 @@ SceneTile coarse_tile(std::span<const SceneTile* const> tiles) {
   for (const SceneTile* tile : tiles)
     if (!tile->classes.classes.empty()) coarse.classes = tile->classes;
   const double texel_m = coarse.texture_rgb.empty() ? 0.0 : side_m / coarse.texture_rgb.width;
-  coarse.geometric_error_m = std::max({below_m + change_m, trees_m, texel_m});
+  coarse.geometric_error_m = std::max({below_m + change_m, blocks.error_m, trees_m, texel_m});
   return coarse;
 }
 

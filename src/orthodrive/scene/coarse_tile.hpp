@@ -5,20 +5,23 @@
 
 #include "orthodrive/model/scene.hpp"
 #include "orthodrive/scene/build_scene.hpp"
+#include "orthodrive/scene/buildings.hpp"
 
 namespace orthodrive::scene {
 
 /// The tile of the next level that covers an address.
 [[nodiscard]] inline TileAddress parent_of(TileAddress a) { return {a.column >> 1, a.row >> 1}; }
 
-/// What is left of a finished tile for the levels above: without paint, verges, features and tileable materials of
-/// roads.
+/// What is left of a finished tile for the levels above: without paint, verges, buildings, features and tileable
+/// materials of roads.
 [[nodiscard]] SceneTile ready_to_coarsen(SceneTile tile);
 
 /// Joins tiles of one level that have one parent. Half of the photo's resolution; roads show the photo; terrain, roads,
-/// buildings, bridges and the like lose what 0.25 m * 2^level allows; trees are lumps, from level 2 on one for all of a
-/// square of 2 m * 2^level, from level 4 on none. SceneTile::geometric_error_m is the largest of: that of the tiles
-/// below plus the measured change in height; half a square of trees, the tallest tree left out; a texel of the photo.
-[[nodiscard]] SceneTile coarse_tile(std::span<const SceneTile* const> tiles);
+/// bridges and the like lose what 0.25 m * 2^level allows; buildings are blocks (scene/building_blocks.hpp); trees are
+/// lumps, from level 2 on one for all of a square of 2 m * 2^level, from level 4 on none. SceneTile::geometric_error_m
+/// is the largest of: that of the tiles below plus the measured change in height; what blocks have moved; half a square
+/// of trees, the tallest tree left out; a texel of the photo. `buildings`: all that stand in the tile.
+[[nodiscard]] SceneTile coarse_tile(std::span<const SceneTile* const> tiles,
+                                    std::span<const PlacedBuilding* const> buildings = {});
 
 }  // namespace orthodrive::scene

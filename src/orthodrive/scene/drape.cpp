@@ -81,8 +81,7 @@ void cut_at_mesh(const TriMesh& mesh, std::size_t first_index, std::span<const s
                                    blend(mesh.normals, first, w, 2)};
         const double length = std::hypot(n[0], n[1], n[2]);
         for (double& v : n) v /= length;
-        draped.push_back(
-            {p, blend(mesh.positions, first, w, 2), n, {blend(mesh.uv, first, w, 0), blend(mesh.uv, first, w, 1)}});
+        draped.push_back({p, blend(mesh.positions, first, w, 2), n});
       }
       use(number, draped);
     }
@@ -97,7 +96,6 @@ void drape(const TriMesh& mesh, std::size_t first_index, std::span<const std::ar
     for (const DrapedCorner& c : part) {
       target.positions.push_back({f(c.p.x), f(c.p.y), f(c.z + lift_m)});
       target.normals.push_back({f(c.normal[0]), f(c.normal[1]), f(c.normal[2])});
-      target.uv.push_back({f(c.uv[0]), f(c.uv[1])});
     }
     for (std::uint32_t k = 2; k < part.size(); ++k)
       target.indices.insert(target.indices.end(), {base, base + k - 1, base + k});

@@ -8,12 +8,11 @@
 
 namespace orthodrive::scene {
 
-/// A corner of a polygon laid on a mesh, with the mesh's height, unit normal and uv there.
+/// A corner of a polygon laid on a mesh, with the mesh's height and unit normal there.
 struct DrapedCorner {
   Vec2 p;
   double z = 0.0;
   std::array<double, 3> normal{};
-  std::array<double, 2> uv{};
 };
 
 /// Cuts convex counter-clockwise polygons (plan, in the frame of the mesh's positions) at the triangles from
@@ -22,7 +21,7 @@ void cut_at_mesh(const TriMesh& mesh, std::size_t first_index, std::span<const s
                  const std::function<void(std::size_t, std::span<const DrapedCorner>)>& use);
 
 /// Cuts convex counter-clockwise polygons (plan, in the frame of the mesh's positions) at the triangles from
-/// `first_index` on and adds what lies over them to `target`, `lift_m` higher, with the mesh's normals and uv.
+/// `first_index` on and adds what lies over them to `target`, `lift_m` higher, with the mesh's normals.
 /// What lies over no triangle is left out.
 void drape(const TriMesh& mesh, std::size_t first_index, std::span<const std::array<Vec2, 4>> polygons, double lift_m,
            TriMesh& target);

@@ -43,8 +43,8 @@ void fill_holes(Raster<float>& heights) {
 }
 
 Ground::Ground(HeightGrid filled_terrain, const RoadLevel& roads, std::span<const RoadLevel> decks,
-               const GroundOptions& options)
-    : terrain_(std::move(filled_terrain)), roads_(&roads), decks_(decks), options_(options) {}
+               const Waters& waters, const GroundOptions& options)
+    : terrain_(std::move(filled_terrain)), roads_(&roads), decks_(decks), waters_(&waters), options_(options) {}
 
 double Ground::terrain_m(Vec2 p) const {
   const Box2 b = terrain_.frame.bounds();
@@ -56,6 +56,7 @@ double Ground::height_m(Vec2 p) const {
   const bool on_border = border.distance_m <= on_border_m;
   const auto road = roads_->sample(p, on_border ? RoadLevel::sample_reach_m : 0.0);
   if (road && (road->inside_m > 0.0 || on_border)) return road->z_m;
+  if (const WaterBody* water = waters_->at(p)) return water->level_m;
   double z = terrain_m(p);
   if (border.distance_m < options_.verge_m)
     z = border.z_m + (z - border.z_m) * smoothstep(border.distance_m / options_.verge_m);

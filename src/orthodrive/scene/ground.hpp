@@ -5,6 +5,7 @@
 
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/scene/road_level.hpp"
+#include "orthodrive/scene/water.hpp"
 
 namespace orthodrive::scene {
 
@@ -19,13 +20,14 @@ struct GroundOptions {
 
 class Ground {
  public:
-  /// `roads` and `decks` must outlive it. The terrain must have a height somewhere.
-  Ground(HeightGrid filled_terrain, const RoadLevel& roads, std::span<const RoadLevel> decks,
+  /// `roads`, `decks` and `waters` must outlive it. The terrain must have a height somewhere.
+  Ground(HeightGrid filled_terrain, const RoadLevel& roads, std::span<const RoadLevel> decks, const Waters& waters,
          const GroundOptions& options);
 
   /// The terrain model, bilinear; beyond its border the border value goes on.
   [[nodiscard]] double terrain_m(Vec2 p) const;
-  /// Height of the ground mesh at p: continuous but for crossing road borders. The same for every tile.
+  /// Height of the ground mesh at p, of the water where there is some: continuous but for crossing road borders and
+  /// shores. The same for every tile.
   [[nodiscard]] double height_m(Vec2 p) const;
   /// Unit normal by central differences of height_m over 1 m.
   [[nodiscard]] Vec3 normal(Vec2 p) const;
@@ -34,6 +36,7 @@ class Ground {
   HeightGrid terrain_;
   const RoadLevel* roads_;
   std::span<const RoadLevel> decks_;
+  const Waters* waters_;
   GroundOptions options_;
 };
 

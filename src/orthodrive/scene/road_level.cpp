@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <span>
+#include <utility>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/overlay.hpp"
@@ -48,6 +51,34 @@ std::vector<Polygon> strip_pieces(const roadquery::Road& road, const std::vector
   return pieces;
 }
 
+/// The union of counter-clockwise pieces that meet in common edges: what is left of all edges once those that run in
+/// both directions are taken out. Where that is one simple ring it winds once around every place inside, and so each
+/// lies in one piece only. Nothing otherwise: pieces overlap, where an inner edge runs backwards.
+std::optional<Polygon> joined_at_edges(std::span<const Polygon> pieces) {
+  using Corner = std::pair<double, double>;
+  std::map<std::pair<Corner, Corner>, int> edges;
+  for (const Polygon& piece : pieces) {
+    for (std::size_t i = 0; i < piece.outer.size(); ++i) {
+      const Vec2 a = piece.outer[i], b = piece.outer[(i + 1) % piece.outer.size()];
+      const Corner from{a.x, a.y}, to{b.x, b.y};
+      if (edges.erase({to, from}) == 0 && ++edges[{from, to}] > 1) return std::nullopt;
+    }
+  }
+  std::map<Corner, Corner> next;
+  for (const auto& [edge, unused] : edges)
+    if (!next.emplace(edge).second) return std::nullopt;
+  Polygon joined;
+  Corner at = next.begin()->first;
+  do {
+    joined.outer.push_back({at.first, at.second});
+    const auto found = next.find(at);
+    if (found == next.end() || joined.outer.size() > next.size()) return std::nullopt;
+    at = found->second;
+  } while (at != next.begin()->first);
+  if (joined.outer.size() != next.size() || !is_simple(joined.outer)) return std::nullopt;
+  return joined;
+}
+
 double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
   const double length2 = dot(b - a, b - a);
   const double u = length2 > 0.0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0.0;
@@ -81,7 +112,12 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
     const std::size_t index = options.query ? static_cast<std::size_t>(roads_[i] - query_->map().roads.data()) : i;
     strips_[i] = cross_sections(*query_, index, options.strip);
     pieces[i] = strip_pieces(*roads_[i], strips_[i]);
-    if (!pieces[i].empty()) unions[i] = union_of(pieces[i], plan_grid_m);
+    if (pieces[i].empty()) return;
+    if (auto joined = joined_at_edges(pieces[i])) {
+      unions[i].push_back(std::move(*joined));
+    } else {
+      unions[i] = union_of(pieces[i], plan_grid_m);
+    }
   });
   MultiPolygon all;
   for (const MultiPolygon& part : unions) all.insert(all.end(), part.begin(), part.end());

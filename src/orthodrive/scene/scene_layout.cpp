@@ -8,6 +8,8 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/scene/crossing_roads.hpp"
 #include "orthodrive/scene/label_footprints.hpp"
 #include "orthodrive/scene/road_paint.hpp"
 #include "roadquery/road_surface.hpp"
@@ -236,6 +238,35 @@ HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findin
 
 SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
     : options(scene_options), photo(&input.photo), labels(input.labels) {
+  std::vector<Building> known(input.buildings.begin(), input.buildings.end());
+  std::vector<TreeCrown> crowns;
+  const auto read_labels = [&] {  // needs no roads
+    if (labels == nullptr) return;
+    std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
+    crowns = find_crowns(*labels, input.photo);
+  };
+  parallel_for(2, options.threads, [&](std::size_t task) { task == 0 ? lay_roads(input) : read_labels(); });
+
+  std::vector<const RoadLevel*> levels = {&roads};
+  for (const RoadLevel& deck : decks) levels.push_back(&deck);
+  buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
+  for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
+  const FreeSpace space({levels, buildings, area});
+  trees = plant_trees(crowns, input.trees, space, *ground, input.photo, options.threads);
+  for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
+  if (input.surroundings) add_surroundings(*input.surroundings, space);
+  choose_tiles(bounds_of(input.area.outer));
+  add_terrain_points();
+}
+
+void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space) {
+  barriers = by_tile(barrier_faces(surroundings.barriers, space, *ground));
+  tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
+  lamps = place_lamps(surroundings.lamps, roads, space, *ground);
+  for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
+}
+
+void SceneLayout::lay_roads(const SceneInput& input) {
   const Polygon site_area = on_grid(input.area);
   const MultiPolygon area_polygons = dense_area(site_area, options.terrain_step_m);
   area = Outline(area_polygons, area_reach_m);
@@ -244,13 +275,17 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   query = std::make_shared<const roadquery::RoadQuery>(without_heights(input.roads));
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
-      .reach_m = std::max(options.verge_m + 1.0, tree_reach_m),
+      .reach_m = std::max({options.verge_m + 1.0, tree_reach_m, track_reach_m}),
       .threads = options.threads,
       .query = query};
   const SortedRoads sorted = sort_roads(*query, findings);
   roads = RoadLevel(sorted.ground, site_area, level_options);
-  for (const auto& [layer, deck_roads] : sorted.decks) decks.emplace_back(deck_roads, site_area, level_options);
-  ground.emplace(filled_terrain(input.terrain, area, findings), roads, decks,
+  for (const auto& [layer, of_layer] : sorted.decks)
+    for (auto& deck_roads : told_apart(of_layer)) decks.emplace_back(std::move(deck_roads), site_area, level_options);
+  HeightGrid terrain = filled_terrain(input.terrain, area, findings);
+  if (input.surroundings)
+    waters = Waters(input.surroundings->water, {roads, terrain, input.photo, site_area, options.verge_m}, findings);
+  ground.emplace(std::move(terrain), roads, decks, waters,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
   origin = {middle.x, middle.y, std::floor(ground->terrain_m(middle))};
@@ -258,6 +293,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   std::vector<Polyline> lines;
   append_rings(area_polygons, lines);
   append_rings(roads.polygons(), lines);
+  for (const WaterBody& body : waters.bodies()) append_rings(body.shores, lines);
   ground_lines = cut_at_tiles(std::move(lines), bounds);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
@@ -273,16 +309,10 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   tint = RoadTint(levels, input.photo);
-  std::vector<Building> known(input.buildings.begin(), input.buildings.end());
-  if (labels != nullptr) std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
-  buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
-  for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
-  const std::vector<TreeCrown> crowns =
-      labels != nullptr ? find_crowns(*labels, input.photo) : std::vector<TreeCrown>{};
-  trees = plant_trees(crowns, input.trees, {levels, buildings, area}, *ground, input.photo, options.threads);
-  for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
+}
 
-  // Tiles: those that the area's border passes through, and those whose middle lies inside.
+/// Those that the area's border passes through, and those whose middle lies inside.
+void SceneLayout::choose_tiles(const Box2& bounds) {
   std::set<TileAddress> inside;
   for (const auto& [address, segments] : ground_lines.inside) inside.insert(address);
   const TileAddress first = tile_at({bounds.min_x, bounds.min_y}), last = tile_at({bounds.max_x, bounds.max_y});
@@ -290,7 +320,10 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
     for (int r = first.row; r <= last.row; ++r)
       if (area.contains({(c + 0.5) * scene_tile_m, (r + 0.5) * scene_tile_m})) inside.insert({c, r});
   tiles.assign(inside.begin(), inside.end());
+}
 
+/// Terrain vertices beside roads and below decks.
+void SceneLayout::add_terrain_points() {
   const auto add_terrain_point = [&](Vec2 p) { terrain_points[tile_at(p)].push_back(snap_to_grid(p)); };
   walk_borders(roads.outline(), verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
     for (const double share : {0.25, 0.6, 1.0}) {

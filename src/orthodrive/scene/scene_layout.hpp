@@ -11,12 +11,14 @@
 #include "orthodrive/scene/buildings.hpp"
 #include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/kerbs.hpp"
+#include "orthodrive/scene/line_objects.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_level.hpp"
 #include "orthodrive/scene/road_markings.hpp"
 #include "orthodrive/scene/road_tint.hpp"
 #include "orthodrive/scene/structures.hpp"
 #include "orthodrive/scene/trees.hpp"
+#include "orthodrive/scene/water.hpp"
 
 namespace orthodrive {
 namespace scene {
@@ -53,7 +55,7 @@ class SceneLayout {
   scene::Outline area;
   scene::RoadLevel roads;  ///< on the ground
   scene::LevelLines ground_lines;
-  std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer
+  std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer; those that cross apart
   std::vector<scene::LevelLines> deck_lines;
   std::optional<scene::Ground> ground;
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
@@ -62,9 +64,18 @@ class SceneLayout {
   std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
   std::vector<scene::PlacedTree> trees;
   std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
-  std::map<TileAddress, std::vector<scene::StructureFace>> structures;  ///< by their middles
+  std::map<TileAddress, std::vector<scene::StructureFace>> structures, barriers, tracks;  ///< by their middles
+  scene::Waters waters;
+  std::vector<scene::PlacedLamp> lamps;
+  std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
+
+ private:
+  void lay_roads(const SceneInput& input);
+  void add_surroundings(const MapSurroundings& surroundings, const scene::FreeSpace& space);
+  void choose_tiles(const Box2& bounds);
+  void add_terrain_points();
 };
 
 }  // namespace orthodrive

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "orthodrive/scene/scene_layout.hpp"
@@ -13,8 +14,9 @@ namespace {
 
 constexpr LinearColor concrete = {0.36F, 0.35F, 0.33F}, steel = {0.30F, 0.31F, 0.32F};
 
-constexpr double beam_width_m = 0.5, beam_rise_m = 0.15;                           // RIZ-ING Kap: edge beams
-constexpr double railing_m = 1.0, bar_m = 0.05, post_step_m = 2.0, post_m = 0.06;  // above the beam
+constexpr double beam_width_m = 0.5, beam_rise_m = 0.15;  // RIZ-ING Kap: edge beams
+constexpr double railing_m = railing_height_m - beam_rise_m;
+constexpr double bar_m = 0.05, post_step_m = 2.0, post_m = 0.06;  // above the beam
 constexpr double rail_off_m = 0.75, rail_low_m = 0.44, rail_high_m = 0.75, rail_thick_m = 0.08, rail_post_step_m = 4.0;
 constexpr double longest_span_m = 25.0, pier_m = 0.9, pier_depth_m = 0.6, least_clearance_m = 2.5;
 constexpr double girder_m = 0.5, girder_height_m = 0.7;
@@ -26,8 +28,11 @@ Vec3 at(Vec2 p, double z) { return {p.x, p.y, z}; }
 class Faces {
  public:
   std::vector<StructureFace> all;
+  bool are_rails = false;  ///< what is added from here on
 
-  void quad(Vec3 a, Vec3 b, Vec3 c, Vec3 d, const LinearColor& color) { all.push_back({{a, b, c, d}, color}); }
+  void quad(Vec3 a, Vec3 b, Vec3 c, Vec3 d, const LinearColor& color) {
+    all.push_back({.corners = {a, b, c, d}, .color = color, .is_rail = are_rails});
+  }
 
   /// A bar between two cross sections of four corners each (right low, right high, left high, left low, seen along the
   /// bar): its sides, and its ends where they are asked for.
@@ -106,6 +111,25 @@ void add_bar(const BorderRun& run, double near_m, double far_m, double low_m, do
     faces.bar(section(i), section(i + 1), color, i == 0, i + 2 == run.points.size());
 }
 
+/// The edge beam. Beside the deck it has no face: the deck's own side lies there.
+void add_beam(const BorderRun& run, double depth_m, Faces& faces) {
+  const auto corner = [&](std::size_t i, double off_m, double rise_m) {
+    const Vec3 p = run.points[i];
+    return at(Vec2{p.x, p.y} + run.outwards[i] * off_m, p.z + rise_m);
+  };
+  const auto section = [&](std::size_t i) {
+    return std::array{corner(i, 0.0, -depth_m), corner(i, beam_width_m, -depth_m), corner(i, beam_width_m, beam_rise_m),
+                      corner(i, 0.0, beam_rise_m), corner(i, 0.0, 0.0)};
+  };
+  for (std::size_t i = 0; i + 1 < run.points.size(); ++i) {
+    const auto from = section(i), to = section(i + 1);
+    for (std::size_t k = 0; k + 1 < from.size(); ++k) faces.quad(from[k], to[k], to[k + 1], from[k + 1], concrete);
+  }
+  const auto first = section(0), last = section(run.points.size() - 1);
+  faces.quad(first[0], first[1], first[2], first[3], concrete);
+  faces.quad(last[3], last[2], last[1], last[0], concrete);
+}
+
 void add_posts(const BorderRun& run, double off_m, double step_m, double low_m, double high_m, const LinearColor& color,
                Faces& faces) {
   double to_next_m = 0.5 * step_m;
@@ -159,15 +183,18 @@ void add_deck_sides(const StructureInput& input, const RoadLevel& deck, Faces& f
   for (const BorderRun& run : runs_of(deck, [&](const BorderSegment&s, Vec2 outwards) {
          return road_along(input, s, outwards) != nullptr && is_free_beside(input, s, outwards, beam_width_m);
        })) {
-    add_bar(run, 0.0, beam_width_m, -input.deck_thickness_m, beam_rise_m, concrete, faces);
+    add_beam(run, input.deck_thickness_m, faces);
+    faces.are_rails = true;
     const double off_m = 0.5 * beam_width_m, top_m = beam_rise_m + railing_m;
     for (const double height_m : {top_m - bar_m, beam_rise_m + 0.5 * railing_m, beam_rise_m + 0.12})
       add_bar(run, off_m - 0.5 * bar_m, off_m + 0.5 * bar_m, height_m, height_m + bar_m, steel, faces);
     add_posts(run, off_m, post_step_m, beam_rise_m, top_m - bar_m, steel, faces);
+    faces.are_rails = false;
   }
 }
 
 void add_guard_rails(const StructureInput& input, Faces& faces) {
+  faces.are_rails = true;
   for (const BorderRun& run : runs_of(input.roads, [&](const BorderSegment&s, Vec2 outwards) {
          const roadquery::Road* road = road_along(input, s, outwards);
          return road != nullptr && (road->highway.starts_with("motorway") || road->highway.starts_with("trunk")) &&
@@ -258,6 +285,67 @@ void add_girders(const StructureInput& input, const roadquery::Road& road, Faces
   }
 }
 
+// ---- at the ends of decks
+
+/// Places of a deck's cross section and the lowest ground below it.
+struct DeckEdges {
+  std::array<Vec3, 2> edges;  ///< of the underside, right one first seen along the road
+  double ground_m = 0.0;
+};
+
+DeckEdges deck_edges(const StructureInput& input, const roadquery::Road& road, double s) {
+  const roadquery::Edges edges = roadquery::road_edges(road, s);
+  DeckEdges result{.ground_m = std::numeric_limits<double>::infinity()};
+  constexpr double inside_m = 0.1;  // of the deck's sides: faces in one plane would flicker
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto p = roadquery::surface_point(road, s, k == 0 ? edges.right_t + inside_m : edges.left_t - inside_m);
+    result.edges[k] = {p.x, p.y, p.z - input.deck_thickness_m};
+  }
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const Vec3 p = result.edges[0] + (result.edges[1] - result.edges[0]) * share;
+    result.ground_m = std::min(result.ground_m, input.ground.height_m({p.x, p.y}));
+  }
+  return result;
+}
+
+/// Whether the deck goes over into a road on the ground there.
+bool ends_on_ground(const StructureInput& input, const roadquery::Road& road, bool at_end) {
+  const auto end = roadquery::reference_point(road, at_end ? road.length : 0.0);
+  const double off_m = (at_end ? 1.0 : -1.0) * look_m;
+  const Vec2 beyond = Vec2{end.x, end.y} + Vec2{std::cos(end.hdg), std::sin(end.hdg)} * off_m;
+  return input.roads.sample(beyond, 0.0).has_value();
+}
+
+/// Walls from the first place where the deck is clear of the ground.
+void add_abutment(const StructureInput& input, const roadquery::Road& road, bool at_end, Faces& faces) {
+  constexpr double step_m = 0.5, longest_m = 12.0, clear_m = 0.3, foot_m = 0.6, into_deck_m = 0.05;
+  if (!ends_on_ground(input, road, at_end)) return;
+  std::vector<DeckEdges> sections;
+  bool is_clear = false;
+  for (double in_m = 0.0; !is_clear && in_m <= std::min(longest_m, 0.5 * road.length); in_m += step_m) {
+    sections.push_back(deck_edges(input, road, at_end ? road.length - in_m : in_m));
+    const DeckEdges& last = sections.back();
+    is_clear = last.ground_m < std::min(last.edges[0].z, last.edges[1].z) - clear_m;
+  }
+  if (!is_clear || sections.size() < 2) return;
+  const auto wall = [&](const Vec3& a, const Vec3& b, double a_foot, double b_foot) {
+    faces.quad({a.x, a.y, a_foot}, {b.x, b.y, b_foot}, {b.x, b.y, b.z + into_deck_m}, {a.x, a.y, a.z + into_deck_m},
+               concrete);
+  };
+  const auto foot = [&](const DeckEdges& section) {
+    return std::min({section.ground_m, section.edges[0].z, section.edges[1].z}) - foot_m;
+  };
+  // Outside is away from the bank: ahead at the deck's start, behind at its end.
+  const DeckEdges& front = sections.back();
+  const std::size_t right = at_end ? 1 : 0, left = 1 - right;
+  wall(front.edges[right], front.edges[left], foot(front), foot(front));
+  for (std::size_t i = 1; i < sections.size(); ++i) {
+    const DeckEdges &near = sections[i - 1], &far = sections[i];
+    wall(near.edges[right], far.edges[right], foot(near), foot(far));
+    wall(far.edges[left], near.edges[left], foot(far), foot(near));
+  }
+}
+
 }  // namespace
 
 std::vector<StructureFace> build_structures(const StructureInput& input) {
@@ -267,6 +355,7 @@ std::vector<StructureFace> build_structures(const StructureInput& input) {
     for (const roadquery::Road* road : deck.roads()) {
       add_girders(input, *road, faces);
       add_piers(input, *road, faces);
+      for (const bool at_end : {false, true}) add_abutment(input, *road, at_end, faces);
     }
   }
   add_guard_rails(input, faces);
@@ -283,9 +372,10 @@ std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureF
   return tiles;
 }
 
-void add_faces(std::span<const StructureFace> faces, Vec3 origin, TriMesh& mesh) {
+void add_faces(std::span<const StructureFace> faces, const FaceFilter& filter, Vec3 origin, TriMesh& mesh) {
   const auto f = [](double v) { return static_cast<float>(v); };
   for (const StructureFace& face : faces) {
+    if (face.is_rail != filter.is_rail || face.material != filter.material) continue;
     const Vec3 a = face.corners[2] - face.corners[0], b = face.corners[3] - face.corners[1];
     const Vec3 n = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
     const double length = std::hypot(n.x, n.y, n.z);

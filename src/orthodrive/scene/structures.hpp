@@ -18,7 +18,12 @@ namespace orthodrive::scene {
 struct StructureFace {
   std::array<Vec3, 4> corners;
   LinearColor color{};
+  SurfaceMaterial material = SurfaceMaterial::concrete;
+  bool is_rail = false;  ///< of railings and guard rails: thinner than a decimetre
 };
+
+/// Of railings over the road: what a silhouette loses without them.
+constexpr double railing_height_m = 1.15;
 
 struct StructureInput {
   const RoadLevel& roads;  ///< on the ground
@@ -29,15 +34,22 @@ struct StructureInput {
 };
 
 /// Along the sides of decks: an edge beam of concrete 0.5 m wide outside of the deck, 0.15 m higher than it, and on it
-/// a railing of 1 m. Below decks that are 2.5 m and more above the ground: two girders a road, and walls as piers at
-/// most 25 m apart, on the ground and on no road. Beside motorways and trunk roads on the ground: a guard rail, 0.75 m
-/// high and 0.75 m beside the edge (RPS 2009). Nothing stands where another road runs. The same for every tile.
+/// a railing of 1 m. Where the ground falls away below a deck's end by 0.3 m: an abutment, a wall across from the deck
+/// into the ground, and walls from there along both sides to the deck's end. Below decks that are 2.5 m and more above
+/// the ground: two girders a road, and walls as piers at most 25 m apart, on the ground and on no road. Beside
+/// motorways and trunk roads on the ground: a guard rail, 0.75 m high and 0.75 m beside the edge (RPS 2009). Nothing
+/// stands where another road runs. The same for every tile.
 [[nodiscard]] std::vector<StructureFace> build_structures(const StructureInput& input);
 
 /// Faces by the tile of their middle.
 [[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces);
 
-/// Adds faces to a mesh whose positions are relative to `origin`.
-void add_faces(std::span<const StructureFace> faces, Vec3 origin, TriMesh& mesh);
+/// Which faces go into a mesh.
+struct FaceFilter {
+  SurfaceMaterial material = SurfaceMaterial::concrete;
+  bool is_rail = false;
+};
+/// Adds such faces to a mesh whose positions are relative to `origin`.
+void add_faces(std::span<const StructureFace> faces, const FaceFilter& filter, Vec3 origin, TriMesh& mesh);
 
 }  // namespace orthodrive::scene

@@ -11,6 +11,9 @@
 namespace orthodrive::scene {
 namespace {
 
+/// Cells repeat; places are at most a side of the texture off.
+int wrapped(int i, int cells) { return i < 0 ? i + cells : i >= cells ? i - cells : i; }
+
 double unit_hash(std::uint64_t seed, std::uint64_t part) {
   return static_cast<double>(derive_seed(seed, part) >> 11) * 0x1.0p-53;
 }
@@ -28,14 +31,15 @@ class ValueNoise {
     const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
     const auto ease = [](double w) { return w * w * (3.0 - 2.0 * w); };
     const double wx = ease(x - x0), wy = ease(y - y0);
-    return std::lerp(std::lerp(corner(x0, y0), corner(x0 + 1, y0), wx),
-                     std::lerp(corner(x0, y0 + 1), corner(x0 + 1, y0 + 1), wx), wy);
+    const auto between = [](double a, double b, double w) { return a + w * (b - a); };
+    return between(between(corner(x0, y0), corner(x0 + 1, y0), wx),
+                   between(corner(x0, y0 + 1), corner(x0 + 1, y0 + 1), wx), wy);
   }
 
  private:
   [[nodiscard]] std::size_t index(int x, int y) const {
-    const auto wrap = [&](int i) { return static_cast<std::size_t>(((i % cells_) + cells_) % cells_); };
-    return wrap(y) * static_cast<std::size_t>(cells_) + wrap(x);
+    return static_cast<std::size_t>(wrapped(y, cells_)) * static_cast<std::size_t>(cells_) +
+           static_cast<std::size_t>(wrapped(x, cells_));
   }
   int cells_;
   std::vector<double> values_;
@@ -101,8 +105,8 @@ class Stones {
     double x, y, shade;
   };
   [[nodiscard]] std::size_t index(int x, int y) const {
-    const auto wrap = [&](int i) { return static_cast<std::size_t>((i + cells_) % cells_); };
-    return wrap(y) * static_cast<std::size_t>(cells_) + wrap(x);
+    return static_cast<std::size_t>(wrapped(y, cells_)) * static_cast<std::size_t>(cells_) +
+           static_cast<std::size_t>(wrapped(x, cells_));
   }
   int cells_;
   double contrast_, height_m_;
@@ -226,6 +230,14 @@ TexelAt foliage() {
   };
 }
 
+/// Ripples of a decimetre and longer ones.
+TexelAt water() {
+  return [ripples = Fractal(24, 3, 131), waves = Fractal(6, 2, 132)](double u, double v) {
+    const double r = ripples.at(u, v);
+    return Texel{.shade = 0.06 * r, .height_m = 0.006 * r + 0.015 * waves.at(u, v), .roughness = 0.12};
+  };
+}
+
 TexelAt texels_of(SurfaceMaterial material) {
   switch (material) {
     case SurfaceMaterial::concrete:
@@ -246,6 +258,8 @@ TexelAt texels_of(SurfaceMaterial material) {
       return roof_tiles();
     case SurfaceMaterial::foliage:
       return foliage();
+    case SurfaceMaterial::water:
+      return water();
     case SurfaceMaterial::photo:
     case SurfaceMaterial::asphalt:
       break;
@@ -253,9 +267,21 @@ TexelAt texels_of(SurfaceMaterial material) {
   return asphalt();
 }
 
-std::uint8_t byte_of(double unit) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(unit, 0.0, 1.0))); }
+std::uint8_t byte_of(double unit) { return static_cast<std::uint8_t>(255.0 * std::clamp(unit, 0.0, 1.0) + 0.5); }
 
-double srgb_from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
+/// sRGB of linear values in 65536 steps: eight of them a byte where it is darkest.
+std::uint8_t srgb_byte(double linear) {
+  constexpr double steps = 65535.0;
+  static const std::vector<std::uint8_t> table = [] {
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(steps) + 1);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      const double v = static_cast<double>(i) / steps;
+      bytes[i] = byte_of(v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055);
+    }
+    return bytes;
+  }();
+  return table[static_cast<std::size_t>(steps * std::clamp(linear, 0.0, 1.0) + 0.5)];
+}
 
 }  // namespace
 
@@ -275,7 +301,7 @@ SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
                          Raster<std::uint8_t>(size_px, size_px, 3)};
   const double step_m = 2.0 * surface_texture_m / size_px;
   const auto height_m = [&](int col, int row) {
-    return texels.at((col + size_px) % size_px, (row + size_px) % size_px).height_m;
+    return texels.at(wrapped(col, size_px), wrapped(row, size_px)).height_m;
   };
   for (int row = 0; row < size_px; ++row) {
     for (int col = 0; col < size_px; ++col) {
@@ -283,7 +309,7 @@ SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
       const double value = surface_texture_mean * (1.0 + texel.shade - mean);
       for (int channel = 0; channel < 3; ++channel) {
         const double hue = 1.0 + (1 - channel) * texel.warmth;
-        texture.color_rgb.at(col, row, channel) = byte_of(srgb_from_linear(std::clamp(value * hue, 0.0, 1.0)));
+        texture.color_rgb.at(col, row, channel) = srgb_byte(value * hue);
       }
       const double slope_x = (height_m(col + 1, row) - height_m(col - 1, row)) / step_m;
       const double slope_y = (height_m(col, row - 1) - height_m(col, row + 1)) / step_m;

@@ -1,6 +1,7 @@
 #include "orthodrive/scene/tile_levels.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace orthodrive::scene {
 namespace {
@@ -20,8 +21,8 @@ std::uint64_t morton_code(TileAddress a) {
 
 }  // namespace
 
-TileLevels::TileLevels(const std::vector<TileAddress>& addresses, Write write)
-    : order_(addresses), write_(std::move(write)) {
+TileLevels::TileLevels(const std::vector<TileAddress>& addresses, const Buildings& buildings, Write write)
+    : order_(addresses), buildings_(&buildings), write_(std::move(write)) {
   std::ranges::sort(order_, {}, morton_code);
   std::vector<TileAddress> below = addresses;
   while (below.size() > 1 && levels_.size() < most_levels) {
@@ -42,6 +43,15 @@ void TileLevels::finish(SceneTile tile) {
           tile.meshes.empty() ? nullptr : std::make_unique<const SceneTile>(ready_to_coarsen(std::move(tile))));
 }
 
+std::vector<const PlacedBuilding*> TileLevels::buildings_in(int level, TileAddress address) const {
+  std::vector<const PlacedBuilding*> result;
+  const int first = address.column << level, end = (address.column + 1) << level;
+  for (auto at = buildings_->lower_bound({first, std::numeric_limits<int>::min()});
+       at != buildings_->end() && at->first.column < end; ++at)
+    if (at->first.row >> level == address.row) result.insert(result.end(), at->second.begin(), at->second.end());
+  return result;
+}
+
 void TileLevels::hand_up(int level, TileAddress address, std::unique_ptr<const SceneTile> tile) {
   const TileAddress parent = parent_of(address);
   Parts parts;
@@ -57,7 +67,7 @@ void TileLevels::hand_up(int level, TileAddress address, std::unique_ptr<const S
     std::ranges::sort(parts.tiles, {}, [](const auto& part) { return TileAddress{part->column, part->row}; });
     std::vector<const SceneTile*> tiles;
     for (const auto& part : parts.tiles) tiles.push_back(part.get());
-    coarse = std::make_unique<const SceneTile>(coarse_tile(tiles));
+    coarse = std::make_unique<const SceneTile>(coarse_tile(tiles, buildings_in(level + 1, parent)));
     parts.tiles.clear();
     write_(*coarse);
   }

@@ -17,7 +17,9 @@ class TileLevels {
  public:
   /// Called with every tile that has a mesh, from any thread.
   using Write = std::function<void(const SceneTile&)>;
-  TileLevels(const std::vector<TileAddress>& addresses, Write write);
+  /// By tile of level 0; they must outlive this.
+  using Buildings = std::map<TileAddress, std::vector<const PlacedBuilding*>>;
+  TileLevels(const std::vector<TileAddress>& addresses, const Buildings& buildings, Write write);
 
   /// Tiles of level 0, those of one parent beside each other, and so on up.
   [[nodiscard]] const std::vector<TileAddress>& order() const { return order_; }
@@ -31,9 +33,11 @@ class TileLevels {
     std::size_t missing = 0;
     std::vector<std::unique_ptr<const SceneTile>> tiles;
   };
+  [[nodiscard]] std::vector<const PlacedBuilding*> buildings_in(int level, TileAddress address) const;
   void hand_up(int level, TileAddress address, std::unique_ptr<const SceneTile> tile);
 
   std::vector<TileAddress> order_;
+  const Buildings* buildings_;
   std::vector<std::map<TileAddress, Parts>> levels_;  ///< level 1 first
   Write write_;
   std::mutex mutex_;

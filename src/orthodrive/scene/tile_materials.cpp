@@ -22,20 +22,16 @@ std::array<float, 2> tile_uv(double x_m, double y_m) {
   return {static_cast<float>(x_m / surface_texture_m), static_cast<float>(-y_m / surface_texture_m)};
 }
 
-/// Adds texture coordinates and tangent of a vertex whose place and normal are there. Textures lie flat on what looks
+/// Adds texture coordinates of a vertex whose place and normal are there. Textures lie flat on what looks
 /// up or down, upright on sides.
 void add_tile_place(std::size_t vertex, TriMesh& mesh) {
   const auto &p = mesh.positions[vertex], &n = mesh.normals[vertex];
   if (std::abs(n[2]) > 0.5F) {
     mesh.tile_uv.push_back(tile_uv(p[0], p[1]));
-    const float length = std::hypot(n[0], n[2]);
-    mesh.tangents.push_back(
-        {std::abs(n[2]) / length, 0.0F, -n[0] * std::copysign(1.0F, n[2]) / length, std::copysign(1.0F, n[2])});
     return;
   }
   const float length = std::hypot(n[0], n[1]);
   mesh.tile_uv.push_back(tile_uv((n[0] * p[1] - n[1] * p[0]) / length, p[2]));
-  mesh.tangents.push_back({-n[1] / length, n[0] / length, 0.0F, 1.0F});
 }
 
 SurfaceMaterial material_of(roadquery::SurfaceClass surface) {
@@ -90,7 +86,6 @@ void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, T
         slots[v] = static_cast<std::uint32_t>(verge.positions.size());
         verge.positions.push_back(terrain.positions[v]);
         verge.normals.push_back(terrain.normals[v]);
-        verge.uv.push_back(terrain.uv[v]);
         add_tile_place(slots[v], verge);
         verge.colors.push_back(
             mesh_color(photo_mean(*layout.photo, world(v), verge_photo_m), on_border[v] != 0 ? 1.0 : 0.0));
@@ -120,6 +115,14 @@ void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
     add_tile_place(i, road);
     road.colors.push_back(mesh_color(layout.tint.at(center + Vec2{p[0], p[1]})));
   }
+}
+
+void add_water_material(const SceneLayout& layout, Vec2 center, TriMesh& water) {
+  for (const auto& p : water.positions) {
+    const WaterBody* body = layout.waters.at(center + Vec2{p[0], p[1]});
+    water.colors.push_back(mesh_color(body ? body->color : LinearColor{}));
+  }
+  add_material(SurfaceMaterial::water, water);
 }
 
 void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh) {

@@ -27,6 +27,9 @@ void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, T
 /// Sorts the triangles by what the road is made of under their middle, and tints the vertices as the photo has it.
 void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road);
 
+/// Water in the colour of its body.
+void add_water_material(const SceneLayout& layout, Vec2 center, TriMesh& water);
+
 /// One colour; textures lie flat on what looks up or down, and upright on sides.
 void add_plain_material(SurfaceMaterial material, const LinearColor& color, TriMesh& mesh);
 

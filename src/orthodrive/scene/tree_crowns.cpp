@@ -13,7 +13,8 @@ constexpr std::array<double, 5> radii_m = {5.0, 4.0, 3.2, 2.4, 1.6};
 constexpr double min_cover = 0.85;    // of a crown's disc
 constexpr double free_share = 0.8;    // of the sum of two radii: nearer crowns are one
 constexpr float cover_weight = 2.0F;  // of full cover against full brightness
-constexpr int samples = 2;            // a side of a grid cell
+constexpr int band_rows = 256;
+constexpr int samples = 2;  // a side of a grid cell
 
 struct Canopy {
   GridFrame frame;
@@ -57,10 +58,13 @@ Canopy canopy_of(const LabelMap& labels, const Photo& photo) {
   return canopy;
 }
 
-Raster<float> shares(const Raster<std::uint8_t>& counts) {
-  Raster<float> result(counts.width, counts.height);
-  for (std::size_t i = 0; i < counts.data.size(); ++i)
-    result.data[i] = sample_share * static_cast<float>(counts.data[i]);
+/// Rows of a raster times a factor; those beyond its border are 0.
+template <typename T>
+Raster<float> rows_of(const Raster<T>& raster, int first, int count, float factor) {
+  Raster<float> result(raster.width, count);
+  for (int row = std::max(0, -first); row < std::min(count, raster.height - first); ++row)
+    for (int col = 0; col < raster.width; ++col)
+      result.at(col, row) = factor * static_cast<float>(raster.at(col, first + row));
   return result;
 }
 
@@ -150,25 +154,37 @@ class Crowns {
   std::map<std::array<int, 2>, std::vector<std::size_t>> cells_;
 };
 
+/// The measure of rows first to first + count.
+Raster<float> measure_of(const Canopy& canopy, int first, int count, int reach) {
+  Raster<float> measure = blurred(rows_of(canopy.bright, first, count, 1.0F), reach);
+  const Raster<float> cover = blurred(rows_of(canopy.cover, first, count, sample_share), reach);
+  for (std::size_t i = 0; i < measure.data.size(); ++i)
+    measure.data[i] = cover.data[i] > 0.0F ? measure.data[i] / cover.data[i] + cover_weight * cover.data[i] : 0.0F;
+  return measure;
+}
+
+/// Those of a band of rows: the blurred rasters of a whole town would take more memory than its photo.
+void add_crowns(const Canopy& canopy, int first, double radius_m, Crowns& crowns) {
+  const int reach = std::max(1, static_cast<int>(std::lround(0.35 * radius_m / grid_m)));
+  const int beyond = 2 * reach + 1;  // what two filters and a look at the neighbours reach
+  const int count = std::min(band_rows, canopy.frame.height - first);
+  const Raster<float> measure = measure_of(canopy, first - beyond, count + 2 * beyond, reach);
+  for (int row = first; row < first + count; ++row) {
+    for (int col = 0; col < measure.width; ++col) {
+      if (canopy.cover.at(col, row) == 0 || !is_peak(measure, col, row - first + beyond)) continue;
+      const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
+      if (cover_of_disc(canopy, col, row, radius_m) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<TreeCrown> find_crowns(const LabelMap& labels, const Photo& photo) {
   const Canopy canopy = canopy_of(labels, photo);
   Crowns crowns;
-  for (const double radius_m : radii_m) {
-    const int reach = std::max(1, static_cast<int>(std::lround(0.35 * radius_m / grid_m)));
-    Raster<float> measure = blurred(canopy.bright, reach);
-    const Raster<float> cover = blurred(shares(canopy.cover), reach);
-    for (std::size_t i = 0; i < measure.data.size(); ++i)
-      measure.data[i] = cover.data[i] > 0.0F ? measure.data[i] / cover.data[i] + cover_weight * cover.data[i] : 0.0F;
-    for (int row = 0; row < measure.height; ++row) {
-      for (int col = 0; col < measure.width; ++col) {
-        if (canopy.cover.at(col, row) == 0 || !is_peak(measure, col, row)) continue;
-        const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
-        if (cover_of_disc(canopy, col, row, radius_m) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
-      }
-    }
-  }
+  for (const double radius_m : radii_m)
+    for (int first = 0; first < canopy.frame.height; first += band_rows) add_crowns(canopy, first, radius_m, crowns);
   return crowns.all;
 }
 

@@ -121,9 +121,6 @@ class TreeBuilder {
     const auto f = [](double v) { return static_cast<float>(v); };
     mesh_.positions.push_back({f(p.x), f(p.y), f(p.z)});
     mesh_.normals.push_back({f(n.x), f(n.y), f(n.z)});
-    const double flat = std::hypot(n.x, n.y);
-    mesh_.tangents.push_back(flat > 1e-6 ? std::array<float, 4>{f(-n.y / flat), f(n.x / flat), 0.0F, 1.0F}
-                                         : std::array<float, 4>{1.0F, 0.0F, 0.0F, 1.0F});
     mesh_.colors.push_back(mesh_color(color));
   }
 

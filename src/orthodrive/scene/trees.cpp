@@ -19,55 +19,6 @@ constexpr float dark = 0.035F;       // linear green of crowns that are conifers
 constexpr float photo_share = 0.5F;  // of a crown's colour: the rest is that of leaves, whatever light the photo had
 constexpr float sunlit = 1.6F;       // a photo's crowns are half in the shadow
 
-double distance_to(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 ab = b - a;
-  const double length2 = dot(ab, ab);
-  const double u = length2 > 0.0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
-  return distance(p, a + ab * u);
-}
-
-/// 0 inside.
-double distance_to(Vec2 p, const Polygon& polygon) {
-  if (contains(polygon, p)) return 0.0;
-  double nearest = std::numeric_limits<double>::infinity();
-  const auto add = [&](const Ring& ring) {
-    for (std::size_t i = 0; i < ring.size(); ++i)
-      nearest = std::min(nearest, distance_to(p, ring[i], ring[(i + 1) % ring.size()]));
-  };
-  add(polygon.outer);
-  for (const Ring& hole : polygon.holes) add(hole);
-  return nearest;
-}
-
-/// How far crowns may reach.
-class FreeSpace {
- public:
-  explicit FreeSpace(const TreeObstacles& obstacles) : obstacles_(obstacles) {
-    std::vector<Box2> boxes;
-    for (const PlacedBuilding& building : obstacles.buildings)
-      boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer));
-    index_ = SpatialIndex(boxes);
-  }
-  /// Up to the radius given.
-  [[nodiscard]] double around(Vec2 p, double radius_m) const {
-    if (!obstacles_.area.contains(p)) return 0.0;
-    double free_m = radius_m + clearance_m;
-    for (const RoadLevel* level : obstacles_.levels) {
-      if (level->outline().contains(p)) return 0.0;
-      free_m = std::min(free_m, level->outline().nearest(p).distance_m);
-    }
-    for (const std::uint32_t i : index_.near(p, free_m)) {
-      const PlacedBuilding& building = obstacles_.buildings[i];
-      free_m = std::min(free_m, distance_to(p - building.middle, building.footprint));
-    }
-    return free_m - clearance_m;
-  }
-
- private:
-  const TreeObstacles& obstacles_;
-  SpatialIndex index_;
-};
-
 TreeShape shape_of(double radius_m, float green, Random& random) {
   if (radius_m < shrub_radius_m) return TreeShape::shrub;
   const double conifer = green < dark ? 0.6 : 0.12;
@@ -93,7 +44,7 @@ LinearColor leaf_color(const LinearColor& in_photo) {
 
 /// Nothing where there is no room.
 PlacedTree plant(const TreeCrown& crown, const FreeSpace& space, const Ground& ground, const Photo& photo) {
-  const double radius_m = std::min(crown.radius_m, space.around(crown.at, crown.radius_m));
+  const double radius_m = std::min(crown.radius_m, space.around(crown.at, crown.radius_m + clearance_m) - clearance_m);
   if (radius_m < min_radius_m) return {};
   const auto cell = [](double v) { return static_cast<std::uint64_t>(std::llround(v / plan_grid_m)); };
   Random random(derive_seed(cell(crown.at.x), cell(crown.at.y)));
@@ -126,9 +77,7 @@ std::vector<TreeCrown> with_singles(std::span<const TreeCrown> crowns, std::span
 }  // namespace
 
 std::vector<PlacedTree> plant_trees(std::span<const TreeCrown> crowns, std::span<const Vec2> singles,
-                                    const TreeObstacles& obstacles, const Ground& ground, const Photo& photo,
-                                    int threads) {
-  const FreeSpace space(obstacles);
+                                    const FreeSpace& space, const Ground& ground, const Photo& photo, int threads) {
   const std::vector<TreeCrown> all = with_singles(crowns, singles);
   std::vector<PlacedTree> trees(all.size());
   parallel_for(all.size(), threads, [&](std::size_t i) { trees[i] = plant(all[i], space, ground, photo); });

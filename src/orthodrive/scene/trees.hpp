@@ -6,7 +6,7 @@
 
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/scene.hpp"
-#include "orthodrive/scene/buildings.hpp"
+#include "orthodrive/scene/free_space.hpp"
 #include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/tree_crowns.hpp"
 #include "orthodrive/scene/tree_shapes.hpp"
@@ -23,20 +23,13 @@ struct PlacedTree {
 /// Outlines of roads must reach this far: the widest crown and its clearance.
 constexpr double tree_reach_m = 5.5;
 
-/// Where trees may not be.
-struct TreeObstacles {
-  std::span<const RoadLevel* const> levels;
-  std::span<const PlacedBuilding> buildings;
-  const Outline& area;
-};
-
 /// Plants the crowns, then the single trees of maps that stand in no crown (radius 2.4 m). Crowns shrink until they
 /// keep 0.3 m from roads, decks of bridges and buildings; below 0.8 m, and outside the area, there is no tree. Crowns
 /// below 1.7 m are shrubs. Shape, height (1.8 crown diameters, taller for conifers) and yaw are random, seeded by the
 /// place; dark crowns are more often conifers. The colour is half the photo's, half that of leaves.
 [[nodiscard]] std::vector<PlacedTree> plant_trees(std::span<const TreeCrown> crowns, std::span<const Vec2> singles,
-                                                  const TreeObstacles& obstacles, const Ground& ground,
-                                                  const Photo& photo, int threads);
+                                                  const FreeSpace& space, const Ground& ground, const Photo& photo,
+                                                  int threads);
 
 /// Their copies by shape; positions relative to `origin`. Shapes without a tree are left out.
 [[nodiscard]] std::vector<InstancedMesh> tree_instances(std::span<const PlacedTree* const> trees, Vec3 origin);

@@ -1,0 +1,131 @@
+#include "orthodrive/io/surroundings_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "orthodrive/io/osm_tags.hpp"
+#include "orthodrive/io/vector_io.hpp"
+
+namespace orthodrive::io {
+namespace {
+
+using Tags = std::map<std::string, std::string>;
+
+constexpr double max_height_m = 20.0;
+
+std::string tag(const Tags& tags, const char* key) {
+  const auto found = tags.find(key);
+  return found == tags.end() ? "" : found->second;
+}
+
+template <std::size_t N>
+bool is_one_of(const std::string& value, const std::array<std::string_view, N>& names) {
+  return std::ranges::find(names, value) != names.end();
+}
+
+bool is_set(const std::string& value) { return !value.empty() && value != "no" && value != "0"; }
+
+bool has_no_tags(const Tags& tags) {
+  return std::ranges::all_of(tags, [](const auto& entry) { return entry.second.empty(); });
+}
+
+std::optional<BarrierKind> barrier_kind(const std::string& barrier) {
+  constexpr std::array<std::string_view, 3> walls = {"wall", "retaining_wall", "city_wall"};
+  constexpr std::array<std::string_view, 3> fences = {"fence", "railing", "handrail"};
+  if (barrier == "hedge") return BarrierKind::hedge;
+  if (barrier == "guard_rail") return BarrierKind::guard_rail;
+  if (is_one_of(barrier, walls)) return BarrierKind::wall;
+  if (is_one_of(barrier, fences)) return BarrierKind::fence;
+  return std::nullopt;
+}
+
+bool is_water(const Tags& tags) {
+  constexpr std::array<std::string_view, 2> basins = {"reservoir", "basin"};
+  return tag(tags, "natural") == "water" || tag(tags, "waterway") == "riverbank" || tag(tags, "t") == "water" ||
+         is_one_of(tag(tags, "landuse"), basins) || has_no_tags(tags);
+}
+
+bool is_track(const Tags& tags) {
+  constexpr std::array<std::string_view, 5> kinds = {"rail", "light_rail", "tram", "narrow_gauge", "preserved"};
+  return is_one_of(tag(tags, "railway"), kinds) || tag(tags, "t") == "rail";
+}
+
+class Collector {
+ public:
+  Collector(const SiteFrame& site, Findings* findings) : area_(bounds_of(site.area.outer)), findings_(findings) {}
+
+  void add(Feature& feature) {
+    const Tags& tags = feature.tags;
+    if (is_set(tag(tags, "tunnel")) || is_set(tag(tags, "bridge")) || is_set(tag(tags, "br")) ||
+        is_set(tag(tags, "covered")))
+      return;
+    if (const auto kind = barrier_kind(tag(tags, "barrier"))) return add_barrier(*kind, feature);
+    if (is_track(tags)) return add_lines(feature.lines);
+    if (tag(tags, "highway") == "street_lamp") return add_lamps(feature.points);
+    if (!is_water(tags)) return;
+    for (Polygon& polygon : feature.polygons)
+      if (polygon.outer.size() >= 3 && is_near(polygon.outer)) result.water.push_back(std::move(polygon));
+  }
+
+  MapSurroundings result;
+
+ private:
+  [[nodiscard]] bool is_near(const Polyline& line) const {
+    if (line.empty()) return false;
+    const Box2 box = bounds_of(line);
+    return box.max_x >= area_.min_x && box.min_x <= area_.max_x && box.max_y >= area_.min_y && box.min_y <= area_.max_y;
+  }
+  void add_barrier(BarrierKind kind, const Feature& feature) {
+    const auto add_line = [&](const Polyline& line) {
+      if (line.size() < 2 || !is_near(line)) return;
+      result.barriers.push_back({kind, line, height_m(feature.tags, line.front())});
+    };
+    for (const Polyline& line : feature.lines) add_line(line);
+    for (const Polygon& polygon : feature.polygons) {
+      Polyline closed = polygon.outer;
+      if (!closed.empty()) closed.push_back(closed.front());
+      add_line(closed);
+    }
+  }
+  void add_lines(std::vector<Polyline>& lines) {
+    for (Polyline& line : lines)
+      if (line.size() >= 2 && is_near(line)) result.tracks.push_back(std::move(line));
+  }
+  void add_lamps(const std::vector<Vec2>& points) {
+    for (const Vec2 p : points)
+      if (area_.contains(p)) result.lamps.push_back(p);
+  }
+  /// 0 for what is not known; what is odd is told.
+  double height_m(const Tags& tags, Vec2 at) {
+    const std::string text = tag(tags, "height");
+    if (text.empty()) return 0.0;
+    const double value = parse_width_m(text);
+    if (value > 0.0 && value <= max_height_m) return value;
+    if (findings_)
+      findings_->push_back(
+          {Severity::info, "surroundings.odd_height",
+           fmt::format("a barrier's height '{}' is no number up to {:.0f} and does not count", text, max_height_m),
+           at.x, at.y});
+    return 0.0;
+  }
+
+  Box2 area_;
+  Findings* findings_;
+};
+
+}  // namespace
+
+MapSurroundings read_surroundings(const std::vector<std::filesystem::path>& files, const SiteFrame& site,
+                                  Findings* findings) {
+  Collector collector(site, findings);
+  for (const std::filesystem::path& file : files)
+    for (Feature& feature : read_features(file, site.crs)) collector.add(feature);
+  return std::move(collector.result);
+}
+
+}  // namespace orthodrive::io

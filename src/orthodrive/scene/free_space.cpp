@@ -1,0 +1,58 @@
+#include "orthodrive/scene/free_space.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+namespace orthodrive::scene {
+namespace {
+
+double distance_to(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 ab = b - a;
+  const double length2 = dot(ab, ab);
+  const double u = length2 > 0.0 ? std::clamp(dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
+  return distance(p, a + ab * u);
+}
+
+/// 0 inside.
+double distance_to(Vec2 p, const Polygon& polygon) {
+  if (contains(polygon, p)) return 0.0;
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto add = [&](const Ring& ring) {
+    for (std::size_t i = 0; i < ring.size(); ++i)
+      nearest = std::min(nearest, distance_to(p, ring[i], ring[(i + 1) % ring.size()]));
+  };
+  add(polygon.outer);
+  for (const Ring& hole : polygon.holes) add(hole);
+  return nearest;
+}
+
+}  // namespace
+
+FreeSpace::FreeSpace(const Obstacles& obstacles) : obstacles_(obstacles) {
+  std::vector<Box2> boxes;
+  for (const PlacedBuilding& building : obstacles.buildings)
+    boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer));
+  index_ = SpatialIndex(boxes);
+}
+
+double FreeSpace::around(Vec2 p, double radius_m, double below_z_m) const {
+  if (!obstacles_.area.contains(p)) return 0.0;
+  double free_m = radius_m;
+  for (const RoadLevel* level : obstacles_.levels) {
+    const NearestBorder border = level->outline().nearest(p);
+    if (level->outline().contains(p)) {
+      const auto on = level->sample(p);
+      if (!on || on->z_m <= below_z_m) return 0.0;
+    } else if (border.distance_m < free_m && border.z_m <= below_z_m) {
+      free_m = border.distance_m;
+    }
+  }
+  for (const std::uint32_t i : index_.near(p, free_m)) {
+    const PlacedBuilding& building = obstacles_.buildings[i];
+    free_m = std::min(free_m, distance_to(p - building.middle, building.footprint));
+  }
+  return free_m;
+}
+
+}  // namespace orthodrive::scene

@@ -1,0 +1,32 @@
+#pragma once
+// Where nothing stands: beside roads, decks and buildings, in the area.
+
+#include <span>
+
+#include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/scene/buildings.hpp"
+#include "orthodrive/scene/road_level.hpp"
+
+namespace orthodrive::scene {
+
+/// Outlines of roads must reach as far as is asked for. All is borrowed.
+struct Obstacles {
+  std::span<const RoadLevel* const> levels;
+  std::span<const PlacedBuilding> buildings;
+  const Outline& area;
+};
+
+class FreeSpace {
+ public:
+  explicit FreeSpace(const Obstacles& obstacles);
+  /// The radius of the free disc around p, up to the one given; 0 outside the area and on what stands there. Roads that
+  /// lie higher than `below_z_m` where they are nearest do not count.
+  [[nodiscard]] double around(Vec2 p, double radius_m,
+                              double below_z_m = std::numeric_limits<double>::infinity()) const;
+
+ private:
+  Obstacles obstacles_;
+  SpatialIndex index_;
+};
+
+}  // namespace orthodrive::scene

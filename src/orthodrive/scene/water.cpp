@@ -1,0 +1,116 @@
+#include "orthodrive/scene/water.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/model/sample_height.hpp"
+#include "orthodrive/scene/plan_grid.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+constexpr double min_area_m2 = 20.0, sample_m = 3.0, shore_reach_m = 2.0;
+constexpr double on_shore_m = 2.0 * plan_grid_m;
+constexpr double largest_drop_m = 3.0;
+constexpr LinearColor darkest = {0.012F, 0.022F, 0.024F}, brightest = {0.10F, 0.14F, 0.13F};
+
+/// Heights of the terrain model inside, ascending.
+std::vector<double> heights_in(const MultiPolygon& shores, const HeightGrid& terrain) {
+  std::vector<double> heights;
+  for (const Polygon& polygon : shores) {
+    const GridFrame frame = covering_grid(bounds_of(polygon.outer), sample_m);
+    rasterize(polygon, frame, [&](int row, int begin, int end) {
+      for (int col = begin; col < end; ++col) {
+        const double z = sample_bilinear(terrain, frame.center_of(col, row));
+        if (std::isfinite(z)) heights.push_back(z);
+      }
+    });
+  }
+  std::ranges::sort(heights);
+  return heights;
+}
+
+MultiPolygon moved_all(const MultiPolygon& polygons, Vec2 by) {
+  MultiPolygon result;
+  for (const Polygon& polygon : polygons) result.push_back(moved(polygon, by));
+  return result;
+}
+
+/// What is left of the polygon beside roads and the water before it.
+MultiPolygon shores_of(const Polygon& polygon, const WaterInput& input, const std::vector<WaterBody>& before) {
+  const Box2 box = bounds_of(polygon.outer);
+  const Vec2 from = snap_to_grid({0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)});
+  const Polygon local = moved(polygon, from * -1.0);
+  MultiPolygon shores = union_of(std::span(&local, 1), plan_grid_m);
+  shores = intersection_of(shores, {moved(input.area, from * -1.0)}, plan_grid_m);
+  const MultiPolygon paved = input.roads.paved_near(box.grown(input.shore_m), from);
+  if (!paved.empty() && !shores.empty())
+    shores = difference_of(shores, buffer_of(paved, input.shore_m, 4), plan_grid_m);
+  for (const WaterBody& other : before)
+    if (!shores.empty() && other.box.min_x <= box.max_x && other.box.max_x >= box.min_x &&
+        other.box.min_y <= box.max_y && other.box.max_y >= box.min_y)
+      shores = difference_of(shores, moved_all(other.shores, from * -1.0), plan_grid_m);
+  std::erase_if(shores, [](const Polygon& part) { return area_m2(part) < min_area_m2; });
+  return moved_all(shores, from);
+}
+
+LinearColor color_of(const Photo& photo, const MultiPolygon& shores) {
+  const auto widest = std::ranges::max_element(shores, {}, [](const Polygon& part) { return area_m2(part); });
+  LinearColor color = photo_median(photo, *widest);
+  for (std::size_t c = 0; c < 3; ++c) color[c] = std::clamp(color[c], darkest[c], brightest[c]);
+  return color;
+}
+
+}  // namespace
+
+Waters::Waters(const MultiPolygon& polygons, const WaterInput& input, Findings& findings) {
+  std::vector<Box2> boxes;
+  for (const Polygon& polygon : polygons) {
+    MultiPolygon shores = shores_of(polygon, input, bodies_);
+    if (shores.empty()) continue;
+    const std::vector<double> heights = heights_in(shores, input.terrain);
+    if (heights.empty()) continue;
+    const auto quantile = [&](double share) {
+      return heights[static_cast<std::size_t>(share * static_cast<double>(heights.size() - 1))];
+    };
+    const Vec2 place = shores.front().outer.front();
+    if (quantile(0.9) - quantile(0.1) > largest_drop_m) {
+      findings.push_back({Severity::info, "scene.water_slope",
+                          fmt::format("water falls by {:.1f} m in the terrain model: it has no level and is not drawn",
+                                      quantile(0.9) - quantile(0.1)),
+                          place.x, place.y});
+      continue;
+    }
+    Box2 box = bounds_of(shores.front().outer);
+    for (const Polygon& part : shores) {
+      const Box2 own = bounds_of(part.outer);
+      box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
+             std::max(box.max_y, own.max_y)};
+    }
+    boxes.push_back(box.grown(shore_reach_m));
+    const LinearColor color = color_of(input.photo, shores);
+    Outline outline(shores, shore_reach_m);
+    bodies_.push_back({std::move(shores), box, std::move(outline), quantile(0.25), color});
+  }
+  index_ = SpatialIndex(boxes);
+}
+
+const WaterBody* Waters::at(Vec2 p) const {
+  for (const std::uint32_t i : index_.near(p, 0.0)) {
+    const WaterBody& body = bodies_[i];
+    if (body.outline.nearest(p).distance_m <= on_shore_m || body.outline.contains(p)) return &body;
+  }
+  return nullptr;
+}
+
+double Waters::shore_distance_m(Vec2 p) const {
+  double nearest = shore_reach_m;
+  for (const std::uint32_t i : index_.near(p, 0.0))
+    nearest = std::min(nearest, bodies_[i].outline.nearest(p).distance_m);
+  return nearest;
+}
+
+}  // namespace orthodrive::scene
