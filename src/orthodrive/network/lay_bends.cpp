@@ -137,10 +137,11 @@ class BendLayer {
       : nodes_(nodes), was_(was), closed_(closed), now_(nodes, closed), old_(before, closed) {}
 
   void lay_all() {
-    const std::vector<Run> runs = moved_runs(now_, old_, was_);
+    std::vector<Run> runs = moved_runs(now_, old_, was_);
+    std::erase_if(runs, [&](const Run& run) { return is_truer_as_it_was(run); });
     const auto n = static_cast<std::ptrdiff_t>(now_.count());
     for (std::size_t k = 0; k < runs.size(); ++k) {
-      const Plane plane = plane_of(old_, old_index(runs[k].first), old_index(runs[k].last));
+      const Plane plane = plane_of_run(runs[k]);
       for (std::ptrdiff_t i = runs[k].first; i <= runs[k].last; ++i)
         nodes_[now_.index(i)].z_m = plane.at(now_.at(i).p), nodes_[now_.index(i)].banking = banking(plane, i);
       const std::ptrdiff_t behind = k > 0     ? runs[k - 1].last
@@ -155,6 +156,21 @@ class BendLayer {
   }
 
  private:
+  [[nodiscard]] Plane plane_of_run(const Run& run) const {
+    return plane_of(old_, old_index(run.first), old_index(run.last));
+  }
+  /// Whether nodes that keep their heights miss the road that was there by less than its plane does: bends of little
+  /// moves whose gradient or banking changes.
+  [[nodiscard]] bool is_truer_as_it_was(const Run& run) const {
+    const Plane plane = plane_of_run(run);
+    double kept_m = 0.0, plane_m = 0.0;
+    for (std::ptrdiff_t i = run.first; i <= run.last; ++i) {
+      const ChainLineNode& before = old_.at(old_index(i));
+      kept_m = std::max(kept_m, distance(now_.at(i).p, before.p) * length(plane.slope));
+      plane_m = std::max(plane_m, std::abs(plane.at(before.p) - before.z_m));
+    }
+    return kept_m < plane_m;
+  }
   /// Of node i before; further rounds of closed lines too.
   [[nodiscard]] std::ptrdiff_t old_index(std::ptrdiff_t i) const {
     const std::size_t k = now_.index(i);
