@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "network_support.hpp"
+#include "orthodrive/network/chain_line.hpp"
+#include "orthodrive/network/lay_bends.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -50,6 +52,31 @@ TEST(Bends, AnEasedCornerOfAClosedWayHasNoSeam) {
       const roadquery::PlanPoint p = roadquery::reference_point(road, s);
       EXPECT_NEAR(roadquery::elevation(road, s), 30.0 + dot(slope, Vec2{p.x, p.y} - site_origin), 0.03) << s;
     }
+}
+
+TEST(Bends, ABendThatHardlyMovesKeepsHeightsThatNoPlaneHas) {
+  // A quarter circle with a wave of 12 cm along it; its middle moves outwards by `moved_m`.
+  const auto laid = [](double moved_m, double wave_m) {
+    std::vector<network::ChainLineNode> before;
+    std::vector<std::size_t> was;
+    for (int i = 0; i <= 40; ++i) {
+      const double angle = 0.5 * M_PI * i / 40.0;
+      const Vec2 p = Vec2{std::cos(angle), std::sin(angle)} * 25.0;
+      before.push_back({.p = p,
+                        .z_m = 30.0 + 0.05 * p.x + wave_m * std::cos(8.0 * angle),
+                        .width_before_m = 10.0,
+                        .width_after_m = 10.0});
+      was.push_back(was.size());
+    }
+    auto nodes = before;
+    for (std::size_t i = 14; i <= 26; ++i) nodes[i].p = nodes[i].p * (1.0 + moved_m / 25.0);
+    network::lay_bends(nodes, before, was, false);
+    double most_m = 0.0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) most_m = std::max(most_m, std::abs(nodes[i].z_m - before[i].z_m));
+    return most_m;
+  };
+  EXPECT_EQ(laid(0.3, 0.12), 0.0) << "the plane would miss the wave by 10 cm, the old heights the slope by 1";
+  EXPECT_GT(laid(3.0, 0.0), 0.02) << "what moves far goes on in the plane of the slope";
 }
 
 /// Of the one road of a map: by how much it turns a metre beyond what a plane does in a bend.
