@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/nets/make_network.hpp"
@@ -82,6 +84,35 @@ TEST(Trainer, resumed_run_gives_the_same_weights) {
   EXPECT_EQ(resumed.step(), 3);
   for (int i = 0; i < 3; ++i) static_cast<void>(resumed.advance(scenes));
   EXPECT_EQ(format_safetensors(resumed.checkpoint()), format_safetensors(straight.checkpoint()));
+}
+
+TEST(Trainer, model_is_the_mean_of_the_last_weights_also_when_resumed) {
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  TrainOptions options = toy_options();
+  Trainer plain(fresh_weights(), "default", default_metadata(), options);
+  options.average_from_step = 2;
+  const auto averaging = [&] { return Trainer(fresh_weights(), "default", default_metadata(), options); };
+  Trainer averaged = averaging();
+  std::vector<TensorFile> weights;  // after each step
+  for (int i = 0; i < 5; ++i) {
+    static_cast<void>(plain.advance(scenes));
+    weights.push_back(plain.weights());
+    if (averaged.step() == 4) {  // killed in the middle of the mean
+      const std::string saved = format_safetensors(averaged.checkpoint());
+      averaged = averaging();
+      averaged.restore(parse_safetensors(saved, "checkpoint"), "checkpoint");
+    }
+    static_cast<void>(averaged.advance(scenes));
+    if (i == 1) EXPECT_EQ(format_safetensors(averaged.model_file()), format_safetensors(plain.model_file()));
+  }
+  for (const auto& [name, mean] : averaged.weights().tensors) {
+    for (std::size_t i = 0; i < mean.values.size(); i += 7) {
+      const double sum = static_cast<double>(weights[2].tensors.at(name).values[i]) +
+                         weights[3].tensors.at(name).values[i] + weights[4].tensors.at(name).values[i];
+      ASSERT_NEAR(mean.values[i], sum / 3.0, 1e-6 * (1.0 + std::abs(sum))) << name;
+    }
+  }
+  EXPECT_NE(averaged.weights().tensors.at("head/kernel").values, weights[4].tensors.at("head/kernel").values);
 }
 
 TEST(Trainer, its_model_file_loads_and_a_model_is_no_checkpoint) {
