@@ -6,9 +6,11 @@
 
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/random.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
+#include "orthodrive/segment/segment_mosaic.hpp"
 #include "train/toy_scene.hpp"
 
 namespace orthodrive {
@@ -136,6 +138,26 @@ TEST(Trainer, learning_rate_rises_stays_and_falls) {
   EXPECT_NEAR(rates[5], 3e-3, 1e-12);
   EXPECT_NEAR(rates[7], 1.5e-3, 1e-12);
   EXPECT_NEAR(trainer.learning_rate(), 0.0, 1e-12);
+}
+
+TEST(MeasureModel, labels_a_photo_as_prediction_does) {
+  // Half a metre of the model, photo of 0.1 m: labels of 0.2 m. What the model says, taken for the truth, is all right.
+  const int size = 400;
+  ValidationScene scene{
+      "fine",
+      {{}, {0.0, 40.0, 0.1, size, size}, Raster<std::uint8_t>(size, size, 3), Raster<std::uint8_t>(size, size, 1, 1)},
+      Raster<ClassSet>(size, size)};
+  Random random(5);
+  for (int row = 0; row < size; ++row)
+    for (int col = 0; col < size; ++col)
+      for (int c = 0; c < 3; ++c)
+        scene.photo.rgb.at(col, row, c) = static_cast<std::uint8_t>((col / 80 + row / 100) % 2 * 90 + random.below(60));
+  const LabelMap labels = segment_mosaic(scene.photo, shipped_model(), {.crf = shipped_model().crf}).labels;
+  ASSERT_EQ(labels.frame.gsd_m, 0.2);
+  for (int row = 0; row < size; ++row)
+    for (int col = 0; col < size; ++col) scene.allowed.at(col, row) = only(labels.labels.at(col / 2, row / 2));
+  const LabelScore score = measure_model(shipped_model(), {scene}, 1).at("fine");
+  EXPECT_DOUBLE_EQ(score.pixel_accuracy(), 1.0);
 }
 
 TEST(Trainer, refuses_impossible_options) {

@@ -521,13 +521,30 @@ int road_label(const ClassTable& classes) {
   return static_cast<int>(road - classes.classes.begin());
 }
 
+namespace {
+/// The truth at the centres of a label grid's pixels.
+std::vector<ClassSet> truth_on(const GridFrame& labels, const ValidationScene& scene) {
+  if (labels == scene.photo.frame) return scene.allowed.data;
+  std::vector<ClassSet> truth;
+  truth.reserve(static_cast<std::size_t>(labels.width) * static_cast<std::size_t>(labels.height));
+  for (int row = 0; row < labels.height; ++row) {
+    for (int col = 0; col < labels.width; ++col) {
+      const Vec2 p = scene.photo.frame.pixel_from_world(labels.center_of(col, row));
+      const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
+      truth.push_back(scene.allowed.inside(x, y) ? scene.allowed.at(x, y) : unknown_class);
+    }
+  }
+  return truth;
+}
+}  // namespace
+
 std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
                                                 int threads) {
   std::map<std::string, LabelScore> scores;
   for (const ValidationScene& scene : scenes) {
     const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .crf = model.crf});
     LabelScore& score = scores.try_emplace(scene.name, static_cast<int>(model.classes.classes.size())).first->second;
-    score.add(result.labels.labels.data, scene.allowed.data);
+    score.add(result.labels.labels.data, truth_on(result.labels.frame, scene));
   }
   return scores;
 }

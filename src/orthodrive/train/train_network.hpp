@@ -67,7 +67,7 @@ struct TrainOptions {
 struct ValidationScene {
   std::string name;
   Photo photo;
-  Raster<ClassSet> allowed;  ///< on the photo's grid, which has the model's scale
+  Raster<ClassSet> allowed;  ///< on the photo's grid
 };
 
 /// One row of the log.
@@ -122,7 +122,8 @@ class Trainer {
 /// Median frequency balancing over pixels with one known class, between 1/8 and 8; scenes count by their weight.
 [[nodiscard]] std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes);
 
-/// Scores by name; scenes of one name count together. The scenes must have the model's scale.
+/// Scores by name; scenes of one name count together. A photo is labelled as prediction does: one finer than the
+/// model's scale gets finer labels.
 [[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model,
                                                               const std::vector<ValidationScene>& scenes,
                                                               int threads = 0);
