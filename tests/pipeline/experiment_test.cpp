@@ -114,6 +114,50 @@ pieces = ["k1"]
   EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\nsteps = 0\n", "x")), InputError);
 }
 
+TEST(Experiment, what_is_left_out_is_held_out_as_a_whole) {
+  const std::string text = R"(network = "n.toml"
+leave_out = ["town", "photos", "painted"]
+[train]
+domain = 0.5
+average_from_step = 7
+[[map]]
+name = "town"
+photo = "a.tif"
+bbox_wgs84 = [1.0, 2.0, 3.0, 4.0]
+held_out_bbox_wgs84 = [3.0, 2.0, 4.0, 4.0]
+background = ["ground"]
+[[images]]
+name = "photos"
+images = "i"
+labels = "l"
+held_out = ["a"]
+palette = [{ color = [0, 0, 0], classes = [] }]
+[[images]]
+name = "others"
+images = "i"
+labels = "l"
+held_out = ["a"]
+palette = [{ color = [0, 0, 0], classes = [] }]
+[[polygons]]
+name = "painted"
+photo = "a.tif"
+polygons = "p.geojson"
+)";
+  Experiment e = parse_experiment(text, "m/x.toml");
+  EXPECT_DOUBLE_EQ(e.train.augmentation.domain, 0.5);
+  EXPECT_EQ(e.train.average_from_step, 7);
+  leave_out_data(e, "x.toml");
+  EXPECT_EQ(e.maps[0].use.weight, 0.0) << "no crops, but its held-out box is measured";
+  EXPECT_TRUE(e.maps[0].held_out_lonlat);
+  EXPECT_EQ(e.images[0].held_out, std::vector<std::string>{"*"});
+  EXPECT_EQ(e.images[1].held_out, std::vector<std::string>{"a"});
+  EXPECT_TRUE(e.polygons[0].held_out);
+  e.leave_out = {"twon"};
+  EXPECT_THAT([&] { leave_out_data(e, "x.toml"); },
+              ThrowsMessage<InputError>(HasSubstr("x.toml: leave_out names 'twon'")));
+  EXPECT_THROW(static_cast<void>(parse_experiment("network = \"n\"\n[train]\ndomain = 1.5\n", "x")), InputError);
+}
+
 TEST(Experiment, classes_by_name) {
   EXPECT_EQ(class_set({"road", "parking"}, default_class_table(), "x"), 0b110);
   EXPECT_EQ(class_set({}, default_class_table(), "x"), unknown_class);

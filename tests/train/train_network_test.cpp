@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/random.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
+#include "orthodrive/segment/segment_mosaic.hpp"
 #include "train/toy_scene.hpp"
 
 namespace orthodrive {
@@ -84,6 +88,35 @@ TEST(Trainer, resumed_run_gives_the_same_weights) {
   EXPECT_EQ(format_safetensors(resumed.checkpoint()), format_safetensors(straight.checkpoint()));
 }
 
+TEST(Trainer, model_is_the_mean_of_the_last_weights_also_when_resumed) {
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  TrainOptions options = toy_options();
+  Trainer plain(fresh_weights(), "default", default_metadata(), options);
+  options.average_from_step = 2;
+  const auto averaging = [&] { return Trainer(fresh_weights(), "default", default_metadata(), options); };
+  Trainer averaged = averaging();
+  std::vector<TensorFile> weights;  // after each step
+  for (int i = 0; i < 5; ++i) {
+    static_cast<void>(plain.advance(scenes));
+    weights.push_back(plain.weights());
+    if (averaged.step() == 4) {  // killed in the middle of the mean
+      const std::string saved = format_safetensors(averaged.checkpoint());
+      averaged = averaging();
+      averaged.restore(parse_safetensors(saved, "checkpoint"), "checkpoint");
+    }
+    static_cast<void>(averaged.advance(scenes));
+    if (i == 1) EXPECT_EQ(format_safetensors(averaged.model_file()), format_safetensors(plain.model_file()));
+  }
+  for (const auto& [name, mean] : averaged.weights().tensors) {
+    for (std::size_t i = 0; i < mean.values.size(); i += 7) {
+      const double sum = static_cast<double>(weights[2].tensors.at(name).values[i]) +
+                         weights[3].tensors.at(name).values[i] + weights[4].tensors.at(name).values[i];
+      ASSERT_NEAR(mean.values[i], sum / 3.0, 1e-6 * (1.0 + std::abs(sum))) << name;
+    }
+  }
+  EXPECT_NE(averaged.weights().tensors.at("head/kernel").values, weights[4].tensors.at("head/kernel").values);
+}
+
 TEST(Trainer, its_model_file_loads_and_a_model_is_no_checkpoint) {
   Trainer trainer = toy_trainer();
   const std::string bytes = format_safetensors(trainer.model_file());
@@ -105,6 +138,26 @@ TEST(Trainer, learning_rate_rises_stays_and_falls) {
   EXPECT_NEAR(rates[5], 3e-3, 1e-12);
   EXPECT_NEAR(rates[7], 1.5e-3, 1e-12);
   EXPECT_NEAR(trainer.learning_rate(), 0.0, 1e-12);
+}
+
+TEST(MeasureModel, labels_a_photo_as_prediction_does) {
+  // Half a metre of the model, photo of 0.1 m: labels of 0.2 m. What the model says, taken for the truth, is all right.
+  const int size = 400;
+  ValidationScene scene{
+      "fine",
+      {{}, {0.0, 40.0, 0.1, size, size}, Raster<std::uint8_t>(size, size, 3), Raster<std::uint8_t>(size, size, 1, 1)},
+      Raster<ClassSet>(size, size)};
+  Random random(5);
+  for (int row = 0; row < size; ++row)
+    for (int col = 0; col < size; ++col)
+      for (int c = 0; c < 3; ++c)
+        scene.photo.rgb.at(col, row, c) = static_cast<std::uint8_t>((col / 80 + row / 100) % 2 * 90 + random.below(60));
+  const LabelMap labels = segment_mosaic(scene.photo, shipped_model(), {.crf = shipped_model().crf}).labels;
+  ASSERT_EQ(labels.frame.gsd_m, 0.2);
+  for (int row = 0; row < size; ++row)
+    for (int col = 0; col < size; ++col) scene.allowed.at(col, row) = only(labels.labels.at(col / 2, row / 2));
+  const LabelScore score = measure_model(shipped_model(), {scene}, 1).at("fine");
+  EXPECT_DOUBLE_EQ(score.pixel_accuracy(), 1.0);
 }
 
 TEST(Trainer, refuses_impossible_options) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/segment/resample_photo.hpp"
 #include "train/toy_scene.hpp"
 
 namespace orthodrive {
@@ -25,6 +26,38 @@ TEST(DrawCrop, repeats_for_a_seed_and_keeps_labels_with_their_pixels) {
     }
     if (bright_count < 50.0 || dark_count < 50.0) continue;
     EXPECT_GT(bright / bright_count, dark / dark_count + 60.0) << seed;
+  }
+}
+
+TEST(DrawCrop, averages_what_is_finer_than_the_crop) {
+  // Squares of 1 px, black and white: a crop pixel covers 25 of them.
+  TrainingScene scene{
+      .name = "fine", .rgb = Raster<std::uint8_t>(400, 400, 3), .allowed = Raster<ClassSet>(400, 400, 1, only(0))};
+  for (int row = 0; row < 400; ++row)
+    for (int col = 0; col < 400; ++col)
+      for (int c = 0; c < 3; ++c) scene.rgb.at(col, row, c) = (row + col) % 2 == 0 ? 255 : 0;
+  scene.gsd_m = 0.1;
+  const Augmentation plain{.turn = Augmentation::Turn::none, .colors = false, .blur = false, .noise = false};
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Crop crop = draw_crop(scene, {.size_px = 32, .gsd_m = 0.5, .augmentation = plain}, seed);
+    for (std::size_t i = 0; i < crop.allowed.data.size(); ++i) {
+      if (crop.allowed.data[i] == unknown_class) continue;     // beyond the photo
+      ASSERT_NEAR(crop.rgb.data[3 * i], 127.5, 15.0) << seed;  // an odd sample at the most
+    }
+  }
+}
+
+TEST(DrawCrop, keeps_the_grey_beyond_the_photo) {
+  const TrainingScene scene = toy_scene();
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Crop crop = draw_crop(scene, {.size_px = 128, .gsd_m = 0.5, .augmentation = {.domain = 1.0}}, seed);
+    std::size_t beyond = 0;
+    for (std::size_t i = 0; i < crop.allowed.data.size(); ++i) {
+      if (crop.allowed.data[i] != unknown_class) continue;
+      ++beyond;
+      for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(crop.rgb.data[3 * i + c], no_photo_value);
+    }
+    EXPECT_GT(beyond, 100u);
   }
 }
 

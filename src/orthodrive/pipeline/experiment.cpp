@@ -151,6 +151,8 @@ void read_train(TomlSection& section, TrainOptions& train) {
   section.read("colors", train.augmentation.colors);
   section.read("blur", train.augmentation.blur);
   section.read("noise", train.augmentation.noise);
+  section.read("domain", train.augmentation.domain);
+  section.read("average_from_step", train.average_from_step);
   section.read("class_weights", train.class_weights);
   section.read("balance_classes", train.balance_classes);
   section.read("set_weight", train.set_weight);
@@ -160,6 +162,8 @@ void read_train(TomlSection& section, TrainOptions& train) {
   section.read("early_stop_after", train.early_stop_after);
   if (train.steps < 1 || train.batch < 1 || train.crop_px < 1)
     section.fail_here("'steps', 'batch' and 'crop_px' must be above 0");
+  if (!(train.augmentation.domain >= 0.0 && train.augmentation.domain <= 1.0))
+    section.fail_here("'domain' must be from 0 to 1");
 }
 
 void read_crf_options(TomlSection& section, CrfExperiment& crf) {
@@ -183,6 +187,7 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
   for (const char* key : {"network", "train"}) root.require(key);
   root.read("network", experiment.network);
   root.read("data_from", experiment.data_from);
+  root.read("leave_out", experiment.leave_out);
   std::vector<std::string> weights;
   root.read("weights", weights);
   for (const std::string& path : weights) experiment.weights.push_back(file.parent_path() / path);
@@ -203,6 +208,32 @@ Experiment parse_experiment(std::string_view text, const std::filesystem::path& 
   root.for_each_table("polygons", [&](TomlSection& section) { experiment.polygons.push_back(read_polygons(section)); });
   root.finish();
   return experiment;
+}
+
+void add_data(Experiment& experiment, const Experiment& other) {
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  append(experiment.maps, other.maps);
+  append(experiment.images, other.images);
+  append(experiment.rasters, other.rasters);
+  append(experiment.polygons, other.polygons);
+}
+
+void leave_out_data(Experiment& experiment, const std::string& source) {
+  for (const std::string& name : experiment.leave_out) {
+    std::size_t found = 0;
+    const auto for_each = [&](auto& sets, const auto& leave) {
+      for (auto& data : sets) {
+        if (data.name != name) continue;
+        ++found;
+        leave(data);
+      }
+    };
+    for_each(experiment.maps, [](MapData& data) { data.use.weight = 0.0; });
+    for_each(experiment.images, [](ImageData& data) { data.held_out = {"*"}; });
+    for_each(experiment.rasters, [](RasterData& data) { data.held_out = true; });
+    for_each(experiment.polygons, [](PolygonData& data) { data.held_out = true; });
+    if (found == 0) throw InputError(source, fmt::format("leave_out names '{}': there is no such data set", name));
+  }
 }
 
 ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table, const std::string& source) {

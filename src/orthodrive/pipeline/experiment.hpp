@@ -98,8 +98,9 @@ struct Experiment {
   std::vector<std::filesystem::path> weights;  ///< to start from: safetensors or .caffemodel, asked in this order
   TrainOptions train;
   CrfExperiment crf;
-  std::filesystem::path data_from;   ///< an experiment whose data sets are used as well
-  std::vector<StageOptions> stages;  ///< none: the network as it is, train.steps long
+  std::filesystem::path data_from;     ///< an experiment whose data sets are used as well
+  std::vector<std::string> leave_out;  ///< data sets that are measured as a whole and not trained on
+  std::vector<StageOptions> stages;    ///< none: the network as it is, train.steps long
   std::vector<MapData> maps;
   std::vector<ImageData> images;
   std::vector<RasterData> rasters;
@@ -108,6 +109,14 @@ struct Experiment {
 
 /// Paths in the file are relative to it. Throws InputError with the line for what is wrong or unknown.
 [[nodiscard]] Experiment parse_experiment(std::string_view text, const std::filesystem::path& file);
+
+/// Another experiment's data sets come to its own.
+void add_data(Experiment& experiment, const Experiment& other);
+
+/// Makes all of the data sets named by `leave_out` held out (leave one region out). A [[map]] has labels too coarse for
+/// that: of it only what is held out anyway is measured. Throws InputError, naming `source`, where there is no such
+/// set.
+void leave_out_data(Experiment& experiment, const std::string& source);
 
 /// Bits of the named classes. Throws InputError naming `source` for an unknown name.
 [[nodiscard]] ClassSet class_set(const std::vector<std::string>& names, const ClassTable& table,

@@ -36,14 +36,6 @@ Network read_network(const fs::path& file) {
   return network;
 }
 
-void add_data(Experiment& experiment, const Experiment& other) {
-  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  append(experiment.maps, other.maps);
-  append(experiment.images, other.images);
-  append(experiment.rasters, other.rasters);
-  append(experiment.polygons, other.polygons);
-}
-
 /// An experiment with the network that it trains.
 struct OpenExperiment {
   std::string text;
@@ -56,6 +48,7 @@ OpenExperiment open_experiment(const fs::path& file, const StageContext& context
   open.experiment = parse_experiment(open.text, file);
   const fs::path& more = open.experiment.data_from;
   if (!more.empty()) add_data(open.experiment, parse_experiment(io::read_file(more), more));
+  leave_out_data(open.experiment, file.string());
   open.network = read_network(open.experiment.network);
   open.experiment.train.threads = context.threads;
   return open;

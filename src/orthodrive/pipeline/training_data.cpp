@@ -149,9 +149,8 @@ TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassS
 
 enum class Part { training, held_out };
 
-/// Images at the scale they are said to have; those held out are brought to the model's scale.
-void add_images(TrainingData& result, const ImageData& data, Part part, double gsd_m, const ClassTable& classes,
-                int threads) {
+/// Images at the scale they are said to have.
+void add_images(TrainingData& result, const ImageData& data, Part part, const ClassTable& classes) {
   std::vector<fs::path> files;
   if (!fs::is_directory(data.images)) throw InputError(data.images.string(), "is no folder of images");
   for (const auto& entry : fs::directory_iterator(data.images)) files.push_back(entry.path());
@@ -179,21 +178,12 @@ void add_images(TrainingData& result, const ImageData& data, Part part, double g
       continue;
     }
     const int width = rgb.width, height = rgb.height;
-    const Photo photo{{},
-                      {0.0, height * data.gsd_m, data.gsd_m, width, height},
-                      std::move(rgb),
-                      Raster<std::uint8_t>(width, height, 1, 1)};
-    ValidationScene scene{data.name, resample_photo(photo, gsd_m, threads), {}};
-    const GridFrame& frame = scene.photo.frame;
-    scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
-    for (int row = 0; row < frame.height; ++row) {
-      for (int col = 0; col < frame.width; ++col) {
-        const Vec2 p = photo.frame.pixel_from_world(frame.center_of(col, row));
-        if (allowed.inside(static_cast<int>(p.x), static_cast<int>(p.y)))
-          scene.allowed.at(col, row) = allowed.at(static_cast<int>(p.x), static_cast<int>(p.y));
-      }
-    }
-    result.validation.push_back(std::move(scene));
+    result.validation.push_back({data.name,
+                                 {{},
+                                  {0.0, height * data.gsd_m, data.gsd_m, width, height},
+                                  std::move(rgb),
+                                  Raster<std::uint8_t>(width, height, 1, 1)},
+                                 std::move(allowed)});
   }
   // The weight is that of the data set: each image gets its share by area, those for the CRF apart from the others.
   std::map<bool, double> area;
@@ -279,7 +269,7 @@ void add_part(TrainingData& result, const Experiment& experiment, Part part, dou
   }
   for (const ImageData& data : experiment.images) {
     tell(data.name);
-    add_images(result, data, part, gsd_m, classes, threads);
+    add_images(result, data, part, classes);
   }
   for (const PolygonData& data : experiment.polygons) {
     if (data.held_out != (part == Part::held_out)) continue;

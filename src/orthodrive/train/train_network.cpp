@@ -19,6 +19,7 @@
 #include "orthodrive/nets/reusing_allocator.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 #include "orthodrive/train/allowed_class_loss.hpp"
+#include "orthodrive/train/weight_mean.hpp"
 
 namespace orthodrive {
 namespace {
@@ -106,6 +107,10 @@ struct Trainer::State {
   at::Tensor crf_log_appearance, crf_log_smoothness, crf_compatibility;  ///< relative to options.crf->start
   at::Device device = at::kCPU;
   std::int64_t step = 0;
+  WeightMean mean;
+
+  /// What the model file holds.
+  [[nodiscard]] const NetworkParams& result() const { return mean.count() > 0 ? mean.mean() : params; }
 
   void collect_learned() {
     learned.clear();
@@ -358,6 +363,7 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   }
   values.backward(loss.gradient);
   s.update_weights(learning_rate());
+  if (options.average_from_step >= 0 && s.step >= options.average_from_step) s.mean.add(s.params);
   ++s.step;
   return loss.loss;
 }
@@ -368,6 +374,7 @@ TensorFile Trainer::checkpoint() const {
   TensorFile file = file_from_params(s.graph, s.params, TensorType::f32);
   file.metadata = format_model_metadata(s.metadata);
   file.metadata["step"] = std::to_string(s.step);
+  s.mean.save(file, s.graph);
   if (s.options.crf) {
     file.tensors.emplace("crf/log_appearance", copy_of(s.crf_log_appearance));
     file.tensors.emplace("crf/log_smoothness", copy_of(s.crf_log_smoothness));
@@ -408,6 +415,7 @@ void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
   state->device = old.device;
   state->params = params_from_file(state->graph, checkpoint, source);
   state->collect_learned();
+  state->mean.restore(checkpoint, state->graph, state->device, source);
   if (state->options.crf) {
     copy_into(state->crf_log_appearance, checkpoint, "crf/log_appearance", source);
     copy_into(state->crf_log_smoothness, checkpoint, "crf/log_smoothness", source);
@@ -431,7 +439,7 @@ void Trainer::restore(const TensorFile& checkpoint, const std::string& source) {
 
 TensorFile Trainer::model_file() const {
   state_->require_sound_weights();
-  TensorFile file = file_from_params(state_->graph, state_->params, TensorType::f16);
+  TensorFile file = file_from_params(state_->graph, state_->result(), TensorType::f16);
   file.metadata = format_model_metadata(state_->metadata);
   file.metadata["step"] = std::to_string(state_->step);
   if (state_->options.crf) add_crf(file, state_->current_crf());
@@ -477,7 +485,7 @@ std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& sc
   return samples;
 }
 
-TensorFile Trainer::weights() const { return file_from_params(state_->graph, state_->params, TensorType::f32); }
+TensorFile Trainer::weights() const { return file_from_params(state_->graph, state_->result(), TensorType::f32); }
 
 std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes) {
   constexpr float most = 8.0F;  // a class of a few pixels must not rule the training
@@ -513,13 +521,30 @@ int road_label(const ClassTable& classes) {
   return static_cast<int>(road - classes.classes.begin());
 }
 
+namespace {
+/// The truth at the centres of a label grid's pixels.
+std::vector<ClassSet> truth_on(const GridFrame& labels, const ValidationScene& scene) {
+  if (labels == scene.photo.frame) return scene.allowed.data;
+  std::vector<ClassSet> truth;
+  truth.reserve(static_cast<std::size_t>(labels.width) * static_cast<std::size_t>(labels.height));
+  for (int row = 0; row < labels.height; ++row) {
+    for (int col = 0; col < labels.width; ++col) {
+      const Vec2 p = scene.photo.frame.pixel_from_world(labels.center_of(col, row));
+      const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y));
+      truth.push_back(scene.allowed.inside(x, y) ? scene.allowed.at(x, y) : unknown_class);
+    }
+  }
+  return truth;
+}
+}  // namespace
+
 std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
                                                 int threads) {
   std::map<std::string, LabelScore> scores;
   for (const ValidationScene& scene : scenes) {
     const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .crf = model.crf});
     LabelScore& score = scores.try_emplace(scene.name, static_cast<int>(model.classes.classes.size())).first->second;
-    score.add(result.labels.labels.data, scene.allowed.data);
+    score.add(result.labels.labels.data, truth_on(result.labels.frame, scene));
   }
   return scores;
 }

@@ -44,6 +44,7 @@ struct TrainOptions {
   double weight_decay = 1e-4;                 ///< decoupled from the rate's adaption in adamw; kernels only
   bool sum_loss = false;                      ///< the reference's unnormalised loss, summed over pixels
   std::int64_t freeze_norm_from_step = 1500;  ///< from here batch norm uses its running statistics, as prediction does
+  std::int64_t average_from_step = -1;        ///< the model is the mean of the weights from here on; -1: the last ones
   int batch = 4;
   int crop_px = 384;  ///< edge of what the network sees
   int label_px = 0;   ///< edge of the centre that is learned from; 0: all of the crop that gets scores
@@ -66,7 +67,7 @@ struct TrainOptions {
 struct ValidationScene {
   std::string name;
   Photo photo;
-  Raster<ClassSet> allowed;  ///< on the photo's grid, which has the model's scale
+  Raster<ClassSet> allowed;  ///< on the photo's grid
 };
 
 /// One row of the log.
@@ -103,9 +104,9 @@ class Trainer {
   [[nodiscard]] TensorFile checkpoint() const;
   /// Throws InputError when it is of another network or incomplete; nothing has changed then.
   void restore(const TensorFile& checkpoint, const std::string& source);
-  /// The model file: kernels F16, with metadata. Throws as checkpoint().
+  /// The model file: kernels F16, with metadata; the mean of the weights where it has begun. Throws as checkpoint().
   [[nodiscard]] TensorFile model_file() const;
-  [[nodiscard]] TensorFile weights() const;    ///< F32, to start another network from
+  [[nodiscard]] TensorFile weights() const;    ///< F32, to start another network from; the mean as in model_file()
   [[nodiscard]] double learning_rate() const;  ///< at the present step
   [[nodiscard]] const ModelMetadata& metadata() const;
   [[nodiscard]] std::optional<CrfModel> crf() const;  ///< as learned so far
@@ -121,7 +122,8 @@ class Trainer {
 /// Median frequency balancing over pixels with one known class, between 1/8 and 8; scenes count by their weight.
 [[nodiscard]] std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes);
 
-/// Scores by name; scenes of one name count together. The scenes must have the model's scale.
+/// Scores by name; scenes of one name count together. A photo is labelled as prediction does: one finer than the
+/// model's scale gets finer labels.
 [[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model,
                                                               const std::vector<ValidationScene>& scenes,
                                                               int threads = 0);

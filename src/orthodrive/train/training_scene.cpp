@@ -8,6 +8,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
+#include "orthodrive/train/disturb_photo.hpp"
 
 namespace orthodrive {
 namespace {
@@ -35,22 +36,43 @@ Placement draw_placement(const TrainingScene& scene, const CropOptions& options,
   return {center - (right + down) * (0.5 * (options.size_px - 1)), right, down};
 }
 
-Crop cut(const TrainingScene& scene, int size, const Placement& place) {
+/// Adds the photo at p (pixel edges at whole numbers), bilinear. False where it ends.
+bool add_sample(const Raster<std::uint8_t>& rgb, Vec2 p, std::array<float, 3>& sum) {
+  const double x = p.x - 0.5, y = p.y - 0.5;
+  const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
+  if (left < 0 || top < 0 || left + 1 >= rgb.width || top + 1 >= rgb.height) return false;
+  const auto u = static_cast<float>(x - left), v = static_cast<float>(y - top);
+  const std::uint8_t* upper = &rgb.at(left, top);
+  const std::uint8_t* lower = &rgb.at(left, top + 1);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float a = static_cast<float>(upper[c]) * (1.0F - u) + static_cast<float>(upper[c + 3]) * u;
+    const float b = static_cast<float>(lower[c]) * (1.0F - u) + static_cast<float>(lower[c + 3]) * u;
+    sum[c] += a * (1.0F - v) + b * v;
+  }
+  return true;
+}
+
+/// A crop pixel is the mean of as many samples as it covers source pixels: what is finer than the crop averages out, as
+/// it does where prediction resamples a photo. `missing`: pixels without a photo.
+Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vector<std::size_t>& missing) {
   Crop crop{Raster<std::uint8_t>(size, size, 3, no_photo_value), Raster<ClassSet>(size, size, 1, unknown_class)};
+  const int samples = std::max(1, static_cast<int>(std::lround(length(place.right))));
+  const float share = 1.0F / static_cast<float>(samples * samples);
   for (int row = 0; row < size; ++row) {
     for (int col = 0; col < size; ++col) {
-      const Vec2 p = place.origin + place.right * col + place.down * row;  // pixel edges at whole numbers
-      const double x = p.x - 0.5, y = p.y - 0.5;
-      const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
-      if (left < 0 || top < 0 || left + 1 >= scene.rgb.width || top + 1 >= scene.rgb.height) continue;
-      const auto u = static_cast<float>(x - left), v = static_cast<float>(y - top);
-      const std::uint8_t* upper = &scene.rgb.at(left, top);
-      const std::uint8_t* lower = &scene.rgb.at(left, top + 1);
-      for (int c = 0; c < 3; ++c) {
-        const float a = static_cast<float>(upper[c]) * (1.0F - u) + static_cast<float>(upper[c + 3]) * u;
-        const float b = static_cast<float>(lower[c]) * (1.0F - u) + static_cast<float>(lower[c + 3]) * u;
-        crop.rgb.at(col, row, c) = static_cast<std::uint8_t>(a * (1.0F - v) + b * v + 0.5F);
+      std::array<float, 3> sum{};
+      bool inside = true;
+      for (int i = 0; inside && i < samples * samples; ++i) {
+        const double right = (i % samples + 0.5) / samples - 0.5, down = (i / samples + 0.5) / samples - 0.5;
+        inside = add_sample(scene.rgb, place.origin + place.right * (col + right) + place.down * (row + down), sum);
       }
+      if (!inside) {
+        missing.push_back(static_cast<std::size_t>(row * size + col));
+        continue;
+      }
+      for (int c = 0; c < 3; ++c)
+        crop.rgb.at(col, row, c) = static_cast<std::uint8_t>(sum[static_cast<std::size_t>(c)] * share + 0.5F);
+      const Vec2 p = place.origin + place.right * col + place.down * row;
       crop.allowed.at(col, row) = scene.allowed.at(static_cast<int>(p.x), static_cast<int>(p.y));
     }
   }
@@ -73,24 +95,6 @@ void disturb_colors(Raster<std::uint8_t>& rgb, Random& random) {
   }
 }
 
-void blur(Raster<std::uint8_t>& rgb) {  // 1 2 1 binomial, both ways
-  const auto pass = [&rgb](int count, int lines, int step, int line_step) {
-    for (int line = 0; line < lines; ++line) {
-      std::uint8_t* p = rgb.data.data() + static_cast<std::ptrdiff_t>(line) * line_step;
-      std::array<int, 3> before{p[0], p[1], p[2]};
-      for (int i = 0; i + 1 < count; ++i, p += step) {
-        for (int c = 0; c < 3; ++c) {
-          const int here = p[c];
-          p[c] = static_cast<std::uint8_t>((before[static_cast<std::size_t>(c)] + 2 * here + p[c + step] + 2) / 4);
-          before[static_cast<std::size_t>(c)] = here;
-        }
-      }
-    }
-  };
-  pass(rgb.width, rgb.height, 3, 3 * rgb.width);
-  pass(rgb.height, rgb.width, 3 * rgb.width, 3);
-}
-
 void add_noise(Raster<std::uint8_t>& rgb, Random& random) {
   const double amplitude = random.uniform(2.0, 10.0);
   for (std::uint8_t& value : rgb.data) {
@@ -102,11 +106,17 @@ void add_noise(Raster<std::uint8_t>& rgb, Random& random) {
 
 Crop draw_crop(const TrainingScene& scene, const CropOptions& options, std::uint64_t seed) {
   Random random(seed);
-  Crop crop = cut(scene, options.size_px, draw_placement(scene, options, random));
+  std::vector<std::size_t> missing;
+  Crop crop = cut(scene, options.size_px, draw_placement(scene, options, random), missing);
   const Augmentation& vary = options.augmentation;
   if (vary.blur && random.uniform() < 0.3) blur(crop.rgb);
-  if (vary.colors) disturb_colors(crop.rgb, random);
+  if (vary.domain > 0.0)
+    disturb_domain(crop.rgb, vary.domain, random);
+  else if (vary.colors)
+    disturb_colors(crop.rgb, random);
   if (vary.noise && random.uniform() < 0.3) add_noise(crop.rgb, random);
+  for (const std::size_t pixel : missing)  // as prediction sees it
+    for (std::size_t c = 0; c < 3; ++c) crop.rgb.data[3 * pixel + c] = no_photo_value;
   return crop;
 }
 

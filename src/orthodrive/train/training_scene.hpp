@@ -29,6 +29,7 @@ struct Augmentation {
     none
   } turn = Turn::any;  ///< quarters: with mirroring the eight copies of the reference
   bool mirror = true, zoom = true, colors = true, blur = true, noise = true;
+  double domain = 0.0;  ///< strength of disturb_domain (disturb_photo.hpp); above 0 it stands for `colors`
 };
 
 struct CropOptions {
