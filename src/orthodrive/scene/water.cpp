@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/model/sample_height.hpp"
@@ -15,6 +16,7 @@ namespace {
 constexpr double min_area_m2 = 20.0, sample_m = 3.0, shore_reach_m = 2.0;
 constexpr double on_shore_m = 2.0 * plan_grid_m;
 constexpr double largest_drop_m = 3.0;
+constexpr double cell_m = 128.0;  // of roads that are taken out of water
 constexpr LinearColor darkest = {0.012F, 0.022F, 0.024F}, brightest = {0.10F, 0.14F, 0.13F};
 
 /// Heights of the terrain model inside, ascending.
@@ -39,6 +41,40 @@ MultiPolygon moved_all(const MultiPolygon& polygons, Vec2 by) {
   return result;
 }
 
+Polygon polygon_of(const Box2& box) {
+  return {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}, {}};
+}
+
+Box2 bounds_of_all(const MultiPolygon& polygons) {
+  Box2 box = bounds_of(polygons.front().outer);
+  for (const Polygon& part : polygons) {
+    const Box2 own = bounds_of(part.outer);
+    box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
+           std::max(box.max_y, own.max_y)};
+  }
+  return box;
+}
+
+/// `shores`, relative to `from`, less what roads take. In cells, so that a river through a town meets few roads at a
+/// time.
+MultiPolygon beside_roads(const MultiPolygon& shores, const WaterInput& input, Vec2 from) {
+  if (shores.empty()) return {};
+  const Box2 box = bounds_of_all(shores);
+  MultiPolygon parts;
+  for (double x = std::floor(box.min_x / cell_m) * cell_m; x < box.max_x; x += cell_m) {
+    for (double y = std::floor(box.min_y / cell_m) * cell_m; y < box.max_y; y += cell_m) {
+      MultiPolygon inside = intersection_of(shores, {polygon_of({x, y, x + cell_m, y + cell_m})}, plan_grid_m);
+      if (inside.empty()) continue;
+      const Box2 near = bounds_of_all(inside).grown(input.shore_m);
+      const MultiPolygon paved = input.roads.paved_near(
+          {near.min_x + from.x, near.min_y + from.y, near.max_x + from.x, near.max_y + from.y}, from);
+      if (!paved.empty()) inside = difference_of(inside, buffer_of(paved, input.shore_m, 4), plan_grid_m);
+      std::ranges::move(inside, std::back_inserter(parts));
+    }
+  }
+  return parts.empty() ? MultiPolygon{} : union_of(parts, plan_grid_m);
+}
+
 /// What is left of the polygon beside roads and the water before it.
 MultiPolygon shores_of(const Polygon& polygon, const WaterInput& input, const std::vector<WaterBody>& before) {
   const Box2 box = bounds_of(polygon.outer);
@@ -46,9 +82,7 @@ MultiPolygon shores_of(const Polygon& polygon, const WaterInput& input, const st
   const Polygon local = moved(polygon, from * -1.0);
   MultiPolygon shores = union_of(std::span(&local, 1), plan_grid_m);
   shores = intersection_of(shores, {moved(input.area, from * -1.0)}, plan_grid_m);
-  const MultiPolygon paved = input.roads.paved_near(box.grown(input.shore_m), from);
-  if (!paved.empty() && !shores.empty())
-    shores = difference_of(shores, buffer_of(paved, input.shore_m, 4), plan_grid_m);
+  shores = beside_roads(shores, input, from);
   for (const WaterBody& other : before)
     if (!shores.empty() && other.box.min_x <= box.max_x && other.box.max_x >= box.min_x &&
         other.box.min_y <= box.max_y && other.box.max_y >= box.min_y)
@@ -84,12 +118,7 @@ Waters::Waters(const MultiPolygon& polygons, const WaterInput& input, Findings& 
                           place.x, place.y});
       continue;
     }
-    Box2 box = bounds_of(shores.front().outer);
-    for (const Polygon& part : shores) {
-      const Box2 own = bounds_of(part.outer);
-      box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
-             std::max(box.max_y, own.max_y)};
-    }
+    const Box2 box = bounds_of_all(shores);
     boxes.push_back(box.grown(shore_reach_m));
     const LinearColor color = color_of(input.photo, shores);
     Outline outline(shores, shore_reach_m);
