@@ -62,6 +62,7 @@ class FreeRuns {
   [[nodiscard]] std::vector<Polyline> of(const Polyline& line) {
     runs_.clear();
     is_open_ = false;
+    if (line.size() < 2) return {};
     lean_ = lean_of(line);
     for (std::size_t i = 1; i < line.size(); ++i) {
       const double length_m = distance(line[i - 1], line[i]);
