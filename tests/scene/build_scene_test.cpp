@@ -589,12 +589,13 @@ struct FullSite {
 std::map<TileAddress, SceneTile> build_all(const FullSite& site, const SceneOptions& options, SceneResult& result) {
   std::map<TileAddress, SceneTile> tiles;
   std::mutex mutex;
-  result = build_scene(source_of(site.input()),
-                       [&](const SceneTile& tile, Vec3) {
-                         const std::lock_guard lock(mutex);
-                         if (tile.level == 0) tiles[{tile.column, tile.row}] = tile;
-                       },
-                       options);
+  result = build_scene(
+      source_of(site.input()),
+      [&](const SceneTile& tile, Vec3) {
+        const std::lock_guard lock(mutex);
+        if (tile.level == 0) tiles[{tile.column, tile.row}] = tile;
+      },
+      options);
   return tiles;
 }
 
@@ -602,7 +603,11 @@ void expect_same(const TriMesh& mesh, const TriMesh& other) {
   EXPECT_EQ(mesh.kind, other.kind);
   EXPECT_EQ(mesh.positions.size(), other.positions.size()) << to_string(mesh.kind);
   for (std::size_t i = 0, n = 0; i < std::min(mesh.positions.size(), other.positions.size()) && n < 4; ++i)
-    if (mesh.positions[i] != other.positions[i]) { ++n; ADD_FAILURE() << to_string(mesh.kind) << i << " " << testing::PrintToString(mesh.positions[i]) << testing::PrintToString(other.positions[i]); }
+    if (mesh.positions[i] != other.positions[i]) {
+      ++n;
+      ADD_FAILURE() << to_string(mesh.kind) << i << " " << testing::PrintToString(mesh.positions[i])
+                    << testing::PrintToString(other.positions[i]);
+    }
   EXPECT_EQ(mesh.normals, other.normals) << to_string(mesh.kind);
   EXPECT_EQ(mesh.uv, other.uv) << to_string(mesh.kind);
   EXPECT_EQ(mesh.indices, other.indices) << to_string(mesh.kind);

@@ -52,9 +52,9 @@ struct SceneOptions {
   double terrain_step_m = 10.0;    ///< distance of terrain vertices, also along tile borders
   double verge_m = 5.0;            ///< over this distance from a road the ground goes from the road's edge to the DTM
   double deck_thickness_m = 0.8;   ///< of bridges
-  int block_tiles = 4;             ///< a side of what is laid out at a time, a power of two; the result does not depend on it
-  int max_texture_px = 2048;       ///< a tile side; photos coarser than that keep their own resolution
-  int threads = 0;                 ///< 0 = all cores; the result does not depend on it
+  int block_tiles = 4;  ///< a side of what is laid out at a time, a power of two; the result does not depend on it
+  int max_texture_px = 2048;  ///< a tile side; photos coarser than that keep their own resolution
+  int threads = 0;            ///< 0 = all cores; the result does not depend on it
 };
 
 /// Tiles of level 0 are squares of 480 m whose corners are multiples of 480 m in the site CRS.

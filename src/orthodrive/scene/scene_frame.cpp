@@ -93,8 +93,7 @@ SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_opti
   tiles = tiles_of(outline, bounds);
   terrain.emplace(source.terrain, outline, findings);
   if (source.surroundings)
-    water_levels =
-        scene::water_levels(source.surroundings->water, outline, *terrain, source.photo, findings);
+    water_levels = scene::water_levels(source.surroundings->water, outline, *terrain, source.photo, findings);
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
   origin = {middle.x, middle.y, std::floor(terrain->height_m(middle))};
 }

@@ -18,15 +18,15 @@ struct SceneFrame {
   SceneFrame(const SceneFrame&) = delete;
 
   SceneOptions options;
-  Polygon area;              ///< on the plan grid
-  MultiPolygon dense_area;   ///< its rings with points at most a terrain step apart, oriented and clean
-  Box2 bounds;               ///< of the area
-  Findings findings;         ///< of terrain and water
-  Outline outline;           ///< of the area
+  Polygon area;                    ///< on the plan grid
+  MultiPolygon dense_area;         ///< its rings with points at most a terrain step apart, oriented and clean
+  Box2 bounds;                     ///< of the area
+  Findings findings;               ///< of terrain and water
+  Outline outline;                 ///< of the area
   std::vector<TileAddress> tiles;  ///< those that share ground with the area, by column, then row
   std::optional<TerrainWindows> terrain;
   std::vector<std::optional<WaterLevel>> water_levels;  ///< one for each polygon of the surroundings' water
-  Vec3 origin;               ///< middle of the area at a height of the terrain, whole metres
+  Vec3 origin;                                          ///< middle of the area at a height of the terrain, whole metres
 };
 
 }  // namespace orthodrive::scene

@@ -179,7 +179,9 @@ std::shared_ptr<const SceneLayout> lay_out_block(std::shared_ptr<const SceneFram
   const Box2 all = block_around(frame->tiles);
   std::erase_if(layout->findings, [&](const Finding& finding) {
     // The last metre of the area belongs to the tile before its border.
-    const auto inside = [](double v, double low, double high) { return std::isnan(v) ? low : std::clamp(v, low, high - 1.0); };
+    const auto inside = [](double v, double low, double high) {
+      return std::isnan(v) ? low : std::clamp(v, low, high - 1.0);
+    };
     const Vec2 p{inside(finding.x_m, all.min_x, all.max_x), inside(finding.y_m, all.min_y, all.max_y)};
     return !(p.x >= block.min_x && p.x < block.max_x && p.y >= block.min_y && p.y < block.max_y);
   });
@@ -226,8 +228,8 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
       photo(&window.photo),
       labels(window.labels ? &*window.labels : nullptr) {
   for (const TileAddress address : frame->tiles)
-    if (const Box2 box = tile_box(address); box.min_x >= block.min_x && box.min_y >= block.min_y &&
-                                            box.max_x <= block.max_x && box.max_y <= block.max_y)
+    if (const Box2 box = tile_box(address);
+        box.min_x >= block.min_x && box.min_y >= block.min_y && box.max_x <= block.max_x && box.max_y <= block.max_y)
       tiles.push_back(address);
   std::vector<Building> known = window.buildings;
   std::vector<TreeCrown> crowns;
