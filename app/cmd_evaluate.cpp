@@ -139,6 +139,19 @@ void add_network(CLI::App* cmd, const Command& command) {
   positional(network, "FILE", command->request.scored, "OpenDRIVE 1.4 - 1.8");
 }
 
+void add_scene(CLI::App* cmd, const Command& command) {
+  CLI::App* scene = add_kind(
+      cmd, command, "scene", "Cracks, roads beside their surface and things on roads, in the tiles of a scene.",
+      "open_edges: of ground, roads and decks, within tiles and between them, besides the scene's outer border.\n"
+      "road_error_m: of middles of road triangles and of their edges from the surface that is driven.\n"
+      "on_road: vertices of buildings, trees, barriers and the like over a road, by up to 4.5 m.\n"
+      "Examples:\n  orthodrive evaluate scene out/scene out/roads.xodr\n"
+      "  orthodrive evaluate scene out/scene out/roads.xodr --json",
+      of_files(score_scene));
+  positional(scene, "DIR", command->request.scored, "folder of `orthodrive scene`");
+  positional(scene, "NETWORK", command->request.truth, "the roads that it was made of (OpenDRIVE)");
+}
+
 void add_site(CLI::App* cmd, const Command& command) {
   CLI::App* site =
       add_kind(cmd, command, "site", "All of the above for the output folder of `orthodrive build`.",
@@ -172,6 +185,7 @@ void add_evaluate(CLI::App& app, Context&) {
   add_roads(cmd, command);
   add_heights(cmd, command);
   add_network(cmd, command);
+  add_scene(cmd, command);
   add_site(cmd, command);
 }
 

@@ -270,4 +270,11 @@ SurfacePoint surface_point(const Road& road, double s, double t, const PlanPoint
   return point;
 }
 
+void remove_lane_heights(RoadMap& map) {
+  for (Road& road : map.roads)
+    for (LaneSection& section : road.sections)
+      for (auto* side : {&section.left, &section.right})
+        for (Lane& lane : *side) lane.heights.clear();
+}
+
 }  // namespace roadquery

@@ -52,6 +52,8 @@ struct LaneHeightAt {
 [[nodiscard]] LaneHeightAt lane_height_at(std::span<const LaneHeight> heights, double s_in_section);
 /// Height of the lane at (s, t) over the road's surface, along z, and its derivatives; 0 beside the lanes.
 [[nodiscard]] ShapePoint lane_height(const Road& road, double s, double t);
+/// The roads' surfaces as if no lane lay higher than them.
+void remove_lane_heights(RoadMap& map);
 /// z of surface_point, for less.
 [[nodiscard]] double surface_height(const Road& road, double s, double t);
 /// Surface at (s, t): the reference point, moved by t along the left normal turned by the superelevation, and by the

@@ -30,6 +30,7 @@ enum class MeshKind : std::uint8_t {
   track,      ///< railways: ballast and rails
   lamp,       ///< copies: street lamps
 };
+constexpr std::size_t mesh_kind_count = static_cast<std::size_t>(MeshKind::lamp) + 1;
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
   switch (kind) {

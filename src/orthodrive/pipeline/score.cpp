@@ -7,10 +7,12 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/io/tile_reader.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/pipeline/network_verdict.hpp"
 #include "orthodrive/pipeline/road_layers.hpp"
 #include "orthodrive/report/label_report.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -163,6 +165,17 @@ ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& 
   return scores;
 }
 ScoreJson score_network(const ScoreRequest& request) { return score_network(request, {}); }
+
+ScoreJson score_scene(const ScoreRequest& request) {
+  if (!fs::exists(request.truth)) throw InputError(request.truth.string(), "no such file");
+  roadquery::RoadMap map = roadquery::read_opendrive(request.truth.string());
+  roadquery::remove_lane_heights(map);
+  const roadquery::RoadQuery roads(std::move(map));
+  SceneScorer scorer(roads);
+  for (const io::TileFile& file : io::read_tileset(request.scored))
+    scorer.add(file.level == 0 ? io::read_tile_glb(file) : SceneTile{.level = file.level}, file.bytes);
+  return to_json(scorer.finish());
+}
 
 ScoreJson score_site(const ScoreRequest& request) {
   if (!fs::is_directory(request.scored))

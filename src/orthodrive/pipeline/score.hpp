@@ -41,6 +41,8 @@ struct NetworkScoreOptions {
 };
 [[nodiscard]] ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& options);
 [[nodiscard]] ScoreJson score_network(const ScoreRequest& request);  ///< needs no truth
+/// Of the tiles in a folder; `truth` is the OpenDRIVE file that they were made of.
+[[nodiscard]] ScoreJson score_scene(const ScoreRequest& request);
 /// What of a built site the truth folder knows about: labels, roads, heights, network.
 [[nodiscard]] ScoreJson score_site(const ScoreRequest& request);
 

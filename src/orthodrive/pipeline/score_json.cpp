@@ -145,6 +145,31 @@ ScoreJson to_json(const HeightScores& scores) {
           {"compared_share", scores.compared_share}};
 }
 
+ScoreJson to_json(const SceneScores& scores) {
+  ScoreJson faults = ScoreJson::array();
+  for (const Finding& fault : scores.faults)
+    faults.push_back({{"code", fault.code}, {"message", fault.message}, {"x", fault.x_m}, {"y", fault.y_m}});
+  return {{"levels", scores.levels},
+          {"tiles", scores.tiles},
+          {"tiles_of_level_0", scores.tiles_of_level_0},
+          {"ground_km2", scores.ground_km2},
+          {"triangles", scores.triangles},
+          {"draw_calls", scores.draw_calls},
+          {"bytes", scores.bytes},
+          {"mb_per_km2", scores.ground_km2 > 0.0 ? 1e-6 * static_cast<double>(scores.bytes) / scores.ground_km2 : 0.0},
+          {"open_edges", scores.open_edges},
+          {"crowded_edges", scores.crowded_edges},
+          {"road_samples", scores.road_samples},
+          {"road_samples_off", scores.road_samples_off},
+          {"road_error_m", scores.road_error_m},
+          {"road_error_p999_m", scores.road_error_p999_m},
+          {"shared_vertices", scores.shared_vertices},
+          {"normal_error_deg", scores.normal_error_deg},
+          {"standing_vertices", scores.standing_vertices},
+          {"on_road", scores.on_road},
+          {"faults", std::move(faults)}};
+}
+
 ScoreJson to_json(const NetworkScores& scores) {
   ScoreJson crossings = ScoreJson::array(), dead_lanes = ScoreJson::array();
   for (const GradeSeparation& c : scores.crossing_places)

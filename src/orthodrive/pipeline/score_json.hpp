@@ -8,6 +8,7 @@
 #include "orthodrive/evaluate/evaluate_labels.hpp"
 #include "orthodrive/evaluate/evaluate_network.hpp"
 #include "orthodrive/evaluate/evaluate_roads.hpp"
+#include "orthodrive/evaluate/evaluate_scene.hpp"
 
 namespace orthodrive {
 
@@ -22,6 +23,7 @@ void add_pieces(ScoreJson& json, const std::vector<PieceScores>& pieces);
 [[nodiscard]] ScoreJson to_json(const RoadScores& scores);
 [[nodiscard]] ScoreJson to_json(const HeightScores& scores);
 [[nodiscard]] ScoreJson to_json(const NetworkScores& scores);
+[[nodiscard]] ScoreJson to_json(const SceneScores& scores);
 
 [[nodiscard]] std::string to_table(const ScoreJson& scores);
 

@@ -127,14 +127,6 @@ void add_kerbs(const RoadLevel& level, const roadquery::RoadQuery& query, const 
       visit_tiles(piece.corners, [&](TileAddress address) { lines.kerbs[address].push_back(piece); });
 }
 
-roadquery::RoadMap without_heights(roadquery::RoadMap map) {
-  for (roadquery::Road& road : map.roads)
-    for (roadquery::LaneSection& section : road.sections)
-      for (auto* side : {&section.left, &section.right})
-        for (roadquery::Lane& lane : *side) lane.heights.clear();
-  return map;
-}
-
 void add_markings(const RoadLevel& level, LevelLines& lines) {
   for (const roadquery::Road* road : level.roads()) {
     std::vector<MarkingPiece> pieces = road_markings(*road);
@@ -259,7 +251,9 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
 }
 
 void SceneLayout::lay_roads() {
-  query = std::make_shared<const roadquery::RoadQuery>(without_heights(window.roads));
+  roadquery::RoadMap flat = window.roads;
+  roadquery::remove_lane_heights(flat);
+  query = std::make_shared<const roadquery::RoadQuery>(std::move(flat));
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
       .reach_m = std::max({options.verge_m + 1.0, tree_reach_m, track_reach_m}),

@@ -1,0 +1,221 @@
+#include "orthodrive/evaluate/evaluate_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace orthodrive {
+namespace {
+
+constexpr double allowed_road_error_m = 0.02;
+constexpr double clear_below_m = 0.3, clear_above_m = 4.5, border_m = 0.02;  // of what stands beside roads
+constexpr int most_told = 20;                                                // faults of a kind
+
+using Place = std::array<double, 3>;
+
+Place place_of(const SceneTile& tile, const std::array<float, 3>& p) {
+  // Exact: origins are whole metres or halves of tiles, positions multiples of 1/1024 m in plan.
+  return {tile.origin.x + static_cast<double>(p[0]), tile.origin.y + static_cast<double>(p[1]),
+          tile.origin.z + static_cast<double>(p[2])};
+}
+
+bool is_surface(MeshKind kind) {
+  return kind == MeshKind::terrain || kind == MeshKind::water || kind == MeshKind::road || kind == MeshKind::road_body;
+}
+
+bool stands(MeshKind kind) {
+  return !is_surface(kind) && kind != MeshKind::verge && kind != MeshKind::marking && kind != MeshKind::kerb;
+}
+
+double plan_area_m2(const TriMesh& mesh) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto &a = mesh.positions[mesh.indices[i]], &b = mesh.positions[mesh.indices[i + 1]],
+               &c = mesh.positions[mesh.indices[i + 2]];
+    twice += (double{b[0]} - a[0]) * (double{c[1]} - a[1]) - (double{b[1]} - a[1]) * (double{c[0]} - a[0]);
+  }
+  return 0.5 * twice;
+}
+
+/// Takes edges that run in both directions out of a list, and counts those that more than two triangles share.
+template <typename Edge>
+std::vector<Edge> unpaired(std::vector<Edge> edges, std::size_t& crowded) {
+  struct Turned {
+    Edge edge;  // from the lesser end
+    int sign = 1;
+  };
+  std::vector<Turned> all;
+  for (const Edge& e : edges) all.push_back(e[0] < e[1] ? Turned{e, 1} : Turned{{e[1], e[0]}, -1});
+  std::ranges::sort(all, {}, &Turned::edge);
+  std::vector<Edge> open;
+  for (std::size_t i = 0, end = 0; i < all.size(); i = end) {
+    int sum = 0;
+    for (end = i; end < all.size() && all[end].edge == all[i].edge; ++end) sum += all[end].sign;
+    crowded += static_cast<std::size_t>(end - i > 2);
+    for (int k = 0; k < std::abs(sum); ++k)
+      open.push_back(sum > 0 ? all[i].edge : Edge{all[i].edge[1], all[i].edge[0]});
+  }
+  return open;
+}
+
+}  // namespace
+
+void SceneScorer::fault(const char* code, std::string message, const Place& at) {
+  if (told_[code]++ < most_told) scores_.faults.push_back({Severity::error, code, std::move(message), at[0], at[1]});
+}
+
+void SceneScorer::add(const SceneTile& tile, std::uintmax_t bytes) {
+  ++scores_.tiles;
+  scores_.bytes += bytes;
+  scores_.levels = std::max(scores_.levels, tile.level + 1);
+  if (tile.level > 0) return;
+  ++scores_.tiles_of_level_0;
+  for (const TriMesh& mesh : tile.meshes) {
+    scores_.triangles += mesh.indices.size() / 3;
+    scores_.draw_calls += std::max<std::size_t>(1, mesh.parts.size());
+    if (is_surface(mesh.kind) && mesh.kind != MeshKind::road_body) scores_.ground_km2 += 1e-6 * plan_area_m2(mesh);
+  }
+  for (const InstancedMesh& copied : tile.instanced) {
+    scores_.triangles += copied.mesh.indices.size() / 3 * copied.instances.size();
+    scores_.draw_calls += std::max<std::size_t>(1, copied.mesh.parts.size());
+  }
+  add_edges(tile);
+  add_roads(tile);
+  add_normals(tile);
+  add_standing(tile);
+}
+
+void SceneScorer::add_edges(const SceneTile& tile) {
+  std::vector<Edge> edges;
+  for (const TriMesh& mesh : tile.meshes) {
+    if (!is_surface(mesh.kind)) continue;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+      for (std::size_t k = 0; k < 3; ++k)
+        edges.push_back({place_of(tile, mesh.positions[mesh.indices[i + k]]),
+                         place_of(tile, mesh.positions[mesh.indices[i + (k + 1) % 3]])});
+  }
+  std::ranges::copy(unpaired(std::move(edges), scores_.crowded_edges), std::back_inserter(open_));
+}
+
+void SceneScorer::add_roads(const SceneTile& tile) {
+  for (const TriMesh& mesh : tile.meshes) {
+    if (mesh.kind != MeshKind::road) continue;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      std::array<Place, 3> c;
+      for (std::size_t k = 0; k < 3; ++k) c[k] = place_of(tile, mesh.positions[mesh.indices[i + k]]);
+      const auto check = [&](double wa, double wb, double wc) {
+        Place p;
+        for (std::size_t k = 0; k < 3; ++k) p[k] = wa * c[0][k] + wb * c[1][k] + wc * c[2][k];
+        roadquery::Cursor cursor;
+        const auto z = roads_->find_height(p[0], p[1], p[2], cursor);
+        if (!z) return;  // between the border and its chords
+        const double error_m = std::abs(*z - p[2]);
+        ++scores_.road_samples;
+        road_errors_m_.push_back(static_cast<float>(error_m));
+        scores_.road_error_m = std::max(scores_.road_error_m, error_m);
+        if (error_m <= allowed_road_error_m) return;
+        ++scores_.road_samples_off;
+        fault("scene.road_off_surface", fmt::format("road mesh {:.3f} m from the surface", error_m), p);
+      };
+      check(1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0);
+      check(0.5, 0.5, 0.0), check(0.0, 0.5, 0.5), check(0.5, 0.0, 0.5);
+    }
+  }
+}
+
+void SceneScorer::add_normals(const SceneTile& tile) {
+  for (const TriMesh& mesh : tile.meshes) {
+    if (mesh.kind != MeshKind::terrain && mesh.kind != MeshKind::road) continue;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      const Place p = place_of(tile, mesh.positions[i]);
+      constexpr double side_m = 480.0;
+      if (std::fmod(p[0], side_m) != 0.0 && std::fmod(p[1], side_m) != 0.0) continue;
+      // Roads and terrain meet in an edge that may be sharp: only like with like.
+      border_normals_[{p[0], p[1], mesh.kind == MeshKind::road ? p[2] + 1e6 : p[2]}].push_back(mesh.normals[i]);
+    }
+  }
+}
+
+void SceneScorer::add_standing(const SceneTile& tile) {
+  for (const TriMesh& mesh : tile.meshes)
+    if (stands(mesh.kind))
+      for (const auto& p : mesh.positions) check_standing(mesh.kind, place_of(tile, p));
+  for (const InstancedMesh& copied : tile.instanced) {
+    for (const MeshInstance& copy : copied.instances) {
+      const double c = std::cos(static_cast<double>(copy.yaw_rad)), s = std::sin(static_cast<double>(copy.yaw_rad));
+      for (const auto& p : copied.mesh.positions) {
+        const double x = static_cast<double>(p[0] * copy.scale[0]), y = static_cast<double>(p[1] * copy.scale[1]);
+        const Place foot = place_of(tile, copy.position);
+        check_standing(copied.mesh.kind, {foot[0] + c * x - s * y, foot[1] + s * x + c * y,
+                                          foot[2] + static_cast<double>(p[2] * copy.scale[2])});
+      }
+    }
+  }
+}
+
+void SceneScorer::check_standing(MeshKind kind, const Place& p) {
+  ++scores_.standing_vertices;
+  const auto is_over = [&](double x, double y) {
+    roadquery::Cursor cursor;
+    const auto z = roads_->find_height(x, y, p[2], cursor);
+    return z && p[2] - *z > -clear_below_m && p[2] - *z < clear_above_m;
+  };
+  // What touches a border stands beside the road.
+  for (const auto& [dx, dy] :
+       {std::pair{0.0, 0.0}, {border_m, 0.0}, {-border_m, 0.0}, {0.0, border_m}, {0.0, -border_m}})
+    if (!is_over(p[0] + dx, p[1] + dy)) return;
+  ++scores_.on_road;
+  fault("scene.on_road", fmt::format("{} stands on a road", to_string(kind)), p);
+}
+
+SceneScores SceneScorer::finish() {
+  std::size_t crowded = 0;
+  const std::vector<Edge> open = unpaired(std::move(open_), crowded);
+  std::multimap<Place, std::size_t> next;
+  for (std::size_t i = 0; i < open.size(); ++i) next.emplace(open[i][0], i);
+  // Loops around the ground run counter-clockwise, those around holes the other way; cracks have no area.
+  while (!next.empty()) {
+    std::vector<std::size_t> loop;
+    double twice_m2 = 0.0;
+    const Place start = next.begin()->first;
+    for (auto at = next.begin(); at != next.end(); at = next.find(open[loop.back()][1])) {
+      const auto& [a, b] = open[at->second];
+      twice_m2 += (a[0] - start[0]) * (b[1] - start[1]) - (b[0] - start[0]) * (a[1] - start[1]);
+      loop.push_back(at->second);
+      next.erase(at);
+      if (open[loop.back()][1] == start) break;
+    }
+    constexpr double least_scene_m2 = 1000.0;
+    if (twice_m2 > 2.0 * least_scene_m2) continue;
+    scores_.open_edges += loop.size();
+    fault("scene.crack", fmt::format("{} open edges around {:.4f} m2", loop.size(), -0.5 * twice_m2), start);
+  }
+  for (const auto& [place, normals] : border_normals_) {
+    if (normals.size() < 2) continue;
+    ++scores_.shared_vertices;
+    for (const auto& n : normals) {
+      const auto& first = normals.front();
+      double cross2 = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t u = (k + 1) % 3, v = (k + 2) % 3;
+        const double c = double{n[u]} * first[v] - double{n[v]} * first[u];
+        cross2 += c * c;
+      }
+      scores_.normal_error_deg =
+          std::max(scores_.normal_error_deg, std::asin(std::min(1.0, std::sqrt(cross2))) * 180.0 / std::numbers::pi);
+    }
+  }
+  if (!road_errors_m_.empty()) {
+    const auto at =
+        road_errors_m_.begin() + static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(road_errors_m_.size() - 1));
+    std::nth_element(road_errors_m_.begin(), at, road_errors_m_.end());
+    scores_.road_error_p999_m = static_cast<double>(*at);
+  }
+  return std::move(scores_);
+}
+
+}  // namespace orthodrive

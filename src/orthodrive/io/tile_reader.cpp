@@ -1,0 +1,280 @@
+#include "orthodrive/io/tile_reader.hpp"
+
+#include <fmt/format.h>
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive::io {
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+/// glTF 2.0, 3.6.2: component types.
+enum ComponentType {
+  byte_type = 5120,
+  unsigned_byte_type,
+  short_type,
+  unsigned_short_type,
+  unsigned_int_type = 5125,
+  float_type
+};
+
+std::size_t size_of(int type) {
+  switch (type) {
+    case byte_type:
+    case unsigned_byte_type:
+      return 1;
+    case short_type:
+    case unsigned_short_type:
+      return 2;
+    case unsigned_int_type:
+    case float_type:
+      return 4;
+    default:
+      throw Error(fmt::format("component type {} is not of glTF", type));
+  }
+}
+
+std::size_t width_of(const std::string& type) {
+  for (const auto& [name, width] : {std::pair{"SCALAR", 1U}, {"VEC2", 2U}, {"VEC3", 3U}, {"VEC4", 4U}})
+    if (type == name) return width;
+  throw Error("accessor of type " + type);
+}
+
+double number_at(const std::uint8_t* at, int type, bool normalized) {
+  const auto read = [&]<typename T>(T value, double full) {
+    std::memcpy(&value, at, sizeof value);
+    return static_cast<double>(value) / (normalized ? full : 1.0);
+  };
+  switch (type) {
+    case byte_type:
+      return read(std::int8_t{}, 127.0);
+    case unsigned_byte_type:
+      return read(std::uint8_t{}, 255.0);
+    case short_type:
+      return read(std::int16_t{}, 32767.0);
+    case unsigned_short_type:
+      return read(std::uint16_t{}, 65535.0);
+    case unsigned_int_type:
+      return read(std::uint32_t{}, 1.0);
+    default:
+      return read(float{}, 1.0);
+  }
+}
+
+/// A glb in memory.
+class Glb {
+ public:
+  explicit Glb(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    bytes_.assign(std::istreambuf_iterator<char>(stream), {});
+    if (!stream.good() && !stream.eof()) throw Error("cannot be read");
+    const std::size_t json_size = word(12);
+    if (word(0) != 0x46546c67U || word(16) != 0x4e4f534aU || json_size > bytes_.size() - 20)
+      throw Error("is no binary glTF");
+    json = Json::parse(bytes_.begin() + 20, bytes_.begin() + 20 + static_cast<std::ptrdiff_t>(json_size));
+    bin_ = 20 + json_size + 8;
+  }
+
+  /// All numbers of an accessor, element after element.
+  [[nodiscard]] std::vector<double> numbers(std::size_t index) {
+    const Json& accessor = json.at("accessors").at(index);
+    const int type = accessor.at("componentType");
+    const std::size_t width = width_of(accessor.at("type")), count = accessor.at("count"), size = size_of(type);
+    const std::size_t view_index = accessor.at("bufferView"), offset = accessor.value("byteOffset", std::size_t{0});
+    const View& view = unpacked(view_index);
+    const std::size_t stride = view.stride > 0 ? view.stride : width * size;
+    if (count > view.bytes.size() || (count > 0 && offset + (count - 1) * stride + width * size > view.bytes.size()))
+      throw Error(fmt::format("accessor {} reaches beyond its view", index));
+    std::vector<double> values;
+    values.reserve(count * width);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t k = 0; k < width; ++k)
+        values.push_back(
+            number_at(&view.bytes[offset + i * stride + k * size], type, accessor.value("normalized", false)));
+    return values;
+  }
+
+  Json json;
+
+ private:
+  struct View {
+    std::vector<std::uint8_t> bytes;
+    std::size_t stride = 0;
+  };
+
+  [[nodiscard]] std::uint32_t word(std::size_t at) const {
+    if (bytes_.size() < at + 4) throw Error("ends too soon");
+    std::uint32_t value = 0;
+    std::memcpy(&value, &bytes_[at], sizeof value);
+    return value;
+  }
+
+  [[nodiscard]] std::span<const std::uint8_t> part(const Json& view) const {
+    const std::size_t offset = view.value("byteOffset", std::size_t{0}), length = view.at("byteLength");
+    if (bin_ > bytes_.size() || offset > bytes_.size() - bin_ || length > bytes_.size() - bin_ - offset)
+      throw Error("a view reaches beyond the file");
+    return std::span(bytes_).subspan(bin_ + offset, length);
+  }
+
+  const View& unpacked(std::size_t index) {
+    if (views_.size() <= index) views_.resize(index + 1);
+    if (views_[index]) return *views_[index];
+    const Json& view = json.at("bufferViews").at(index);
+    View& result = views_[index].emplace();
+    result.stride = view.value("byteStride", std::size_t{0});
+    if (!view.contains("extensions")) {
+      const auto bytes = part(view);
+      result.bytes.assign(bytes.begin(), bytes.end());
+      return result;
+    }
+    const Json& packed = view.at("extensions").at("EXT_meshopt_compression");
+    const auto from = part(packed);
+    const std::size_t count = packed.at("count"), stride = packed.at("byteStride");
+    constexpr std::size_t largest_stride = 256, largest = std::size_t{1} << 30;
+    if (stride == 0 || stride > largest_stride || count > largest / stride) throw Error("a view is absurdly large");
+    result.bytes.resize(count * stride);
+    result.stride = view.value("byteStride", std::size_t{0});
+    const bool are_indices = packed.at("mode") == "TRIANGLES";
+    if (are_indices ? count % 3 != 0 || (stride != 2 && stride != 4) : stride % 4 != 0)
+      throw Error("a view has an odd size");
+    const int wrong = are_indices
+                          ? meshopt_decodeIndexBuffer(result.bytes.data(), count, stride, from.data(), from.size())
+                          : meshopt_decodeVertexBuffer(result.bytes.data(), count, stride, from.data(), from.size());
+    if (wrong != 0) throw Error("a compressed view is broken");
+    const std::string filter = packed.value("filter", "");
+    if (filter == "EXPONENTIAL") meshopt_decodeFilterExp(result.bytes.data(), count, stride);
+    if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8))
+      meshopt_decodeFilterOct(result.bytes.data(), count, stride);
+    return result;
+  }
+
+  std::vector<std::uint8_t> bytes_;
+  std::size_t bin_ = 0;
+  std::vector<std::optional<View>> views_;
+};
+
+/// glTF's axes (y up) to x east, y north, z up.
+std::vector<std::array<float, 3>> z_up(const std::vector<double>& values) {
+  std::vector<std::array<float, 3>> result;
+  for (std::size_t i = 0; i + 2 < values.size(); i += 3)
+    result.push_back(
+        {static_cast<float>(values[i]), static_cast<float>(-values[i + 2]), static_cast<float>(values[i + 1])});
+  return result;
+}
+
+MeshKind kind_of(const std::string& name) {
+  for (int k = 0; k < static_cast<int>(mesh_kind_count); ++k)
+    if (to_string(static_cast<MeshKind>(k)) == name) return static_cast<MeshKind>(k);
+  throw Error("mesh \"" + name + "\" is none of a scene's");
+}
+
+TriMesh read_mesh(Glb& glb, std::size_t index) {
+  const Json& mesh = glb.json.at("meshes").at(index);
+  TriMesh result{.kind = kind_of(mesh.at("name"))};
+  for (const Json& primitive : mesh.at("primitives")) {
+    const Json& attributes = primitive.at("attributes");
+    if (result.positions.empty()) {
+      result.positions = z_up(glb.numbers(attributes.at("POSITION")));
+      result.normals = z_up(glb.numbers(attributes.at("NORMAL")));
+      if (result.normals.size() != result.positions.size()) throw Error("a mesh lacks normals");
+    }
+    const std::size_t first = result.indices.size();
+    for (const double v : glb.numbers(primitive.at("indices"))) {
+      if (!(v < static_cast<double>(result.positions.size()))) throw Error("an index lies beyond its mesh");
+      result.indices.push_back(static_cast<std::uint32_t>(v));
+    }
+    if ((result.indices.size() - first) % 3 != 0) throw Error("a mesh has a part of a triangle");
+    result.parts.push_back({SurfaceMaterial::photo, first, result.indices.size() - first});
+  }
+  return result;
+}
+
+std::vector<MeshInstance> read_copies(Glb& glb, const Json& attributes) {
+  const auto positions = z_up(glb.numbers(attributes.at("TRANSLATION")));
+  const std::vector<double> turns = glb.numbers(attributes.at("ROTATION")),
+                            scales = glb.numbers(attributes.at("SCALE"));
+  if (turns.size() != 4 * positions.size() || scales.size() != 3 * positions.size()) throw Error("copies lack numbers");
+  std::vector<MeshInstance> copies;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    copies.push_back({.position = positions[i],
+                      .yaw_rad = static_cast<float>(2.0 * std::atan2(turns[4 * i + 1], turns[4 * i + 3])),
+                      .scale = {static_cast<float>(scales[3 * i]), static_cast<float>(scales[3 * i + 2]),
+                                static_cast<float>(scales[3 * i + 1])}});
+  return copies;
+}
+
+void add_tiles(const Json& tile, const fs::path& folder, Vec3 site_origin, std::vector<TileFile>& files) {
+  if (tile.contains("content")) {
+    const std::string uri = tile.at("content").at("uri");
+    TileFile file{.path = folder / uri, .geometric_error_m = tile.at("geometricError")};
+    if (std::sscanf(uri.c_str(), "level%d_%d_%d.glb", &file.level, &file.column, &file.row) != 3 &&
+        std::sscanf(uri.c_str(), "tile_%d_%d.glb", &file.column, &file.row) != 2)
+      throw Error("tile \"" + uri + "\" is none of ours");
+    const Json& origin = tile.at("extras").at("origin");
+    file.origin = site_origin + Vec3{origin.at(0), origin.at(1), origin.at(2)};
+    file.bytes = fs::file_size(file.path);
+    files.push_back(std::move(file));
+  }
+  for (const Json& child : tile.value("children", Json::array())) add_tiles(child, folder, site_origin, files);
+}
+
+/// What reading throws, with the file's name.
+template <typename Read>
+auto named(const fs::path& path, const Read& read) {
+  try {
+    return read();
+  } catch (const std::exception& error) {
+    throw InputError(path.string(),
+                     fmt::format("is no tile of ours: {}; write it with `orthodrive scene`", error.what()));
+  }
+}
+
+}  // namespace
+
+std::vector<TileFile> read_tileset(const fs::path& folder) {
+  const fs::path path = folder / "tileset.json";
+  if (!fs::exists(path)) throw InputError(path.string(), "no such file; give the folder that `orthodrive scene` wrote");
+  return named(path, [&] {
+    std::ifstream stream(path);
+    const Json tileset = Json::parse(stream);
+    const Json& origin = tileset.at("asset").at("extras").at("orthodrive").at("origin");
+    std::vector<TileFile> files;
+    add_tiles(tileset.at("root"), folder, {origin.at(0), origin.at(1), origin.at(2)}, files);
+    return files;
+  });
+}
+
+SceneTile read_tile_glb(const TileFile& file) {
+  return named(file.path, [&] {
+    Glb glb(file.path);
+    SceneTile tile{.level = file.level,
+                   .column = file.column,
+                   .row = file.row,
+                   .origin = file.origin,
+                   .geometric_error_m = file.geometric_error_m};
+    for (const Json& node : glb.json.at("nodes")) {
+      TriMesh mesh = read_mesh(glb, node.at("mesh"));
+      if (node.contains("extensions") && node.at("extensions").contains("EXT_mesh_gpu_instancing")) {
+        const Json& attributes = node.at("extensions").at("EXT_mesh_gpu_instancing").at("attributes");
+        tile.instanced.push_back({std::move(mesh), read_copies(glb, attributes)});
+      } else {
+        tile.meshes.push_back(std::move(mesh));
+      }
+    }
+    return tile;
+  });
+}
+
+}  // namespace orthodrive::io
