@@ -2,7 +2,7 @@
 // road. Its frame: x ahead, y left, z up, origin on the road under the middle of the wheelbase.
 
 import {
-  BoxGeometry, CircleGeometry, ExtrudeGeometry, Group, Material, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D, PlaneGeometry,
+  BoxGeometry, ExtrudeGeometry, Group, Material, Mesh, MeshBasicMaterial, MeshLambertMaterial, Object3D, PlaneGeometry,
   Shape, Sprite, SpriteMaterial, Texture,
 } from 'three';
 
@@ -40,10 +40,9 @@ export class Car {
     const outline = (points: [number, number][]) => side(points.map(([x, z]) => [rear + x * length_m, z * height_m]));
     const paint = new MeshLambertMaterial({color: colors.paint});
     const glass = new MeshLambertMaterial({color: 0x1d2730});
-    const body = outline([[0.1, 0.175], [0.014, 0.26], [0, 0.52], [0.045, 0.655], [0.29, 0.67], [0.72, 0.605], [0.95, 0.47], [1, 0.35], [0.99, 0.22], [0.9, 0.16]]);
     const cabin = outline([[0.06, 0.64], [0.21, 0.965], [0.45, 1], [0.57, 0.95], [0.755, 0.59]]);
-    const roof = outline([[0.2, 0.965], [0.43, 1.02], [0.56, 0.98], [0.55, 0.95], [0.43, 0.986], [0.2, 0.938]]);
-    this.object.add(extruded(body, 0.97 * width_m, paint), extruded(cabin, 0.84 * width_m, glass), extruded(roof, 0.78 * width_m, paint),
+    const roof = outline([[0.2, 0.945], [0.21, 0.972], [0.45, 1.008], [0.565, 0.96], [0.56, 0.94], [0.45, 0.985]]);
+    this.object.add(extruded(bodyOf(shape), 0.97 * width_m, paint), innerOf(shape), extruded(cabin, 0.84 * width_m, glass), extruded(roof, 0.78 * width_m, paint),
                     ...rearLights(rear, width_m, height_m), this.patch);
     this.patch.scale.set(1.2 * length_m, 1.5 * width_m, 1);
     this.patch.position.x = rear + 0.5 * length_m;
@@ -89,21 +88,10 @@ export class Car {
         };
         wheel.holder.add(wheel.spinning);
         wheel.holder.position.set(wheel.x_m, wheel.y_m, wheelRadius_m);
-        this.object.add(wheel.holder, this.makeArch(wheel.x_m, isLeft));
+        this.object.add(wheel.holder);
         wheels.push(wheel);
       }
     return wheels;
-  }
-
-  /** The dark opening in the body's side above a wheel, which shows how far the wheel has moved. */
-  private makeArch(x_m: number, isLeft: boolean): Mesh {
-    const {width_m, wheelRadius_m} = this.shape;
-    const below_rad = 0.2; // down to the body's lower edge
-    const arch = new Mesh(new CircleGeometry(1.16 * wheelRadius_m, 32, -below_rad, Math.PI + 2 * below_rad), new MeshLambertMaterial({color: 0x0c0d0e}));
-    arch.rotation.x = Math.PI / 2; // its plane stands, faces to the right
-    if (isLeft) arch.rotation.set(Math.PI / 2, Math.PI, 0);
-    arch.position.set(x_m, (isLeft ? 0.486 : -0.486) * width_m, wheelRadius_m);
-    return arch;
   }
 }
 
@@ -119,6 +107,28 @@ export function makeGhost(shape: VehicleShape): Car {
   return ghost;
 }
 
+/** Side view of the body, with openings above the wheels that show how far these have moved. */
+function bodyOf({length_m, height_m, wheelbase_m, wheelRadius_m, rearOverhang_m}: VehicleShape): Shape {
+  const axle_m = 0.5 * wheelbase_m, rear = -axle_m - rearOverhang_m;
+  const arch_m = 1.16 * wheelRadius_m, lower_m = 0.17 * height_m;
+  const below_rad = Math.asin(Math.max(0, wheelRadius_m - lower_m) / arch_m); // the openings' ends are below the axles
+  const beside_m = axle_m + arch_m + 0.02;
+  const points: [number, number][] = [[0.014, 0.26], [0, 0.52], [0.045, 0.655], [0.29, 0.67], [0.72, 0.605], [0.95, 0.47], [1, 0.35], [0.99, 0.22]];
+  const body = side([[Math.min(rear + 0.1 * length_m, -beside_m), lower_m], ...points.map(([x, z]): [number, number] => [rear + x * length_m, z * height_m])]);
+  body.lineTo(Math.max(rear + 0.9 * length_m, beside_m), lower_m);
+  for (const x_m of [axle_m, -axle_m]) body.absarc(x_m, wheelRadius_m, arch_m, -below_rad, Math.PI + below_rad, false);
+  return body;
+}
+
+/** What is seen through the openings, between the wheels. */
+function innerOf({height_m, wheelbase_m, frontTrack_m, rearTrack_m, wheelRadius_m}: VehicleShape): Mesh {
+  const [bottom_m, top_m] = [0.2 * height_m, 0.55 * height_m];
+  const box = new BoxGeometry(wheelbase_m + 2 * wheelRadius_m, Math.min(frontTrack_m, rearTrack_m) - 0.34, top_m - bottom_m);
+  const inner = new Mesh(box, new MeshLambertMaterial({color: 0x0c0d0e}));
+  inner.position.z = 0.5 * (bottom_m + top_m);
+  return inner;
+}
+
 function side(points: [number, number][]): Shape {
   const shape = new Shape();
   shape.moveTo(...points[0]);
@@ -130,7 +140,7 @@ function side(points: [number, number][]): Shape {
 function extruded(shape: Shape, width_m: number, material: MeshLambertMaterial): Mesh {
   const bevel = 0.07;
   const geometry = new ExtrudeGeometry(shape, {
-    depth: width_m - 2 * bevel, bevelEnabled: true, bevelSize: bevel, bevelThickness: bevel, bevelSegments: 2,
+    curveSegments: 24, depth: width_m - 2 * bevel, bevelEnabled: true, bevelSize: bevel, bevelThickness: bevel, bevelSegments: 2,
     bevelOffset: -bevel,
   });
   geometry.translate(0, 0, -(width_m / 2 - bevel));
