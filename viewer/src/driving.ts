@@ -16,6 +16,7 @@ const stateNames = [
   'x_m', 'y_m', 'z_m', 'heading_rad', 'pitch_rad', 'roll_rad', 'speed_mps', 'a_lat_mps2', 'a_lon_mps2', 'throttle', 'gear', 'engine_rpm',
   'steering_rad', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m', 'load_fl_n', 'load_fr_n', 'load_rl_n', 'load_rr_n',
 ] as const satisfies readonly (keyof CarState)[];
+const most_m = 0.5; // of way on one plane beside the roads
 const wheelCount = 4; // behind them: whether each wheel is on a road
 
 export class Driving {
@@ -43,11 +44,16 @@ export class Driving {
 
   /** `heightAt`: of what is drawn, at a place of the scene near a height; asked for where a wheel is beside the roads. */
   advance(elapsed_s: number, controls: Controls, heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined): void {
-    if (this.wheelsOnRoad < wheelCount) this.lookBeside(heightAt);
-    this.module.advance(elapsed_s, controls.steering_rad, controls.throttle, controls.brake, controls.gear);
+    const {steering_rad, throttle, brake, gear} = controls;
+    // What lies beside the roads is a plane at a time: where pictures are slow the next one must not come as a step.
+    const pieces = Math.max(1, Math.ceil((Math.abs(this.state.speed_mps) * elapsed_s) / most_m));
+    for (let i = 0; i < pieces; ++i) {
+      if (this.wheelsOnRoad < wheelCount) this.lookBeside(heightAt);
+      this.module.advance(elapsed_s / pieces, steering_rad, throttle, brake, gear);
+    }
     this.time_s += elapsed_s;
     this.way_m += Math.abs(this.state.speed_mps) * elapsed_s;
-    this.brake = controls.brake;
+    this.brake = brake;
   }
   private brake = 0;
 
