@@ -122,7 +122,7 @@ function bodyOf({length_m, height_m, wheelbase_m, wheelRadius_m, rearOverhang_m}
 
 /** What is seen through the openings, between the wheels. */
 function innerOf({height_m, wheelbase_m, frontTrack_m, rearTrack_m, wheelRadius_m}: VehicleShape): Mesh {
-  const [bottom_m, top_m] = [0.2 * height_m, 0.55 * height_m];
+  const [bottom_m, top_m] = [0.2 * height_m, 0.42 * height_m];
   const box = new BoxGeometry(wheelbase_m + 2 * wheelRadius_m, Math.min(frontTrack_m, rearTrack_m) - 0.34, top_m - bottom_m);
   const inner = new Mesh(box, new MeshLambertMaterial({color: 0x0c0d0e}));
   inner.position.z = 0.5 * (bottom_m + top_m);
