@@ -20,9 +20,10 @@ void add_build(CLI::App& app, Context& context) {
   cmd->add_option("-o,--output", args->out, "folder for the results; created when missing")->required();
   cmd->add_option("--set", args->overrides, "override of the site file, section.key=value; may be repeated");
   cmd->footer(
-      "Reads the site file and its sources. Writes labels.tif confidence.tif roads.gpkg roads.xodr scene/ drive/ "
-      "report.html\n"
-      "findings.geojson run.json. Stages whose inputs, options and version are unchanged are taken over; a killed run "
+      "Reads the site file and its sources. Writes labels.tif confidence.tif roads.gpkg road_graph.geojson roads.xodr "
+      "scene/\n"
+      "drive/ report.html findings.geojson run.json. Stages whose inputs, options and version are unchanged are taken "
+      "over; a killed run "
       "goes on.\n"
       "Needs about 2 GB for 3 km2 and 8 GB for 23 km2 at 0.5 m/px.\n\n"
       "Examples:\n"

@@ -136,7 +136,8 @@ void add_view(CLI::App& app, Context& context) {
   CLI::App* cmd = app.add_subcommand(
       "view",
       "Shows a built site in the browser: terrain, roads, orthophoto and the driven lap.\n"
-      "Reads DIR (scene/, drive/lap.csv, run.json, findings.geojson); serves it on 127.0.0.1 until Ctrl-C.");
+      "Reads DIR (scene/, drive/lap.csv, run.json, findings.geojson, road_graph.geojson, roads.xodr); serves it on\n"
+      "127.0.0.1 until Ctrl-C. A second lap below DIR drives along with ?ghost=FILE behind the address.");
   cmd->add_option("DIR", options->folder, "output folder of `orthodrive build`")->required();
   cmd->add_option("--port", options->port, "TCP port, 0 = any free one; the address is printed on standard output")
       ->check(CLI::Range(0, 65535))

@@ -32,8 +32,9 @@ class BuiltSite : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(BuiltSite, has_every_file_and_a_record_of_every_stage) {
-  for (const char* name : {"labels.tif", "confidence.tif", "roads.gpkg", "roads.xodr", "scene/tileset.json",
-                           "drive/lap.csv", "drive/report.html", "report.html", "findings.geojson"})
+  for (const char* name :
+       {"labels.tif", "confidence.tif", "roads.gpkg", "road_graph.geojson", "roads.xodr", "scene/tileset.json",
+        "drive/lap.csv", "drive/report.html", "report.html", "findings.geojson"})
     EXPECT_TRUE(fs::exists(folder / name)) << name;
   const json run = json::parse(bytes_of(folder / "run.json"));
   std::vector<std::string> stages;

@@ -1,5 +1,5 @@
 // The road networks of whole sites before three readers of OpenDRIVE that others keep: ASAM's checker, CARLA's map and
-// SUMO's traffic. tools/setup installs the first two.
+// SUMO's traffic. tools/setup --peers installs the first two.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ ToolRun ask(const char* script, const Arguments& arguments) {
 }
 
 TEST_P(Readers, asam_checker_finds_no_error) {
-  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
+  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup --peers";
   const ToolRun run = ask("asam_checker.py", {"qc_opendrive", xodr.string(), (scratch / "result.xqar").string()});
   ASSERT_EQ(run.exit_code, 0) << run.err.substr(0, 2000);
   const json result = json::parse(run.out);
@@ -54,7 +54,7 @@ TEST_P(Readers, asam_checker_finds_no_error) {
 }
 
 TEST(AsamChecker, finds_the_error_of_a_broken_file) {
-  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
+  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup --peers";
   const fs::path village = fs::path(paths::test_sites) / "village" / "roads.xodr";
   if (!fs::exists(village)) GTEST_SKIP() << "SKIPPED: " << village << " was not built";
   const Scratch scratch;
@@ -70,7 +70,7 @@ TEST(AsamChecker, finds_the_error_of_a_broken_file) {
 }
 
 TEST_P(Readers, asam_checker_finds_no_error_in_the_scenario_of_the_lap) {
-  if (!fs::exists(peers / "qc_openscenario")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
+  if (!fs::exists(peers / "qc_openscenario")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup --peers";
   const fs::path scenario = xodr.parent_path() / "drive" / "lap.xosc";
   if (!fs::exists(scenario)) GTEST_SKIP() << "SKIPPED: " << GetParam() << " was not driven";
   const std::string lap = bytes_of(scenario);
@@ -95,7 +95,7 @@ TEST(AsamChecker, finds_no_error_in_junction_grids_of_1_8) {
   const fs::path xodr = fs::path(paths::test_sites) / "village" / "roads.xodr";
   if (!fs::exists(xodr)) GTEST_SKIP() << "SKIPPED: " << xodr << " was not built";
   const Scratch scratch;
-  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup";
+  if (!fs::exists(peers / "qc_opendrive")) GTEST_SKIP() << "SKIPPED: no ASAM checker, run tools/setup --peers";
   const std::string grids = (scratch / "grids.xodr").string();
   const ToolRun made = run_program({paths::tool, "network", "--roads", (xodr.parent_path() / "roads.gpkg").string(),
                                     "-o", grids, "--opendrive", "1.8", "--junction-grids"});
@@ -161,7 +161,7 @@ json lane_links(const RoadMap& map) {
 }
 
 TEST_P(Readers, carla_has_our_lanes_where_they_are_and_linked_as_they_are) {
-  if (!fs::exists(peers / "python")) GTEST_SKIP() << "SKIPPED: no CARLA map parser, run tools/setup";
+  if (!fs::exists(peers / "python")) GTEST_SKIP() << "SKIPPED: no CARLA map parser, run tools/setup --peers";
   const RoadMap map = roadquery::read_opendrive(xodr.string());
   json ask_for{{"points", json::array()}, {"links", lane_links(map)}, {"lanes", json::array()}};
   std::size_t lanes = 0;

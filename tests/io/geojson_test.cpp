@@ -2,7 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/road_graph_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
@@ -43,6 +46,32 @@ TEST(GeoJson, findings_and_no_findings) {
   EXPECT_THAT(bytes_of(scratch / "f.geojson"), HasSubstr("[15.0000000,50.01"));
   io::write_findings(scratch / "none.geojson", {}, utm33);
   EXPECT_TRUE(io::read_features(scratch / "none.geojson", utm33).empty());
+}
+
+TEST(GeoJson, road_graph_has_the_roads_before_and_after) {
+  const Scratch scratch;
+  const auto way = [](std::int64_t id, double north_m) {
+    RoadPath path{.osm_id = id, .highway = "primary", .name = "Main St"};
+    for (const double x : {0.0, 10.0}) path.nodes.push_back({.p = origin + Vec2{x, north_m}, .width_m = 6.0});
+    return path;
+  };
+  const RoadNetwork before{.crs = utm33, .paths = {way(7, 0.0), way(8, 50.0)}};
+  RoadNetwork after{.crs = utm33, .paths = {way(7, 3.0)}};
+  for (RoadNode& node : after.paths[0].nodes) node.z_m = 240.1234, node.sigma_offset_m = 0.25, node.sigma_width_m = 0.5;
+  after.paths[0].nodes[1].z_m = 241.0;
+  io::write_road_graph(scratch / "g.geojson", before, after);
+  const nlohmann::json features = nlohmann::json::parse(bytes_of(scratch / "g.geojson")).at("features");
+  ASSERT_EQ(features.size(), 3u);
+  EXPECT_EQ(features[0]["properties"]["state"], "before");
+  EXPECT_EQ(features[0]["properties"]["osm_id"], 7);
+  EXPECT_EQ(features[0]["properties"]["z_m"], (nlohmann::json{240.123, 241.0})) << "as high as where it was moved to";
+  EXPECT_EQ(features[1]["properties"]["z_m"], (nlohmann::json{nullptr, nullptr})) << "nothing is left of way 8";
+  EXPECT_EQ(features[2]["properties"]["state"], "after");
+  EXPECT_EQ(features[2]["properties"]["width_m"], (nlohmann::json{6.0, 6.0}));
+  EXPECT_EQ(features[2]["properties"]["sigma_offset_m"], (nlohmann::json{0.25, 0.25}));
+  EXPECT_EQ(features[2]["properties"]["sigma_width_m"], (nlohmann::json{0.5, 0.5}));
+  const std::vector<io::Feature> back = io::read_features(scratch / "g.geojson", utm33);
+  EXPECT_NEAR(distance(back.at(2).lines.at(0).at(1), origin + Vec2{10, 3}), 0.0, 0.01);
 }
 
 TEST(GeoJson, truncated) {

@@ -85,7 +85,9 @@ TEST(SceneIo, glb_is_y_up_and_placed_from_the_middle_of_the_tile) {
 TEST(SceneIo, labels_become_feature_ids_with_a_table) {
   SceneTile tile = small_tile();
   tile.labels = Raster<std::uint8_t>(16, 16, 1, 1);
-  tile.classes = {"small", {{.name = "ground", .role = Role::ground}, {.name = "asphalt", .role = Role::road}}};
+  tile.classes = {"small",
+                  {{.name = "ground", .color = {0, 160, 10}, .role = Role::ground},
+                   {.name = "asphalt", .color = {255, 1, 2}, .role = Role::road}}};
   const fs::path own = folder / "labels";
   const Glb glb = read_glb(own / io::write_tile_glb(own, tile, plain).uri);
   const Json& ids = glb.json["meshes"][1]["primitives"][0]["extensions"]["EXT_mesh_features"]["featureIds"][0];
@@ -95,9 +97,12 @@ TEST(SceneIo, labels_become_feature_ids_with_a_table) {
   EXPECT_EQ(image["mimeType"], "image/png");
   const Json& table = glb.json["extensions"]["EXT_structural_metadata"]["propertyTables"][0];
   EXPECT_EQ(table["count"], 2);
-  const Json& names = glb.json["bufferViews"][table["properties"]["name"]["values"].get<int>()];
-  EXPECT_EQ(glb.bytes.substr(names["byteOffset"].get<std::size_t>(), names["byteLength"].get<std::size_t>()),
-            "groundasphalt");
+  const auto texts_of = [&](const char* property) {
+    const Json& texts = glb.json["bufferViews"][table["properties"][property]["values"].get<int>()];
+    return glb.bytes.substr(texts["byteOffset"].get<std::size_t>(), texts["byteLength"].get<std::size_t>());
+  };
+  EXPECT_EQ(texts_of("name"), "groundasphalt");
+  EXPECT_EQ(texts_of("color"), "#00a00a#ff0102");
   for (const Json& view : glb.json["bufferViews"]) EXPECT_EQ(view.value("byteOffset", 0) % 8, 0);
 }
 

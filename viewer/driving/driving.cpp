@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "lane_strips.hpp"
 #include "roadquery/opendrive_builder.hpp"
 #include "roadquery/road_query.hpp"
 #include "vehicle/car.hpp"
@@ -64,6 +65,8 @@ std::unique_ptr<roadquery::RoadQuery> roads;
 std::unique_ptr<vehicle::Car> car;
 std::optional<SiteGround> ground;
 double time_owed_s = 0.0;
+
+std::vector<float> strips;
 
 // In the order of `stateNames` in src/driving.ts.
 std::array<double, 25> values;
@@ -118,6 +121,13 @@ EXPORT(finish_roads) void finish_roads() {
   roads = std::make_unique<roadquery::RoadQuery>(builder->finish(roadquery::HeaderOffset::add));
   builder.reset();
 }
+
+/// How many numbers lane_strips() gives; strips_at() tells where they are.
+EXPORT(make_strips) std::size_t make_strips(double x_m, double y_m, double z_m) {
+  strips = lane_strips(*roads, {x_m, y_m, z_m});
+  return strips.size();
+}
+EXPORT(strips_at) const float* strips_at() { return strips.data(); }
 
 /// Text of a file of models/vehicles.
 EXPORT(set_car) void set_car(const char* text, std::size_t count) {

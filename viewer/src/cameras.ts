@@ -103,7 +103,7 @@ export const followLag_s = 0.35;
 export class FollowCamera {
   readonly camera = new PerspectiveCamera(55, 1, 0.4, 6000);
   private readonly behind_m = 8.5;
-  private readonly above_m = 2.9;
+  private readonly above_m = 2.5;
 
   constructor() {
     this.camera.up.set(0, 0, 1);

@@ -1,6 +1,7 @@
 // A car to drive oneself: the tool's own vehicle on the roads of the site, as WebAssembly (viewer/driving).
 
 import type {CarState} from './lap';
+import {Exports, roadsModule} from './roads_module';
 
 /** What the driver does. */
 export interface Controls {
@@ -10,63 +11,13 @@ export interface Controls {
   gear: 1 | 0 | -1; // 1: the gearbox chooses
 }
 
-interface Exports {
-  memory: WebAssembly.Memory;
-  _initialize(): void;
-  allocate(bytes: number): number;
-  add_elements(at: number, count: number): void;
-  finish_roads(): void;
-  set_car(at: number, count: number): void;
-  place(x_m: number, y_m: number, heading_rad: number, speed_mps: number, z_m: number): number;
-  set_beside(z0_m: number, gradient_x: number, gradient_y: number): void;
-  advance(elapsed_s: number, steering_rad: number, throttle: number, brake: number, gear: number): void;
-}
-
 /** Of the values that place() points to, in their order. */
 const stateNames = [
   'x_m', 'y_m', 'z_m', 'heading_rad', 'pitch_rad', 'roll_rad', 'speed_mps', 'a_lat_mps2', 'a_lon_mps2', 'throttle', 'gear', 'engine_rpm',
   'steering_rad', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m', 'load_fl_n', 'load_fr_n', 'load_rl_n', 'load_rr_n',
 ] as const satisfies readonly (keyof CarState)[];
+const most_m = 0.5; // of way on one plane beside the roads
 const wheelCount = 4; // behind them: whether each wheel is on a road
-const chunkBytes = 1 << 20;
-
-/** Hands texts over in large pieces. */
-class ElementWriter {
-  private readonly start: number;
-  private readonly encoder = new TextEncoder();
-  private bytes: Uint8Array;
-  private count = 0;
-
-  constructor(private readonly module: Exports) {
-    this.start = module.allocate(chunkBytes);
-    this.bytes = new Uint8Array(module.memory.buffer, this.start, chunkBytes);
-  }
-
-  add(element: Element): void {
-    let text = `S${element.tagName}\0`;
-    for (const {name, value} of element.attributes) text += `${name}\0${value}\0`;
-    this.write(`${text}\0`);
-    for (const child of element.childNodes) {
-      if (child instanceof Element) this.add(child);
-      else if (child.nodeType === Node.CDATA_SECTION_NODE || (child.nodeType === Node.TEXT_NODE && child.nodeValue!.trim() !== ''))
-        this.write(`T${child.nodeValue}\0`);
-    }
-    this.write(`E${element.tagName}\0`);
-  }
-
-  flush(): void {
-    this.module.add_elements(this.start, this.count);
-    this.count = 0;
-    this.bytes = new Uint8Array(this.module.memory.buffer, this.start, chunkBytes); // the memory may have grown
-  }
-
-  private write(text: string): void {
-    if (this.count + 3 * text.length > chunkBytes) this.flush();
-    const {read, written} = this.encoder.encodeInto(text, this.bytes.subarray(this.count));
-    if (read < text.length) throw new Error('an element of the roads is longer than 1 MB');
-    this.count += written;
-  }
-}
 
 export class Driving {
   private at = 0;
@@ -75,20 +26,9 @@ export class Driving {
 
   private constructor(private readonly module: Exports, private readonly origin: readonly [number, number, number]) {}
 
-  /** `roads`: OpenDRIVE; `car`: text of a file of models/vehicles; `origin`: of the scene. Throws what is wrong with them. */
-  static async load(wasm: BufferSource, roads: string, car: string, origin: readonly [number, number, number]): Promise<Driving> {
-    const fail = (at: number, count: number) => {
-      throw new Error(`The roads cannot be driven: ${new TextDecoder().decode(new Uint8Array(module.memory.buffer, at, count))}`);
-    };
-    const {instance} = await WebAssembly.instantiate(wasm, {page: {fail}});
-    const module = instance.exports as unknown as Exports;
-    module._initialize();
-    const document = new DOMParser().parseFromString(roads, 'text/xml');
-    if (document.querySelector('parsererror')) throw new Error('The roads cannot be driven: roads.xodr is no XML');
-    const writer = new ElementWriter(module);
-    writer.add(document.documentElement);
-    writer.flush();
-    module.finish_roads();
+  /** `car`: text of a file of models/vehicles; `origin`: of the scene. Throws what is wrong with the roads. */
+  static async load(car: string, origin: readonly [number, number, number]): Promise<Driving> {
+    const module = await roadsModule();
     const text = new TextEncoder().encode(car), at = module.allocate(text.length);
     new Uint8Array(module.memory.buffer, at, text.length).set(text);
     module.set_car(at, text.length);
@@ -104,11 +44,16 @@ export class Driving {
 
   /** `heightAt`: of what is drawn, at a place of the scene near a height; asked for where a wheel is beside the roads. */
   advance(elapsed_s: number, controls: Controls, heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined): void {
-    if (this.wheelsOnRoad < wheelCount) this.lookBeside(heightAt);
-    this.module.advance(elapsed_s, controls.steering_rad, controls.throttle, controls.brake, controls.gear);
+    const {steering_rad, throttle, brake, gear} = controls;
+    // What lies beside the roads is a plane at a time: where pictures are slow the next one must not come as a step.
+    const pieces = Math.max(1, Math.ceil((Math.abs(this.state.speed_mps) * elapsed_s) / most_m));
+    for (let i = 0; i < pieces; ++i) {
+      if (this.wheelsOnRoad < wheelCount) this.lookBeside(heightAt);
+      this.module.advance(elapsed_s / pieces, steering_rad, throttle, brake, gear);
+    }
     this.time_s += elapsed_s;
     this.way_m += Math.abs(this.state.speed_mps) * elapsed_s;
-    this.brake = controls.brake;
+    this.brake = brake;
   }
   private brake = 0;
 

@@ -47,14 +47,14 @@ export class Lap {
     this.names = [...columns.keys()];
   }
 
-  /** Subtracts the site's origin, so that positions fit the scene. */
-  static parse(csv: string, origin: readonly [number, number, number]): Lap {
+  /** Subtracts the site's origin, so that positions fit the scene. `file`: its name, for complaints. */
+  static parse(csv: string, origin: readonly [number, number, number], file: string): Lap {
     const lines = csv.split('\n').filter((line) => line.trim() !== '');
     const header = (lines[0] ?? '').split(',').map((name) => name.trim());
     for (const name of neededColumns)
-      if (!header.includes(name)) throw new Error(`drive/lap.csv has no column ${name}`);
+      if (!header.includes(name)) throw new Error(`${file} has no column ${name}`);
     const count = lines.length - 1;
-    if (count < 2) throw new Error('drive/lap.csv has fewer than two rows');
+    if (count < 2) throw new Error(`${file} has fewer than two rows`);
     const columns = new Map<Column, Float64Array>();
     for (const name of [...neededColumns, ...furtherColumns])
       if (header.includes(name)) columns.set(name, new Float64Array(count));
@@ -63,6 +63,9 @@ export class Lap {
       const fields = lines[row + 1].split(',');
       [...columns.values()].forEach((column, i) => (column[row] = Number(fields[indices[i]])));
     }
+    for (const name of neededColumns)
+      if (!columns.get(name)!.every(Number.isFinite)) throw new Error(`${file} has something else than numbers in the column ${name}`);
+    if (!(columns.get('t_s')![count - 1] > columns.get('t_s')![0])) throw new Error(`${file} ends before it begins`);
     const subtract = (name: Column, by: number) => columns.get(name)?.forEach((value, i, column) => (column[i] = value - by));
     subtract('x_m', origin[0]);
     subtract('y_m', origin[1]);
@@ -101,6 +104,15 @@ export class Lap {
     }
     state.t_s = elapsed;
     return state;
+  }
+
+  get length_m(): number {
+    const s = this.columns.get('s_m')!;
+    return s[s.length - 1] - s[0];
+  }
+  /** How much of the way is driven, 0 to 1. */
+  shareOf(car: CarState): number {
+    return (car.s_m - this.columns.get('s_m')![0]) / this.length_m;
   }
 
   /** States about `step_s` apart over the whole lap, for lines and plots. */

@@ -1,64 +1,23 @@
-// The viewer of a built site: scene, cameras, page, and the loop that draws when something has changed.
+// The viewer of a built site: ties scene, cameras, cars and page together, and draws when something has changed.
 
 import './style.css';
 
-import {PCFShadowMap, PerspectiveCamera, Scene, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
+import {PCFShadowMap, Scene, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
-import {Car} from './car';
-import {CameraMode, DriverCamera, FlyCamera, FollowCamera, followLag_s, OrbitCamera} from './cameras';
-import {Dashboard} from './dashboard';
-import {DriverInput} from './driver_input';
-import {FindingsLayer} from './findings_layer';
-import type {CarState} from './lap';
-import {MapInset} from './map_inset';
+import type {Api} from './api';
+import {CameraSet} from './camera_set';
+import type {CameraMode} from './cameras';
+import {Drive} from './drive';
 import * as panel from './panel';
-import {routeLine} from './route_line';
-import {SelfDrive} from './self_drive';
 import {loadSite, Site} from './site';
+import {SiteLayers} from './site_layers';
 import {Sky} from './sky';
 import {sunDirection, zoneHours} from './sun';
-import {Layers, TileLayers} from './tile_layers';
 import {parseView, writeView} from './view_link';
-
-type LayerName = keyof Layers | 'shadows' | 'route' | 'findings';
-
-/** What scripts and tests can ask and do: window.orthodrive. */
-interface Api {
-  readonly ready: boolean; // all tiles of the present view are loaded and drawn
-  readonly frame: number; // pictures drawn so far
-  readonly tilesLoaded: number;
-  readonly tilesVisible: number;
-  readonly failures: string[];
-  readonly mode: CameraMode;
-  readonly car: CarState | undefined; // x, y, z from the site's origin
-  readonly driving: boolean; // somebody drives, no lap is shown
-  readonly wheelsOnRoad: number; // of the car that somebody drives
-  readonly cameraPosition: [number, number, number];
-  readonly sun: [number, number, number]; // towards it
-  readonly link: string; // address that restores the view
-  /** What stands or lies under a place of the picture, -1..1 to the right and up. */
-  describe(x: number, y: number): Promise<Record<string, string>>;
-  /** Height of the first surface below a place 2 m above z_m: what wheels at z_m should stand on. */
-  groundUnder(x_m: number, y_m: number, z_m: number): number | undefined;
-  setCamera(mode: CameraMode): void;
-  setLayer(layer: LayerName, on: boolean): void;
-  setTime(t_s: number): void;
-  setPlaying(on: boolean): void;
-  /** Takes over the car where it is in the lap, or gives it back. */
-  setDriving(on: boolean): Promise<void>;
-  /** `date`: YYYY-MM-DD, `hour`: 0 to 24 of the zone's clocks. */
-  setDay(date: string, hour: number): void;
-}
-
-declare global {
-  interface Window {
-    orthodrive: Api;
-  }
-}
 
 function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
   try {
-    const renderer = new WebGLRenderer({canvas, antialias: true});
+    const renderer = new WebGLRenderer({canvas, antialias: true, stencil: true});
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = PCFShadowMap;
     return renderer;
@@ -74,294 +33,213 @@ function textOf(what: Record<string, string>): string {
   return parts.filter(Boolean).join(' · ');
 }
 
-function start(site: Site): Api {
-  const wanted = parseView(location.search);
-  const canvas = document.getElementById('canvas') as HTMLCanvasElement;
-  const renderer = makeRenderer(canvas);
-  const scene = new Scene();
-  const sky = new Sky(scene);
-  const tiles = new TileLayers(renderer.capabilities.getMaxAnisotropy());
-  const findings = new FindingsLayer(site);
-  const fly = new FlyCamera(canvas), top = new FlyCamera(canvas, true);
-  scene.add(tiles.group, findings.object);
+class Viewer {
+  private readonly wanted = parseView(location.search);
+  private readonly canvas = document.getElementById('canvas') as HTMLCanvasElement;
+  private readonly renderer = makeRenderer(this.canvas);
+  private readonly scene = new Scene();
+  private readonly sky = new Sky(this.scene);
+  private readonly layers: SiteLayers;
+  private readonly drive?: Drive;
+  private readonly cameras: CameraSet;
+  private readonly showMode: (mode: CameraMode) => void;
+  private readonly showDay: (date: string, hour: number) => void;
+  private readonly viewport = new Vector2();
+  private date = '';
+  private hour = 0;
+  private toSun = new Vector3();
+  private bounds?: Sphere;
+  private frame = 0;
+  private stale = true; // the picture shows an earlier state
+  private ready = false; // no tile is missing in the picture
+  private settled = 0; // pictures in which none was missing
+  private ghostPending = false;
+  private shownFailures = 0;
+  private last_ms = performance.now();
 
-  const lap = site.lap;
-  const follow = lap && new FollowCamera();
-  const car = lap && new Car(site.vehicle);
-  if (car) car.place(lap.at(wanted.t_s));
-  const orbit = car && new OrbitCamera(canvas, car.object);
-  const driver = car && new DriverCamera(car.eye_m);
-  const dashboard = lap && new Dashboard(lap);
-  const map = lap && new MapInset(lap);
-  const route = lap && routeLine(lap);
-  if (car && route) scene.add(car.object, car.marker, route);
-
-  const input = new DriverInput();
-  let self: SelfDrive | undefined; // loaded once asked for
-  let driving = false;
-
-  let mode: CameraMode = 'fly';
-  let time_s = wanted.t_s;
-  let {date, hour} = wanted;
-  let toSun = new Vector3();
-  let rate = 1;
-  let playing = lap !== undefined && new URLSearchParams(location.search).get('play') !== '0';
-  let bounds: Sphere | undefined;
-  let frame = 0;
-  let stale = true; // the picture shows an earlier state
-  let ready = false; // no tile is missing in the picture
-  let settled = 0; // pictures in which none was missing
-  const invalidate = () => {
-    stale = true;
-    ready = false, settled = 0;
-  };
-  tiles.onChange = fly.onChange = top.onChange = invalidate;
-  if (orbit) orbit.onChange = invalidate;
-
-  const modes: Partial<Record<CameraMode, string>> =
-    {fly: 'Fly', top: 'Top', ...(lap ? {follow: 'Follow', orbit: 'Orbit', driver: 'Driver'} : {})};
-  const showMode = panel.segments('cameras', modes, setCamera);
-  function setCamera(chosen: CameraMode): void {
-    mode = chosen in modes ? chosen : 'fly';
-    fly.enabled = mode === 'fly';
-    top.enabled = mode === 'top';
-    if (orbit) orbit.enabled = mode === 'orbit';
-    if (car) car.marker.visible = mode === 'fly' || mode === 'top';
-    showMode(mode);
-    invalidate();
+  constructor(private readonly site: Site) {
+    const {wanted} = this;
+    this.drive = site.lap && new Drive(this.scene, site, site.lap, wanted.t_s);
+    this.layers = new SiteLayers(this.scene, site, this.sky, this.drive, this.renderer.capabilities.getMaxAnisotropy());
+    this.cameras = new CameraSet(this.canvas, this.drive?.car);
+    this.showMode = panel.segments('cameras', this.cameras.modes, (mode) => this.setCamera(mode));
+    this.showDay = panel.setUpSun(zoneHours(site.localFromEcef), {setDay: (date, hour) => this.setDay(date, hour)});
+    this.setUpPage();
+    this.layers.onChange = this.cameras.onChange = () => this.invalidate();
+    this.setUpDrive();
+    this.setDay(wanted.date, wanted.hour);
+    for (const name of wanted.off) this.layers.switches.set(name, false);
+    for (const name of wanted.on) this.layers.switches.set(name, true);
+    this.setCamera(wanted.camera);
+    this.listen();
+    this.resize();
+    requestAnimationFrame((now_ms) => this.tick(now_ms));
   }
-  const showDay = panel.setUpSun(zoneHours(site.localFromEcef), {setDay});
-  function setDay(newDate: string, newHour: number): void {
-    [date, hour] = [newDate, newHour];
-    toSun = sunDirection(site.localFromEcef, date, hour);
-    sky.setSun(toSun);
-    showDay(date, hour);
-    invalidate();
+
+  private invalidate(): void {
+    this.stale = true;
+    this.ready = false;
+    this.settled = 0;
   }
-  function setPlaying(on: boolean): void {
-    if (on && driving) void setDriving(false);
-    playing = on && lap !== undefined;
-    panel.showPlaying(playing);
+
+  private setUpPage(): void {
+    const ofCar = this.drive ? ['C camera', 'Space play', 'arrows or gamepad drive', 'drop a lap.csv to drive against it'] : [];
+    const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...ofCar];
+    panel.showTexts(this.site.name, this.site.attribution, keys.join(' · '));
+    panel.setUpButtons(() => navigator.clipboard.writeText(this.link));
   }
-  async function setDriving(on: boolean): Promise<void> {
-    if (!lap) return;
-    if (on) {
-      setPlaying(false);
-      try {
-        self ??= await SelfDrive.load(site.origin);
-        self.takeOver(lap.at(time_s));
-      } catch (error) {
-        panel.showMessage((error as Error).message, true);
-        on = false;
+
+  private setUpDrive(): void {
+    const {drive, site, wanted} = this;
+    if (!drive) return;
+    drive.onChange = () => this.invalidate();
+    drive.onDriving = () => {
+      if (drive.driving && !this.cameras.atCar) this.setCamera('driver');
+    };
+    panel.setUpDriving(() => void drive.setDriving(!drive.driving));
+    panel.setUpTimeline(site.lap!, {
+      seek: (t_s) => (drive.t_s = t_s), togglePlay: () => (drive.playing = !drive.playing), setRate: (factor) => (drive.rate = factor),
+    });
+    panel.setUpGhost({open: (name, csv) => drive.setGhost(csv, name), remove: () => drive.removeGhost()});
+    drive.playing = new URLSearchParams(location.search).get('play') !== '0';
+    if (!wanted.ghost) return;
+    this.ghostPending = true;
+    void drive.loadGhost(wanted.ghost).then(() => (this.ghostPending = false));
+  }
+
+  private setCamera(mode: CameraMode): void {
+    this.cameras.mode = mode;
+    this.showMode(this.cameras.mode);
+    this.invalidate();
+  }
+
+  private setDay(date: string, hour: number): void {
+    [this.date, this.hour] = [date, hour];
+    this.toSun = sunDirection(this.site.localFromEcef, date, hour);
+    this.sky.setSun(this.toSun);
+    this.showDay(date, hour);
+    this.invalidate();
+  }
+
+  private listen(): void {
+    const {drive, cameras, canvas, viewport} = this;
+    window.addEventListener('resize', () => this.resize());
+    window.addEventListener('keydown', (event) => {
+      if (!drive || event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
+      if (drive.driving && cameras.atCar && drive.input.key(event.code, true)) {
+        event.preventDefault();
+        return;
       }
-      input.reset();
-    }
-    driving = on;
-    panel.showDriving(driving);
-    if (driving && !atCar()) setCamera('driver');
-    invalidate();
-  }
-  const groundUnder = (x_m: number, y_m: number, z_m: number) => tiles.heightAt(x_m, y_m, z_m + 2);
-  /** Of the car that is shown, now or somewhat before. */
-  const carNow = () => (driving ? self!.state : lap!.at(time_s));
-  const headingBefore = () => (driving ? self!.headingBefore : lap!.at(time_s - followLag_s).heading_rad);
-
-  function setTime(t_s: number): void {
-    if (driving) void setDriving(false);
-    time_s = t_s;
-    invalidate();
+      if (event.code === 'KeyC') this.setCamera(cameras.next);
+      if (event.code === 'Space') drive.playing = !drive.playing, event.preventDefault();
+    });
+    window.addEventListener('keyup', (event) => drive?.input.key(event.code, false));
+    canvas.addEventListener('click', (event) => {
+      const place = new Vector2((2 * event.clientX) / viewport.x - 1, 1 - (2 * event.clientY) / viewport.y);
+      const finding = this.layers.findings.at(place, cameras.active, viewport);
+      if (finding) panel.showMessage(`${finding.code}: ${finding.message}`, false);
+      else void this.layers.tiles.describe(place, cameras.active).then((what) => panel.showMessage(textOf(what), false));
+    });
   }
 
-  function showShadows(on: boolean): void {
-    sky.setShadows(on);
-    if (car) car.hasSoftShadow = !on;
+  private resize(): void {
+    this.viewport.set(window.innerWidth, window.innerHeight);
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(this.viewport.x, this.viewport.y, false);
+    this.cameras.resize(this.viewport.x / this.viewport.y);
+    this.invalidate();
   }
-
-  const switches = new Map<LayerName, HTMLInputElement>();
-  const usually = new Map<LayerName, boolean>();
-  function setLayer(layer: LayerName, on: boolean): void {
-    switches.get(layer)!.checked = on;
-    if (layer === 'route') route!.visible = on;
-    else if (layer === 'findings') findings.object.visible = on;
-    else if (layer === 'shadows') showShadows(on);
-    else tiles.setLayer(layer, on);
-    if (layer === 'photo') sky.setRelief(!on);
-    invalidate();
-  }
-  const addLayer = (layer: LayerName, label: string, on: boolean) => {
-    usually.set(layer, on);
-    switches.set(layer, panel.addSwitch(layer, label, on, (checked) => setLayer(layer, checked)));
-  };
-  addLayer('photo', 'Orthophoto', true);
-  addLayer('materials', 'Road materials', true);
-  addLayer('terrain', 'Terrain', true);
-  addLayer('roads', 'Roads', true);
-  addLayer('buildings', 'Buildings', true);
-  addLayer('trees', 'Trees', true);
-  addLayer('shadows', 'Shadows', true);
-  addLayer('wireframe', 'Wireframe', false);
-  if (lap) addLayer('route', 'Driven route', true);
-  if (findings.findings.length > 0) addLayer('findings', `Findings (${findings.findings.length})`, false);
-
-  const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...(lap ? ['C camera', 'Space play', 'arrows or gamepad drive'] : [])];
-  panel.showTexts(site.name, site.attribution, keys.join(' · '));
-  if (lap) panel.setUpDriving(() => void setDriving(!driving));
-  if (lap) panel.setUpTimeline(lap, {seek: setTime, togglePlay: () => setPlaying(!playing), setRate: (factor) => (rate = factor)});
-  panel.setUpButtons(() => navigator.clipboard.writeText(link()));
-  showShadows(true);
-  setDay(date, hour);
-  for (const layer of usually.keys()) {
-    if (wanted.off.includes(layer)) setLayer(layer, false);
-    if (wanted.on.includes(layer)) setLayer(layer, true);
-  }
-  setCamera(wanted.camera);
-  setPlaying(playing);
-
-  const viewport = new Vector2();
-  function resize(): void {
-    viewport.set(window.innerWidth, window.innerHeight);
-    renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
-    renderer.setSize(viewport.x, viewport.y, false);
-    for (const view of [fly.camera, top.camera, follow?.camera, orbit?.camera, driver?.camera]) {
-      if (!view) continue;
-      view.aspect = viewport.x / viewport.y;
-      view.updateProjectionMatrix();
-    }
-    invalidate();
-  }
-  window.addEventListener('resize', resize);
-  window.addEventListener('keydown', (event) => {
-    if (!lap || event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
-    if (driving && atCar() && input.key(event.code, true)) {
-      event.preventDefault();
-      return;
-    }
-    const names = Object.keys(modes) as CameraMode[];
-    if (event.code === 'KeyC') setCamera(names[(names.indexOf(mode) + 1) % names.length]);
-    if (event.code === 'Space') setPlaying(!playing), event.preventDefault();
-  });
-  window.addEventListener('keyup', (event) => input.key(event.code, false));
-  canvas.addEventListener('click', (event) => {
-    const place = new Vector2((2 * event.clientX) / viewport.x - 1, 1 - (2 * event.clientY) / viewport.y);
-    const finding = findings.at(place, activeCamera(), viewport);
-    if (finding) panel.showMessage(`${finding.code}: ${finding.message}`, false);
-    else void tiles.describe(place, activeCamera()).then((what) => panel.showMessage(textOf(what), false));
-  });
-
-  const cameras: Record<CameraMode, () => PerspectiveCamera> = {
-    fly: () => fly.camera, top: () => top.camera, follow: () => follow!.camera, orbit: () => orbit!.camera, driver: () => driver!.camera,
-  };
-  function activeCamera(): PerspectiveCamera {
-    return cameras[mode]();
-  }
-  const atCar = () => mode !== 'fly' && mode !== 'top';
 
   /** Address of the page that shows this view again. */
-  function link(): string {
-    const changed = (on: boolean) => [...usually].filter(([layer, usual]) => usual !== on && switches.get(layer)!.checked === on).map(([layer]) => layer);
-    const view = mode === 'fly' ? fly.view : mode === 'top' ? top.view : undefined;
-    const search = writeView({camera: mode, view, t_s: time_s, date, hour, off: changed(false), on: changed(true)});
+  private get link(): string {
+    const {cameras, drive, date, hour} = this;
+    const {switches} = this.layers;
+    const search = writeView({
+      camera: cameras.mode, view: cameras.view, t_s: drive?.t_s ?? 0, date, hour, off: switches.changedTo(false), on: switches.changedTo(true),
+      ghost: drive?.ghostFile,
+    });
     return `${location.origin}${location.pathname}${search}`;
   }
 
-  /** The tileset is there: look at all of it, or where the address says, and let the haze begin where the site ends. */
-  function adoptBounds(): void {
-    bounds = tiles.bounds();
-    if (!bounds) return;
-    fly.frame(bounds);
-    top.frame(bounds);
-    if (wanted.view) (wanted.camera === 'top' ? top : fly).view = wanted.view;
+  private draw(): void {
+    const {cameras, sky} = this;
+    cameras.fitDepth();
+    if (this.bounds) sky.setHazeRange(0.5 * cameras.reach_m, (cameras.atCar ? 3 : 4) * cameras.reach_m);
+    sky.focus(cameras.focus.middle, cameras.focus.radius_m);
+    this.renderer.render(this.scene, cameras.active);
+    ++this.frame;
   }
 
-  function placeCar(): void {
-    if (!lap || !car) return;
-    const state = carNow();
-    car.place(state);
-    follow!.update(state, headingBefore());
-    orbit!.update(car.object);
-    driver!.update(car.object);
-    panel.showDashboard(state, lap.originHeight_m);
-    dashboard!.show(state);
-    const camera = activeCamera();
-    map!.show(state, camera.position, camera.getWorldDirection(new Vector3()).add(camera.position));
+  /** The tileset is there: its size is known. */
+  private adoptBounds(): void {
+    this.bounds = this.layers.tiles.bounds();
+    if (this.bounds) this.cameras.adoptBounds(this.bounds, this.wanted.view);
   }
 
-  /** What shadows are drawn around: the road ahead of the car, or what the camera looks at. */
-  function aimSun(): void {
-    const camera = activeCamera();
-    const ahead = camera.getWorldDirection(new Vector3());
-    if (atCar() && car) {
-      sky.focus(car.object.position.clone().addScaledVector(ahead, 60), 110);
-    } else {
-      const {target} = mode === 'top' ? top : fly;
-      sky.focus(target, Math.min(1500, Math.max(40, 0.8 * camera.position.distanceTo(target))));
-    }
+  private readonly groundUnder = (x_m: number, y_m: number, z_m: number) => this.layers.tiles.heightAt(x_m, y_m, z_m + 2);
+
+  private placeCars(): void {
+    const {drive, cameras} = this;
+    if (!drive) return;
+    drive.place(!cameras.atCar);
+    cameras.goWith(drive.state, drive.headingBefore);
+    drive.tell(cameras.active);
   }
 
-  function draw(): void {
-    if (bounds) {
-      fly.fitDepth(bounds);
-      top.fitDepth(bounds);
-      const reach_m = atCar() ? 1200 : activeCamera().position.distanceTo(bounds.center);
-      sky.setHazeRange(0.5 * reach_m, (atCar() ? 3 : 4) * reach_m);
+  private tick(now_ms: number): void {
+    const elapsed_s = Math.min(0.25, (now_ms - this.last_ms) / 1000); // a hidden page stands still
+    this.last_ms = now_ms;
+    if (!this.bounds) this.adoptBounds();
+    if (this.cameras.update(elapsed_s)) this.invalidate();
+    if (this.drive?.advance(elapsed_s, this.groundUnder)) this.stale = true;
+    if (this.layers.findings.dropOnto(this.layers.tiles)) this.stale = true;
+    if (this.stale || !this.ready) {
+      this.placeCars();
+      this.cameras.active.updateMatrixWorld();
+      this.layers.tiles.update(this.cameras.active, this.renderer); // tells of new tiles through onChange
+      if (this.stale) this.draw();
+      this.stale = false;
+      this.settled = this.layers.complete && !this.ghostPending ? this.settled + 1 : 0;
+      this.ready = this.settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
-    aimSun();
-    renderer.render(scene, activeCamera());
-    ++frame;
+    if (this.layers.tiles.failures.length > this.shownFailures) panel.showMessage(this.layers.tiles.failures[this.shownFailures++], true);
+    requestAnimationFrame((later_ms) => this.tick(later_ms));
   }
 
-  let shownFailures = 0;
-  let last_ms = performance.now();
-  function tick(now_ms: number): void {
-    const elapsed_s = Math.min(0.25, (now_ms - last_ms) / 1000); // a hidden page stands still
-    last_ms = now_ms;
-    if (!bounds) adoptBounds();
-    if (fly.update(elapsed_s) || top.update(elapsed_s)) invalidate();
-    if (playing) {
-      time_s += rate * elapsed_s;
-      stale = true;
-    }
-    if (driving) {
-      self!.advance(elapsed_s, input.controls(self!.state.speed_mps, elapsed_s), groundUnder);
-      stale = true;
-    }
-    if (findings.dropOnto(tiles)) stale = true;
-    if (stale || !ready) {
-      placeCar();
-      activeCamera().updateMatrixWorld();
-      tiles.update(activeCamera(), renderer); // tells of new tiles through onChange
-      if (stale) draw();
-      stale = false;
-      settled = tiles.complete && tiles.visible > 0 ? settled + 1 : 0;
-      ready = settled >= 3; // a tile that has come asks for finer ones with the next picture
-    }
-    if (tiles.failures.length > shownFailures) panel.showMessage(tiles.failures[shownFailures++], true);
-    requestAnimationFrame(tick);
+  get api(): Api {
+    const viewer = this;
+    const {cameras, drive} = this;
+    const {tiles, switches} = this.layers;
+    return {
+      get ready() { return viewer.ready; },
+      get frame() { return viewer.frame; },
+      get tilesLoaded() { return tiles.loaded; },
+      get tilesVisible() { return tiles.visible; },
+      get failures() { return tiles.failures; },
+      get mode() { return cameras.mode; },
+      get car() { return drive?.state; },
+      get ghost() { return drive?.ghostState; },
+      get gap_s() { return drive?.gap_s; },
+      get driving() { return drive?.driving ?? false; },
+      get wheelsOnRoad() { return drive?.wheelsOnRoad ?? 0; },
+      get cameraPosition() { return cameras.active.position.toArray() as [number, number, number]; },
+      get sun() { return viewer.toSun.toArray() as [number, number, number]; },
+      get link() { return viewer.link; },
+      get layers() { return switches.shown; },
+      describe: (x, y) => tiles.describe(new Vector2(x, y), cameras.active),
+      groundUnder: this.groundUnder,
+      setCamera: (mode) => this.setCamera(mode),
+      setLayer: (layer, on) => switches.set(layer, on),
+      setTime: (t_s) => { if (drive) drive.t_s = t_s; },
+      setPlaying: (on) => { if (drive) drive.playing = on; },
+      setDriving: async (on) => drive?.setDriving(on),
+      setDay: (date, hour) => this.setDay(date, hour),
+    };
   }
-  resize();
-  requestAnimationFrame(tick);
-
-  return {
-    get ready() { return ready; },
-    get frame() { return frame; },
-    get tilesLoaded() { return tiles.loaded; },
-    get tilesVisible() { return tiles.visible; },
-    get failures() { return tiles.failures; },
-    get mode() { return mode; },
-    get car() { return lap && carNow(); },
-    get driving() { return driving; },
-    get wheelsOnRoad() { return driving ? self!.wheelsOnRoad : 4; },
-    get cameraPosition() { return activeCamera().position.toArray() as [number, number, number]; },
-    get sun() { return toSun.toArray() as [number, number, number]; },
-    get link() { return link(); },
-    describe: (x, y) => tiles.describe(new Vector2(x, y), activeCamera()),
-    groundUnder,
-    setCamera, setLayer, setTime, setPlaying, setDriving, setDay,
-  };
 }
 
 try {
-  window.orthodrive = start(await loadSite());
+  window.orthodrive = new Viewer(await loadSite()).api;
 } catch (error) {
   panel.showMessage((error as Error).message, true);
   throw error;

@@ -28,10 +28,11 @@ export class MapInset {
     this.canvas.hidden = false;
   }
 
-  show(car: CarState, eye: Vector3, target: Vector3): void {
+  show(car: CarState, ghost: CarState | undefined, eye: Vector3, target: Vector3): void {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
     this.context.drawImage(this.route, 0, 0);
-    this.arrow(eye.x, eye.y, Math.atan2(target.y - eye.y, target.x - eye.x), '#2f6fb3', 8);
+    this.arrow(eye.x, eye.y, Math.atan2(target.y - eye.y, target.x - eye.x), '#5b6b76', 8);
+    if (ghost) this.arrow(ghost.x_m, ghost.y_m, ghost.heading_rad, '#2f6fb3', 10);
     this.arrow(car.x_m, car.y_m, car.heading_rad, '#d8382c', 11);
   }
 

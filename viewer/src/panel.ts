@@ -22,10 +22,11 @@ export function segments<T extends string>(
   return (value) => buttons.forEach((button) => button.classList.toggle('on', button.dataset.value === value));
 }
 
-/** A labelled switch; returns its input. */
-export function addSwitch(name: string, label: string, on: boolean, change: (on: boolean) => void): HTMLInputElement {
+/** A labelled switch; returns its input. `color`: of the lines that it shows. */
+export function addSwitch(name: string, label: string, on: boolean, change: (on: boolean) => void, color?: string): HTMLInputElement {
   const row = document.createElement('label');
   row.className = 'switch';
+  if (color) row.style.setProperty('--color', color);
   const input = document.createElement('input');
   input.type = 'checkbox';
   input.name = name;
@@ -96,6 +97,47 @@ export function showDashboard(car: CarState, originHeight_m: number): void {
   const slider = element<HTMLInputElement>('time');
   slider.value = String(car.t_s);
   slider.style.setProperty('--share', String(car.t_s / Number(slider.max)));
+}
+
+export interface GhostActions {
+  open(name: string, csv: string): void;
+  remove(): void;
+}
+
+/** A second lap out of a file: chosen, or dropped on the page. */
+export function setUpGhost(actions: GhostActions): void {
+  element('ghost-line').hidden = false;
+  const open = async (file: File | undefined) => {
+    try {
+      if (file) actions.open(file.name, await file.text());
+    } catch (error) {
+      showMessage((error as Error).message, true);
+    }
+  };
+  const input = element<HTMLInputElement>('ghost-file');
+  input.onchange = async () => {
+    await open(input.files?.[0]);
+    input.value = ''; // the same file may be chosen again
+  };
+  element('ghost-remove').onclick = () => actions.remove();
+  window.addEventListener('dragover', (event) => event.preventDefault());
+  window.addEventListener('drop', (event) => {
+    event.preventDefault();
+    void open(event.dataTransfer?.files[0]);
+  });
+}
+
+/** Empty: there is no other lap. */
+export function showGhostName(name: string): void {
+  element('ghost-name').textContent = name || 'Open another lap (CSV)';
+  element('ghost-remove').hidden = name === '';
+}
+
+/** Positive: the car passed here later than the ghost. */
+export function showGap(hasGhost: boolean, gap_s: number | undefined): void {
+  element('gap-row').hidden = !hasGhost;
+  const sign = gap_s === undefined ? '' : gap_s < 0 ? '−' : '+';
+  element('gap').textContent = gap_s === undefined ? '–' : `${sign}${Math.abs(gap_s).toFixed(2)} s`;
 }
 
 export interface TimelineActions {

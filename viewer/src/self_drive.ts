@@ -1,12 +1,9 @@
-// The car that somebody drives: fetches roads, vehicle and module once they are asked for.
+// The car that somebody drives.
 
 import carText from '../../models/vehicles/family_car.toml?raw';
-import wasmUrl from '../../build/driving/driving.wasm?url';
 import {followLag_s} from './cameras';
 import {Controls, Driving} from './driving';
 import type {CarState} from './lap';
-
-const roadsUrl = 'site/roads.xodr';
 
 export class SelfDrive {
   private headings: {t_s: number; heading_rad: number}[] = [];
@@ -14,10 +11,7 @@ export class SelfDrive {
   private constructor(private readonly car: Driving) {}
 
   static async load(origin: readonly [number, number, number]): Promise<SelfDrive> {
-    const [wasm, roads] = await Promise.all([fetch(wasmUrl), fetch(roadsUrl)]);
-    for (const response of [wasm, roads])
-      if (!response.ok) throw new Error(`${response.url}: the server answers ${response.status}, so nobody can drive here`);
-    return new SelfDrive(await Driving.load(await wasm.arrayBuffer(), await roads.text(), carText, origin));
+    return new SelfDrive(await Driving.load(carText, origin));
   }
 
   takeOver(car: CarState): void {

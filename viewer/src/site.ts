@@ -46,7 +46,7 @@ interface FindingsJson {
 }
 
 /** Undefined when the server has no such file: a site need not have a lap, findings or a run.json. */
-async function fetchOptional(url: string): Promise<Response | undefined> {
+export async function fetchOptional(url: string): Promise<Response | undefined> {
   const response = await fetch(url);
   if (response.status === 404) return undefined;
   if (!response.ok) throw new Error(`${url}: the server answers ${response.status}`);
@@ -70,7 +70,7 @@ export async function loadSite(): Promise<Site> {
     crs: frame.crs,
     origin: frame.origin,
     localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert(),
-    lap: lapText === undefined ? undefined : Lap.parse(lapText, frame.origin),
+    lap: lapText === undefined ? undefined : Lap.parse(lapText, frame.origin, 'drive/lap.csv'),
     vehicle: (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar,
     findings: (findings?.features ?? []).map((feature) => ({
       ...feature.properties,

@@ -2,7 +2,7 @@
 // picture, both with rows of a table (EXT_structural_metadata).
 
 import type {GLTFLoaderPlugin, GLTFParser} from 'three/addons/loaders/GLTFLoader.js';
-import type {BufferGeometry, Intersection, Mesh, Object3D} from 'three';
+import {type BufferGeometry, CanvasTexture, type Intersection, type Mesh, NearestFilter, type Object3D, SRGBColorSpace} from 'three';
 
 type Row = Record<string, string>;
 
@@ -27,6 +27,7 @@ interface TileFeatures {
   objects: Row[];
   labels: Row[];
   labelPicture?: Blob;
+  labelTexture?: Promise<CanvasTexture>; // made when it is asked for
 }
 
 async function bytesOf(parser: GLTFParser, view: number): Promise<ArrayBuffer> {
@@ -62,9 +63,35 @@ export function tileFeaturesPlugin(parser: GLTFParser): GLTFLoaderPlugin {
   };
 }
 
-function featuresOf(object: Object3D | null): TileFeatures | undefined {
+export function featuresOf(object: Object3D | null): TileFeatures | undefined {
   for (; object; object = object.parent) if (object.userData.features) return object.userData.features as TileFeatures;
   return undefined;
+}
+
+/** The classes of a tile in their colours, for what shows the photo; undefined: the tile has no labels. */
+export function labelTexture(features: TileFeatures | undefined): Promise<CanvasTexture> | undefined {
+  if (!features?.labelPicture) return undefined;
+  return (features.labelTexture ??= colored(features.labels, features.labelPicture));
+}
+
+async function colored(labels: Row[], labelPicture: Blob): Promise<CanvasTexture> {
+  const picture = await createImageBitmap(labelPicture, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'});
+  const canvas = document.createElement('canvas');
+  [canvas.width, canvas.height] = [picture.width, picture.height];
+  const context = canvas.getContext('2d')!;
+  context.drawImage(picture, 0, 0);
+  const pixels = context.getImageData(0, 0, picture.width, picture.height);
+  const colors = labels.map(({color}) => parseInt(color?.slice(1) ?? '', 16)); // NaN in tiles of older versions: black
+  for (let i = 0; i < pixels.data.length; i += 4) {
+    const color = colors[pixels.data[i]] ?? 0xffffff;
+    pixels.data.set([color >> 16, (color >> 8) & 255, color & 255, 255], i);
+  }
+  context.putImageData(pixels, 0, 0);
+  const texture = new CanvasTexture(canvas);
+  texture.flipY = false;
+  texture.colorSpace = SRGBColorSpace;
+  texture.magFilter = NearestFilter;
+  return texture;
 }
 
 /** The label at a place of the photo. */

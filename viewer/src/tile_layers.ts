@@ -1,38 +1,13 @@
 // The 3D Tiles of the site and what of them is shown.
 
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
-import {
-  Camera, Group, Material, Mesh, MeshLambertMaterial, MeshStandardMaterial, Object3D, Raycaster, Sphere, Texture, Vector2, Vector3,
-  WebGLRenderer,
-} from 'three';
+import {Camera, Group, Mesh, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
 import {tilesetUrl} from './site';
-import {SurfaceMaterials} from './surface_materials';
 import {describeHit} from './tile_features';
-
-export interface Layers {
-  terrain: boolean;
-  roads: boolean;
-  photo: boolean;
-  materials: boolean; // of roads and beside them; without: the photo there as well
-  buildings: boolean;
-  trees: boolean;
-  wireframe: boolean;
-}
+import {kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
 
 const alwaysRefined_m = 1e4;
-const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'water', 'terrain'] as const;
-type SurfaceKind = (typeof kinds)[number];
-
-/** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
-function kindOf(mesh: Mesh): SurfaceKind {
-  return kinds.find((kind) => mesh.name.startsWith(kind)) ?? 'terrain';
-}
-
-/** What stands beside the roads throws shadows and has no photo of its own. */
-function stands(mesh: Mesh): boolean {
-  return ['building', 'tree', 'barrier', 'track', 'lamp'].includes(kindOf(mesh));
-}
 
 /** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
 class FlatPlaces {
@@ -50,33 +25,21 @@ class FlatPlaces {
 export class TileLayers {
   /** In the site's local frame: tiles lie on the flat map, see FlatPlaces. */
   readonly group = new Group();
-  readonly layers: Layers = {terrain: true, roads: true, photo: true, materials: true, buildings: true, trees: true, wireframe: false};
+  readonly layers: Layers = {
+    terrain: true, roads: true, photo: true, labels: false, normals: false, materials: true, buildings: true, trees: true, wireframe: false,
+  };
   loaded = 0;
   readonly failures: string[] = [];
   onChange: () => void = () => {};
 
   private readonly tiles = new TilesRenderer(tilesetUrl);
-  private readonly surfaceMaterials: SurfaceMaterials;
-  private readonly looks = new Map<Mesh, {photo: MeshLambertMaterial; surface?: string}>();
-  private readonly reliefMaterials: Record<SurfaceKind, MeshLambertMaterial> = {
-    terrain: new MeshLambertMaterial({color: 0xd3d4ce}),
-    verge: new MeshLambertMaterial({color: 0xd3d4ce}),
-    road: new MeshLambertMaterial({color: 0x6b7078}),
-    building: new MeshLambertMaterial({color: 0xb9b4ab}),
-    tree: new MeshLambertMaterial({color: 0x7f8f72}),
-    barrier: new MeshLambertMaterial({color: 0xa9a498}),
-    track: new MeshLambertMaterial({color: 0x8b8378}),
-    lamp: new MeshLambertMaterial({color: 0x8d9094}),
-    water: new MeshLambertMaterial({color: 0x8fb0bd}),
-    marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
-  };
-
+  private readonly looks: TileLooks;
   private camera?: Camera;
 
-  constructor(private readonly anisotropy: number) {
-    this.surfaceMaterials = new SurfaceMaterials(anisotropy);
-    this.surfaceMaterials.onChange = () => this.onChange();
-    this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.surfaceMaterials.gltfLoader(this.tiles.manager));
+  constructor(anisotropy: number) {
+    this.looks = new TileLooks(anisotropy);
+    this.looks.onChange = () => this.onChange();
+    this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
     this.group.add(this.tiles.group);
     this.tiles.registerPlugin(new FlatPlaces());
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
@@ -98,7 +61,7 @@ export class TileLayers {
   }
   /** Nothing more to load for the present view. */
   get complete(): boolean {
-    return this.tiles.root !== null && this.tiles.loadProgress === 1;
+    return this.tiles.root !== null && this.tiles.loadProgress === 1 && !this.looks.pending;
   }
 
   /** The renderer takes a tile that failed for a finished one and would leave a hole: its parent is shown, or its parts. */
@@ -120,10 +83,10 @@ export class TileLayers {
     return hit ? describeHit(hit) : {};
   }
 
-  /** Height of the topmost shown surface at most at `below_z_m`; undefined where no tile is loaded. */
+  /** Height of the topmost ground or road at most at `below_z_m`, nothing that stands on it; undefined where no tile is loaded. */
   heightAt(x_m: number, y_m: number, below_z_m: number): number | undefined {
     const ray = new Raycaster(new Vector3(x_m, y_m, below_z_m), new Vector3(0, 0, -1));
-    return ray.intersectObject(this.group, true)[0]?.point.z;
+    return ray.intersectObject(this.group, true).find(({object}) => !stands(object as Mesh))?.point.z;
   }
 
   /** Bounding sphere in the local frame, once the tileset is there. */
@@ -151,38 +114,25 @@ export class TileLayers {
   private adopt(model: Object3D): void {
     ++this.loaded;
     const meshes = meshesOf(model);
-    const photos = meshes.map((mesh) => (mesh.material as MeshStandardMaterial).map).filter((map) => map !== null);
-    const map: Texture | null = photos[0] ?? null;
-    if (map) map.anisotropy = this.anisotropy;
+    this.looks.adopt(meshes);
     for (const mesh of meshes) {
       if (['tree', 'lamp'].includes(kindOf(mesh))) mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
       mesh.castShadow = stands(mesh);
       mesh.receiveShadow = true;
-      const own = mesh.material as MeshStandardMaterial;
-      this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});
     }
     this.apply(model);
     this.onChange();
   }
 
-  private materialOf(mesh: Mesh): Material {
-    const {photo, surface} = this.looks.get(mesh)!;
-    const {layers} = this;
-    const material = !layers.photo ? this.reliefMaterials[kindOf(mesh)] :
-                     surface !== undefined && (layers.materials || stands(mesh)) ?
-                       this.surfaceMaterials.get(surface) : photo;
-    material.wireframe = layers.wireframe;
-    return material;
-  }
-
   private isShown(kind: SurfaceKind): boolean {
-    const {terrain, roads, photo, materials, buildings, trees} = this.layers;
+    const {terrain, roads, photo, labels, normals, materials, buildings, trees} = this.layers;
+    const asSeen = photo && !labels && !normals; // no layer that shows something else of the ground
     switch (kind) {
       case 'terrain':
       case 'water': return terrain;
       case 'road': return roads;
-      case 'verge': return terrain && roads && photo && materials;
-      case 'marking': return roads && materials;
+      case 'verge': return terrain && roads && materials && asSeen;
+      case 'marking': return roads && materials && !labels && !normals;
       case 'building':
       case 'barrier':
       case 'track':
@@ -193,7 +143,7 @@ export class TileLayers {
 
   private apply(model: Object3D): void {
     for (const mesh of meshesOf(model)) {
-      mesh.material = this.materialOf(mesh);
+      mesh.material = this.looks.materialOf(mesh, this.layers);
       mesh.visible = this.isShown(kindOf(mesh));
     }
   }
@@ -201,10 +151,7 @@ export class TileLayers {
   /** The renderer disposes of the glTF's own geometry and textures, not of our materials. */
   private release(model: Object3D): void {
     --this.loaded;
-    for (const mesh of meshesOf(model)) {
-      this.looks.get(mesh)?.photo.dispose();
-      this.looks.delete(mesh);
-    }
+    this.looks.release(meshesOf(model));
   }
 }
 

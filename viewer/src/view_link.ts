@@ -10,6 +10,7 @@ export interface ViewState {
   hour: number;
   off: string[]; // layers that are usually on
   on: string[]; // layers that are usually off
+  ghost?: string; // another lap: a CSV file below the site's folder
 }
 
 /** Summer, in the afternoon: the sun stands in the south-west at about 45 degrees in Europe. */
@@ -37,6 +38,7 @@ export function parseView(search: string): ViewState {
     hour: Math.min(24, Math.max(0, number('hour', usualDay.hour))),
     off: names(parameters.get('off')),
     on: names(parameters.get('on')),
+    ghost: parameters.get('ghost') || undefined,
   };
 }
 
@@ -51,5 +53,6 @@ export function writeView(state: ViewState): string {
   if (state.hour !== usualDay.hour) parameters.set('hour', String(state.hour));
   if (state.off.length > 0) parameters.set('off', state.off.join(','));
   if (state.on.length > 0) parameters.set('on', state.on.join(','));
-  return `?${parameters.toString().replaceAll('%2C', ',')}`;
+  if (state.ghost) parameters.set('ghost', state.ghost);
+  return `?${parameters.toString().replaceAll('%2C', ',').replaceAll('%2F', '/')}`;
 }

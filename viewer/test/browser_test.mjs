@@ -1,12 +1,16 @@
 // Opens a built site in a real browser (Debian's Chromium, software rendering) and checks what a person would look at.
 // node viewer/test/browser_test.mjs SITE_DIR TOOL
-// Leaves viewer_fly.png, viewer_follow.png and a picture of each other camera in SITE_DIR. Exit code 0 when everything is as it should be.
+// Leaves viewer_*.png in SITE_DIR: of the cameras, the layers, a ghost, a telephone. Exit code 0 when everything is as it should be.
 
 import assert from 'node:assert/strict';
 import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
+import {checkDashboard, checkDriving, checkGhost} from './drive_checks.mjs';
+import {checkLayers} from './layer_checks.mjs';
+import {checkNarrow, checkTouch} from './narrow_checks.mjs';
+import {readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
 import {comparePictures, pictureStatistics} from './pictures.mjs';
 import {openBrowser, serveSite} from './serve_and_open.mjs';
 
@@ -14,28 +18,6 @@ const [siteDir, tool] = process.argv.slice(2);
 if (!tool) {
   console.error('usage: node browser_test.mjs SITE_DIR TOOL');
   process.exit(2);
-}
-
-/** t, x, y, z of some rows of lap.csv, in the site CRS. */
-function readLap() {
-  const [header, ...rows] = readFileSync(join(siteDir, 'drive/lap.csv'), 'utf8').trim().split('\n');
-  const columns = ['t_s', 'x_m', 'y_m', 'z_m'].map((name) => header.split(',').indexOf(name));
-  return rows.map((row) => columns.map((column) => Number(row.split(',')[column])));
-}
-
-/** The picture without the page's cards, which lie over it. */
-async function sceneShot(page) {
-  await waitUntilDrawn(page);
-  const style = await page.addStyleTag({content: '.card, footer, #message { visibility: hidden }'});
-  const png = await page.screenshot();
-  await style.evaluate((element) => element.remove());
-  return png;
-}
-
-/** All tiles are there and at least one more picture was drawn after the last change. */
-async function waitUntilDrawn(page) {
-  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {timeout: 240_000});
-  assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
 }
 
 async function checkFlyCamera(page) {
@@ -53,7 +35,7 @@ async function checkFlyCamera(page) {
 async function checkFollowCamera(page) {
   const tileset = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8'));
   const {origin} = tileset.asset.extras.orthodrive;
-  const lap = readLap();
+  const lap = readLap(siteDir, ['t_s', 'x_m', 'y_m', 'z_m']);
   await page.evaluate(() => window.orthodrive.setPlaying(false));
   await page.evaluate(() => window.orthodrive.setCamera('follow'));
   let worstGap_m = 0;
@@ -80,21 +62,6 @@ async function checkFollowCamera(page) {
   writeFileSync(join(siteDir, 'viewer_follow.png'), await page.screenshot());
 }
 
-/** Each layer changes the picture, and switching it back brings the same picture again. */
-async function checkLayers(page) {
-  const before = await sceneShot(page);
-  for (const [layer, on] of [['photo', false], ['terrain', false], ['roads', false], ['wireframe', true]]) {
-    const set = (value) => page.evaluate(([name, state]) => window.orthodrive.setLayer(name, state), [layer, value]);
-    await set(on);
-    const changed = await comparePictures(page, before, await sceneShot(page));
-    await set(!on);
-    const restored = await comparePictures(page, before, await sceneShot(page));
-    console.log(`layer ${layer}: ${(100 * changed).toFixed(1)} % of the pixels change`);
-    assert.ok(changed > 0.02, `the switch of ${layer} does not change the picture`);
-    assert.ok(restored < 0.001, `switching ${layer} back does not bring the picture back`);
-  }
-}
-
 async function checkPlaying(page) {
   const before = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
   await page.click('#play');
@@ -102,33 +69,6 @@ async function checkPlaying(page) {
   const camera = await page.evaluate(() => window.orthodrive.cameraPosition);
   assert.ok(Math.hypot(camera[0] - before.camera[0], camera[1] - before.camera[1]) > 1, 'the camera stays behind while playing');
   await page.click('#play');
-}
-
-/** Somebody takes over the car: it drives off on the throttle, turns with the wheel, off the road too, and stops on what is seen. */
-async function checkDriving(page) {
-  await page.evaluate(() => (window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(5)));
-  const start = await page.evaluate(() => window.orthodrive.car);
-  await page.click('#drive');
-  await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
-  const hold = async (key, until, argument) => {
-    await page.keyboard.down(key);
-    await page.waitForFunction(until, argument, {timeout: 240_000, polling: 20});
-    await page.keyboard.up(key);
-  };
-  await hold('ArrowUp', (speed) => window.orthodrive.car.speed_mps > speed + 3, start.speed_mps);
-  const fast = await page.evaluate(() => ({...window.orthodrive.car, wheels: window.orthodrive.wheelsOnRoad}));
-  assert.ok(Math.hypot(fast.x_m - start.x_m, fast.y_m - start.y_m) > 2, 'the car stays where it was');
-  assert.equal(fast.wheels, 4, 'the car is not on the road');
-  await hold('ArrowLeft', (heading) => Math.sin(window.orthodrive.car.heading_rad - heading) > 0.03, fast.heading_rad);
-  await hold('ArrowDown', () => window.orthodrive.car.speed_mps < 0.3);
-  const {car, ground_m} = await page.evaluate(() => {
-    const {car, groundUnder} = window.orthodrive;
-    return {car, ground_m: groundUnder(car.x_m, car.y_m, car.z_m)};
-  });
-  console.log(`driving: ${(fast.speed_mps * 3.6).toFixed(0)} km/h reached, ${Math.abs(car.z_m - ground_m).toFixed(3)} m over the surface when it stopped`);
-  assert.ok(Math.abs(car.z_m - ground_m) < 0.25, 'the car floats above or sinks into the surface');
-  await page.click('#drive');
-  await page.waitForFunction(() => !window.orthodrive.driving);
 }
 
 /** Every camera shows something, from where its name says. */
@@ -173,29 +113,13 @@ async function checkLink(page) {
   await page.evaluate(() => {
     window.orthodrive.setDay('2026-10-01', 9.25);
     window.orthodrive.setLayer('buildings', false);
+    window.orthodrive.setLayer('lanes', true);
     window.orthodrive.setCamera('fly');
   });
   const before = await sceneShot(page);
   await page.goto(await page.evaluate(() => window.orthodrive.link));
   const changed = await comparePictures(page, before, await sceneShot(page));
   assert.ok(changed < 0.001, `${(100 * changed).toFixed(1)} % of the pixels differ under the same link`);
-}
-
-/** On a telephone everything stays on the page, and the panel opens and closes. */
-async function checkNarrow(page) {
-  await page.setViewportSize({width: 390, height: 780});
-  await waitUntilDrawn(page);
-  const isOpen = () => page.isVisible('#panel');
-  assert.ok(!(await isOpen()), 'the panel covers a narrow page');
-  await page.click('#fold');
-  assert.ok(await isOpen(), 'the panel does not open');
-  const outside = await page.evaluate(() => [...document.querySelectorAll('.card, #timeline *')].filter((element) => {
-    const box = element.getBoundingClientRect();
-    return box.width > 0 && (box.left < -1 || box.right > window.innerWidth + 1 || box.bottom > window.innerHeight + 1);
-  }).map((element) => element.id || element.tagName));
-  assert.deepEqual(outside, [], 'parts of the page lie outside of it');
-  writeFileSync(join(siteDir, 'viewer_narrow.png'), await page.screenshot());
-  await page.click('#fold');
 }
 
 /** A click on the road ahead tells what road it is, and of what way of the map. */
@@ -274,14 +198,17 @@ try {
   await page.goto(`${server.url}?play=0`);
   await checkFlyCamera(page);
   await checkFollowCamera(page);
-  await checkLayers(page);
+  await checkLayers(page, siteDir);
   await checkPlaying(page);
   await checkDriving(page);
+  await checkDashboard(context, page, server.url, siteDir);
+  await checkGhost(context, server.url, siteDir);
   await checkCameras(page);
   await checkClick(page);
   await checkSun(page);
   await checkLink(page);
-  await checkNarrow(page);
+  await checkNarrow(page, siteDir);
+  await checkTouch(context, server.url, siteDir);
   assert.deepEqual(problems, [], 'the page reports errors');
   await checkBrokenTile(context, server.url);
   await checkNoWebGl(context, server.url);

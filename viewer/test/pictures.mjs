@@ -41,3 +41,14 @@ export function comparePictures(page, a, b) {
     return changed / (pixelsA.length / 4);
   });
 }
+
+/** Mean of the rows below that share of the height. */
+export function meanColor(page, png, share) {
+  return decodeIn(page, [png], `(pixels) => {
+    const first = 4 * Math.floor((pixels.length / 4) * ${share});
+    const sums = [0, 0, 0];
+    for (let i = first; i < pixels.length; i += 4) for (const k of [0, 1, 2]) sums[k] += pixels[i + k];
+    const [red, green, blue] = sums.map((sum) => sum / ((pixels.length - first) / 4));
+    return {red, green, blue};
+  }`);
+}

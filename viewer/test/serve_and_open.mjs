@@ -6,8 +6,9 @@ import {createInterface} from 'node:readline';
 import {chromium} from 'playwright-core';
 
 /** Serves on a free port. stop() presses Ctrl-C and returns the exit code. */
-export async function serveSite(tool, siteDir) {
-  const server = spawn(tool, ['view', siteDir, '--port', '0', '--no-open', '--quiet'], {stdio: ['ignore', 'pipe', 'inherit']});
+export async function serveSite(tool, siteDir, environment = {}) {
+  const server = spawn(tool, ['view', siteDir, '--port', '0', '--no-open', '--quiet'],
+                       {stdio: ['ignore', 'pipe', 'inherit'], env: {...process.env, ...environment}});
   const exited = new Promise((resolve, reject) => {
     server.once('exit', resolve);
     server.once('error', reject);

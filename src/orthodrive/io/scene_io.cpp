@@ -186,16 +186,19 @@ std::size_t add_table(GlbFile& file, const char* class_name,
 }
 
 /// What the photo shows, the 3D Tiles 1.1 way: a feature id texture (EXT_mesh_features) whose ids are the rows of a
-/// table with each class's name and role. Returns the feature ids of the primitives.
+/// table with each class's name, role and colour (#rrggbb). Returns the feature ids of the primitives.
 GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8_t>& labels, const ClassTable& table) {
   const int texture = materials.add_picture(encode_png(labels), "image/png", nearest, nearest);
-  std::vector<std::string> names, roles;
-  for (const ClassInfo& info : table.classes) names.push_back(info.name), roles.push_back(to_string(info.role));
+  std::vector<std::string> names, roles, colors;
+  for (const ClassInfo& info : table.classes) {
+    names.push_back(info.name), roles.push_back(to_string(info.role));
+    colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2]));
+  }
   return {{"featureCount", names.size()},
           {"nullFeatureId", static_cast<int>(label_nodata)},
           {"label", "label"},
           {"texture", {{"index", texture}, {"texCoord", 0}, {"channels", GltfJson::array({0})}}},
-          {"propertyTable", add_table(file, "label", {{"name", names}, {"role", roles}})}};
+          {"propertyTable", add_table(file, "label", {{"name", names}, {"role", roles}, {"color", colors}})}};
 }
 
 /// Roads and buildings: ids of vertices, rows of a table of their own.

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/road_graph_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/roads/dense_nodes.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
 
 namespace {
+constexpr double map_step_m = 5.0;  // of the map's lines in the road graph: they follow the ground
+
 /// The hull of the roads: a box would ask for terrain in corners that a slanting area does not have.
 SiteFrame site_of_roads(const fs::path& file, const RoadNetwork& roads) {
   Ring points;
@@ -52,6 +56,9 @@ StageOutcome run_elevate(const ElevateFiles& files, const RunElevateOptions& opt
   for (const Findings* part : {&logs.findings, &terrain.findings, &elevated.findings}) append(outcome.findings, *part);
   io::write_roads(files.elevated, elevated.roads, elevated.roughness);
   if (!files.findings.empty()) io::write_findings(files.findings, outcome.findings, roads.crs);
+  if (!files.road_graph.empty())
+    io::write_road_graph(files.road_graph, with_nodes_every(context.sources.osm(files.osm, site).roads, map_step_m),
+                         elevated.roads);
   return outcome;
 }
 
@@ -63,7 +70,7 @@ BuildStage elevate_stage(SiteBuild& build) {
   return {.name = "elevate",
           .sources = {{"dtm", site.dtm, SourceRole::Kind::raster}, {"drive_logs", log_files}},
           .options = {site.dtm_sampling, to_string(site.driving_side)},
-          .outputs = {"roads.gpkg"},
+          .outputs = {"roads.gpkg", "road_graph.geojson"},
           .check =
               [&build, &site] {
                 (void)build.context.sources.drive_logs(site.drive_logs, site.frame);
@@ -78,7 +85,9 @@ BuildStage elevate_stage(SiteBuild& build) {
                 return run_elevate({.roads = build.out_dir / ".orthodrive/refined.gpkg",
                                     .dtm = site.dtm,
                                     .drive_logs = site.drive_logs,
-                                    .elevated = build.out_dir / "roads.gpkg"},
+                                    .elevated = build.out_dir / "roads.gpkg",
+                                    .osm = site.osm,
+                                    .road_graph = build.out_dir / "road_graph.geojson"},
                                    options, build.context);
               }};
 }

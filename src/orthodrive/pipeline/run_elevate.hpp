@@ -12,6 +12,8 @@ struct ElevateFiles {
   std::vector<std::filesystem::path> drive_logs;  ///< may be empty
   std::filesystem::path elevated;                 ///< written; may be `roads`
   std::filesystem::path findings;                 ///< written unless empty
+  std::vector<std::filesystem::path> osm;         ///< the map that the roads were before; for road_graph
+  std::filesystem::path road_graph;               ///< written unless empty (io/road_graph_io.hpp); wants osm and a site
 };
 
 struct RunElevateOptions {

@@ -1,0 +1,41 @@
+// What scripts and tests can ask and do: window.orthodrive.
+
+import type {CameraMode} from './cameras';
+import type {CarState} from './lap';
+import type {LayerName} from './layer_switches';
+
+export interface Api {
+  readonly ready: boolean; // all tiles and layers of the present view are loaded and drawn
+  readonly frame: number; // pictures drawn so far
+  readonly tilesLoaded: number;
+  readonly tilesVisible: number;
+  readonly failures: string[];
+  readonly mode: CameraMode;
+  readonly car: CarState | undefined; // x, y, z from the site's origin
+  readonly ghost: CarState | undefined; // the other car
+  readonly gap_s: number | undefined; // the car passed here so much later than the ghost
+  readonly driving: boolean; // somebody drives, no lap is shown
+  readonly wheelsOnRoad: number; // of the car that somebody drives
+  readonly cameraPosition: [number, number, number];
+  readonly sun: [number, number, number]; // towards it
+  readonly link: string; // address that restores the view
+  readonly layers: Record<string, boolean>; // that can be shown, and whether they are
+  /** What stands or lies under a place of the picture, -1..1 to the right and up. */
+  describe(x: number, y: number): Promise<Record<string, string>>;
+  /** Height of the first surface below a place 2 m above z_m: what wheels at z_m should stand on. */
+  groundUnder(x_m: number, y_m: number, z_m: number): number | undefined;
+  setCamera(mode: CameraMode): void;
+  setLayer(layer: LayerName, on: boolean): void;
+  setTime(t_s: number): void;
+  setPlaying(on: boolean): void;
+  /** Takes over the car where it is in the lap, or gives it back. */
+  setDriving(on: boolean): Promise<void>;
+  /** `date`: YYYY-MM-DD, `hour`: 0 to 24 of the zone's clocks. */
+  setDay(date: string, hour: number): void;
+}
+
+declare global {
+  interface Window {
+    orthodrive: Api;
+  }
+}

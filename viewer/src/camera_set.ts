@@ -1,0 +1,120 @@
+// All cameras, and which of them is looked through.
+
+import {PerspectiveCamera, Sphere, Vector3} from 'three';
+
+import type {Car} from './car';
+import {CameraMode, DriverCamera, FlyCamera, FollowCamera, OrbitCamera, View} from './cameras';
+import type {CarState} from './lap';
+
+/** Around which the sun's shadows are drawn. */
+export interface Focus {
+  middle: Vector3;
+  radius_m: number;
+}
+
+export class CameraSet {
+  readonly modes: Partial<Record<CameraMode, string>>;
+  onChange: () => void = () => {};
+  private chosen: CameraMode = 'fly';
+  private readonly fly: FlyCamera;
+  private readonly top: FlyCamera;
+  private readonly follow = new FollowCamera();
+  private readonly orbit?: OrbitCamera;
+  private readonly driver?: DriverCamera;
+  private bounds?: Sphere;
+
+  /** Without a car only the cameras over the map. */
+  constructor(canvas: HTMLCanvasElement, private readonly car?: Car) {
+    this.fly = new FlyCamera(canvas);
+    this.top = new FlyCamera(canvas, true);
+    this.modes = {fly: 'Fly', top: 'Top', ...(car ? {follow: 'Follow', orbit: 'Orbit', driver: 'Driver'} : {})};
+    this.fly.onChange = this.top.onChange = () => this.onChange();
+    if (!car) return;
+    this.orbit = new OrbitCamera(canvas, car.object);
+    this.orbit.onChange = () => this.onChange();
+    this.driver = new DriverCamera(car.eye_m);
+  }
+
+  get mode(): CameraMode {
+    return this.chosen;
+  }
+  set mode(mode: CameraMode) {
+    this.chosen = mode in this.modes ? mode : 'fly';
+    this.fly.enabled = this.chosen === 'fly';
+    this.top.enabled = this.chosen === 'top';
+    if (this.orbit) this.orbit.enabled = this.chosen === 'orbit';
+  }
+  get next(): CameraMode {
+    const names = Object.keys(this.modes) as CameraMode[];
+    return names[(names.indexOf(this.chosen) + 1) % names.length];
+  }
+  get active(): PerspectiveCamera {
+    switch (this.chosen) {
+      case 'fly': return this.fly.camera;
+      case 'top': return this.top.camera;
+      case 'follow': return this.follow.camera;
+      case 'orbit': return this.orbit!.camera;
+      case 'driver': return this.driver!.camera;
+    }
+  }
+  get atCar(): boolean {
+    return this.chosen !== 'fly' && this.chosen !== 'top';
+  }
+  /** Of the cameras that the mouse moves over the map. */
+  get view(): View | undefined {
+    return this.atCar ? undefined : this.map.view;
+  }
+  private get map(): FlyCamera {
+    return this.chosen === 'top' ? this.top : this.fly;
+  }
+
+  resize(aspect: number): void {
+    for (const camera of [this.fly.camera, this.top.camera, this.follow.camera, this.orbit?.camera, this.driver?.camera]) {
+      if (!camera) continue;
+      camera.aspect = aspect;
+      camera.updateProjectionMatrix();
+    }
+  }
+
+  /** Looks at all of the site, or where `view` says. */
+  adoptBounds(bounds: Sphere, view: View | undefined): void {
+    this.bounds = bounds;
+    this.fly.frame(bounds);
+    this.top.frame(bounds);
+    if (view) this.map.view = view;
+  }
+
+  /** Returns true while keys move a camera. */
+  update(elapsed_s: number): boolean {
+    return this.fly.update(elapsed_s) || this.top.update(elapsed_s);
+  }
+
+  /** Goes along with the car, which headed `headingBefore` a moment ago. */
+  goWith(state: CarState, headingBefore: number): void {
+    this.follow.update(state, headingBefore);
+    this.orbit!.update(this.car!.object);
+    this.driver!.update(this.car!.object);
+  }
+
+  fitDepth(): void {
+    if (!this.bounds) return;
+    this.fly.fitDepth(this.bounds);
+    this.top.fitDepth(this.bounds);
+  }
+
+  /** How far one looks over the site. */
+  get reach_m(): number {
+    return this.atCar || !this.bounds ? 1200 : this.active.position.distanceTo(this.bounds.center);
+  }
+
+  /** The road ahead of the car, or what the camera looks at. */
+  get focus(): Focus {
+    const {active} = this;
+    if (this.atCar) {
+      const ahead = active.getWorldDirection(new Vector3());
+      return {middle: this.car!.object.position.clone().addScaledVector(ahead, 60), radius_m: 110};
+    }
+    const {target} = this.map;
+    return {middle: target, radius_m: Math.min(1500, Math.max(40, 0.8 * active.position.distanceTo(target)))};
+  }
+}

@@ -1,0 +1,42 @@
+// What the checks of the page share.
+
+import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
+import {join} from 'node:path';
+
+export function lapText(siteDir) {
+  return readFileSync(join(siteDir, 'drive/lap.csv'), 'utf8').trim();
+}
+
+/** These columns of lap.csv, in the site CRS: a list a row. */
+export function readLap(siteDir, names) {
+  const [header, ...rows] = lapText(siteDir).split('\n');
+  const columns = names.map((name) => header.split(',').indexOf(name));
+  return rows.map((row) => columns.map((column) => Number(row.split(',')[column])));
+}
+
+/** lap.csv with every row changed: `change` takes and returns an object with a number a column; left out ones are left out. */
+export function changedLap(siteDir, change) {
+  const [header, ...rows] = lapText(siteDir).split('\n');
+  const names = header.split(',');
+  const changed = rows.map((row) => {
+    const values = row.split(',');
+    return change(Object.fromEntries(names.map((name, i) => [name, Number(values[i])])));
+  });
+  return [Object.keys(changed[0]).join(','), ...changed.map((row) => Object.values(row).join(','))].join('\n');
+}
+
+/** All tiles are there and at least one more picture was drawn after the last change. */
+export async function waitUntilDrawn(page) {
+  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {timeout: 240_000});
+  assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
+}
+
+/** The picture without the page's cards, which lie over it. */
+export async function sceneShot(page) {
+  await waitUntilDrawn(page);
+  const style = await page.addStyleTag({content: '.card, footer, #message { visibility: hidden }'});
+  const png = await page.screenshot();
+  await style.evaluate((element) => element.remove());
+  return png;
+}
