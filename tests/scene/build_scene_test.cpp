@@ -547,7 +547,8 @@ TEST(BuildScene, thread_count_does_not_change_a_byte) {
                       .length_m = 300.0,
                       .z_m = 20.0,
                       .curvature_1pm = 0.002 * (i - 5),
-                      .bridge = i % 4 == 0});
+                      .bridge = i % 4 == 0,
+                      .tunnel = i % 4 == 2});
   const Site site = make_site(960.0, shapes, hills);
   const auto run = [&](int threads) {
     std::map<TileAddress, SceneTile> tiles;

@@ -1,5 +1,5 @@
 #pragma once
-// Where nothing stands: beside roads, decks and buildings, in the area.
+// Where nothing stands: beside roads, decks, openings of the ground and buildings, in the area.
 
 #include <span>
 
@@ -14,6 +14,7 @@ struct Obstacles {
   std::span<const RoadLevel* const> levels;
   std::span<const PlacedBuilding> buildings;
   const Outline& area;
+  const Outline& openings;
 };
 
 class FreeSpace {

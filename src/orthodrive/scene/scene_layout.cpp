@@ -188,14 +188,15 @@ namespace {
 
 struct SortedRoads {
   std::vector<const roadquery::Road*> ground;
-  std::map<int, std::vector<const roadquery::Road*>> decks;
+  std::vector<std::vector<const roadquery::Road*>> decks, tunnels;
 };
 
 SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
   SortedRoads sorted;
+  std::map<int, std::vector<const roadquery::Road*>> decks, tunnels;  // by layer
   for (std::size_t i = 0; i < query.map().roads.size(); ++i) {
     const roadquery::Road& road = query.map().roads[i];
-    if (road.tunnel || !(road.length > 0.0)) continue;
+    if (!(road.length > 0.0)) continue;
     if (!has_sections(query, i)) {
       const auto at = roadquery::reference_point(road, 0.0);
       findings.push_back({Severity::warning, "scene.road_without_surface",
@@ -203,9 +204,18 @@ SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
                           at.y});
       continue;
     }
-    const bool is_deck = road.bridge || road.layer > 0;
-    (is_deck ? sorted.decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
+    if (road.tunnel) {
+      tunnels[std::min(-1, road.layer)].push_back(&road);
+    } else {
+      const bool is_deck = road.bridge || road.layer > 0;
+      (is_deck ? decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
+    }
   }
+  const auto tell_apart = [](const auto& by_layer, auto& sets) {
+    for (const auto& [layer, of_layer] : by_layer) std::ranges::move(told_apart(of_layer), std::back_inserter(sets));
+  };
+  tell_apart(decks, sorted.decks);
+  tell_apart(tunnels, sorted.tunnels);
   return sorted;
 }
 
@@ -251,7 +261,7 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
-  const FreeSpace space({levels, buildings, area});
+  const FreeSpace space({levels, buildings, area, openings});
   trees = plant_trees(crowns, input.trees, space, *ground, input.photo, options.threads);
   for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
   if (input.surroundings) add_surroundings(*input.surroundings, space);
@@ -266,22 +276,54 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
 
+const RoadLevel& SceneLayout::level(int number) const {
+  if (number == 0) return roads;
+  const auto above = static_cast<std::size_t>(number) - 1;
+  return above < decks.size() ? decks[above] : tunnels[above - decks.size()];
+}
+
+void SceneLayout::lay_levels(const SceneInput& input, const Polygon& site_area) {
+  query = std::make_shared<const roadquery::RoadQuery>(without_heights(input.roads));
+  const SortedRoads sorted = sort_roads(*query, findings);
+  std::vector<int> level_of(query->map().roads.size(), -1);
+  int levels = 0;
+  const auto number = [&](const std::vector<const roadquery::Road*>& of_level) {
+    for (const roadquery::Road* road : of_level)
+      level_of[static_cast<std::size_t>(road - query->map().roads.data())] = levels;
+    ++levels;
+  };
+  number(sorted.ground);
+  for (const auto* sets : {&sorted.decks, &sorted.tunnels})
+    for (const auto& of_level : *sets) number(of_level);
+  joints = RoadJoints(*query, level_of);
+  const RoadLevelOptions level_options{
+      .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
+      .reach_m = std::max({options.verge_m + 1.0, tree_reach_m, track_reach_m}),
+      .threads = options.threads,
+      .query = query,
+      .joints = &joints};
+  roads = RoadLevel(sorted.ground, site_area, level_options);
+  for (const auto& of_level : sorted.decks) decks.emplace_back(of_level, site_area, level_options);
+  for (const auto& of_level : sorted.tunnels) tunnels.emplace_back(of_level, site_area, level_options);
+}
+
+/// Adds the openings' borders to the lines of the ground.
+void SceneLayout::lay_tunnels(const MultiPolygon& area_polygons, std::vector<Polyline>& lines) {
+  Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, area_polygons);
+  append_rings(built.openings, lines);
+  openings = Outline(built.openings, tree_reach_m);
+  tubes = by_tile(std::move(built.faces));
+  for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)].push_back(snap_to_grid(p));
+  std::ranges::move(built.findings, std::back_inserter(findings));
+}
+
 void SceneLayout::lay_roads(const SceneInput& input) {
   const Polygon site_area = on_grid(input.area);
   const MultiPolygon area_polygons = dense_area(site_area, options.terrain_step_m);
   area = Outline(area_polygons, area_reach_m);
   const Box2 bounds = bounds_of(input.area.outer);
 
-  query = std::make_shared<const roadquery::RoadQuery>(without_heights(input.roads));
-  const RoadLevelOptions level_options{
-      .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
-      .reach_m = std::max({options.verge_m + 1.0, tree_reach_m, track_reach_m}),
-      .threads = options.threads,
-      .query = query};
-  const SortedRoads sorted = sort_roads(*query, findings);
-  roads = RoadLevel(sorted.ground, site_area, level_options);
-  for (const auto& [layer, of_layer] : sorted.decks)
-    for (auto& deck_roads : told_apart(of_layer)) decks.emplace_back(std::move(deck_roads), site_area, level_options);
+  lay_levels(input, site_area);
   HeightGrid terrain = filled_terrain(input.terrain, area, findings);
   if (input.surroundings)
     waters = Waters(input.surroundings->water, {roads, terrain, input.photo, site_area, options.verge_m}, findings);
@@ -294,17 +336,21 @@ void SceneLayout::lay_roads(const SceneInput& input) {
   append_rings(area_polygons, lines);
   append_rings(roads.polygons(), lines);
   for (const WaterBody& body : waters.bodies()) append_rings(body.shores, lines);
+  lay_tunnels(area_polygons, lines);
   ground_lines = cut_at_tiles(std::move(lines), bounds);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
   add_kerbs(roads, *query, input.roads, ground_lines);
-  for (const RoadLevel& deck : decks) {
+  const auto add_lines = [&](const RoadLevel& level, std::vector<LevelLines>& of_levels) {
     lines.clear();
-    append_rings(deck.polygons(), lines);
-    add_axis_points(deck, deck_lines.emplace_back(cut_at_tiles(std::move(lines), bounds)));
-    add_markings(deck, deck_lines.back());
-    add_kerbs(deck, *query, input.roads, deck_lines.back());
-  }
+    append_rings(level.polygons(), lines);
+    LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), bounds));
+    add_axis_points(level, own);
+    add_markings(level, own);
+    add_kerbs(level, *query, input.roads, own);
+  };
+  for (const RoadLevel& deck : decks) add_lines(deck, deck_lines);
+  for (const RoadLevel& tunnel : tunnels) add_lines(tunnel, tunnel_lines);
   structures = by_tile(build_structures({roads, decks, *ground, *query, options.deck_thickness_m}));
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);

@@ -13,11 +13,13 @@
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/line_objects.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
+#include "orthodrive/scene/road_joints.hpp"
 #include "orthodrive/scene/road_level.hpp"
 #include "orthodrive/scene/road_markings.hpp"
 #include "orthodrive/scene/road_tint.hpp"
 #include "orthodrive/scene/structures.hpp"
 #include "orthodrive/scene/trees.hpp"
+#include "orthodrive/scene/tunnels.hpp"
 #include "orthodrive/scene/water.hpp"
 
 namespace orthodrive {
@@ -57,6 +59,10 @@ class SceneLayout {
   scene::LevelLines ground_lines;
   std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer; those that cross apart
   std::vector<scene::LevelLines> deck_lines;
+  std::vector<scene::RoadLevel> tunnels;  ///< likewise
+  std::vector<scene::LevelLines> tunnel_lines;
+  scene::RoadJoints joints;  ///< of levels; the ground is 0, then come decks and tunnels
+  scene::Outline openings;   ///< no ground lies in them
   std::optional<scene::Ground> ground;
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
   scene::RoadTint tint;
@@ -64,15 +70,20 @@ class SceneLayout {
   std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
   std::vector<scene::PlacedTree> trees;
   std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
-  std::map<TileAddress, std::vector<scene::StructureFace>> structures, barriers, tracks;  ///< by their middles
+  std::map<TileAddress, std::vector<scene::StructureFace>> structures, tubes, barriers, tracks;  ///< by their middles
   scene::Waters waters;
   std::vector<scene::PlacedLamp> lamps;
   std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
   /// Terrain vertices besides the raster: beside roads and below bridges.
   std::map<TileAddress, std::vector<Vec2>> terrain_points;
 
+  /// By its number in `joints`.
+  [[nodiscard]] const scene::RoadLevel& level(int number) const;
+
  private:
   void lay_roads(const SceneInput& input);
+  void lay_levels(const SceneInput& input, const Polygon& site_area);
+  void lay_tunnels(const MultiPolygon& area_polygons, std::vector<Polyline>& lines);
   void add_surroundings(const MapSurroundings& surroundings, const scene::FreeSpace& space);
   void choose_tiles(const Box2& bounds);
   void add_terrain_points();
