@@ -21,7 +21,7 @@ export interface Layers {
 }
 
 const alwaysRefined_m = 1e4;
-const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'water', 'terrain'] as const;
+const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'object', 'water', 'terrain'] as const;
 type SurfaceKind = (typeof kinds)[number];
 
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
@@ -31,7 +31,7 @@ function kindOf(mesh: Mesh): SurfaceKind {
 
 /** What stands beside the roads throws shadows and has no photo of its own. */
 function stands(mesh: Mesh): boolean {
-  return ['building', 'tree', 'barrier', 'track', 'lamp'].includes(kindOf(mesh));
+  return ['building', 'tree', 'barrier', 'track', 'lamp', 'object'].includes(kindOf(mesh));
 }
 
 /** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
@@ -67,6 +67,7 @@ export class TileLayers {
     barrier: new MeshLambertMaterial({color: 0xa9a498}),
     track: new MeshLambertMaterial({color: 0x8b8378}),
     lamp: new MeshLambertMaterial({color: 0x8d9094}),
+    object: new MeshLambertMaterial({color: 0x8d9094}),
     water: new MeshLambertMaterial({color: 0x8fb0bd}),
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };
@@ -186,7 +187,8 @@ export class TileLayers {
       case 'building':
       case 'barrier':
       case 'track':
-      case 'lamp': return buildings;
+      case 'lamp':
+      case 'object': return buildings;
       case 'tree': return trees;
     }
   }

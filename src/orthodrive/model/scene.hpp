@@ -29,6 +29,7 @@ enum class MeshKind : std::uint8_t {
   barrier,      ///< hedges, walls, fences
   track,        ///< railways: ballast and rails
   lamp,         ///< copies: street lamps
+  object,       ///< signs, traffic lights, street furniture, poles and wires
   tunnel,       ///< tubes of tunnels, their portals and walls
   tunnel_road,  ///< roads in tunnels and between the walls before them
 };
@@ -61,6 +62,8 @@ enum class MeshKind : std::uint8_t {
       return "track";
     case MeshKind::lamp:
       return "lamp";
+    case MeshKind::object:
+      return "object";
     case MeshKind::tunnel:
       return "road_tube";
     case MeshKind::tunnel_road:

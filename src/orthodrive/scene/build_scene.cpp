@@ -439,6 +439,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     add_mesh_of(faces_in(layout.barriers, address), MeshKind::barrier, material, tile.origin, along_lines);
     add_mesh_of(faces_in(layout.tracks, address), MeshKind::track, material, tile.origin, along_lines);
   }
+  add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin, along_lines);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
   std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh, &body.mesh,        &verge, &marking, &kerb,

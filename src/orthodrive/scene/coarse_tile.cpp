@@ -20,10 +20,11 @@ constexpr double base_tolerance_m = 0.25, base_square_m = 2.0;  // times 2^level
 constexpr int first_level_of_squares = 2, first_level_without_trees = 4;
 constexpr std::size_t lump_vertices = 10;
 
-/// Not joined: paint, verges, rails, railways and tunnels do not show from afar, buildings are made anew.
+/// Not joined: paint, verges, rails, railways, objects and tunnels do not show from afar, buildings are made anew.
 bool is_left_out(MeshKind kind) {
   return kind == MeshKind::verge || kind == MeshKind::marking || kind == MeshKind::rails || kind == MeshKind::track ||
-         kind == MeshKind::building || kind == MeshKind::tunnel || kind == MeshKind::tunnel_road;
+         kind == MeshKind::building || kind == MeshKind::object || kind == MeshKind::tunnel ||
+         kind == MeshKind::tunnel_road;
 }
 
 /// Openings for tunnels become ground again. Returns the height of the highest face of their walls and portals, which

@@ -24,6 +24,7 @@ class FreeSpace {
   /// lie higher than `below_z_m` where they are nearest do not count.
   [[nodiscard]] double around(Vec2 p, double radius_m,
                               double below_z_m = std::numeric_limits<double>::infinity()) const;
+  [[nodiscard]] bool is_in_area(Vec2 p) const { return obstacles_.area.contains(p); }
 
  private:
   Obstacles obstacles_;

@@ -270,7 +270,11 @@ SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_opti
 }
 
 void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space) {
-  barriers = by_tile(barrier_faces(surroundings.barriers, space, *ground));
+  ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground});
+  std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
+  std::ranges::move(standing.large, std::back_inserter(lasting));
+  barriers = by_tile(std::move(lasting));
+  objects = by_tile(std::move(standing.small));
   tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);

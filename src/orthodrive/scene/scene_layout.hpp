@@ -12,6 +12,7 @@
 #include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/line_objects.hpp"
+#include "orthodrive/scene/map_objects.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_joints.hpp"
 #include "orthodrive/scene/road_level.hpp"
@@ -70,7 +71,8 @@ class SceneLayout {
   std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
   std::vector<scene::PlacedTree> trees;
   std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
-  std::map<TileAddress, std::vector<scene::StructureFace>> structures, tubes, barriers, tracks;  ///< by their middles
+  std::map<TileAddress, std::vector<scene::StructureFace>> structures, tubes, barriers, tracks,
+      objects;  ///< by their middles
   scene::Waters waters;
   std::vector<scene::PlacedLamp> lamps;
   std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
