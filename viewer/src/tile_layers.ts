@@ -157,7 +157,7 @@ export class TileLayers {
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
       if (['tree', 'lamp'].includes(kindOf(mesh))) mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
-      mesh.castShadow = stands(mesh);
+      mesh.castShadow = stands(mesh) || mesh.name.startsWith('road_tube'); // no sun in tunnels
       mesh.receiveShadow = true;
       const own = mesh.material as MeshStandardMaterial;
       this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});

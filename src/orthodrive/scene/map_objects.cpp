@@ -45,6 +45,17 @@ class Bodies {
   void pole(double radius_m, double top_m, const LinearColor& color) {
     box({-radius_m, radius_m}, {-radius_m, radius_m}, {-foot_m, top_m}, color);
   }
+  /// A bar with a square level section.
+  void strut(const Vec3& from, const Vec3& to, double half_m, const LinearColor& color) {
+    if (from.z > to.z) return strut(to, from, half_m, color);
+    constexpr std::array<Vec2, 4> square = {Vec2{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec2 a = square[i] * half_m, b = square[(i + 1) % 4] * half_m;
+      face({at(Vec2{from.x, from.y} + a, from.z), at(Vec2{from.x, from.y} + b, from.z), at(Vec2{to.x, to.y} + b, to.z),
+            at(Vec2{to.x, to.y} + a, to.z)},
+           color);
+    }
+  }
   /// A cone's part of eight sides, closed above.
   void cone(double low_radius_m, double high_radius_m, Extent z, const LinearColor& color) {
     constexpr int sides = 8;
@@ -175,23 +186,26 @@ void draw_bus_stop(bool has_shelter, Bodies& bodies) {
 }
 
 void draw_tower(double height_m, Bodies& bodies) {
-  constexpr double low_m = 1.6, high_m = 0.35, leg_m = 0.12;
-  // Four legs as a tapering frame, and three arms across the line.
-  for (const double x : {-1.0, 1.0})
-    for (const double y : {-1.0, 1.0}) {
-      for (int k = 0; k < 4; ++k) {
-        const auto radius = [&](double share) { return low_m + (high_m - low_m) * share; };
-        const double a = k / 4.0, middle = radius(a + 0.125);
-        bodies.box({x * middle - leg_m, x * middle + leg_m}, {y * middle - leg_m, y * middle + leg_m},
-                   {k == 0 ? -foot_m : a * height_m, (a + 0.25) * height_m}, steel);
-      }
+  constexpr double low_m = 1.6, high_m = 0.3, leg_m = 0.09, brace_m = 0.05, arms_m = 20.3, arm_m = 5.5;
+  constexpr int storeys = 5;
+  const auto half_at = [&](double z) { return low_m + (high_m - low_m) * z / height_m; };
+  const auto corner = [&](int k, double z) {
+    const double r = half_at(z);
+    return Vec3{k == 0 || k == 3 ? r : -r, k < 2 ? r : -r, z};
+  };
+  for (int k = 0; k < 4; ++k) {
+    bodies.strut(corner(k, -foot_m), corner(k, height_m), leg_m, steel);
+    for (int i = 0; i < storeys; ++i) {
+      const double low = height_m * i / storeys, high = height_m * (i + 1) / storeys;
+      bodies.strut(corner(k, low), corner((k + 1) % 4, high), brace_m, steel);
+      bodies.strut(corner((k + 1) % 4, low), corner(k, high), brace_m, steel);
     }
-  for (int k = 1; k < 4; ++k) {
-    const double r = low_m + (high_m - low_m) * k / 4.0 + 0.2, z = height_m * k / 4.0;
-    bodies.box({-r, r}, {-r, r}, {z - 0.1, z + 0.1}, steel);
   }
-  bodies.box({-0.2, 0.2}, {-5.5, 5.5}, {20.1, 20.5}, steel);
-  bodies.pole(high_m, height_m, steel);
+  bodies.box({-0.1, 0.1}, {-arm_m, arm_m}, {arms_m - 0.2, arms_m}, steel);
+  for (const double side : {-1.0, 1.0})  // what holds the arms
+    for (const double along : {-1.0, 1.0})
+      bodies.strut({0.0, side * arm_m, arms_m}, {along * half_at(arms_m + 1.5), side * half_at(arms_m), arms_m + 1.5},
+                   brace_m, steel);
 }
 
 void draw(const MapObject& object, Bodies& bodies) {
