@@ -55,6 +55,22 @@ TEST(Polyline, tangents_survive_repeated_points) {
   for (const Vec2 t : tangents(line)) EXPECT_NEAR(length(t), 1.0, 1e-12);
 }
 
+TEST(Polyline, a_mitre_is_as_far_out_as_both_lines) {
+  const Vec2 north{0.0, 1.0}, east{1.0, 0.0};
+  const Vec2 corner = mitre(north, east);
+  EXPECT_NEAR(dot(corner, north), 1.0, 1e-12);
+  EXPECT_NEAR(dot(corner, east), 1.0, 1e-12);
+  EXPECT_NEAR(distance(mitre(north, north), north), 0.0, 1e-12);
+}
+
+TEST(Polyline, a_mitre_is_blunt_where_a_line_turns_back) {
+  const Vec2 north{0.0, 1.0};
+  for (const double degrees : {121.0, 150.0, 180.0}) {
+    const double turn = degrees * std::numbers::pi / 180.0;
+    EXPECT_EQ(mitre(north, {std::sin(turn), std::cos(turn)}), north) << degrees;
+  }
+}
+
 TEST(Crs, utm_round_trip_and_axis_order) {
   const Crs utm = utm_crs(15.75, 50.03);
   EXPECT_EQ(utm.definition, "EPSG:32633");

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/random.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {
@@ -538,44 +539,120 @@ TEST(BuildScene, verge_lies_on_the_terrain_and_fades_away_from_the_road) {
   }
 }
 
-TEST(BuildScene, thread_count_does_not_change_a_byte) {
-  const auto hills = [](Vec2 p) { return 20.0 + 3.0 * std::sin(p.x / 41.0) * std::cos(p.y / 29.0); };
-  std::vector<RoadShape> shapes;
-  for (int i = 0; i < 12; ++i)
-    shapes.push_back({.start = {west_m + 60.0 * i, south_m + 40.0 * i},
-                      .heading_rad = 0.5 * i,
-                      .length_m = 300.0,
-                      .z_m = 20.0,
-                      .curvature_1pm = 0.002 * (i - 5),
-                      .bridge = i % 4 == 0,
-                      .tunnel = i % 4 == 2});
-  const Site site = make_site(960.0, shapes, hills);
-  const auto run = [&](int threads) {
-    std::map<TileAddress, SceneTile> tiles;
-    std::mutex mutex;
-    const SceneResult result = build_scene(site.input(),
-                                           [&](const SceneTile& tile, Vec3) {
-                                             const std::lock_guard lock(mutex);
-                                             tiles[{tile.column, tile.row}] = tile;
-                                           },
-                                           {.threads = threads});
-    EXPECT_EQ(result.tiles, 4U);
-    return tiles;
-  };
-  const auto one = run(1), three = run(3);
-  ASSERT_EQ(one.size(), three.size());
-  for (const auto& [address, tile] : one) {
-    const SceneTile& other = three.at(address);
-    ASSERT_EQ(tile.meshes.size(), other.meshes.size());
-    for (std::size_t m = 0; m < tile.meshes.size(); ++m) {
-      EXPECT_EQ(tile.meshes[m].positions, other.meshes[m].positions);
-      EXPECT_EQ(tile.meshes[m].normals, other.meshes[m].normals);
-      EXPECT_EQ(tile.meshes[m].uv, other.meshes[m].uv);
-      EXPECT_EQ(tile.meshes[m].indices, other.meshes[m].indices);
-      EXPECT_EQ(tile.meshes[m].colors, other.meshes[m].colors);
-      EXPECT_EQ(tile.meshes[m].tile_uv, other.meshes[m].tile_uv);
+/// Roads of all kinds, bridges, buildings of map and labels, trees, barriers, a railway, lamps and water on hills, all
+/// across the borders of four tiles.
+struct FullSite {
+  Site site;
+  LabelMap labels;
+  std::vector<Building> buildings;
+  std::vector<Vec2> trees;
+  MapSurroundings surroundings;
+
+  FullSite() {
+    const auto hills = [](Vec2 p) { return 20.0 + 3.0 * std::sin(p.x / 41.0) * std::cos(p.y / 29.0); };
+    std::vector<RoadShape> shapes;
+    for (int i = 0; i < 12; ++i)
+      shapes.push_back({.start = {west_m + 60.0 * i, south_m + 40.0 * i},
+                        .heading_rad = 0.5 * i,
+                        .length_m = 300.0,
+                        .z_m = 20.0,
+                        .curvature_1pm = 0.002 * (i - 5),
+                        .bridge = i % 4 == 0,
+                        .tunnel = i % 4 == 2});
+    site = make_site(960.0, shapes, hills);
+    for (int row = 95; row < 103; ++row)  // holes of the terrain, at the corner of the tiles
+      for (int col = 90; col < 110; ++col) site.terrain.height_m.at(col, row) = std::nanf("");
+    for (std::size_t i = 0; i < site.photo.rgb.data.size(); ++i)
+      site.photo.rgb.data[i] = static_cast<std::uint8_t>(splitmix64(i) % 200);
+    labels = {{}, site.photo.frame, Raster<std::uint8_t>(960, 960), {}};
+    labels.classes.classes = {{.name = "grass", .role = Role::other},
+                              {.name = "tree", .role = Role::vegetation},
+                              {.name = "building", .role = Role::building}};
+    for (int row = 0; row < 960; ++row)
+      for (int col = 0; col < 960; ++col)
+        labels.labels.at(col, row) = (col / 30 + row / 50) % 4 == 0 ? 1 : (col % 120 < 25 && row % 110 < 35 ? 2 : 0);
+    for (int i = 0; i < 40; ++i)
+      buildings.push_back({.footprint = {square(west_m + 24.0 * i, south_m + 471.0 - 3.0 * i, 15.0), {}}});
+    for (int i = 0; i < 60; ++i) trees.push_back({west_m + 16.0 * i, south_m + 700.0 - 8.0 * i});
+    surroundings.barriers = {{BarrierKind::hedge, {{west_m + 20.0, south_m + 900.0}, {west_m + 900.0, south_m + 30.0}}},
+                             {BarrierKind::wall, {{west_m + 30.0, south_m + 20.0}, {west_m + 940.0, south_m + 800.0}}}};
+    surroundings.tracks = {{{west_m + 5.0, south_m + 530.0}, {west_m + 955.0, south_m + 610.0}}};
+    surroundings.water = {{square(west_m + 400.0, south_m + 420.0, 130.0), {}}};
+    for (int i = 0; i < 30; ++i) surroundings.lamps.push_back({west_m + 32.0 * i, south_m + 485.0 + i});
+    for (int i = 0; i < 240; ++i)
+      surroundings.objects.push_back({static_cast<ObjectKind>(i % 24), {west_m + 4.0 * i, south_m + 475.0 + i % 11}});
+    surroundings.power_lines = {{{{west_m + 30.0, south_m + 50.0}, {west_m + 930.0, south_m + 880.0}}},
+                                {{{west_m + 300.0, south_m + 900.0}, {west_m + 470.0, south_m + 470.0}}, true}};
+  }
+  [[nodiscard]] SceneInput input() const {
+    SceneInput input = site.input();
+    input.labels = &labels, input.buildings = buildings, input.trees = trees, input.surroundings = &surroundings;
+    return input;
+  }
+};
+
+std::map<TileAddress, SceneTile> build_all(const FullSite& site, const SceneOptions& options, SceneResult& result) {
+  std::map<TileAddress, SceneTile> tiles;
+  std::mutex mutex;
+  result = build_scene(
+      source_of(site.input()),
+      [&](const SceneTile& tile, Vec3) {
+        const std::lock_guard lock(mutex);
+        if (tile.level == 0) tiles[{tile.column, tile.row}] = tile;
+      },
+      options);
+  return tiles;
+}
+
+void expect_same(const TriMesh& mesh, const TriMesh& other) {
+  EXPECT_EQ(mesh.kind, other.kind);
+  EXPECT_EQ(mesh.positions.size(), other.positions.size()) << to_string(mesh.kind);
+  for (std::size_t i = 0, n = 0; i < std::min(mesh.positions.size(), other.positions.size()) && n < 4; ++i)
+    if (mesh.positions[i] != other.positions[i]) {
+      ++n;
+      ADD_FAILURE() << to_string(mesh.kind) << i << " " << testing::PrintToString(mesh.positions[i])
+                    << testing::PrintToString(other.positions[i]);
     }
-    EXPECT_EQ(tile.texture_rgb.data, other.texture_rgb.data);
+  EXPECT_EQ(mesh.normals, other.normals) << to_string(mesh.kind);
+  EXPECT_EQ(mesh.uv, other.uv) << to_string(mesh.kind);
+  EXPECT_EQ(mesh.indices, other.indices) << to_string(mesh.kind);
+  EXPECT_EQ(mesh.colors, other.colors) << to_string(mesh.kind);
+  EXPECT_EQ(mesh.tile_uv, other.tile_uv) << to_string(mesh.kind);
+}
+
+TEST(BuildScene, neither_threads_nor_blocks_change_a_byte) {
+  const FullSite site;
+  SceneResult first;
+  const auto one = build_all(site, {.block_tiles = 4, .threads = 1}, first);
+  EXPECT_EQ(first.tiles, 4U);
+  EXPECT_GT(first.buildings, 40U);
+  EXPECT_GT(first.trees, 300U);
+  for (const SceneOptions& options :
+       {SceneOptions{.block_tiles = 4, .threads = 3}, SceneOptions{.block_tiles = 1, .threads = 1},
+        SceneOptions{.block_tiles = 1, .threads = 3}}) {
+    SCOPED_TRACE(std::to_string(options.block_tiles) + " tiles, threads " + std::to_string(options.threads));
+    SceneResult result;
+    const auto others = build_all(site, options, result);
+    EXPECT_EQ(result.buildings, first.buildings);
+    EXPECT_EQ(result.trees, first.trees);
+    EXPECT_EQ(result.road_triangles, first.road_triangles);
+    EXPECT_EQ(result.findings.size(), first.findings.size());
+    ASSERT_EQ(one.size(), others.size());
+    for (const auto& [address, tile] : one) {
+      SCOPED_TRACE(std::to_string(address.column) + " " + std::to_string(address.row));
+      const SceneTile& other = others.at(address);
+      ASSERT_EQ(tile.meshes.size(), other.meshes.size());
+      for (std::size_t m = 0; m < tile.meshes.size(); ++m) expect_same(tile.meshes[m], other.meshes[m]);
+      ASSERT_EQ(tile.instanced.size(), other.instanced.size());
+      for (std::size_t m = 0; m < tile.instanced.size(); ++m) {
+        expect_same(tile.instanced[m].mesh, other.instanced[m].mesh);
+        ASSERT_EQ(tile.instanced[m].instances.size(), other.instanced[m].instances.size());
+        for (std::size_t k = 0; k < tile.instanced[m].instances.size(); ++k)
+          EXPECT_EQ(tile.instanced[m].instances[k].position, other.instanced[m].instances[k].position);
+      }
+      EXPECT_EQ(tile.texture_rgb.data, other.texture_rgb.data);
+      EXPECT_EQ(tile.labels.data, other.labels.data);
+    }
   }
 }
 

@@ -30,7 +30,7 @@ Tiles build(const SceneInput& input, int threads, SceneResult* result = nullptr)
   Tiles tiles;
   std::mutex mutex;
   const SceneResult built =
-      build_scene(input,
+      build_scene(source_of(input),
                   [&](const SceneTile& tile, Vec3) {
                     const std::lock_guard lock(mutex);
                     EXPECT_TRUE(tiles.emplace(Key{tile.level, tile.column, tile.row}, tile).second);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/core/parallel.hpp"
 
 namespace orthodrive::baselines {
@@ -197,21 +198,14 @@ void sweep_chain(const MrfProblem& problem, const MrfChain& chain, int sweep, st
 
 /// Chains that conflicts tie together, each group with its highest ranked chain first.
 std::vector<std::vector<std::size_t>> group_chains(const MrfProblem& problem) {
-  std::vector<std::size_t> chain_of(problem.sites.size()), group(problem.chains.size());
+  std::vector<std::size_t> chain_of(problem.sites.size());
+  DisjointSets tied(problem.chains.size());
   for (std::size_t c = 0; c < problem.chains.size(); ++c)
     for (std::size_t i = problem.chains[c].first; i < problem.chains[c].last; ++i) chain_of[i] = c;
-  std::iota(group.begin(), group.end(), std::size_t{0});
-  const auto root = [&](std::size_t c) {
-    while (group[c] != c) c = group[c] = group[group[c]];
-    return c;
-  };
   for (std::size_t i = 0; i < problem.sites.size(); ++i)
-    for (const std::size_t j : problem.conflicts[i]) {
-      const std::size_t a = root(chain_of[i]), b = root(chain_of[j]);
-      group[std::max(a, b)] = std::min(a, b);
-    }
+    for (const std::size_t j : problem.conflicts[i]) tied.join(chain_of[i], chain_of[j]);
   std::vector<std::vector<std::size_t>> groups(problem.chains.size());
-  for (std::size_t c = 0; c < problem.chains.size(); ++c) groups[root(c)].push_back(c);
+  for (std::size_t c = 0; c < problem.chains.size(); ++c) groups[tied.find(c)].push_back(c);
   std::erase_if(groups, [](const auto& g) { return g.empty(); });
   for (auto& g : groups)
     std::stable_sort(g.begin(), g.end(),

@@ -14,8 +14,10 @@ std::uint64_t peak_memory_bytes() {
   return 0;
 }
 
+void release_free_memory() { malloc_trim(0); }
+
 void reset_peak_memory() {
-  malloc_trim(0);  // what the stage before freed is given back, or it would count for the next
+  release_free_memory();  // or what the stage before freed would count for the next
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 

@@ -10,4 +10,7 @@ namespace orthodrive {
 /// Starts a new peak at the present resident size (Linux clear_refs 5; no effect where not permitted).
 void reset_peak_memory();
 
+/// Gives memory that is free back to the system: worker threads leave it in their pools (glibc; no effect elsewhere).
+void release_free_memory();
+
 }  // namespace orthodrive

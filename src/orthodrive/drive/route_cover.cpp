@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
+#include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/drive/road_graph.hpp"
 
 namespace orthodrive {
@@ -16,29 +16,19 @@ constexpr double route_m = 3000.0;  // a route ends with the road that makes it 
 constexpr double most_detour_m = 1500.0;
 constexpr double straight_m = 12.0;  // a route begins and ends with at least so much road outside junctions
 
-/// Which part of the graph every node belongs to, as the lowest node of that part (union-find).
+/// Which part of the graph every node belongs to, as the lowest node of that part.
 Nodes parts_of(const RoadGraph& graph) {
-  Nodes root(static_cast<std::size_t>(graph.node_count()));
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int n) {
-    while (root[static_cast<std::size_t>(n)] != n) {
-      int& up = root[static_cast<std::size_t>(n)];
-      up = root[static_cast<std::size_t>(up)];
-      n = up;
-    }
-    return n;
-  };
-  const auto join = [&](int a, int b) {
-    a = find(a), b = find(b);
-    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  };
+  DisjointSets parts(static_cast<std::size_t>(graph.node_count()));
+  const auto join = [&](int a, int b) { parts.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b)); };
   for (int n = 0; n < graph.node_count(); ++n) {
     if (!graph.is_open(n)) continue;
     if (graph.is_open(n ^ 1)) join(n, n ^ 1);
     for (const int next : graph.next(n)) join(n, next);
   }
-  for (int n = 0; n < graph.node_count(); ++n) root[static_cast<std::size_t>(n)] = find(n);
-  return root;
+  Nodes part_of;
+  for (int n = 0; n < graph.node_count(); ++n)
+    part_of.push_back(static_cast<int>(parts.find(static_cast<std::size_t>(n))));
+  return part_of;
 }
 
 /// Nodes of the part with the most metres of lane.

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+
+#include "orthodrive/core/disjoint_sets.hpp"
 
 namespace orthodrive::elevate {
 namespace {
@@ -99,24 +100,17 @@ std::vector<NetworkProfiles::Knot> NetworkProfiles::knots_of(const ProfileChain&
 
 void NetworkProfiles::find_grounded_chains() {
   const std::size_t n = chains_.chains.size();
-  std::vector<std::size_t> leader(n);
-  std::iota(leader.begin(), leader.end(), std::size_t{0});
-  const auto find = [&](std::size_t i) {
-    while (leader[i] != i) i = leader[i] = leader[leader[i]];
-    return i;
-  };
+  DisjointSets met(n);
   for (const PathJunction& junction : junctions_)
     for (const JunctionArm& arm : junction.arms) {
       const JunctionArm& first = junction.arms.front();
-      const std::size_t a = find(chains_.of_node[arm.path][arm.node].chain),
-                        b = find(chains_.of_node[first.path][first.node].chain);
-      leader[std::max(a, b)] = std::min(a, b);
+      met.join(chains_.of_node[arm.path][arm.node].chain, chains_.of_node[first.path][first.node].chain);
     }
   std::vector<bool> grounded(n, false);
   for (std::size_t c = 0; c < n; ++c)
     for (const ChainPlace& place : chains_.chains[c].places)
-      if (terrain_.of_node[place.path][place.node].is_road) grounded[find(c)] = true;
-  for (std::size_t c = 0; c < n; ++c) chain_is_grounded_.push_back(grounded[find(c)]);
+      if (terrain_.of_node[place.path][place.node].is_road) grounded[met.find(c)] = true;
+  for (std::size_t c = 0; c < n; ++c) chain_is_grounded_.push_back(grounded[met.find(c)]);
 }
 
 /// Errors of a terrain model are alike within a pixel: what share of an independent observation a node is.

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <tuple>
 #include <vector>
 
+#include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/evaluate/grade_separations.hpp"
 #include "orthodrive/evaluate/lane_links.hpp"
 #include "orthodrive/evaluate/road_ends.hpp"
@@ -165,14 +165,9 @@ void measure_joints(const RoadMap& map, const RoadsById& by_id, NetworkScores& s
 }
 
 double connected_share(const RoadMap& map, const RoadsById& by_id) {
-  std::vector<std::size_t> parent(map.roads.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets connected(map.roads.size());
   const auto join = [&](std::size_t a, std::optional<std::size_t> b) {
-    if (b) parent[root(a)] = root(*b);
+    if (b) connected.join(a, *b);
   };
   for (std::size_t i = 0; i < map.roads.size(); ++i)
     for (const roadquery::RoadLink* link : {&map.roads[i].predecessor, &map.roads[i].successor})
@@ -184,7 +179,7 @@ double connected_share(const RoadMap& map, const RoadsById& by_id) {
   std::vector<double> length_m(map.roads.size());
   double total_m = 0.0;
   for (std::size_t i = 0; i < map.roads.size(); ++i) {
-    length_m[root(i)] += map.roads[i].length;
+    length_m[connected.find(i)] += map.roads[i].length;
     total_m += map.roads[i].length;
   }
   return total_m > 0.0 ? *std::max_element(length_m.begin(), length_m.end()) / total_m : nan;

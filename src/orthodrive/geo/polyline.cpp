@@ -34,6 +34,12 @@ std::vector<Vec2> tangents(std::span<const Vec2> line) {
   return result;
 }
 
+Vec2 mitre(Vec2 normal_before, Vec2 normal_behind) {
+  const Vec2 sum = normal_before + normal_behind;
+  const double square = dot(sum, sum);
+  return square > 1.0 ? sum * (2.0 / square) : normal_before;
+}
+
 Vec2 point_at(std::span<const Vec2> line, double s_m) {
   assert(!line.empty());
   double s = 0.0;

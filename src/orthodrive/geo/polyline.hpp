@@ -17,6 +17,9 @@ using Polyline = std::vector<Vec2>;
 /// Unit tangents at the points: the direction of the bisector inside, of the only segment at the ends.
 /// Repeated points get the tangent of their neighbourhood.
 [[nodiscard]] std::vector<Vec2> tangents(std::span<const Vec2> line);
+/// Where two lines side by side at distance 1 from theirs meet, for the unit normals of both: their mitre. The first
+/// normal where that would be further out than twice the distance.
+[[nodiscard]] Vec2 mitre(Vec2 normal_before, Vec2 normal_behind);
 /// Point at distance s along the line, clamped to its ends. The line needs at least one point.
 [[nodiscard]] Vec2 point_at(std::span<const Vec2> line, double s_m);
 

@@ -43,13 +43,21 @@ struct GridFrame {
   double west_m = 0.0, north_m = 0.0;  ///< outer north-west corner, site CRS
   double gsd_m = 1.0;                  ///< ground sampling distance: edge of a pixel
   int width = 0, height = 0;
+  /// Of a window: its first pixel in the whole grid, whose corner west_m and north_m stay. A place then has the same
+  /// pixel in every window, to the last bit.
+  int first_col = 0, first_row = 0;
 
   [[nodiscard]] Vec2 world_from_pixel(double col, double row) const {
-    return {west_m + col * gsd_m, north_m - row * gsd_m};
+    return {west_m + (col + first_col) * gsd_m, north_m - (row + first_row) * gsd_m};
   }
-  [[nodiscard]] Vec2 pixel_from_world(Vec2 p) const { return {(p.x - west_m) / gsd_m, (north_m - p.y) / gsd_m}; }
+  [[nodiscard]] Vec2 pixel_from_world(Vec2 p) const {
+    return {(p.x - west_m) / gsd_m - first_col, (north_m - p.y) / gsd_m - first_row};
+  }
   [[nodiscard]] Vec2 center_of(int col, int row) const { return world_from_pixel(col + 0.5, row + 0.5); }
-  [[nodiscard]] Box2 bounds() const { return {west_m, north_m - height * gsd_m, west_m + width * gsd_m, north_m}; }
+  [[nodiscard]] Box2 bounds() const {
+    const Vec2 north_west = world_from_pixel(0, 0), south_east = world_from_pixel(width, height);
+    return {north_west.x, south_east.y, south_east.x, north_west.y};
+  }
   friend bool operator==(const GridFrame&, const GridFrame&) = default;
 };
 

@@ -174,28 +174,25 @@ int GlbFile::add_positions(const std::vector<std::array<float, 3>>& values, int 
   return accessor;
 }
 
+template <typename Word>
+GlbFile::Place GlbFile::add_octahedral(const std::vector<std::array<float, 4>>& values, int bits) {
+  constexpr std::size_t stride = 4 * sizeof(Word);
+  std::vector<std::array<Word, 4>> words(values.size());
+  meshopt_encodeFilterOct(words.data(), values.size(), stride, bits, values.empty() ? nullptr : values.front().data());
+  use_extension("KHR_mesh_quantization", true);
+  return add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"});
+}
+
 int GlbFile::add_directions(const std::vector<std::array<float, 3>>& values) {
   if (!compressed_) return add_numbers(values, 0);
   std::vector<std::array<float, 4>> padded;
   for (const auto& v : values) padded.push_back({v[0], v[1], v[2], 0.0F});
-  constexpr std::size_t stride = 4 * sizeof(std::int16_t);
-  std::vector<std::array<std::int16_t, 4>> words(values.size());
-  meshopt_encodeFilterOct(words.data(), values.size(), stride, direction_bits,
-                          padded.empty() ? nullptr : padded.front().data());
-  use_extension("KHR_mesh_quantization", true);
-  return add_accessor(add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"}),
-                      values.size(), short_type, "VEC3", true);
+  return add_accessor(add_octahedral<std::int16_t>(padded, direction_bits), values.size(), short_type, "VEC3", true);
 }
 
 int GlbFile::add_tangents(const std::vector<std::array<float, 4>>& values) {
   if (!compressed_) return add_numbers(values, 0);
-  constexpr std::size_t stride = 4 * sizeof(std::int8_t);
-  std::vector<std::array<std::int8_t, 4>> words(values.size());
-  meshopt_encodeFilterOct(words.data(), values.size(), stride, tangent_bits,
-                          values.empty() ? nullptr : values.front().data());
-  use_extension("KHR_mesh_quantization", true);
-  return add_accessor(add_block(words.data(), values.size() * stride, {stride, array_buffer, "OCTAHEDRAL"}),
-                      values.size(), byte_type, "VEC4", true);
+  return add_accessor(add_octahedral<std::int8_t>(values, tangent_bits), values.size(), byte_type, "VEC4", true);
 }
 
 int GlbFile::add_shares(const std::vector<std::array<float, 2>>& values) {

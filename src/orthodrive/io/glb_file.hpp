@@ -72,6 +72,9 @@ class GlbFile {
     std::size_t offset = 0;
   };
   int add_floats(std::span<const float> values, std::size_t width, int exponent);
+  /// Unit vectors as points of an octahedron, in four numbers of so many bits.
+  template <typename Word>
+  Place add_octahedral(const std::vector<std::array<float, 4>>& values, int bits);
   Place add_block(const void* bytes, std::size_t size, const Layout& layout);
   int add_accessor(Place at, std::size_t count, int component_type, std::string_view type, bool normalized = false);
   void write_view(const View& view);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
-#include "orthodrive/model/photo_source.hpp"
+#include "orthodrive/model/raster_source.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/site_frame.hpp"
 
@@ -67,6 +67,9 @@ void write_labels(const std::filesystem::path& path, const LabelMap& labels);
 /// `fallback` is the class table of files of others, which have none in their metadata. Throws InputError when there is
 /// neither, and when a label is not in the table.
 [[nodiscard]] LabelMap read_labels(const std::filesystem::path& path, const std::optional<ClassTable>& fallback = {});
+/// The same window by window; what a window shows is checked when it is read.
+[[nodiscard]] LabelSource open_labels(const std::filesystem::path& path,
+                                      const std::optional<ClassTable>& fallback = {});
 void write_confidence(const std::filesystem::path& path, const ConfidenceMap& confidence);
 /// As write_confidence makes it: one band of 8 bit, north-up in a metric CRS.
 [[nodiscard]] ConfidenceMap read_confidence(const std::filesystem::path& path);

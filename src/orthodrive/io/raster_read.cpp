@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -252,11 +254,11 @@ GDALRasterBand& byte_band(const fs::path& path, GDALDataset& dataset, const char
   return band;
 }
 
-Raster<std::uint8_t> read_bytes(const fs::path& path, GDALRasterBand& band) {
-  Raster<std::uint8_t> raster(band.GetXSize(), band.GetYSize());
+Raster<std::uint8_t> read_bytes(const fs::path& path, GDALRasterBand& band, const PixelBox& box) {
+  Raster<std::uint8_t> raster(box.width, box.height);
   GdalErrors errors;
-  if (band.RasterIO(GF_Read, 0, 0, raster.width, raster.height, raster.data.data(), raster.width, raster.height,
-                    GDT_Byte, 0, 0, nullptr) != CE_None)
+  if (band.RasterIO(GF_Read, static_cast<int>(box.col), static_cast<int>(box.row), raster.width, raster.height,
+                    raster.data.data(), raster.width, raster.height, GDT_Byte, 0, 0, nullptr) != CE_None)
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   return raster;
 }
@@ -267,29 +269,44 @@ ConfidenceMap read_confidence(const fs::path& path) {
   ConfidenceMap map{.frame = north_up_frame(path, *source)};
   require_complete(path, *source);
   map.crs = crs_of(*source->GetSpatialRef());
-  map.confidence = read_bytes(path, byte_band(path, *source, "confidence raster"));
+  map.confidence = read_bytes(path, byte_band(path, *source, "confidence raster"), pixels_of(map.frame));
   return map;
 }
 
-LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& fallback) {
-  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
-  LabelMap map{.frame = north_up_frame(path, *source)};
-  require_complete(path, *source);
-  map.crs = crs_of(*source->GetSpatialRef());
-  GDALRasterBand& band = byte_band(path, *source, "label map");
-  const char* stored = source->GetMetadataItem("ORTHODRIVE_CLASSES");
+LabelSource open_labels(const fs::path& path, const std::optional<ClassTable>& fallback) {
+  struct File {
+    DatasetPtr dataset;
+    std::mutex mutex;  // a dataset is for one thread at a time
+  };
+  const auto file = std::make_shared<File>();
+  file->dataset = open_dataset(path, GDAL_OF_RASTER);
+  GDALDataset& dataset = *file->dataset;
+  LabelSource source{.frame = north_up_frame(path, dataset)};
+  require_complete(path, dataset);
+  source.crs = crs_of(*dataset.GetSpatialRef());
+  GDALRasterBand& band = byte_band(path, dataset, "label map");
+  const char* stored = dataset.GetMetadataItem("ORTHODRIVE_CLASSES");
   if (!stored && !fallback)
     throw InputError(path.string(),
                      "has no class table (metadata item ORTHODRIVE_CLASSES); is it a label map of orthodrive?");
-  map.classes = stored ? class_table_from_json(stored) : *fallback;
-  map.labels = read_bytes(path, band);
-  for (const std::uint8_t label : map.labels.data)
-    if (label != label_nodata && label >= map.classes.classes.size())
-      throw InputError(path.string(),
-                       fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
-                                   "model that made it",
-                                   label, map.classes.name, map.classes.classes.size()));
-  return map;
+  source.classes = stored ? class_table_from_json(stored) : *fallback;
+  source.read = [path, file, &band, classes = source.classes](const PixelBox& box) {
+    const std::lock_guard lock(file->mutex);
+    Raster<std::uint8_t> labels = read_bytes(path, band, box);
+    for (const std::uint8_t label : labels.data)
+      if (label != label_nodata && label >= classes.classes.size())
+        throw InputError(path.string(),
+                         fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
+                                     "model that made it",
+                                     label, classes.name, classes.classes.size()));
+    return labels;
+  };
+  return source;
+}
+
+LabelMap read_labels(const fs::path& path, const std::optional<ClassTable>& fallback) {
+  LabelSource source = open_labels(path, fallback);
+  return {source.crs, source.frame, source.read(pixels_of(source.frame)), std::move(source.classes)};
 }
 
 }  // namespace orthodrive::io

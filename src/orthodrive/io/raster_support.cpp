@@ -132,7 +132,8 @@ DatasetPtr memory_dataset(int width, int height) {
 void place(GDALDataset& dataset, const GridFrame& frame, const Crs& crs) {
   const OGRSpatialReference reference = spatial_reference(crs);
   dataset.SetSpatialRef(&reference);
-  double c[6] = {frame.west_m, frame.gsd_m, 0.0, frame.north_m, 0.0, -frame.gsd_m};
+  const Vec2 corner = frame.world_from_pixel(0, 0);
+  double c[6] = {corner.x, frame.gsd_m, 0.0, corner.y, 0.0, -frame.gsd_m};
   dataset.SetGeoTransform(c);
 }
 

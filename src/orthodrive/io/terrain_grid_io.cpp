@@ -13,7 +13,7 @@ namespace orthodrive::io {
 void write_terrain_grid(const std::filesystem::path& path, const HeightGrid& grid) {
   const GridFrame& f = grid.frame;
   std::string text = fmt::format("ncols {}\nnrows {}\nxllcorner {}\nyllcorner {}\ncellsize {}\nNODATA_value -9999\n",
-                                 f.width, f.height, f.west_m, f.north_m - f.height * f.gsd_m, f.gsd_m);
+                                 f.width, f.height, f.bounds().min_x, f.bounds().min_y, f.gsd_m);
   auto out = std::back_inserter(text);
   for (int row = 0; row < f.height; ++row)
     for (int col = 0; col < f.width; ++col) {

@@ -55,22 +55,31 @@ double sample_height(const HeightGrid& grid, Vec2 p, HeightSampling sampling) {
   return sampling == HeightSampling::cubic ? sample_cubic(grid, p) : sample_bilinear(grid, p);
 }
 
-HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box) {
+HeightSource merged_source(const std::vector<HeightGrid>& best_first, const Box2& box) {
   assert(!best_first.empty());
-  if (best_first.size() == 1) return best_first.front();
+  if (best_first.size() == 1) return source_of(best_first.front());
   double gsd_m = best_first.front().frame.gsd_m;
   for (const HeightGrid& grid : best_first) gsd_m = std::min(gsd_m, grid.frame.gsd_m);
-  HeightGrid merged{best_first.front().crs, covering_grid(box, gsd_m), {}, best_first.front().vertical_datum};
-  merged.height_m = Raster<float>(merged.frame.width, merged.frame.height, 1, std::numeric_limits<float>::quiet_NaN());
-  for (int row = 0; row < merged.frame.height; ++row)
-    for (int col = 0; col < merged.frame.width; ++col) {
-      float& height = merged.height_m.at(col, row);
-      for (const HeightGrid& grid : best_first) {
-        if (!std::isnan(height)) break;
-        height = static_cast<float>(sample_cubic(grid, merged.frame.center_of(col, row)));
-      }
-    }
-  return merged;
+  const GridFrame frame = covering_grid(box, gsd_m);
+  return {best_first.front().crs, frame, [&best_first, frame](const PixelBox& pixels) {
+            Raster<float> merged(pixels.width, pixels.height, 1, std::numeric_limits<float>::quiet_NaN());
+            for (int row = 0; row < merged.height; ++row)
+              for (int col = 0; col < merged.width; ++col) {
+                float& height = merged.at(col, row);
+                const Vec2 p = frame.center_of(static_cast<int>(pixels.col) + col, static_cast<int>(pixels.row) + row);
+                for (const HeightGrid& grid : best_first) {
+                  if (!std::isnan(height)) break;
+                  height = static_cast<float>(sample_cubic(grid, p));
+                }
+              }
+            return merged;
+          }};
+}
+
+HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box) {
+  if (best_first.size() == 1) return best_first.front();
+  const HeightSource source = merged_source(best_first, box);
+  return {source.crs, source.frame, source.read(pixels_of(source.frame)), best_first.front().vertical_datum};
 }
 
 }  // namespace orthodrive

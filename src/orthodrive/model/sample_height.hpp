@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/raster_source.hpp"
 
 namespace orthodrive {
 
@@ -20,5 +20,7 @@ enum class HeightSampling { bilinear, cubic };
 /// height there (cubic), NaN where none has. A single grid is returned as it is. All share one CRS; at least one is
 /// given.
 [[nodiscard]] HeightGrid merge_heights(const std::vector<HeightGrid>& best_first, const Box2& box);
+/// The same window by window. The grids must outlive the source.
+[[nodiscard]] HeightSource merged_source(const std::vector<HeightGrid>& best_first, const Box2& box);
 
 }  // namespace orthodrive

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
+#include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "roadquery/blend.hpp"
@@ -165,16 +165,7 @@ JunctionRoads roads_of(const RoadMap& map, const JunctionMembers& members) {
 std::vector<std::vector<std::size_t>> junctions_on_one_ground(const RoadMap& map,
                                                               const std::vector<JunctionMembers>& members,
                                                               const std::vector<JunctionGround>& grounds) {
-  std::vector<std::size_t> first(members.size());
-  std::iota(first.begin(), first.end(), std::size_t{0});
-  const auto find = [&](std::size_t j) {
-    while (first[j] != j) j = first[j];
-    return j;
-  };
-  const auto join = [&](std::size_t a, std::size_t b) {
-    a = find(a), b = find(b);
-    first[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets together(members.size());
   std::map<std::size_t, std::size_t> junction_of_inner;
   std::vector<Ground> of_junction(members.size());
   std::vector<Box2> boxes;
@@ -184,17 +175,17 @@ std::vector<std::vector<std::size_t>> junctions_on_one_ground(const RoadMap& map
     of_junction[j] = ground_of(map, members[j], grounds[j]);
     boxes.push_back(of_junction[j].box), with_area.push_back(j);
     for (const std::size_t road : members[j].inner)
-      if (const auto [other, is_new] = junction_of_inner.emplace(road, j); !is_new) join(other->second, j);
+      if (const auto [other, is_new] = junction_of_inner.emplace(road, j); !is_new) together.join(other->second, j);
   }
   const SpatialIndex index(boxes);
   for (std::size_t k = 0; k < with_area.size(); ++k)
     for (const std::size_t near : index.touching(boxes[k])) {
       const std::size_t a = with_area[k], b = with_area[near];
-      if (a >= b || find(a) == find(b)) continue;
-      if (overlap(of_junction[a], of_junction[b]) || overlap(of_junction[b], of_junction[a])) join(a, b);
+      if (a >= b || together.find(a) == together.find(b)) continue;
+      if (overlap(of_junction[a], of_junction[b]) || overlap(of_junction[b], of_junction[a])) together.join(a, b);
     }
   std::map<std::size_t, std::vector<std::size_t>> groups;
-  for (const std::size_t j : with_area) groups[find(j)].push_back(j);
+  for (const std::size_t j : with_area) groups[together.find(j)].push_back(j);
   std::vector<std::vector<std::size_t>> result;
   for (auto& [_, group] : groups) result.push_back(std::move(group));
   return result;

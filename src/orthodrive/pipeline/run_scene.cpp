@@ -17,9 +17,9 @@
 #include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
-#include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
+#include "orthodrive/scene/terrain_windows.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -33,51 +33,76 @@ Crs site_crs(const std::string& network_file, const roadquery::RoadMap& roads, c
   return proj_string(photo_crs) == proj_string(crs) ? photo_crs : crs;
 }
 
-/// The photo with the site that it is of. Borrowed where the sources keep it.
+/// The photo with the site that it is of.
 struct PlacedPhoto {
   SiteFrame site;
-  std::optional<Photo> own;
-  const Photo* kept = nullptr;
-  [[nodiscard]] const Photo& photo() const { return kept ? *kept : *own; }
+  PhotoSource photo;
 };
 
 /// With a site on its grid. Without one the area is what the photo shows: on the photo's own grid where it lies in the
 /// CRS of the roads, warped otherwise.
-PlacedPhoto read_placed_photo(const SceneFiles& files, const roadquery::RoadMap& roads, const RunSceneOptions& options,
+PlacedPhoto open_placed_photo(const SceneFiles& files, const roadquery::RoadMap& roads, const RunSceneOptions& options,
                               StageContext& context) {
-  if (options.site)
-    return {.site = *options.site, .kept = &context.sources.photo(files.photo, *options.site, context.threads)};
+  const io::ReadPhotoOptions photo_options{.threads = context.threads};
+  if (options.site) return {*options.site, io::open_photo(files.photo, *options.site, photo_options)};
   const io::RasterInfo info = io::raster_info(files.photo);
   PlacedPhoto placed{.site = {site_crs(files.network.string(), roads, info.crs), {}}};
   if (placed.site.crs == info.crs) {
-    placed.own = io::read_photo_native(files.photo);
-    placed.site.area = photo_outline(*placed.own);
+    const auto own = std::make_shared<const Photo>(io::read_photo_native(files.photo));
+    placed.site.area = photo_outline(*own);
     if (placed.site.area.outer.empty())
       throw InputError(files.photo.string(), "has no valid pixel, give a photo that shows the roads");
+    placed.photo = source_of(*own);
+    placed.photo.read = [own, read = placed.photo.read](const PixelBox& box) { return read(box); };
     return placed;
   }
   const CoordinateTransform to_geographic(placed.site.crs, Crs{"EPSG:4326"});
   for (const Vec2 p : info.outline_lonlat.outer) placed.site.area.outer.push_back(to_geographic.source_from_target(p));
-  placed.own = io::read_photo(files.photo, placed.site, {.threads = context.threads});
+  placed.photo = io::open_photo(files.photo, placed.site, photo_options);
   return placed;
 }
 
-/// The single models are kept for other stages only where a site is built.
-HeightGrid read_merged_terrain(const SceneFiles& files, const SiteFrame& site, const RunSceneOptions& options,
-                               StageContext& context) {
-  const Box2 box = bounds_of(site.area.outer).grown(50.0);
-  return options.site ? merge_heights(context.sources.terrain(files.dtm, site).dtms, box)
-                      : merge_heights(read_terrain(files.dtm, site).dtms, box);
-}
+/// All that a scene is made of, opened or read.
+struct SceneInputs {
+  roadquery::RoadMap roads;
+  PlacedPhoto placed;
+  Terrain terrain;
+  std::optional<LabelSource> labels;
+  std::vector<Building> buildings;
+  std::vector<Vec2> trees;
+  MapSurroundings surroundings;
+  Findings findings;
 
-std::optional<LabelMap> read_tile_labels(const fs::path& file, const Crs& crs) {
-  if (file.empty()) return std::nullopt;
-  std::optional<LabelMap> labels = io::read_labels(file);
-  if (proj_string(labels->crs) != proj_string(crs))
-    throw InputError(file.string(),
-                     "is not in the CRS of the roads; write it with `orthodrive segment` from the same photo");
-  return labels;
-}
+  SceneInputs(const SceneFiles& files, const RunSceneOptions& options, StageContext& context)
+      : roads(roadquery::read_opendrive(files.network.string())),
+        placed(open_placed_photo(files, roads, options, context)) {
+    // The models are kept for other stages only where a site is built.
+    const SiteFrame& site = placed.site;
+    terrain = options.site ? context.sources.terrain(files.dtm, site) : read_terrain(files.dtm, site);
+    if (!files.labels.empty()) {
+      labels = io::open_labels(files.labels);
+      if (proj_string(labels->crs) != proj_string(site.crs))
+        throw InputError(files.labels.string(),
+                         "is not in the CRS of the roads; write it with `orthodrive segment` from the same photo");
+    }
+    buildings = io::read_buildings(files.buildings, site, &findings);
+    trees = io::read_trees(files.trees, site);
+    surroundings = io::read_surroundings(files.surroundings, site, &findings);
+  }
+  [[nodiscard]] HeightSource heights() const {
+    return merged_source(terrain.dtms, bounds_of(placed.site.area.outer).grown(50.0));
+  }
+  [[nodiscard]] SceneSource source(Polygon area) const {
+    return {.roads = roads,
+            .terrain = heights(),
+            .photo = placed.photo,
+            .area = std::move(area),
+            .labels = labels,
+            .buildings = buildings,
+            .trees = trees,
+            .surroundings = &surroundings};
+  }
+};
 
 /// The tile with most road triangles is the one to show.
 class TilePicture {
@@ -147,28 +172,22 @@ class TileFolder {
 }  // namespace
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
-  const roadquery::RoadMap roads = roadquery::read_opendrive(files.network.string());
-  const PlacedPhoto placed = read_placed_photo(files, roads, options, context);
-  const SiteFrame& site = placed.site;
-  const HeightGrid terrain = read_merged_terrain(files, site, options, context);
-  const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
-  Findings findings;
-  const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
-  const std::vector<Vec2> trees = io::read_trees(files.trees, site);
-  const MapSurroundings surroundings = io::read_surroundings(files.surroundings, site, &findings);
+  const SceneInputs inputs(files, options, context);
+  const SiteFrame& site = inputs.placed.site;
+  Findings findings = inputs.findings;
   TileFolder folder(files, options.files);
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
   const SceneResult scene = build_scene(
-      {roads, terrain, placed.photo(), site.area, labels ? &*labels : nullptr, buildings, trees, &surroundings},
-      [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); }, scene_options,
-      context.monitor);
+      inputs.source(site.area), [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); },
+      scene_options, context.monitor);
   if (folder.empty())
     throw InputError(files.photo.string(),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
   folder.finish(site.crs, context.threads, findings);
   if (!files.terrain_grid.empty()) {
-    HeightGrid filled = terrain;
+    const HeightSource heights = inputs.heights();
+    HeightGrid filled{heights.crs, heights.frame, heights.read(pixels_of(heights.frame)), {}};
     scene::fill_holes(filled.height_m);
     io::write_terrain_grid(files.terrain_grid, filled);
   }
@@ -201,35 +220,31 @@ Polygon part_of_area(const Polygon& area, const std::optional<Box2>& bounds) {
 }  // namespace
 
 StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, StageContext& context) {
-  const roadquery::RoadMap roads = roadquery::read_opendrive(files.network.string());
-  const PlacedPhoto placed = read_placed_photo(files, roads, {}, context);
-  const SiteFrame& site = placed.site;
-  const HeightGrid terrain = read_merged_terrain(files, site, {}, context);
-  const std::optional<LabelMap> labels = read_tile_labels(files.labels, site.crs);
-  Findings findings;
-  const std::vector<Building> buildings = io::read_buildings(files.buildings, site, &findings);
-  const std::vector<Vec2> trees = io::read_trees(files.trees, site);
-  const MapSurroundings surroundings = io::read_surroundings(files.surroundings, site, &findings);
+  const SceneInputs inputs(files, {}, context);
+  const SiteFrame& site = inputs.placed.site;
+  Findings findings = inputs.findings;
   SceneOptions scene_options = options.scene;
   scene_options.threads = context.threads;
-  const auto layout = lay_out_scene({roads, terrain, placed.photo(), part_of_area(site.area, options.bounds),
-                                     labels ? &*labels : nullptr, buildings, trees, &surroundings},
-                                    scene_options);
-  const auto& addresses = scene_tiles(*layout);
-  std::vector<SceneTile> tiles(addresses.size());
-  parallel_for(addresses.size(), context.threads,
-               [&](std::size_t i) { tiles[i] = build_scene_tile(*layout, addresses[i]); });
-  std::erase_if(tiles, [](const SceneTile& tile) { return tile.meshes.empty(); });
-  io::write_area_glb(options.glb, tiles, scene_origin(*layout),
+  std::mutex mutex;
+  std::vector<SceneTile> tiles;
+  Vec3 origin;
+  const auto keep = [&](const SceneTile& tile, Vec3 site_origin) {
+    if (tile.level > 0) return;
+    const std::lock_guard lock(mutex);
+    tiles.push_back(tile);
+    origin = site_origin;
+  };
+  const SceneResult scene =
+      build_scene(inputs.source(part_of_area(site.area, options.bounds)), keep, scene_options, context.monitor);
+  std::ranges::sort(tiles, {}, [](const SceneTile& tile) { return std::pair(tile.column, tile.row); });
+  io::write_area_glb(options.glb, tiles, origin,
                      [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
   std::size_t meshes = 0, copies = 0;
   for (const SceneTile& tile : tiles) {
     meshes += tile.meshes.size();
     for (const InstancedMesh& copied : tile.instanced) copies += copied.instances.size();
   }
-  const Vec3 origin = scene_origin(*layout);
-  const Findings& of_scene = scene_findings(*layout);
-  findings.insert(findings.end(), of_scene.begin(), of_scene.end());
+  findings.insert(findings.end(), scene.findings.begin(), scene.findings.end());
   return {.numbers = {{"tiles", tiles.size()}, {"meshes", meshes}, {"trees", copies}},
           .findings = std::move(findings),
           .summary = {fmt::format("{}: {} tiles with {} meshes, {} trees; origin {:.0f} {:.0f} {:.0f} of {}",

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <mutex>
 #include <unordered_map>
 
-#include "orthodrive/core/error.hpp"
+#include "orthodrive/core/memory.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
@@ -27,6 +29,7 @@ using namespace scene;
 constexpr double border_clearance_m = 1.0;  // of raster points from lines that have points of their own
 constexpr double axis_clearance_m = 0.3;    // of points on reference lines from the road's border
 constexpr double point_distance_m = 2.0;    // of terrain points from each other
+constexpr double row_distance_m = 4.0;      // of those in a row beside roads
 constexpr double axis_distance_m = 0.5;
 constexpr double marking_lift_m = 0.006;
 constexpr LinearColor deck_concrete = {0.33F, 0.32F, 0.30F}, white_paint = {0.62F, 0.62F, 0.60F};
@@ -138,20 +141,29 @@ void add_axis_points(const RoadLevel& roads, const LevelLines& lines, TileAddres
 void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoints& points) {
   const Box2 inner = tile_box(address).grown(-border_clearance_m);
   std::vector<Vec2> inside;
-  const auto add = [&](Vec2 p) {
+  const auto add = [&](Vec2 p, std::vector<Vec2>& inside) {
     if (inner.contains(p) && layout.area.contains(p) && layout.area.nearest(p).distance_m > border_clearance_m &&
         layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p) &&
         layout.openings.nearest(p).distance_m > border_clearance_m &&
         layout.waters.shore_distance_m(p) > border_clearance_m)
       inside.push_back(p);
   };
-  for (const Vec2 p : in_tile(layout.terrain_points, address)) add(p);
+  if (const auto found = layout.terrain_points.find(address); found != layout.terrain_points.end()) {
+    for (const std::vector<Vec2>& points_of_row : found->second) {
+      std::vector<Vec2> row;
+      for (const Vec2 p : points_of_row) add(p, row);
+      // By place: the borders' own order depends on where their rings begin.
+      std::ranges::sort(row, {}, [](Vec2 p) { return std::pair(p.x, p.y); });
+      std::ranges::copy(thinned(row, row_distance_m), std::back_inserter(inside));
+    }
+  }
   const double step_m = layout.options.terrain_step_m;
   for (auto r = static_cast<std::int64_t>(std::floor(inner.min_y / step_m)); r * step_m <= inner.max_y; ++r) {
     for (auto c = static_cast<std::int64_t>(std::floor(inner.min_x / step_m)); c * step_m <= inner.max_x; ++c) {
       Random random(derive_seed(static_cast<std::uint64_t>(c), static_cast<std::uint64_t>(r)));
       const double dx = random.uniform(-jitter, jitter), dy = random.uniform(-jitter, jitter);
-      add(snap_to_grid({(static_cast<double>(c) + 0.5 + dx) * step_m, (static_cast<double>(r) + 0.5 + dy) * step_m}));
+      add(snap_to_grid({(static_cast<double>(c) + 0.5 + dx) * step_m, (static_cast<double>(r) + 0.5 + dy) * step_m}),
+          inside);
     }
   }
   for (const Vec2 p : thinned(inside, point_distance_m)) points.add(p);
@@ -354,13 +366,22 @@ double plan_area_m2(const TriMesh& mesh) {
 
 }  // namespace
 
+SceneSource source_of(const SceneInput& input) {
+  SceneSource source{.roads = input.roads,
+                     .terrain = source_of(input.terrain),
+                     .photo = source_of(input.photo),
+                     .area = input.area,
+                     .buildings = input.buildings,
+                     .trees = input.trees,
+                     .surroundings = input.surroundings};
+  if (input.labels) source.labels = source_of(*input.labels);
+  return source;
+}
+
 std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input, const SceneOptions& options) {
-  if (!(options.road_tolerance_m > 0.0 && options.terrain_step_m >= 2.0 * point_distance_m && options.verge_m > 0.0 &&
-        options.deck_thickness_m > 0.0 && options.max_texture_px > 0))
-    throw OptionError(
-        "scene: tolerance, verge, deck thickness and texture size must be positive, the step at least 4 m");
-  if (input.area.outer.size() < 3) throw OptionError("scene: needs an area");
-  return std::make_shared<const SceneLayout>(input, options);
+  const SceneSource source = source_of(input);
+  const auto frame = std::make_shared<const SceneFrame>(source, options);
+  return lay_out_block(frame, SceneWindows(source, *frame), block_around(frame->tiles));
 }
 
 Polygon photo_outline(const Photo& photo) {
@@ -378,7 +399,11 @@ Polygon photo_outline(const Photo& photo) {
 
 const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout) { return layout.tiles; }
 Vec3 scene_origin(const SceneLayout& layout) { return layout.origin; }
-const Findings& scene_findings(const SceneLayout& layout) { return layout.findings; }
+Findings scene_findings(const SceneLayout& layout) {
+  Findings all = layout.frame->findings;
+  all.insert(all.end(), layout.findings.begin(), layout.findings.end());
+  return all;
+}
 
 SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   const Box2 box = tile_box(address);
@@ -466,41 +491,98 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   return tile;
 }
 
-SceneResult build_scene(const SceneInput& input, const std::function<void(const SceneTile&, Vec3)>& write,
+namespace {
+
+/// Blocks in the order of the tiles, of which each holds a row.
+struct Block {
+  TileAddress address;
+  std::span<const TileAddress> tiles;
+};
+
+std::vector<Block> blocks_of(const std::vector<TileAddress>& tiles, int block_tiles) {
+  const auto block_of = [&](TileAddress a) {
+    const auto down = [&](int v) { return static_cast<int>(std::floor(static_cast<double>(v) / block_tiles)); };
+    return TileAddress{down(a.column), down(a.row)};
+  };
+  std::vector<Block> blocks;
+  for (std::size_t first = 0, end = 0; first < tiles.size(); first = end) {
+    const TileAddress address = block_of(tiles[first]);
+    while (end < tiles.size() && block_of(tiles[end]) == address) ++end;
+    blocks.push_back({address, std::span(tiles).subspan(first, end - first)});
+  }
+  return blocks;
+}
+
+void add_tile(const SceneTile& tile, SceneResult& result) {
+  result.tiles += tile.meshes.empty() ? 0 : 1;
+  for (const TriMesh& mesh : tile.meshes) {
+    if (mesh.kind == MeshKind::terrain) result.terrain_triangles += mesh.indices.size() / 3;
+    if (mesh.kind != MeshKind::road) continue;
+    result.road_triangles += mesh.indices.size() / 3;
+    result.road_surface_m2 += plan_area_m2(mesh);
+  }
+}
+
+std::span<const PlacedBuilding* const> buildings_in(const SceneLayout& layout, TileAddress address) {
+  const auto found = layout.buildings_in.find(address);
+  return found == layout.buildings_in.end() ? std::span<const PlacedBuilding* const>{} : found->second;
+}
+
+SceneResult build_block(const SceneLayout& layout, std::span<const TileAddress> tiles, TileLevels& levels,
+                        const std::function<void()>& after_each) {
+  std::vector<SceneResult> parts(tiles.size());
+  parallel_for(tiles.size(), layout.options.threads, [&](std::size_t i) {
+    SceneTile tile = build_scene_tile(layout, tiles[i]);
+    add_tile(tile, parts[i]);
+    const auto buildings = buildings_in(layout, tiles[i]);
+    parts[i].buildings = buildings.size();
+    if (const auto found = layout.trees_in.find(tiles[i]); found != layout.trees_in.end())
+      parts[i].trees = found->second.size();
+    levels.finish(std::move(tile), buildings);
+    after_each();
+  });
+  SceneResult sum;
+  for (const SceneResult& part : parts) sum += part;
+  sum.findings = layout.findings;
+  return sum;
+}
+
+}  // namespace
+
+SceneResult& SceneResult::operator+=(const SceneResult& other) {
+  tiles += other.tiles, terrain_triangles += other.terrain_triangles, road_triangles += other.road_triangles;
+  road_surface_m2 += other.road_surface_m2;
+  buildings += other.buildings, trees += other.trees;
+  findings.insert(findings.end(), other.findings.begin(), other.findings.end());
+  return *this;
+}
+
+SceneResult build_scene(const SceneSource& source, const std::function<void(const SceneTile&, Vec3)>& write,
                         const SceneOptions& options, Monitor* monitor) {
   if (monitor) monitor->progress(0.0, "scene");
-  const auto layout = lay_out_scene(input, options);
-  TileLevels levels(scene_tiles(*layout), layout->buildings_in,
-                    [&](const SceneTile& tile) { write(tile, layout->origin); });
-  const auto& addresses = levels.order();
-  std::vector<SceneResult> parts(addresses.size());
-  parallel_for(
-      addresses.size(), options.threads,
-      [&](std::size_t i) {
-        SceneTile tile = build_scene_tile(*layout, addresses[i]);
-        parts[i].tiles = tile.meshes.empty() ? 0 : 1;
-        for (const TriMesh& mesh : tile.meshes) {
-          if (mesh.kind == MeshKind::terrain) parts[i].terrain_triangles += mesh.indices.size() / 3;
-          if (mesh.kind != MeshKind::road) continue;
-          parts[i].road_triangles += mesh.indices.size() / 3;
-          parts[i].road_surface_m2 += plan_area_m2(mesh);
-        }
-        levels.finish(std::move(tile));
-      },
-      [&](std::size_t done) {
-        if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(addresses.size()), "scene");
-      });
+  const auto frame = std::make_shared<const SceneFrame>(source, options);
+  const SceneWindows windows(source, *frame);
+  TileLevels levels(frame->tiles, [&](const SceneTile& tile) { write(tile, frame->origin); });
+  const std::vector<Block> blocks = blocks_of(levels.order(), options.block_tiles);
+  std::vector<SceneResult> parts(blocks.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  const auto after_each = [&] {
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(frame->tiles.size()), "scene");
+  };
+  // Two at a time: while one is laid out, which is one thread's work in places, the other has tiles to build.
+  constexpr int blocks_at_a_time = 2;
+  parallel_for(blocks.size(), std::min(blocks_at_a_time, worker_count(options.threads)), [&](std::size_t i) {
+    parts[i] = build_block(*lay_out_block(frame, windows, block_box(blocks[i].address, options.block_tiles)),
+                           blocks[i].tiles, levels, after_each);
+    release_free_memory();
+  });
   SceneResult result;
-  for (const SceneResult& part : parts) {
-    result.tiles += part.tiles;
-    result.terrain_triangles += part.terrain_triangles;
-    result.road_triangles += part.road_triangles;
-    result.road_surface_m2 += part.road_surface_m2;
-  }
+  for (const SceneResult& part : parts) result += part;
+  result.findings.insert(result.findings.begin(), frame->findings.begin(), frame->findings.end());
   result.levels = 1 + levels.coarse_levels();
-  result.buildings = layout->buildings.size();
-  result.trees = layout->trees.size();
-  result.findings = scene_findings(*layout);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <compare>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/building.hpp"
 #include "orthodrive/model/map_surroundings.hpp"
+#include "orthodrive/model/raster_source.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "roadquery/road_map.hpp"
@@ -31,13 +33,28 @@ struct SceneInput {
   const MapSurroundings* surroundings = nullptr;  ///< barriers, water, railways, lamps, objects of maps
 };
 
+/// The same with rasters that are read window by window, from several threads at once.
+struct SceneSource {
+  const roadquery::RoadMap& roads;
+  HeightSource terrain;
+  PhotoSource photo;
+  Polygon area;
+  std::optional<LabelSource> labels;
+  std::span<const Building> buildings = {};
+  std::span<const Vec2> trees = {};
+  const MapSurroundings* surroundings = nullptr;
+};
+/// The input must outlive the source.
+[[nodiscard]] SceneSource source_of(const SceneInput& input);
+
 struct SceneOptions {
   double road_tolerance_m = 0.02;  ///< of the road mesh's edges from the exact ones
   double terrain_step_m = 10.0;    ///< distance of terrain vertices, also along tile borders
   double verge_m = 5.0;            ///< over this distance from a road the ground goes from the road's edge to the DTM
   double deck_thickness_m = 0.8;   ///< of bridges
-  int max_texture_px = 2048;       ///< a tile side; photos coarser than that keep their own resolution
-  int threads = 0;                 ///< 0 = all cores; the result does not depend on it
+  int block_tiles = 4;  ///< a side of what is laid out at a time, a power of two; the result does not depend on it
+  int max_texture_px = 2048;  ///< a tile side; photos coarser than that keep their own resolution
+  int threads = 0;            ///< 0 = all cores; the result does not depend on it
 };
 
 /// Tiles of level 0 are squares of 480 m whose corners are multiples of 480 m in the site CRS.
@@ -48,20 +65,21 @@ struct TileAddress {
   friend auto operator<=>(const TileAddress&, const TileAddress&) = default;
 };
 
-/// What tiles share: the roads' union by level, its heights, the splits at tile borders.
+/// What the tiles of a block share: the roads' union by level, its heights, the splits at tile borders.
 class SceneLayout;
 
 /// Convex hull of the photo's valid pixels: the area of who has no other. Empty for a photo without any.
 [[nodiscard]] Polygon photo_outline(const Photo& photo);
 
-/// Throws OptionError without an area and InputError when the terrain has no height at all.
+/// One block for all of the area. Throws OptionError without an area and InputError when the terrain has no height at
+/// all.
 [[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input,
                                                                const SceneOptions& options = {});
 /// The tiles that share ground with the area, by column, then row.
 [[nodiscard]] const std::vector<TileAddress>& scene_tiles(const SceneLayout& layout);
 /// Middle of the area at a height of the terrain, whole metres.
 [[nodiscard]] Vec3 scene_origin(const SceneLayout& layout);
-[[nodiscard]] const Findings& scene_findings(const SceneLayout& layout);
+[[nodiscard]] Findings scene_findings(const SceneLayout& layout);
 /// Meshes of terrain and road share the vertices where they meet; decks of bridges are road, their sides and undersides
 /// road_body. Vertices on the tile's border equal those of the neighbour bit by bit, once the origins
 /// are added. No meshes where there is no ground. Safe from any thread.
@@ -73,11 +91,15 @@ struct SceneResult {
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
   std::size_t buildings = 0, trees = 0;
   Findings findings;
+
+  /// Adds all but the levels.
+  SceneResult& operator+=(const SceneResult& other);
 };
 
 /// All tiles of all levels (scene/coarse_tile.hpp), in parallel, each handed to `write` from a worker thread as soon as
-/// it is done, and forgotten when the one above it is.
-SceneResult build_scene(const SceneInput& input, const std::function<void(const SceneTile&, Vec3 site_origin)>& write,
+/// it is done, and forgotten when the one above it is. Laid out block by block: of rasters, meshes and what is drawn
+/// only that of a few blocks is held at a time.
+SceneResult build_scene(const SceneSource& source, const std::function<void(const SceneTile&, Vec3 site_origin)>& write,
                         const SceneOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

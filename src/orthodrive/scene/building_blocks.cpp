@@ -30,9 +30,8 @@ Blocks building_blocks(std::span<const PlacedBuilding* const> buildings, Vec3 or
   Blocks result;
   std::vector<PlacedBuilding> blocks;
   for (const PlacedBuilding* building : buildings) {
-    const double height_m = building->eaves_z_m + building->roof.rise_m - building->base_z_m;
-    if (height_m <= options.size_m) {
-      result.error_m = std::max(result.error_m, height_m);
+    if (height_m(*building) <= options.size_m) {
+      result.error_m = std::max(result.error_m, height_m(*building));
     } else {
       blocks.push_back(block_of(*building, options, result.error_m));
     }

@@ -28,6 +28,11 @@ struct PlacedBuilding {
   std::string use, osm_id;  ///< as in Building
 };
 
+/// From the ground to the ridge.
+[[nodiscard]] inline double height_m(const PlacedBuilding& building) {
+  return building.eaves_z_m + building.roof.rise_m - building.base_z_m;
+}
+
 /// Dresses buildings and puts them on the ground, in the order given. Heights, storeys and roofs come from the tags,
 /// else from use and area: garages and sheds (and all below 60 m2) one storey of 2.6 m, houses up to 300 m2 two storeys
 /// of 2.8 m and a gabled roof of 35 degrees, halls 8 m, others three storeys of 3 m, flat. What a footprint has within

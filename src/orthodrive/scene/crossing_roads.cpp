@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
+#include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
 #include "roadquery/road_surface.hpp"
@@ -66,29 +66,21 @@ std::set<std::pair<std::size_t, std::size_t>> crossings_of(std::span<const roadq
 
 /// For each road the first one that it is joined with, over links or a junction.
 std::vector<std::size_t> joined_roads(std::span<const roadquery::Road* const> roads) {
-  std::vector<std::size_t> first(roads.size());
-  std::iota(first.begin(), first.end(), std::size_t{0});
-  const auto root = [&](std::size_t i) {
-    while (first[i] != i) i = first[i];
-    return i;
-  };
-  const auto join = [&](std::size_t a, std::size_t b) {
-    a = root(a), b = root(b);
-    first[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets joined(roads.size());
   std::map<int, std::size_t> by_id, by_junction;
   for (std::size_t i = 0; i < roads.size(); ++i) by_id.emplace(roads[i]->id, i);
   for (std::size_t i = 0; i < roads.size(); ++i) {
-    if (roads[i]->junction >= 0) join(i, by_junction.emplace(roads[i]->junction, i).first->second);
+    if (roads[i]->junction >= 0) joined.join(i, by_junction.emplace(roads[i]->junction, i).first->second);
     for (const roadquery::RoadLink& link : {roads[i]->predecessor, roads[i]->successor}) {
       if (link.kind == roadquery::LinkKind::road) {
-        if (const auto found = by_id.find(link.id); found != by_id.end()) join(i, found->second);
+        if (const auto found = by_id.find(link.id); found != by_id.end()) joined.join(i, found->second);
       } else if (link.kind == roadquery::LinkKind::junction) {
-        join(i, by_junction.emplace(link.id, i).first->second);
+        joined.join(i, by_junction.emplace(link.id, i).first->second);
       }
     }
   }
-  for (std::size_t i = 0; i < roads.size(); ++i) first[i] = root(i);
+  std::vector<std::size_t> first(roads.size());
+  for (std::size_t i = 0; i < roads.size(); ++i) first[i] = joined.find(i);
   return first;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
@@ -16,31 +15,6 @@ constexpr double abutment_gap_m = 0.05, abutment_slope = 0.3;  // clearance belo
 double smoothstep(double u) { return u * u * (3.0 - 2.0 * u); }
 
 }  // namespace
-
-void fill_holes(Raster<float>& heights) {
-  const auto is_hole = [](float v) { return std::isnan(v); };
-  const auto holes = std::count_if(heights.data.begin(), heights.data.end(), is_hole);
-  if (holes == 0 || static_cast<std::size_t>(holes) == heights.data.size()) return;
-  Raster<float> half((heights.width + 1) / 2, (heights.height + 1) / 2, 1, std::numeric_limits<float>::quiet_NaN());
-  for (int row = 0; row < half.height; ++row) {
-    for (int col = 0; col < half.width; ++col) {
-      double sum = 0.0;
-      int count = 0;
-      for (int k = 0; k < 4; ++k) {
-        const int c = 2 * col + k % 2, r = 2 * row + k / 2;
-        if (heights.inside(c, r) && !is_hole(heights.at(c, r))) sum += static_cast<double>(heights.at(c, r)), ++count;
-      }
-      if (count > 0) half.at(col, row) = static_cast<float>(sum / count);
-    }
-  }
-  fill_holes(half);
-  const GridFrame frame{0.0, 0.0, 2.0, half.width, half.height};
-  const HeightGrid coarse{{}, frame, std::move(half), {}};
-  for (int row = 0; row < heights.height; ++row)
-    for (int col = 0; col < heights.width; ++col)
-      if (is_hole(heights.at(col, row)))
-        heights.at(col, row) = static_cast<float>(sample_bilinear(coarse, {col + 0.5, -row - 0.5}));
-}
 
 Ground::Ground(HeightGrid filled_terrain, const RoadLevel& roads, std::span<const RoadLevel> decks,
                const Waters& waters, const GroundOptions& options)

@@ -9,10 +9,6 @@
 
 namespace orthodrive::scene {
 
-/// Holes (NaN) are filled from their surroundings: means over ever larger squares, then down again (pull-push, Gortler
-/// et al., The Lumigraph, 1996, sec. 3.4). All NaN stays so.
-void fill_holes(Raster<float>& heights);
-
 struct GroundOptions {
   double verge_m = 5.0;  ///< over this distance from a road the ground goes from the road's edge to the terrain
   double deck_clearance_m = 1.1;  ///< the terrain stays this far below bridge decks, less near their abutments

@@ -30,10 +30,7 @@ std::vector<Vec2> rights_of(const Polyline& line) {
   std::vector<Vec2> rights;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const auto right = [&](std::size_t k) { return left_normal(normalized(line[k + 1] - line[k])) * -1.0; };
-    const Vec2 a = right(i == 0 ? 0 : i - 1), b = right(std::min(i, line.size() - 2));
-    const Vec2 sum = a + b;
-    const double square = dot(sum, sum);
-    rights.push_back(square > 1.0 ? sum * (2.0 / square) : a);  // blunt where it would be longer than twice the offset
+    rights.push_back(mitre(right(i == 0 ? 0 : i - 1), right(std::min(i, line.size() - 2))));
   }
   return rights;
 }

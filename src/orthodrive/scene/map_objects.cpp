@@ -390,7 +390,9 @@ void hang(const Vec3& a, const Vec3& b, std::vector<StructureFace>& faces) {
   }
 }
 
-void add_wires(const MapPowerLine& line, const ObjectPlaces& places, std::vector<StructureFace>& faces) {
+/// `ground_m`: at the points of the line, which may lie far outside of what is laid out.
+void add_wires(const MapPowerLine& line, std::span<const double> ground_m, const FreeSpace& space,
+               std::vector<StructureFace>& faces) {
   constexpr double longest_m = 1500.0;
   const double height_m = line.is_minor ? 8.6 : 20.0, arm_m = line.is_minor ? 0.8 : 5.0;
   const auto across_at = [&](std::size_t i) {
@@ -400,8 +402,8 @@ void add_wires(const MapPowerLine& line, const ObjectPlaces& places, std::vector
   for (std::size_t i = 0; i + 1 < line.line.size(); ++i) {
     const Vec2 a = line.line[i], b = line.line[i + 1];
     const double span_m = distance(a, b);
-    if (!(span_m > 1.0 && span_m < longest_m) || !places.space.is_in_area(a) || !places.space.is_in_area(b)) continue;
-    const double a_z = places.ground.terrain_m(a) + height_m, b_z = places.ground.terrain_m(b) + height_m;
+    if (!(span_m > 1.0 && span_m < longest_m) || !space.is_in_area(a) || !space.is_in_area(b)) continue;
+    const double a_z = ground_m[i] + height_m, b_z = ground_m[i + 1] + height_m;
     for (const double side : {-1.0, 0.0, 1.0}) {
       const Vec2 p = a + across_at(i) * (side * arm_m), q = b + across_at(i + 1) * (side * arm_m);
       hang({p.x, p.y, a_z}, {q.x, q.y, b_z}, faces);
@@ -426,7 +428,8 @@ ObjectFaces object_faces(const MapSurroundings& surroundings, const ObjectPlaces
       Bodies bodies(stand, is_large(object.kind) ? faces.large : faces.small);
       draw(object, bodies);
     }
-  for (const MapPowerLine& line : surroundings.power_lines) add_wires(line, places, faces.small);
+  for (std::size_t i = 0; i < surroundings.power_lines.size(); ++i)
+    add_wires(surroundings.power_lines[i], places.power_ground_m[i], places.space, faces.small);
   return faces;
 }
 

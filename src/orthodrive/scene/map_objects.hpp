@@ -17,6 +17,7 @@ struct ObjectPlaces {
   const roadquery::RoadQuery& query;
   const FreeSpace& space;
   const Ground& ground;
+  std::span<const std::vector<double>> power_ground_m;  ///< terrain at the points of each power line
 };
 
 struct ObjectFaces {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace orthodrive::scene {
 namespace {
@@ -11,7 +10,6 @@ constexpr double cell_m = 8.0, along_m = 2.0, across_m = 1.0;
 constexpr double edge_m = 0.5;  // from the road's edge, whose pixels are half of the verge
 constexpr LinearColor no_photo = {0.12F, 0.12F, 0.12F};
 
-using Rgb = std::array<std::uint8_t, 3>;
 using Cell = std::array<int, 2>;
 
 Cell cell_of(Vec2 p) {
@@ -29,13 +27,6 @@ const std::array<float, 256>& linear_values() {
     return values;
   }();
   return table;
-}
-
-std::optional<Rgb> pixel_at(const Photo& photo, Vec2 p) {
-  const Vec2 at = photo.frame.pixel_from_world(p);
-  const int col = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));
-  if (!photo.valid.inside(col, row) || !photo.valid.at(col, row)) return std::nullopt;
-  return Rgb{photo.rgb.at(col, row, 0), photo.rgb.at(col, row, 1), photo.rgb.at(col, row, 2)};
 }
 
 int brightness(const Rgb& c) { return 2 * c[0] + 5 * c[1] + c[2]; }
@@ -63,7 +54,17 @@ void sample_strip(const std::vector<CrossSection>& strip, const Photo& photo, Sa
   }
 }
 
-LinearColor median(std::vector<Rgb>& pixels) {
+}  // namespace
+
+std::optional<Rgb> pixel_at(const Photo& photo, Vec2 p) {
+  const Vec2 at = photo.frame.pixel_from_world(p);
+  const int col = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));
+  if (!photo.valid.inside(col, row) || !photo.valid.at(col, row)) return std::nullopt;
+  return Rgb{photo.rgb.at(col, row, 0), photo.rgb.at(col, row, 1), photo.rgb.at(col, row, 2)};
+}
+
+LinearColor median_color(std::vector<Rgb>& pixels) {
+  if (pixels.empty()) return no_photo;
   const auto middle = pixels.begin() + static_cast<std::ptrdiff_t>(pixels.size() / 2);
   std::nth_element(pixels.begin(), middle, pixels.end(), [](const Rgb& a, const Rgb& b) {
     return std::pair(brightness(a), a) < std::pair(brightness(b), b);
@@ -71,8 +72,6 @@ LinearColor median(std::vector<Rgb>& pixels) {
   const auto& linear = linear_values();
   return {linear[(*middle)[0]], linear[(*middle)[1]], linear[(*middle)[2]]};
 }
-
-}  // namespace
 
 RoadTint::RoadTint(std::span<const RoadLevel* const> levels, const Photo& photo) {
   Samples samples;
@@ -84,7 +83,7 @@ RoadTint::RoadTint(std::span<const RoadLevel* const> levels, const Photo& photo)
     for (int k = 0; k < 9; ++k)
       if (const auto found = samples.find({cell[0] + k % 3 - 1, cell[1] + k / 3 - 1}); found != samples.end())
         around.insert(around.end(), found->second.begin(), found->second.end());
-    cells_[cell] = median(around);
+    cells_[cell] = median_color(around);
   }
 }
 
@@ -132,7 +131,7 @@ LinearColor photo_median(const Photo& photo, const Polygon& polygon) {
     for (int col = begin; col < end; ++col)
       if (const auto pixel = pixel_at(photo, frame.center_of(col, row))) pixels.push_back(*pixel);
   });
-  return pixels.empty() ? no_photo : median(pixels);
+  return median_color(pixels);
 }
 
 }  // namespace orthodrive::scene

@@ -2,7 +2,9 @@
 // What colour the photo gives a road, without the cars and shadows on it.
 
 #include <array>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +30,12 @@ class RoadTint {
  private:
   std::map<std::array<int, 2>, LinearColor> cells_;
 };
+
+using Rgb = std::array<std::uint8_t, 3>;
+/// Nothing beyond the photo and where it is not valid.
+[[nodiscard]] std::optional<Rgb> pixel_at(const Photo& photo, Vec2 p);
+/// That of the pixel of median brightness; a dark grey without any.
+[[nodiscard]] LinearColor median_color(std::vector<Rgb>& pixels);
 
 /// Mean of the photo's pixels in a square of size_m around p; a dark grey where there are none.
 [[nodiscard]] LinearColor photo_mean(const Photo& photo, Vec2 p, double size_m);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <set>
+#include <utility>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -18,43 +18,23 @@ namespace orthodrive {
 namespace scene {
 namespace {
 
-constexpr double area_reach_m = 2.0;
+/// Around a block: what lies further away changes nothing in it. Buildings that only the photo shows reach furthest.
+constexpr double margin_m = 160.0;
 constexpr double verge_point_step_m = 5.0;
 constexpr double deck_gap_m = 0.3;        // between the underside of a deck and the terrain
 constexpr double min_ridge_edge_m = 1.0;  // shorter edges of a crown's ridge are not worth their triangles
 
-Polygon on_grid(Polygon polygon) {
-  const auto snap = [](Ring& ring) {
-    for (Vec2& p : ring) p = snap_to_grid(p);
-  };
-  snap(polygon.outer);
-  for (Ring& hole : polygon.holes) snap(hole);
-  return polygon;
-}
-
-/// The area's rings with points at most `step_m` apart, oriented and clean.
-MultiPolygon dense_area(const Polygon& area, double step_m) {
-  MultiPolygon result = union_of(std::span(&area, 1), plan_grid_m);
-  const auto densify = [&](Ring& ring) {
-    Ring dense;
+/// The parts of the rings whose segments touch the box.
+void append_rings(const MultiPolygon& polygons, const Box2& box, std::vector<Polyline>& lines) {
+  const auto add = [&](const Ring& ring) {
+    bool is_open = false;
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Vec2 a = ring[i], b = ring[(i + 1) % ring.size()];
-      const int parts = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step_m)));
-      for (int k = 0; k < parts; ++k) dense.push_back(snap_to_grid(a + (b - a) * (static_cast<double>(k) / parts)));
+      const bool touches = bounds_of({a, b}).overlaps(box);
+      if (touches && !is_open) lines.push_back({a});
+      if (touches) lines.back().push_back(b);
+      is_open = touches;
     }
-    ring = std::move(dense);
-  };
-  for (Polygon& polygon : result) {
-    densify(polygon.outer);
-    for (Ring& hole : polygon.holes) densify(hole);
-  }
-  return result;
-}
-
-void append_rings(const MultiPolygon& polygons, std::vector<Polyline>& lines) {
-  const auto add = [&](const Ring& ring) {
-    lines.push_back(ring);
-    lines.back().push_back(ring.front());
   };
   for (const Polygon& polygon : polygons) {
     add(polygon.outer);
@@ -72,7 +52,9 @@ LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
 
   LevelLines result;
   const auto on_line = [](double v) { return std::fmod(v, scene_tile_m) == 0.0; };  // exact: both are on the plan grid
-  for (const LineSegment& segment : node_lines(lines, plan_grid_m)) {
+  const auto before = [](Vec2 a, Vec2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); };
+  for (LineSegment segment : node_lines(lines, plan_grid_m)) {
+    if (before(segment.b, segment.a)) std::swap(segment.a, segment.b);
     for (const Vec2 p : {segment.a, segment.b}) {
       if (on_line(p.x)) result.on_west[static_cast<int>(p.x / scene_tile_m)].push_back(p.y);
       if (on_line(p.y)) result.on_south[static_cast<int>(p.y / scene_tile_m)].push_back(p.x);
@@ -81,6 +63,10 @@ LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
         (segment.a.x == segment.b.x && on_line(segment.a.x)) || (segment.a.y == segment.b.y && on_line(segment.a.y));
     if (!along_border) result.inside[tile_at((segment.a + segment.b) * 0.5)].push_back(segment);
   }
+  for (auto& [address, segments] : result.inside)  // not in the overlay's order, which others of its lines decide
+    std::ranges::sort(segments, [&](const LineSegment& a, const LineSegment& b) {
+      return before(a.a, b.a) || (!before(b.a, a.a) && before(a.b, b.b));
+    });
   for (auto* side : {&result.on_west, &result.on_south}) {
     for (auto& [index, values] : *side) {
       std::sort(values.begin(), values.end());
@@ -158,26 +144,48 @@ void add_markings(const RoadLevel& level, LevelLines& lines) {
   }
 }
 
-/// Calls visit(p, outwards) every `step_m` along the borders.
+/// Calls visit(p, outwards) at least every `step_m` along the borders in the box, for each of their segments by itself.
 template <typename Visit>
-void walk_borders(const Outline& outline, double step_m, const Visit& visit) {
-  double to_next_m = 0.0;
+void walk_borders(const Outline& outline, const Box2& box, double step_m, const Visit& visit) {
   for (const BorderSegment& segment : outline.segments()) {
-    const double length_m = distance(segment.a, segment.b);
-    const Vec2 along = normalized(segment.b - segment.a);
-    for (; to_next_m < length_m; to_next_m += step_m) visit(segment.a + along * to_next_m, left_normal(along) * -1.0);
-    to_next_m -= length_m;
+    if (!bounds_of({segment.a, segment.b}).overlaps(box)) continue;
+    const Vec2 outwards = left_normal(normalized(segment.b - segment.a)) * -1.0;
+    const int parts = static_cast<int>(std::ceil(distance(segment.a, segment.b) / step_m));
+    for (int k = 0; k < parts; ++k) visit(segment.a + (segment.b - segment.a) * ((k + 0.5) / parts), outwards);
   }
 }
 
 }  // namespace
 
-Box2 tile_box(TileAddress a) {
-  return {a.column * scene_tile_m, a.row * scene_tile_m, (a.column + 1) * scene_tile_m, (a.row + 1) * scene_tile_m};
+Box2 block_box(TileAddress block, int block_tiles) {
+  const double size_m = block_tiles * scene_tile_m;
+  return {block.column * size_m, block.row * size_m, (block.column + 1) * size_m, (block.row + 1) * size_m};
 }
 
-TileAddress tile_at(Vec2 p) {
-  return {static_cast<int>(std::floor(p.x / scene_tile_m)), static_cast<int>(std::floor(p.y / scene_tile_m))};
+Box2 block_around(const std::vector<TileAddress>& tiles) {
+  if (tiles.empty()) return {};
+  Box2 box = tile_box(tiles.front());
+  for (const TileAddress address : tiles) {
+    const Box2 own = tile_box(address);
+    box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
+           std::max(box.max_y, own.max_y)};
+  }
+  return box;
+}
+
+std::shared_ptr<const SceneLayout> lay_out_block(std::shared_ptr<const SceneFrame> frame, const SceneWindows& windows,
+                                                 const Box2& block) {
+  const auto layout = std::make_shared<SceneLayout>(frame, windows.window(block.grown(margin_m)), block);
+  const Box2 all = block_around(frame->tiles);
+  std::erase_if(layout->findings, [&](const Finding& finding) {
+    // The last metre of the area belongs to the tile before its border.
+    const auto inside = [](double v, double low, double high) {
+      return std::isnan(v) ? low : std::clamp(v, low, high - 1.0);
+    };
+    const Vec2 p{inside(finding.x_m, all.min_x, all.max_x), inside(finding.y_m, all.min_y, all.max_y)};
+    return !(p.x >= block.min_x && p.x < block.max_x && p.y >= block.min_y && p.y < block.max_y);
+  });
+  return layout;
 }
 
 }  // namespace scene
@@ -219,58 +227,42 @@ SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
   return sorted;
 }
 
-/// Holes outside the area (terrain models end somewhere) are nobody's business.
-HeightGrid filled_terrain(const HeightGrid& terrain, const Outline& area, Findings& findings) {
-  std::size_t holes = 0;
-  Vec2 sum;
-  for (int row = 0; row < terrain.frame.height; ++row) {
-    for (int col = 0; col < terrain.frame.width; ++col) {
-      const Vec2 p = terrain.frame.center_of(col, row);
-      if (!std::isnan(terrain.height_m.at(col, row)) || !area.contains(p)) continue;
-      ++holes, sum = sum + p;
-    }
-  }
-  if (holes > 0) {
-    const double n = static_cast<double>(holes), hole_m2 = n * terrain.frame.gsd_m * terrain.frame.gsd_m;
-    findings.push_back(
-        {Severity::warning, "scene.terrain_hole",
-         fmt::format("{:.0f} m2 of the terrain model have no height and were filled from around", hole_m2), sum.x / n,
-         sum.y / n});
-  }
-  HeightGrid filled = terrain;
-  fill_holes(filled.height_m);
-  if (filled.height_m.empty() || std::isnan(filled.height_m.data.front()))
-    throw InputError("terrain model", "has no height anywhere, give a DTM that covers the area");
-  return filled;
-}
-
 }  // namespace
 
-SceneLayout::SceneLayout(const SceneInput& input, const SceneOptions& scene_options)
-    : options(scene_options), photo(&input.photo), labels(input.labels) {
-  std::vector<Building> known(input.buildings.begin(), input.buildings.end());
+SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWindow scene_window, const Box2& block)
+    : frame(std::move(scene_frame)),
+      window(std::move(scene_window)),
+      options(frame->options),
+      area(frame->outline),
+      origin(frame->origin),
+      photo(&window.photo),
+      labels(window.labels ? &*window.labels : nullptr) {
+  for (const TileAddress address : frame->tiles)
+    if (const Box2 box = tile_box(address);
+        box.min_x >= block.min_x && box.min_y >= block.min_y && box.max_x <= block.max_x && box.max_y <= block.max_y)
+      tiles.push_back(address);
+  std::vector<Building> known = window.buildings;
   std::vector<TreeCrown> crowns;
   const auto read_labels = [&] {  // needs no roads
     if (labels == nullptr) return;
-    std::ranges::move(footprints_of_labels(*labels, input.buildings), std::back_inserter(known));
-    crowns = find_crowns(*labels, input.photo);
+    std::ranges::move(footprints_of_labels(*labels, window.buildings), std::back_inserter(known));
+    crowns = find_crowns(*labels, *photo);
   };
-  parallel_for(2, options.threads, [&](std::size_t task) { task == 0 ? lay_roads(input) : read_labels(); });
+  parallel_for(2, options.threads, [&](std::size_t task) { task == 0 ? lay_roads() : read_labels(); });
 
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
-  buildings = place_buildings(known, levels, area, *ground, input.photo, options.threads, findings);
+  buildings = place_buildings(known, levels, area, *ground, *photo, options.threads, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
   const FreeSpace space({levels, buildings, area, openings});
-  trees = plant_trees(crowns, input.trees, space, *ground, input.photo, options.threads);
+  trees = plant_trees(crowns, window.trees, space, *ground, *photo, options.threads);
   for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
-  if (input.surroundings) add_surroundings(*input.surroundings, space);
-  choose_tiles(bounds_of(input.area.outer));
+  if (window.surroundings) add_surroundings(*window.surroundings, space);
   add_terrain_points();
 }
 
 void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space) {
-  ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground});
+  ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground, window.power_ground_m});
   std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
   std::ranges::move(standing.large, std::back_inserter(lasting));
   barriers = by_tile(std::move(lasting));
@@ -286,8 +278,8 @@ const RoadLevel& SceneLayout::level(int number) const {
   return above < decks.size() ? decks[above] : tunnels[above - decks.size()];
 }
 
-void SceneLayout::lay_levels(const SceneInput& input, const Polygon& site_area) {
-  query = std::make_shared<const roadquery::RoadQuery>(without_heights(input.roads));
+void SceneLayout::lay_levels() {
+  query = std::make_shared<const roadquery::RoadQuery>(without_heights(window.roads));
   const SortedRoads sorted = sort_roads(*query, findings);
   std::vector<int> level_of(query->map().roads.size(), -1);
   int levels = 0;
@@ -306,88 +298,72 @@ void SceneLayout::lay_levels(const SceneInput& input, const Polygon& site_area) 
       .threads = options.threads,
       .query = query,
       .joints = &joints};
-  roads = RoadLevel(sorted.ground, site_area, level_options);
-  for (const auto& of_level : sorted.decks) decks.emplace_back(of_level, site_area, level_options);
-  for (const auto& of_level : sorted.tunnels) tunnels.emplace_back(of_level, site_area, level_options);
+  roads = RoadLevel(sorted.ground, frame->area, level_options);
+  for (const auto& of_level : sorted.decks) decks.emplace_back(of_level, frame->area, level_options);
+  for (const auto& of_level : sorted.tunnels) tunnels.emplace_back(of_level, frame->area, level_options);
 }
 
 /// Adds the openings' borders to the lines of the ground.
-void SceneLayout::lay_tunnels(const MultiPolygon& area_polygons, std::vector<Polyline>& lines) {
-  Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, area_polygons);
-  append_rings(built.openings, lines);
+void SceneLayout::lay_tunnels(std::vector<Polyline>& lines) {
+  Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, frame->dense_area);
+  append_rings(built.openings, window.box, lines);
   openings = Outline(built.openings, tree_reach_m);
   tubes = by_tile(std::move(built.faces));
-  for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)].push_back(snap_to_grid(p));
+  constexpr std::size_t over_tunnels = 4;
+  for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)][over_tunnels].push_back(snap_to_grid(p));
   std::ranges::move(built.findings, std::back_inserter(findings));
 }
 
-void SceneLayout::lay_roads(const SceneInput& input) {
-  const Polygon site_area = on_grid(input.area);
-  const MultiPolygon area_polygons = dense_area(site_area, options.terrain_step_m);
-  area = Outline(area_polygons, area_reach_m);
-  const Box2 bounds = bounds_of(input.area.outer);
-
-  lay_levels(input, site_area);
-  HeightGrid terrain = filled_terrain(input.terrain, area, findings);
-  if (input.surroundings)
-    waters = Waters(input.surroundings->water, {roads, terrain, input.photo, site_area, options.verge_m}, findings);
-  ground.emplace(std::move(terrain), roads, decks, waters,
+void SceneLayout::lay_roads() {
+  lay_levels();
+  if (window.surroundings)
+    waters = Waters(window.surroundings->water, window.water_levels, {roads, frame->area, window.box, options.verge_m});
+  ground.emplace(std::move(window.terrain), roads, decks, waters,
                  GroundOptions{.verge_m = options.verge_m, .deck_clearance_m = options.deck_thickness_m + deck_gap_m});
-  const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
-  origin = {middle.x, middle.y, std::floor(ground->terrain_m(middle))};
 
   std::vector<Polyline> lines;
-  append_rings(area_polygons, lines);
-  append_rings(roads.polygons(), lines);
-  for (const WaterBody& body : waters.bodies()) append_rings(body.shores, lines);
-  lay_tunnels(area_polygons, lines);
-  ground_lines = cut_at_tiles(std::move(lines), bounds);
+  append_rings(frame->dense_area, window.box, lines);
+  append_rings(roads.polygons(), window.box, lines);
+  for (const WaterBody& body : waters.bodies()) append_rings(body.shores, window.box, lines);
+  lay_tunnels(lines);
+  ground_lines = cut_at_tiles(std::move(lines), window.box);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
-  add_kerbs(roads, *query, input.roads, ground_lines);
+  add_kerbs(roads, *query, window.roads, ground_lines);
   const auto add_lines = [&](const RoadLevel& level, std::vector<LevelLines>& of_levels) {
     lines.clear();
-    append_rings(level.polygons(), lines);
-    LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), bounds));
+    append_rings(level.polygons(), window.box, lines);
+    LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), window.box));
     add_axis_points(level, own);
     add_markings(level, own);
-    add_kerbs(level, *query, input.roads, own);
+    add_kerbs(level, *query, window.roads, own);
   };
   for (const RoadLevel& deck : decks) add_lines(deck, deck_lines);
   for (const RoadLevel& tunnel : tunnels) add_lines(tunnel, tunnel_lines);
   structures = by_tile(build_structures({roads, decks, *ground, *query, options.deck_thickness_m}));
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
-  tint = RoadTint(levels, input.photo);
-}
-
-/// Those that the area's border passes through, and those whose middle lies inside.
-void SceneLayout::choose_tiles(const Box2& bounds) {
-  std::set<TileAddress> inside;
-  for (const auto& [address, segments] : ground_lines.inside) inside.insert(address);
-  const TileAddress first = tile_at({bounds.min_x, bounds.min_y}), last = tile_at({bounds.max_x, bounds.max_y});
-  for (int c = first.column; c <= last.column; ++c)
-    for (int r = first.row; r <= last.row; ++r)
-      if (area.contains({(c + 0.5) * scene_tile_m, (r + 0.5) * scene_tile_m})) inside.insert({c, r});
-  tiles.assign(inside.begin(), inside.end());
+  tint = RoadTint(levels, *photo);
 }
 
 /// Terrain vertices beside roads and below decks.
 void SceneLayout::add_terrain_points() {
-  const auto add_terrain_point = [&](Vec2 p) { terrain_points[tile_at(p)].push_back(snap_to_grid(p)); };
-  walk_borders(roads.outline(), verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
-    for (const double share : {0.25, 0.6, 1.0}) {
-      const Vec2 q = p + outwards * (share * options.verge_m);
-      if (roads.outline().nearest(q).distance_m > 0.95 * share * options.verge_m) add_terrain_point(q);
+  const auto add_point = [&](std::size_t row, Vec2 p) { terrain_points[tile_at(p)][row].push_back(snap_to_grid(p)); };
+  walk_borders(roads.outline(), window.box, verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
+    constexpr std::array<double, 3> shares = {0.25, 0.6, 1.0};
+    for (std::size_t row = 0; row < shares.size(); ++row) {
+      const Vec2 q = p + outwards * (shares[row] * options.verge_m);
+      if (roads.outline().nearest(q).distance_m > 0.95 * shares[row] * options.verge_m) add_point(row, q);
     }
   });
+  constexpr std::size_t below_decks = 3;
   for (std::size_t d = 0; d < decks.size(); ++d) {
-    walk_borders(decks[d].outline(), 0.5 * verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
-      add_terrain_point(p);
-      add_terrain_point(p + outwards * options.verge_m);
+    walk_borders(decks[d].outline(), window.box, 0.5 * verge_point_step_m, [&](Vec2 p, Vec2 outwards) {
+      add_point(below_decks, p);
+      add_point(below_decks, p + outwards * options.verge_m);
     });
     for (const auto& [address, points] : deck_lines[d].axis_points)
-      for (const Vec2 p : points) add_terrain_point(p);
+      for (const Vec2 p : points) add_point(below_decks, p);
   }
 }
 

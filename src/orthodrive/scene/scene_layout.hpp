@@ -1,6 +1,7 @@
 #pragma once
-// What the tiles of a scene share.
+// What the tiles of a block share.
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -18,7 +19,10 @@
 #include "orthodrive/scene/road_level.hpp"
 #include "orthodrive/scene/road_markings.hpp"
 #include "orthodrive/scene/road_tint.hpp"
+#include "orthodrive/scene/scene_frame.hpp"
+#include "orthodrive/scene/scene_windows.hpp"
 #include "orthodrive/scene/structures.hpp"
+#include "orthodrive/scene/tile_address.hpp"
 #include "orthodrive/scene/trees.hpp"
 #include "orthodrive/scene/tunnels.hpp"
 #include "orthodrive/scene/water.hpp"
@@ -26,13 +30,10 @@
 namespace orthodrive {
 namespace scene {
 
-[[nodiscard]] Box2 tile_box(TileAddress address);
-[[nodiscard]] TileAddress tile_at(Vec2 p);
-
 /// What one level puts into the tiles.
 struct LevelLines {
-  /// Borders of the roads (on the ground also of the area), split at each other and at tile borders. Those along a tile
-  /// border are left out, their ends are in on_west and on_south.
+  /// Borders of the roads (on the ground also of the area), split at each other and at tile borders, in an order of
+  /// their own. Those along a tile border are left out, their ends are in on_west and on_south.
   std::map<TileAddress, std::vector<LineSegment>> inside;
   /// Where lines meet a tile border: northings on the west side of a column, eastings on the south side of a row.
   std::map<int, std::vector<double>> on_west, on_south;
@@ -42,20 +43,33 @@ struct LevelLines {
   std::map<TileAddress, std::vector<KerbPiece>> kerbs;  ///< likewise
 };
 
+/// The ground of a block of tiles, addressed as if blocks were tiles.
+[[nodiscard]] Box2 block_box(TileAddress block, int block_tiles);
+/// That of the smallest rectangle of tiles that holds all of these.
+[[nodiscard]] Box2 block_around(const std::vector<TileAddress>& tiles);
+
+/// Lays out the tiles of a block, with findings at places in it only: those beyond the rim of the area count for the
+/// block next to them.
+[[nodiscard]] std::shared_ptr<const SceneLayout> lay_out_block(std::shared_ptr<const SceneFrame> frame,
+                                                               const SceneWindows& windows, const Box2& block);
+
 }  // namespace scene
 
 class SceneLayout {
  public:
-  SceneLayout(const SceneInput& input, const SceneOptions& options);
+  /// Of the tiles of the frame in `block`, which lies inside the window.
+  SceneLayout(std::shared_ptr<const scene::SceneFrame> frame, scene::SceneWindow window, const Box2& block);
   SceneLayout(const SceneLayout&) = delete;  // ground points into it
 
-  SceneOptions options;
-  const Photo* photo = nullptr;
-  const LabelMap* labels = nullptr;
+  std::shared_ptr<const scene::SceneFrame> frame;
+  scene::SceneWindow window;
+  const SceneOptions& options;
+  const scene::Outline& area;
   Vec3 origin;
-  Findings findings;
+  const Photo* photo;
+  const LabelMap* labels;  ///< null: none
+  Findings findings;       ///< at places of the window
   std::vector<TileAddress> tiles;
-  scene::Outline area;
   scene::RoadLevel roads;  ///< on the ground
   scene::LevelLines ground_lines;
   std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer; those that cross apart
@@ -76,18 +90,17 @@ class SceneLayout {
   scene::Waters waters;
   std::vector<scene::PlacedLamp> lamps;
   std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
-  /// Terrain vertices besides the raster: beside roads and below bridges.
-  std::map<TileAddress, std::vector<Vec2>> terrain_points;
+  /// Terrain vertices besides the raster, by rows: beside roads at three distances, below bridges, over tunnels.
+  std::map<TileAddress, std::array<std::vector<Vec2>, 5>> terrain_points;
 
   /// By its number in `joints`.
   [[nodiscard]] const scene::RoadLevel& level(int number) const;
 
  private:
-  void lay_roads(const SceneInput& input);
-  void lay_levels(const SceneInput& input, const Polygon& site_area);
-  void lay_tunnels(const MultiPolygon& area_polygons, std::vector<Polyline>& lines);
+  void lay_roads();
+  void lay_levels();
+  void lay_tunnels(std::vector<Polyline>& lines);
   void add_surroundings(const MapSurroundings& surroundings, const scene::FreeSpace& space);
-  void choose_tiles(const Box2& bounds);
   void add_terrain_points();
 };
 

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_materials.hpp"
@@ -65,36 +69,36 @@ struct BorderRun {
   std::vector<Vec2> outwards;  ///< times an offset: mitred at corners
 };
 
+Vec2 outwards_of(const BorderSegment& s) { return left_normal(normalized(s.b - s.a)) * -1.0; }
+
 /// The runs of a level's border for which `wanted(a, b, outwards)` holds.
 template <typename Wanted>
 std::vector<BorderRun> runs_of(const RoadLevel& level, const Wanted& wanted) {
+  std::multimap<std::pair<double, double>, const BorderSegment*> from;
+  std::set<std::pair<double, double>> ends;
+  const auto key = [](Vec2 p) { return std::pair(p.x, p.y); };
+  for (const BorderSegment& s : level.outline().segments())
+    if (wanted(s, outwards_of(s))) from.emplace(key(s.a), &s), ends.insert(key(s.b));
+  // First the runs that begin somewhere, by that place; what is left then are rings, which begin in the south-west.
   std::vector<BorderRun> runs;
-  std::vector<std::vector<Vec2>> normals;
-  Vec2 last_end{};
-  for (const BorderSegment& s : level.outline().segments()) {
-    const Vec2 outwards = left_normal(normalized(s.b - s.a)) * -1.0;
-    if (!wanted(s, outwards)) {
-      last_end = {};
-      continue;
+  const auto follow = [&](auto next) {
+    BorderRun& run = runs.emplace_back();
+    run.points.push_back(at(next->second->a, next->second->a_z_m));
+    std::vector<Vec2> normals;
+    while (next != from.end()) {
+      const BorderSegment& s = *next->second;
+      run.points.push_back(at(s.b, s.b_z_m));
+      normals.push_back(outwards_of(s));
+      from.erase(next);
+      next = from.find(key(s.b));
     }
-    if (runs.empty() || !(last_end == s.a)) {
-      runs.push_back({{at(s.a, s.a_z_m)}, {}});
-      normals.emplace_back();
-    }
-    runs.back().points.push_back(at(s.b, s.b_z_m));
-    normals.back().push_back(outwards);
-    last_end = s.b;
-  }
-  for (std::size_t r = 0; r < runs.size(); ++r) {
-    const std::vector<Vec2>& n = normals[r];
-    for (std::size_t i = 0; i <= n.size(); ++i) {
-      const Vec2 a = n[i == 0 ? 0 : i - 1], b = n[std::min(i, n.size() - 1)];
-      const Vec2 sum = a + b;
-      const double square = dot(sum, sum);
-      // The mitre: as far out as both lines; blunt where it would be longer than twice the offset.
-      runs[r].outwards.push_back(square > 1.0 ? sum * (2.0 / square) : a);
-    }
-  }
+    for (std::size_t i = 0; i <= normals.size(); ++i)
+      run.outwards.push_back(mitre(normals[i == 0 ? 0 : i - 1], normals[std::min(i, normals.size() - 1)]));
+  };
+  for (const auto& start : std::vector(from.begin(), from.end()))
+    if (!ends.contains(start.first))
+      if (const auto found = from.find(start.first); found != from.end()) follow(found);
+  while (!from.empty()) follow(from.begin());
   return runs;
 }
 
@@ -130,21 +134,34 @@ void add_beam(const BorderRun& run, double depth_m, Faces& faces) {
   faces.quad(last[3], last[2], last[1], last[0], concrete);
 }
 
-void add_posts(const BorderRun& run, double off_m, double step_m, double low_m, double high_m, const LinearColor& color,
+struct PostOptions {
+  double off_m = 0.0, step_m = 1.0, low_m = 0.0, high_m = 1.0;
+};
+
+/// At the same places along the road beside it (s), wherever the run begins.
+void add_posts(const StructureInput& input, const BorderRun& run, const PostOptions& options, const LinearColor& color,
                Faces& faces) {
-  double to_next_m = 0.5 * step_m;
+  constexpr double from_end = 0.02;  // share of a segment: on the border's corner another road may be as near
   for (std::size_t i = 0; i + 1 < run.points.size(); ++i) {
     const Vec3 a = run.points[i], b = run.points[i + 1];
     const Vec2 line{b.x - a.x, b.y - a.y};
     const double length_m = std::hypot(line.x, line.y);
     if (!(length_m > 0.0)) continue;
     const Vec2 along = line * (1.0 / length_m), out = left_normal(along) * -1.0;
-    for (; to_next_m < length_m; to_next_m += step_m) {
-      const Vec3 p = a + (b - a) * (to_next_m / length_m);
-      faces.post(Vec2{p.x, p.y} + out * off_m, along * (0.5 * post_m), out * (-0.5 * post_m), p.z + low_m, p.z + high_m,
-                 color);
+    const auto hit_at = [&](double share) {
+      const Vec3 p = a + (b - a) * share;
+      roadquery::Cursor cursor;
+      return input.query.find(p.x - out.x * look_m, p.y - out.y * look_m, p.z, cursor, roadquery::hit_position);
+    };
+    const auto first = hit_at(from_end), last = hit_at(1.0 - from_end);
+    if (!first || !last || first->road != last->road || first->s == last->s) continue;
+    const double s_per_share = (last->s - first->s) / (1.0 - 2.0 * from_end), s_a = first->s - from_end * s_per_share;
+    const double low_s = s_a + std::min(0.0, s_per_share), high_s = s_a + std::max(0.0, s_per_share);
+    for (double s = (std::ceil(low_s / options.step_m - 0.5) + 0.5) * options.step_m; s < high_s; s += options.step_m) {
+      const Vec3 p = a + (b - a) * ((s - s_a) / s_per_share);
+      faces.post(Vec2{p.x, p.y} + out * options.off_m, along * (0.5 * post_m), out * (-0.5 * post_m),
+                 p.z + options.low_m, p.z + options.high_m, color);
     }
-    to_next_m -= length_m;
   }
 }
 
@@ -188,7 +205,7 @@ void add_deck_sides(const StructureInput& input, const RoadLevel& deck, Faces& f
     const double off_m = 0.5 * beam_width_m, top_m = beam_rise_m + railing_m;
     for (const double height_m : {top_m - bar_m, beam_rise_m + 0.5 * railing_m, beam_rise_m + 0.12})
       add_bar(run, off_m - 0.5 * bar_m, off_m + 0.5 * bar_m, height_m, height_m + bar_m, steel, faces);
-    add_posts(run, off_m, post_step_m, beam_rise_m, top_m - bar_m, steel, faces);
+    add_posts(input, run, {off_m, post_step_m, beam_rise_m, top_m - bar_m}, steel, faces);
     faces.are_rails = false;
   }
 }
@@ -201,7 +218,8 @@ void add_guard_rails(const StructureInput& input, Faces& faces) {
                 is_free_beside(input, s, outwards, rail_off_m + 0.5);
        })) {
     add_bar(run, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, steel, faces);
-    add_posts(run, rail_off_m + rail_thick_m + 0.5 * post_m, rail_post_step_m, -0.5, rail_high_m - 0.05, steel, faces);
+    add_posts(input, run, {rail_off_m + rail_thick_m + 0.5 * post_m, rail_post_step_m, -0.5, rail_high_m - 0.05}, steel,
+              faces);
   }
 }
 
@@ -427,7 +445,15 @@ std::vector<StructureFace> build_structures(const StructureInput& input) {
   }
   add_island_kerbs(input, faces);
   add_guard_rails(input, faces);
+  sort_by_place(faces.all);  // the borders' own order depends on where their rings begin
   return std::move(faces.all);
+}
+
+void sort_by_place(std::vector<StructureFace>& faces) {
+  std::ranges::stable_sort(faces, {}, [](const StructureFace& face) {
+    const Vec3& p = face.corners[0];
+    return std::tuple(p.x, p.y, p.z);
+  });
 }
 
 std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces) {

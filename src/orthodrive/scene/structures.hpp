@@ -43,6 +43,9 @@ struct StructureInput {
 /// runs. The same for every tile.
 [[nodiscard]] std::vector<StructureFace> build_structures(const StructureInput& input);
 
+/// By their first corners; those with the same one keep their order.
+void sort_by_place(std::vector<StructureFace>& faces);
+
 /// Faces by the tile of their middle.
 [[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces);
 

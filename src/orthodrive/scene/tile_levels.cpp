@@ -1,7 +1,6 @@
 #include "orthodrive/scene/tile_levels.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace orthodrive::scene {
 namespace {
@@ -21,8 +20,8 @@ std::uint64_t morton_code(TileAddress a) {
 
 }  // namespace
 
-TileLevels::TileLevels(const std::vector<TileAddress>& addresses, const Buildings& buildings, Write write)
-    : order_(addresses), buildings_(&buildings), write_(std::move(write)) {
+TileLevels::TileLevels(const std::vector<TileAddress>& addresses, Write write)
+    : order_(addresses), write_(std::move(write)) {
   std::ranges::sort(order_, {}, morton_code);
   std::vector<TileAddress> below = addresses;
   while (below.size() > 1 && levels_.size() < most_levels) {
@@ -35,41 +34,40 @@ TileLevels::TileLevels(const std::vector<TileAddress>& addresses, const Building
   }
 }
 
-void TileLevels::finish(SceneTile tile) {
-  const TileAddress address{tile.column, tile.row};
+void TileLevels::finish(SceneTile tile, std::span<const PlacedBuilding* const> buildings) {
+  FinishedTile finished{.address = {tile.column, tile.row}};
   if (!tile.meshes.empty()) write_(tile);
   if (levels_.empty()) return;
-  hand_up(0, address,
-          tile.meshes.empty() ? nullptr : std::make_unique<const SceneTile>(ready_to_coarsen(std::move(tile))));
+  for (const PlacedBuilding* building : buildings) finished.buildings.push_back(*building);
+  if (!tile.meshes.empty()) finished.tile = std::make_unique<const SceneTile>(ready_to_coarsen(std::move(tile)));
+  hand_up(0, finished.address, std::move(finished));
 }
 
-std::vector<const PlacedBuilding*> TileLevels::buildings_in(int level, TileAddress address) const {
-  std::vector<const PlacedBuilding*> result;
-  const int first = address.column << level, end = (address.column + 1) << level;
-  for (auto at = buildings_->lower_bound({first, std::numeric_limits<int>::min()});
-       at != buildings_->end() && at->first.column < end; ++at)
-    if (at->first.row >> level == address.row) result.insert(result.end(), at->second.begin(), at->second.end());
-  return result;
-}
-
-void TileLevels::hand_up(int level, TileAddress address, std::unique_ptr<const SceneTile> tile) {
+void TileLevels::hand_up(int level, TileAddress address, FinishedTile tile) {
   const TileAddress parent = parent_of(address);
   Parts parts;
   {
     const std::lock_guard lock(mutex_);
     Parts& found = levels_[static_cast<std::size_t>(level)].at(parent);
-    if (tile) found.tiles.push_back(std::move(tile));
+    if (tile.tile) found.tiles.push_back(std::move(tile));
     if (--found.missing > 0) return;
     parts = std::move(found);
   }
-  std::unique_ptr<const SceneTile> coarse;
+  FinishedTile coarse{.address = parent};
   if (!parts.tiles.empty()) {
-    std::ranges::sort(parts.tiles, {}, [](const auto& part) { return TileAddress{part->column, part->row}; });
+    std::ranges::sort(parts.tiles, {}, &FinishedTile::address);
     std::vector<const SceneTile*> tiles;
-    for (const auto& part : parts.tiles) tiles.push_back(part.get());
-    coarse = std::make_unique<const SceneTile>(coarse_tile(tiles, buildings_in(level + 1, parent)));
+    std::vector<const PlacedBuilding*> buildings;
+    for (const FinishedTile& part : parts.tiles) {
+      tiles.push_back(part.tile.get());
+      for (const PlacedBuilding& building : part.buildings) buildings.push_back(&building);
+    }
+    coarse.tile = std::make_unique<const SceneTile>(coarse_tile(tiles, buildings));
+    for (const FinishedTile& part : parts.tiles)
+      for (const PlacedBuilding& building : part.buildings)
+        if (is_seen_on(building, level + 2)) coarse.buildings.push_back(building);
     parts.tiles.clear();
-    write_(*coarse);
+    write_(*coarse.tile);
   }
   if (level + 1 < coarse_levels()) hand_up(level + 1, parent, std::move(coarse));
 }

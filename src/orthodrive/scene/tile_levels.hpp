@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "orthodrive/scene/coarse_tile.hpp"
@@ -17,27 +18,28 @@ class TileLevels {
  public:
   /// Called with every tile that has a mesh, from any thread.
   using Write = std::function<void(const SceneTile&)>;
-  /// By tile of level 0; they must outlive this.
-  using Buildings = std::map<TileAddress, std::vector<const PlacedBuilding*>>;
-  TileLevels(const std::vector<TileAddress>& addresses, const Buildings& buildings, Write write);
+  TileLevels(const std::vector<TileAddress>& addresses, Write write);
 
   /// Tiles of level 0, those of one parent beside each other, and so on up.
   [[nodiscard]] const std::vector<TileAddress>& order() const { return order_; }
   /// Levels above 0: until one tile is left, or until the next level would have as many; 6 at most.
   [[nodiscard]] int coarse_levels() const { return static_cast<int>(levels_.size()); }
-  /// Each tile once; those without a mesh too.
-  void finish(SceneTile tile);
+  /// Each tile once, with the buildings in it; those without a mesh too.
+  void finish(SceneTile tile, std::span<const PlacedBuilding* const> buildings);
 
  private:
+  struct FinishedTile {
+    TileAddress address;
+    std::unique_ptr<const SceneTile> tile;  ///< null without a mesh
+    std::vector<PlacedBuilding> buildings;  ///< that may show on the levels above
+  };
   struct Parts {
     std::size_t missing = 0;
-    std::vector<std::unique_ptr<const SceneTile>> tiles;
+    std::vector<FinishedTile> tiles;
   };
-  [[nodiscard]] std::vector<const PlacedBuilding*> buildings_in(int level, TileAddress address) const;
-  void hand_up(int level, TileAddress address, std::unique_ptr<const SceneTile> tile);
+  void hand_up(int level, TileAddress address, FinishedTile tile);
 
   std::vector<TileAddress> order_;
-  const Buildings* buildings_;
   std::vector<std::map<TileAddress, Parts>> levels_;  ///< level 1 first
   Write write_;
   std::mutex mutex_;

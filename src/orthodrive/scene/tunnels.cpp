@@ -351,6 +351,7 @@ Tunnels build_tunnels(const TunnelInput& input, const MultiPolygon& area) {
     }
     result.faces.insert(result.faces.end(), faces.all.begin(), faces.all.end());
   }
+  sort_by_place(result.faces);  // which levels tunnels make depends on how many are laid out
   result.openings = openings_of(open, input.roads, area);
   return result;
 }

@@ -1,39 +1,18 @@
 #include "orthodrive/scene/water.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "orthodrive/geo/overlay.hpp"
-#include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 
 namespace orthodrive::scene {
 namespace {
 
-constexpr double min_area_m2 = 20.0, sample_m = 3.0, shore_reach_m = 2.0;
+constexpr double min_area_m2 = 20.0, shore_reach_m = 2.0;
 constexpr double on_shore_m = 2.0 * plan_grid_m;
-constexpr double largest_drop_m = 3.0;
 constexpr double cell_m = 128.0;  // of roads that are taken out of water
-constexpr LinearColor darkest = {0.012F, 0.022F, 0.024F}, brightest = {0.10F, 0.14F, 0.13F};
-
-/// Heights of the terrain model inside, ascending.
-std::vector<double> heights_in(const MultiPolygon& shores, const HeightGrid& terrain) {
-  std::vector<double> heights;
-  for (const Polygon& polygon : shores) {
-    const GridFrame frame = covering_grid(bounds_of(polygon.outer), sample_m);
-    rasterize(polygon, frame, [&](int row, int begin, int end) {
-      for (int col = begin; col < end; ++col) {
-        const double z = sample_bilinear(terrain, frame.center_of(col, row));
-        if (std::isfinite(z)) heights.push_back(z);
-      }
-    });
-  }
-  std::ranges::sort(heights);
-  return heights;
-}
 
 MultiPolygon moved_all(const MultiPolygon& polygons, Vec2 by) {
   MultiPolygon result;
@@ -55,15 +34,19 @@ Box2 bounds_of_all(const MultiPolygon& polygons) {
   return box;
 }
 
-/// `shores`, relative to `from`, less what roads take. In cells, so that a river through a town meets few roads at a
-/// time.
+/// `shores`, relative to `from`, less what roads take, where they are needed. In cells, so that a river through a town
+/// meets few roads at a time.
 MultiPolygon beside_roads(const MultiPolygon& shores, const WaterInput& input, Vec2 from) {
   if (shores.empty()) return {};
   const Box2 box = bounds_of_all(shores);
+  const Box2 needed{input.box.min_x - from.x, input.box.min_y - from.y, input.box.max_x - from.x,
+                    input.box.max_y - from.y};
   MultiPolygon parts;
   for (double x = std::floor(box.min_x / cell_m) * cell_m; x < box.max_x; x += cell_m) {
     for (double y = std::floor(box.min_y / cell_m) * cell_m; y < box.max_y; y += cell_m) {
-      MultiPolygon inside = intersection_of(shores, {polygon_of({x, y, x + cell_m, y + cell_m})}, plan_grid_m);
+      const Box2 cell{x, y, x + cell_m, y + cell_m};
+      if (!cell.overlaps(needed)) continue;
+      MultiPolygon inside = intersection_of(shores, {polygon_of(cell)}, plan_grid_m);
       if (inside.empty()) continue;
       const Box2 near = bounds_of_all(inside).grown(input.shore_m);
       const MultiPolygon paved = input.roads.paved_near(
@@ -91,38 +74,19 @@ MultiPolygon shores_of(const Polygon& polygon, const WaterInput& input, const st
   return moved_all(shores, from);
 }
 
-LinearColor color_of(const Photo& photo, const MultiPolygon& shores) {
-  const auto widest = std::ranges::max_element(shores, {}, [](const Polygon& part) { return area_m2(part); });
-  LinearColor color = photo_median(photo, *widest);
-  for (std::size_t c = 0; c < 3; ++c) color[c] = std::clamp(color[c], darkest[c], brightest[c]);
-  return color;
-}
-
 }  // namespace
 
-Waters::Waters(const MultiPolygon& polygons, const WaterInput& input, Findings& findings) {
+Waters::Waters(const MultiPolygon& polygons, std::span<const std::optional<WaterLevel>> levels,
+               const WaterInput& input) {
   std::vector<Box2> boxes;
-  for (const Polygon& polygon : polygons) {
-    MultiPolygon shores = shores_of(polygon, input, bodies_);
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (!levels[i]) continue;
+    MultiPolygon shores = shores_of(polygons[i], input, bodies_);
     if (shores.empty()) continue;
-    const std::vector<double> heights = heights_in(shores, input.terrain);
-    if (heights.empty()) continue;
-    const auto quantile = [&](double share) {
-      return heights[static_cast<std::size_t>(share * static_cast<double>(heights.size() - 1))];
-    };
-    const Vec2 place = shores.front().outer.front();
-    if (quantile(0.9) - quantile(0.1) > largest_drop_m) {
-      findings.push_back({Severity::info, "scene.water_slope",
-                          fmt::format("water falls by {:.1f} m in the terrain model: it has no level and is not drawn",
-                                      quantile(0.9) - quantile(0.1)),
-                          place.x, place.y});
-      continue;
-    }
     const Box2 box = bounds_of_all(shores);
     boxes.push_back(box.grown(shore_reach_m));
-    const LinearColor color = color_of(input.photo, shores);
     Outline outline(shores, shore_reach_m);
-    bodies_.push_back({std::move(shores), box, std::move(outline), quantile(0.25), color});
+    bodies_.push_back({std::move(shores), box, std::move(outline), levels[i]->level_m, levels[i]->color});
   }
   index_ = SpatialIndex(boxes);
 }

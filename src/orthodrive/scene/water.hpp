@@ -6,12 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "orthodrive/core/finding.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
-#include "orthodrive/model/rasters.hpp"
 #include "orthodrive/scene/outline.hpp"
 #include "orthodrive/scene/road_level.hpp"
-#include "orthodrive/scene/road_tint.hpp"
+#include "orthodrive/scene/water_levels.hpp"
 
 namespace orthodrive::scene {
 
@@ -25,19 +23,17 @@ struct WaterBody {
 
 struct WaterInput {
   const RoadLevel& roads;  ///< on the ground
-  const HeightGrid& terrain;
-  const Photo& photo;
   const Polygon& area;
+  Box2 box;  ///< shores are needed there
   double shore_m = 5.0;  ///< from roads, whose verges end there
 };
 
 class Waters {
  public:
   Waters() = default;
-  /// The level of a body is the lower quartile of the terrain model in it. Where a tenth of the terrain is more than
-  /// 3 m over another tenth there is no level: finding "scene.water_slope", and no water. Bodies lose what is nearer to
-  /// a road than the shore, and what they share with those before them.
-  Waters(const MultiPolygon& polygons, const WaterInput& input, Findings& findings);
+  /// Those of the polygons that have a level. Bodies lose what is nearer to a road than the shore, and what they share
+  /// with those before them.
+  Waters(const MultiPolygon& polygons, std::span<const std::optional<WaterLevel>> levels, const WaterInput& input);
 
   /// The body that p lies in or, within two steps of the plan grid, on the shore of; nullptr: none.
   [[nodiscard]] const WaterBody* at(Vec2 p) const;
