@@ -69,6 +69,12 @@ TEST(Labels, come_back_as_written_with_their_class_table) {
   EXPECT_EQ(back.classes.classes[3].color, map.classes.classes[3].color);
   EXPECT_DOUBLE_EQ(back.classes.classes[4].cost_false_negative, map.classes.classes[4].cost_false_negative);
   EXPECT_EQ(scratch.file_count(), 1) << "no side-car files";
+  const LabelSource source = io::open_labels(scratch / "labels.tif");
+  EXPECT_EQ(source.frame, back.frame);
+  const PixelBox box{1, 1, back.frame.width - 2, back.frame.height - 1};
+  const Raster<std::uint8_t> part = source.read(box);
+  for (int row = 0; row < box.height; ++row)
+    for (int col = 0; col < box.width; ++col) EXPECT_EQ(part.at(col, row), back.labels.at(col + 1, row + 1));
 }
 
 TEST(Labels, file_is_a_palette_geotiff_that_others_can_open) {

@@ -295,10 +295,11 @@ LabelSource open_labels(const fs::path& path, const std::optional<ClassTable>& f
     Raster<std::uint8_t> labels = read_bytes(path, band, box);
     for (const std::uint8_t label : labels.data)
       if (label != label_nodata && label >= classes.classes.size())
-        throw InputError(path.string(),
-                         fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
-                                     "model that made it",
-                                     label, classes.name, classes.classes.size()));
+        throw InputError(
+            path.string(),
+            fmt::format("has label {}, but the class table '{}' has only {} classes; give the table of the "
+                        "model that made it",
+                        label, classes.name, classes.classes.size()));
     return labels;
   };
   return source;

@@ -26,7 +26,8 @@ LabelSource source_of(const LabelMap& labels) {
 }
 
 PixelBox pixels_in(const GridFrame& frame, const Box2& box) {
-  const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}), high = frame.pixel_from_world({box.max_x, box.min_y});
+  const Vec2 low = frame.pixel_from_world({box.min_x, box.max_y}),
+             high = frame.pixel_from_world({box.max_x, box.min_y});
   const auto clamped = [](double v, int limit) {
     return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(limit)));
   };

@@ -1,5 +1,7 @@
 #include "orthodrive/pipeline/run_report.hpp"
 
+#include <algorithm>
+
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -34,11 +36,18 @@ StageOutcome run_report(SiteBuild& build, const std::vector<StageRecord>& record
   const RoadNetwork roads = io::read_roads(out_dir / "roads.gpkg");
   const roadquery::RoadMap map = roadquery::read_opendrive((out_dir / "roads.xodr").string());
   const std::vector<ReportStage> stages = report_stages(records);
+  const int threads = build.context.threads;
+  const PhotoSource photo = io::open_photo(site.photo, site.frame, {.threads = threads});
+  const Box2 box = photo.frame.bounds();
+  const double overview_gsd_m = std::max(box.width(), box.height()) / report_overview_px;
+  const Photo overview = io::read_photo(site.photo, site.frame,
+                                        {.gsd_m = std::max(photo.frame.gsd_m, overview_gsd_m), .threads = threads});
   const SiteReportView view{
       .name = site.name,
       .area = site.frame.area,
       .attribution = site.attribution,
-      .photo = sources.photo(site.photo, site.frame, build.context.threads),
+      .overview = overview,
+      .photo = photo,
       .osm = sources.osm(site.osm, site.frame).roads,
       .dtms = sources.terrain(site.dtm, site.frame).dtms,
       .labels = labels,

@@ -237,8 +237,7 @@ StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, S
   const SceneResult scene =
       build_scene(inputs.source(part_of_area(site.area, options.bounds)), keep, scene_options, context.monitor);
   std::ranges::sort(tiles, {}, [](const SceneTile& tile) { return std::pair(tile.column, tile.row); });
-  io::write_area_glb(options.glb, tiles, origin,
-                     [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
+  io::write_area_glb(options.glb, tiles, origin, [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
   std::size_t meshes = 0, copies = 0;
   for (const SceneTile& tile : tiles) {
     meshes += tile.meshes.size();

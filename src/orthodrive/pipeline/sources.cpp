@@ -43,9 +43,6 @@ Terrain read_terrain(const Sources::Files& files, const SiteFrame& site) {
   return terrain;
 }
 
-const Photo& Sources::photo(const fs::path& file, const SiteFrame& site, int threads) {
-  return kept(photo_, [&] { return io::read_photo(file, site, {.threads = threads}); });
-}
 const OsmRoads& Sources::osm(const Files& files, const SiteFrame& site) {
   return kept(osm_, [&] { return read_all_osm(files, site); });
 }

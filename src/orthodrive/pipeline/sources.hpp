@@ -29,7 +29,6 @@ struct Terrain {
 class Sources {
  public:
   using Files = std::vector<std::filesystem::path>;
-  const Photo& photo(const std::filesystem::path& file, const SiteFrame& site, int threads);
   /// Throws OptionError for a way that is in two of the files.
   const OsmRoads& osm(const Files& files, const SiteFrame& site);
   const io::GpxTraces& gpx(const Files& files, const SiteFrame& site);
@@ -38,7 +37,6 @@ class Sources {
   const SegmentModel& model(const std::filesystem::path& file);
 
  private:
-  std::optional<Photo> photo_;
   std::optional<OsmRoads> osm_;
   std::optional<io::GpxTraces> gpx_;
   std::optional<io::DriveLogs> drive_logs_;

@@ -61,6 +61,12 @@ const ReportStage* find_stage(const SiteReportView& in, const std::string& name)
   return it == in.stages.end() ? nullptr : &*it;
 }
 
+/// The photo for a picture of a box: a wide one does not show more than the overview has.
+Photo photo_of(const SiteReportView& in, const Box2& box) {
+  constexpr double wide_m = 2000.0;
+  return std::max(box.width(), box.height()) > wide_m ? in.overview : window_of(in.photo, box);
+}
+
 /// The numbers a stage reported, one row each.
 std::string numbers_of(const SiteReportView& in, const std::string& stage) {
   const ReportStage* record = find_stage(in, stage);
@@ -76,7 +82,7 @@ std::string numbers_of(const SiteReportView& in, const std::string& stage) {
 
 std::string source_section(const SiteReportView& in, const Box2& box) {
   return "<h2>1. Sources: photo and OpenStreetMap roads</h2>\n" +
-         figure(in, picture_of_input(in.photo, in.osm, box),
+         figure(in, picture_of_input(in.overview, in.osm, box),
                 "The orthophoto in the site's UTM zone with the roads as OpenStreetMap has them");
 }
 
@@ -124,11 +130,11 @@ std::string refine_section(const SiteReportView& in, const Box2& box) {
                     fmt::format("{:.2f}", median(c.refined)), fmt::format("{:.2f}", median(c.sigma))});
   std::string html = "<h2>3. Roads moved onto the photo</h2>\n" +
                      color_bar("offset from OpenStreetMap", offset_scale_m, "m") +
-                     figure(in, picture_of_offsets(in.photo, roads, box, offset_scale_m),
+                     figure(in, picture_of_offsets(in.overview, roads, box, offset_scale_m),
                             "Refined carriageways, colored by how far they moved") +
                      "<div class=row>";
   for (const Box2& place : telling_places(roads, 120.0, 6))
-    html += figure(in, picture_of_refinement(in.photo, in.osm, roads, place),
+    html += figure(in, picture_of_refinement(photo_of(in, place), in.osm, roads, place),
                    "White: OpenStreetMap. Orange: refined carriageway. 120 m");
   html += "</div>\n" + html_table({"highway", "km", "input width m", "refined width m", "sigma width m"}, rows);
   const PlotSeries shares = histogram(offsets, -8.0, 8.0, 0.25, "");
@@ -141,9 +147,9 @@ std::string refine_section(const SiteReportView& in, const Box2& box) {
 
 std::string elevate_section(const SiteReportView& in, const Box2& box) {
   const RoadNetwork& roads = in.roads;
-  std::string html =
-      "<h2>4. Heights</h2>\n" + color_bar("gradient", 100.0 * gradient_scale, "%") +
-      figure(in, picture_of_gradients(in.photo, roads, box, gradient_scale), "Carriageways colored by their gradient");
+  std::string html = "<h2>4. Heights</h2>\n" + color_bar("gradient", 100.0 * gradient_scale, "%") +
+                     figure(in, picture_of_gradients(in.overview, roads, box, gradient_scale),
+                            "Carriageways colored by their gradient");
   std::vector<const RoadPath*> longest;
   for (const RoadPath& path : roads.paths) longest.push_back(&path);
   std::stable_sort(longest.begin(), longest.end(),
@@ -212,11 +218,12 @@ std::string verdict_table(const SiteReportView& in) {
 
 std::string network_section(const SiteReportView& in, const Box2& box) {
   const roadquery::RoadMap& map = in.map;
+  const Box2 junction = busiest_junction(map, 120.0);
   return "<h2>5. OpenDRIVE road network</h2>\n" +
-         figure(in, picture_of_network(in.photo, map, box),
+         figure(in, picture_of_network(in.overview, map, box),
                 "Carriageway borders: roads white, connecting roads of junctions orange, bridges blue") +
          "<div class=row>" +
-         figure(in, picture_of_network(in.photo, map, busiest_junction(map, 120.0)),
+         figure(in, picture_of_network(photo_of(in, junction), map, junction),
                 "The junction with the most connections, 120 m") +
          "</div>\n" + verdict_table(in) + surface_table(in.roads) + numbers_of(in, "network");
 }
@@ -260,7 +267,7 @@ std::string drive_section(const SiteReportView& in) {
              0.5 * (box.min_y + box.max_y)}
             .grown(0.58 * side);
   std::string html = "<h2>7. The simulated drive</h2>\n" + color_bar("speed", std::round(fastest), "km/h") +
-                     figure(in, picture_of_lap(in.photo, lap, speed, box), "The driven lap, colored by speed");
+                     figure(in, picture_of_lap(photo_of(in, box), lap, speed, box), "The driven lap, colored by speed");
   return html + in.lap_plots + numbers_of(in, "drive") +
          "<p>More in <a href=\"drive/report.html\">drive/report.html</a>.</p>\n";
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
-#include "orthodrive/model/rasters.hpp"
+#include "orthodrive/model/raster_source.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/report/html.hpp"
 #include "roadquery/road_map.hpp"
@@ -25,12 +25,16 @@ struct ReportStage {
   bool taken_over = false;  ///< from an earlier run
 };
 
+/// Twice what pictures of whole areas have.
+constexpr int report_overview_px = 2800;
+
 /// What the page shows. Borrowed, in the site CRS.
 struct SiteReportView {
   const std::string& name;
   const Polygon& area;
   const std::vector<std::string>& attribution;
-  const Photo& photo;
+  const Photo& overview;     ///< of the whole area, report_overview_px along its longer side, or all that the photo has
+  const PhotoSource& photo;  ///< for places seen close up
   const RoadNetwork& osm;
   const std::vector<HeightGrid>& dtms;
   const LabelMap& labels;

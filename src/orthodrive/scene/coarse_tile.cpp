@@ -316,9 +316,7 @@ BlockOptions block_options(int level) {
 
 }  // namespace
 
-bool is_seen_on(const PlacedBuilding& building, int level) {
-  return height_m(building) > block_options(level).size_m;
-}
+bool is_seen_on(const PlacedBuilding& building, int level) { return height_m(building) > block_options(level).size_m; }
 
 SceneTile ready_to_coarsen(SceneTile tile) {
   if (std::ranges::any_of(tile.meshes, [](const TriMesh& mesh) { return mesh.kind == MeshKind::rails; }))

@@ -23,8 +23,8 @@ namespace orthodrive::scene {
 /// bridges and the like lose what 0.25 m * 2^level allows; buildings are blocks (scene/building_blocks.hpp); trees are
 /// lumps, from level 2 on one for all of a square of 2 m * 2^level, from level 4 on none. SceneTile::geometric_error_m
 /// is the largest of: that of the tiles below plus the measured change in height; what blocks have moved; half a square
-/// of trees, the tallest tree left out; a texel of the photo. `buildings`: those in the tile that were seen on the level
-/// below.
+/// of trees, the tallest tree left out; a texel of the photo. `buildings`: those in the tile that were seen on the
+/// level below.
 [[nodiscard]] SceneTile coarse_tile(std::span<const SceneTile* const> tiles,
                                     std::span<const PlacedBuilding* const> buildings = {});
 

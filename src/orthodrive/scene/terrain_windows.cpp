@@ -150,13 +150,13 @@ HeightGrid TerrainWindows::window(const Box2& box) const {
   Raster<float> top((around.width + coarse_px - 1) / coarse_px, (around.height + coarse_px - 1) / coarse_px);
   for (int row = 0; row < top.height; ++row)
     for (int col = 0; col < top.width; ++col)
-      top.at(col, row) = coarse_.at(static_cast<int>(around.col / coarse_px) + col,
-                                    static_cast<int>(around.row / coarse_px) + row);
+      top.at(col, row) =
+          coarse_.at(static_cast<int>(around.col / coarse_px) + col, static_cast<int>(around.row / coarse_px) + row);
   fill_below(coarse_levels, top, heights);
   for (int row = 0; row < wanted.height; ++row)
     for (int col = 0; col < wanted.width; ++col)
-      grid.height_m.at(col, row) = heights.at(static_cast<int>(wanted.col - around.col) + col,
-                                              static_cast<int>(wanted.row - around.row) + row);
+      grid.height_m.at(col, row) =
+          heights.at(static_cast<int>(wanted.col - around.col) + col, static_cast<int>(wanted.row - around.row) + row);
   return grid;
 }
 

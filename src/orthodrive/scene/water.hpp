@@ -24,7 +24,7 @@ struct WaterBody {
 struct WaterInput {
   const RoadLevel& roads;  ///< on the ground
   const Polygon& area;
-  Box2 box;  ///< shores are needed there
+  Box2 box;              ///< shores are needed there
   double shore_m = 5.0;  ///< from roads, whose verges end there
 };
 
