@@ -42,6 +42,25 @@ TEST(BuildingReader, takes_tags_of_osm_and_short_keys) {
   EXPECT_EQ(buildings[2].levels, 2.0);
 }
 
+TEST(BuildingReader, takes_colours_by_hex_name_and_material) {
+  const auto buildings =
+      read({box(0, {{"building", "yes"}, {"building:colour", "#Ff0000"}, {"roof:colour", "#fff"}}),
+            box(20, {{"building", "yes"}, {"building:colour", "Light_Grey"}}),
+            box(40, {{"building", "yes"}, {"building:colour", "reddish"}, {"roof:colour", "#12345"}}),
+            box(60, {{"building", "yes"}, {"building:material", "brick"}}),
+            box(80, {{"building", "yes"}, {"building:material", "plaster"}})});
+  ASSERT_EQ(buildings.size(), 5U);
+  using Color = std::array<float, 3>;
+  EXPECT_EQ(buildings[0].wall_color, (Color{1.0F, 0.0F, 0.0F}));
+  EXPECT_EQ(buildings[0].roof_color, (Color{1.0F, 1.0F, 1.0F}));
+  ASSERT_TRUE(buildings[1].wall_color);
+  EXPECT_NEAR((*buildings[1].wall_color)[0], 0.6514F, 1e-3F) << "211 / 255 in sRGB";
+  EXPECT_FALSE(buildings[2].wall_color || buildings[2].roof_color) << "no colour is better than a wrong one";
+  ASSERT_TRUE(buildings[3].wall_color);
+  EXPECT_GT((*buildings[3].wall_color)[0], (*buildings[3].wall_color)[2]);
+  EXPECT_FALSE(buildings[4].wall_color);
+}
+
 TEST(BuildingReader, passes_over_what_is_no_building_here) {
   const auto buildings = read({box(0, {{"building", "no"}}),
                                box(20, {{"building", "roof"}}),

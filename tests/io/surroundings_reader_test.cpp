@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "places.hpp"
@@ -63,6 +65,42 @@ TEST(SurroundingsReader, takes_railways_on_the_ground) {
   EXPECT_EQ(got.tracks.size(), 4U);
 }
 
+io::Feature point(std::map<std::string, std::string> tags, Vec2 at = {20, 20}) {
+  return {.points = {origin + at}, .tags = std::move(tags)};
+}
+
+TEST(SurroundingsReader, takes_objects_by_their_tags) {
+  Findings findings;
+  const MapSurroundings got =
+      read({point({{"highway", "traffic_signals"}}), point({{"highway", "bus_stop"}, {"shelter", "yes"}}),
+            point({{"highway", "bus_stop"}}), point({{"traffic_sign", "DE:274-30"}}),
+            point({{"traffic_sign", "city_limit"}}), point({{"traffic_sign", "XX:1"}}), point({{"amenity", "bench"}}),
+            point({{"amenity", "pub"}}), point({{"man_made", "chimney"}, {"height", "80"}, {"diameter", "4"}}),
+            point({{"man_made", "mast"}, {"height", "4000"}}), point({{"emergency", "fire_hydrant"}}, {-900, 0}),
+            area({{"man_made", "storage_tank"}})},
+           &findings);
+  const std::vector<ObjectKind> kinds = {ObjectKind::traffic_signals, ObjectKind::bus_shelter, ObjectKind::bus_stop,
+                                         ObjectKind::speed_sign,      ObjectKind::city_sign,   ObjectKind::other_sign,
+                                         ObjectKind::bench,           ObjectKind::chimney,     ObjectKind::mast,
+                                         ObjectKind::storage_tank};
+  ASSERT_EQ(got.objects.size(), kinds.size());
+  for (std::size_t i = 0; i < kinds.size(); ++i) EXPECT_EQ(got.objects[i].kind, kinds[i]) << i;
+  EXPECT_EQ(got.objects[7].height_m, 80.0);
+  EXPECT_EQ(got.objects[7].radius_m, 2.0);
+  EXPECT_EQ(got.objects[8].height_m, 0.0);
+  EXPECT_NEAR(got.objects[9].radius_m, std::sqrt(2500.0 / 3.14159265), 1e-3);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].code, "surroundings.odd_height");
+}
+
+TEST(SurroundingsReader, takes_power_lines) {
+  const MapSurroundings got = read({line({{"power", "line"}}), line({{"power", "minor_line"}}),
+                                    line({{"power", "cable"}}), line({{"power", "line"}}, {-5000, 0})});
+  ASSERT_EQ(got.power_lines.size(), 2U);
+  EXPECT_FALSE(got.power_lines[0].is_minor);
+  EXPECT_TRUE(got.power_lines[1].is_minor);
+}
+
 TEST(SurroundingsReader, takes_nodes_and_ways_of_osm) {
   const Scratch scratch;
   write_bytes(scratch / "a.osm", R"(<?xml version="1.0" encoding="UTF-8"?>
@@ -70,6 +108,8 @@ TEST(SurroundingsReader, takes_nodes_and_ways_of_osm) {
   <node id="1" lat="50.0000" lon="15.0000"/><node id="2" lat="50.0010" lon="15.0000"/>
   <node id="5" lat="50.0010" lon="15.0010"/>
   <node id="3" lat="50.0005" lon="15.0005"><tag k="highway" v="street_lamp"/></node>
+  <node id="6" lat="50.0004" lon="15.0005"><tag k="amenity" v="post_box"/></node>
+  <node id="7" lat="50.0004" lon="15.0006"><tag k="shop" v="kiosk"/></node>
   <node id="4" lat="50.0005" lon="15.0006"><tag k="natural" v="tree"/></node>
   <way id="10"><nd ref="1"/><nd ref="2"/><nd ref="5"/><nd ref="1"/><tag k="barrier" v="fence"/></way>
   <way id="11"><nd ref="1"/><nd ref="2"/><nd ref="5"/><nd ref="1"/><tag k="natural" v="water"/></way>
@@ -77,6 +117,8 @@ TEST(SurroundingsReader, takes_nodes_and_ways_of_osm) {
 )");
   const auto got = io::read_surroundings({scratch / "a.osm"}, lonlat_site(14.99, 49.99, 15.01, 50.01));
   EXPECT_EQ(got.lamps.size(), 1U);
+  ASSERT_EQ(got.objects.size(), 1U);
+  EXPECT_EQ(got.objects[0].kind, ObjectKind::post_box);
   ASSERT_EQ(got.barriers.size(), 1U);
   EXPECT_EQ(got.barriers[0].line.size(), 4U) << "closed";
   EXPECT_EQ(got.water.size(), 1U);

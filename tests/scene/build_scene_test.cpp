@@ -557,7 +557,8 @@ struct FullSite {
                         .length_m = 300.0,
                         .z_m = 20.0,
                         .curvature_1pm = 0.002 * (i - 5),
-                        .bridge = i % 4 == 0});
+                        .bridge = i % 4 == 0,
+                        .tunnel = i % 4 == 2});
     site = make_site(960.0, shapes, hills);
     for (int row = 95; row < 103; ++row)  // holes of the terrain, at the corner of the tiles
       for (int col = 90; col < 110; ++col) site.terrain.height_m.at(col, row) = std::nanf("");
@@ -578,6 +579,10 @@ struct FullSite {
     surroundings.tracks = {{{west_m + 5.0, south_m + 530.0}, {west_m + 955.0, south_m + 610.0}}};
     surroundings.water = {{square(west_m + 400.0, south_m + 420.0, 130.0), {}}};
     for (int i = 0; i < 30; ++i) surroundings.lamps.push_back({west_m + 32.0 * i, south_m + 485.0 + i});
+    for (int i = 0; i < 240; ++i)
+      surroundings.objects.push_back({static_cast<ObjectKind>(i % 24), {west_m + 4.0 * i, south_m + 475.0 + i % 11}});
+    surroundings.power_lines = {{{{west_m + 30.0, south_m + 50.0}, {west_m + 930.0, south_m + 880.0}}},
+                                {{{west_m + 300.0, south_m + 900.0}, {west_m + 470.0, south_m + 470.0}}, true}};
   }
   [[nodiscard]] SceneInput input() const {
     SceneInput input = site.input();

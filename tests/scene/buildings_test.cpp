@@ -311,5 +311,19 @@ TEST(Buildings, from_afar_are_blocks_within_the_error_they_state) {
   EXPECT_NEAR(highest_m + origin.z, all[0]->eaves_z_m + 0.5 * all[0]->roof.rise_m, 1e-4);
 }
 
+TEST(Buildings, have_the_colours_of_the_map) {
+  const Site site = make_site(480.0, {});
+  const std::vector<Building> buildings = {
+      {.footprint = {square(west_m + 100.0, south_m + 100.0, 12.0), {}}, .wall_color = {{0.1F, 0.2F, 0.3F}}},
+      {.footprint = {square(west_m + 200.0, south_m + 100.0, 12.0), {}}, .roof_color = {{0.3F, 0.2F, 0.1F}}}};
+  SceneInput input = site.input();
+  input.buildings = buildings;
+  const auto layout = lay_out_scene(input);
+  ASSERT_EQ(layout->buildings.size(), 2U);
+  EXPECT_EQ(layout->buildings[0].wall_color, (scene::LinearColor{0.1F, 0.2F, 0.3F}));
+  EXPECT_NEAR(layout->buildings[0].roof_color[0], 0.1022F, 1e-3F) << "the photo's";
+  EXPECT_EQ(layout->buildings[1].roof_color, (scene::LinearColor{0.3F, 0.2F, 0.1F}));
+}
+
 }  // namespace
 }  // namespace orthodrive

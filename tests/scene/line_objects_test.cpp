@@ -32,26 +32,6 @@ std::shared_ptr<const SceneLayout> lay_out(const Site& site, const MapSurroundin
   return lay_out_scene(input);
 }
 
-/// Area that the faces' triangles share with the polygons in plan.
-double shared_m2(const std::map<TileAddress, std::vector<scene::StructureFace>>& tiles, const MultiPolygon& polygons) {
-  const Vec2 from = at(0.0, 0.0);
-  MultiPolygon taken;
-  for (const Polygon& polygon : polygons) taken.push_back(moved(polygon, from * -1.0));
-  std::vector<Polygon> covered;
-  for (const auto& [address, faces] : tiles)
-    for (const scene::StructureFace& face : faces) {
-      std::vector<Vec2> corners;
-      for (const Vec3& c : face.corners) corners.push_back(Vec2{c.x, c.y} - from);
-      Ring ring = convex_hull(std::move(corners));
-      if (ring.size() >= 3 && signed_area_m2(ring) > 1e-6) covered.push_back({std::move(ring), {}});
-    }
-  if (covered.empty()) return 0.0;
-  double sum = 0.0;
-  for (const Polygon& part : intersection_of(union_of(covered, 1e-3), union_of(taken, 1e-3), 1e-3))
-    sum += area_m2(part);
-  return sum;
-}
-
 std::size_t count(const std::map<TileAddress, std::vector<scene::StructureFace>>& tiles) {
   std::size_t faces = 0;
   for (const auto& [address, of_tile] : tiles) faces += of_tile.size();

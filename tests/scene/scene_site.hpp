@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/scene/build_scene.hpp"
+#include "orthodrive/scene/structures.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::scene_test {
@@ -135,6 +137,27 @@ inline void expect_closed(const SceneTile& tile, const std::function<bool(Vec2, 
 inline bool on_tile_border(Vec2 a, Vec2 b) {
   const auto on = [](double u, double v) { return u == v && std::fmod(u, scene_tile_m) == 0.0; };
   return on(a.x, b.x) || on(a.y, b.y);
+}
+
+/// Area that the faces' triangles share with the polygons in plan.
+inline double shared_m2(const std::map<TileAddress, std::vector<scene::StructureFace>>& tiles,
+                        const MultiPolygon& polygons) {
+  const Vec2 from{west_m, south_m};
+  MultiPolygon taken;
+  for (const Polygon& polygon : polygons) taken.push_back(moved(polygon, from * -1.0));
+  std::vector<Polygon> covered;
+  for (const auto& [address, faces] : tiles)
+    for (const scene::StructureFace& face : faces) {
+      std::vector<Vec2> corners;
+      for (const Vec3& c : face.corners) corners.push_back(Vec2{c.x, c.y} - from);
+      Ring ring = convex_hull(std::move(corners));
+      if (ring.size() >= 3 && signed_area_m2(ring) > 1e-6) covered.push_back({std::move(ring), {}});
+    }
+  if (covered.empty()) return 0.0;
+  double sum = 0.0;
+  for (const Polygon& part : intersection_of(union_of(covered, 1e-3), union_of(taken, 1e-3), 1e-3))
+    sum += area_m2(part);
+  return sum;
 }
 
 }  // namespace orthodrive::scene_test

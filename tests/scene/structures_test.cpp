@@ -239,5 +239,50 @@ TEST(Structures, guard_rails_follow_a_bend) {
   for (const auto& seen : seen_deg) EXPECT_GE(seen.size(), 17U) << "all along the quarter circle";
 }
 
+/// A ring of one-way roads in four quarters, counter-clockwise around its middle unless `clockwise`.
+Site ring_site(double radius_m, bool clockwise, bool two_ways = false) {
+  std::vector<RoadShape> shapes;
+  const double turn = clockwise ? -1.0 : 1.0;
+  for (int k = 0; k < 4; ++k) {
+    const double angle = 0.5 * pi * k * turn;
+    shapes.push_back(
+        {.start = {west_m + 240.0 + radius_m * std::cos(angle), south_m + 240.0 + radius_m * std::sin(angle)},
+         .heading_rad = angle + turn * 0.5 * pi,
+         .length_m = 0.5 * pi * radius_m,
+         .width_m = 8.0,
+         .gradient = 0.0,
+         .curvature_1pm = turn / radius_m});
+  }
+  Site site = make_site(480.0, shapes);
+  for (roadquery::Road& road : site.roads.roads)
+    if (!two_ways) road.sections[0].left.clear(), road.sections[0].right[0].width = {{.a = 5.0}};
+  return site;
+}
+
+TEST(Structures, middles_of_roundabouts_have_a_kerb_along_the_inner_border) {
+  const double radius_m = 14.0;
+  const SceneTile tile = build(ring_site(radius_m, false));
+  const TriMesh* mesh = structure_of(tile);
+  ASSERT_TRUE(mesh);
+  double top = -1e9;
+  std::set<int> seen_deg;
+  for (const auto& position : mesh->positions) {
+    const Vec3 p = world(tile, position);
+    const double off_m = distance({p.x, p.y}, {west_m + 240.0, south_m + 240.0});
+    EXPECT_LT(off_m, radius_m + 0.02) << "the lane lies outside";
+    EXPECT_GT(off_m, radius_m - 0.15 - 0.03);
+    top = std::max(top, p.z);
+    seen_deg.insert(static_cast<int>(std::atan2(p.y - south_m - 240.0, p.x - west_m - 240.0) * 18.0 / pi));
+  }
+  EXPECT_NEAR(top, 10.0 + 0.12, 1e-4);
+  EXPECT_GE(seen_deg.size(), 30U) << "all around";
+}
+
+TEST(Structures, blocks_between_streets_have_no_kerb) {
+  EXPECT_EQ(structure_of(build(ring_site(14.0, true))), nullptr) << "traffic has it on its right: no roundabout";
+  EXPECT_EQ(structure_of(build(ring_site(14.0, false, true))), nullptr) << "lanes of both directions";
+  EXPECT_EQ(structure_of(build(ring_site(60.0, false))), nullptr) << "larger than a roundabout";
+}
+
 }  // namespace
 }  // namespace orthodrive::scene

@@ -117,7 +117,7 @@ export class TileLayers {
     this.looks.adopt(meshes);
     for (const mesh of meshes) {
       if (['tree', 'lamp'].includes(kindOf(mesh))) mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
-      mesh.castShadow = stands(mesh);
+      mesh.castShadow = stands(mesh) || mesh.name.startsWith('road_tube'); // no sun in tunnels
       mesh.receiveShadow = true;
     }
     this.apply(model);
@@ -136,7 +136,8 @@ export class TileLayers {
       case 'building':
       case 'barrier':
       case 'track':
-      case 'lamp': return buildings;
+      case 'lamp':
+      case 'object': return buildings;
       case 'tree': return trees;
     }
   }

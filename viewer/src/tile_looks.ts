@@ -18,7 +18,7 @@ export interface Layers {
   wireframe: boolean;
 }
 
-const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'water', 'terrain'] as const;
+const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'object', 'water', 'terrain'] as const;
 export type SurfaceKind = (typeof kinds)[number];
 
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
@@ -28,7 +28,7 @@ export function kindOf(mesh: Mesh): SurfaceKind {
 
 /** What stands beside the roads throws shadows and has no photo of its own. */
 export function stands(mesh: Mesh): boolean {
-  return ['building', 'tree', 'barrier', 'track', 'lamp'].includes(kindOf(mesh));
+  return ['building', 'tree', 'barrier', 'track', 'lamp', 'object'].includes(kindOf(mesh));
 }
 
 /** In the scene's axes: three.js shows those of the camera. */
@@ -62,6 +62,7 @@ export class TileLooks {
     barrier: new MeshLambertMaterial({color: 0xa9a498}),
     track: new MeshLambertMaterial({color: 0x8b8378}),
     lamp: new MeshLambertMaterial({color: 0x8d9094}),
+    object: new MeshLambertMaterial({color: 0x8d9094}),
     water: new MeshLambertMaterial({color: 0x8fb0bd}),
     marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
   };

@@ -23,8 +23,10 @@ Place place_of(const SceneTile& tile, const std::array<float, 3>& p) {
           tile.origin.z + static_cast<double>(p[2])};
 }
 
+bool is_road(MeshKind kind) { return kind == MeshKind::road || kind == MeshKind::tunnel_road; }
+
 bool is_surface(MeshKind kind) {
-  return kind == MeshKind::terrain || kind == MeshKind::water || kind == MeshKind::road || kind == MeshKind::road_body;
+  return kind == MeshKind::terrain || kind == MeshKind::water || is_road(kind) || kind == MeshKind::road_body;
 }
 
 bool stands(MeshKind kind) {
@@ -103,7 +105,7 @@ void SceneScorer::add_edges(const SceneTile& tile) {
 
 void SceneScorer::add_roads(const SceneTile& tile) {
   for (const TriMesh& mesh : tile.meshes) {
-    if (mesh.kind != MeshKind::road) continue;
+    if (!is_road(mesh.kind)) continue;
     for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
       std::array<Place, 3> c;
       for (std::size_t k = 0; k < 3; ++k) c[k] = place_of(tile, mesh.positions[mesh.indices[i + k]]);
@@ -129,13 +131,13 @@ void SceneScorer::add_roads(const SceneTile& tile) {
 
 void SceneScorer::add_normals(const SceneTile& tile) {
   for (const TriMesh& mesh : tile.meshes) {
-    if (mesh.kind != MeshKind::terrain && mesh.kind != MeshKind::road) continue;
+    if (mesh.kind != MeshKind::terrain && !is_road(mesh.kind)) continue;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       const Place p = place_of(tile, mesh.positions[i]);
       constexpr double side_m = 480.0;
       if (std::fmod(p[0], side_m) != 0.0 && std::fmod(p[1], side_m) != 0.0) continue;
       // Roads and terrain meet in an edge that may be sharp: only like with like.
-      border_normals_[{p[0], p[1], mesh.kind == MeshKind::road ? p[2] + 1e6 : p[2]}].push_back(mesh.normals[i]);
+      border_normals_[{p[0], p[1], is_road(mesh.kind) ? p[2] + 1e6 : p[2]}].push_back(mesh.normals[i]);
     }
   }
 }

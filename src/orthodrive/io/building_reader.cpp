@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "orthodrive/io/map_color.hpp"
 #include "orthodrive/io/osm_tags.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
@@ -51,6 +52,10 @@ std::vector<Building> read_buildings(const std::vector<std::filesystem::path>& f
         building.height_m = number(feature.tags, {"height", "h"}, max_height_m, "height", at, findings);
         building.levels = number(feature.tags, {"building:levels", "lv"}, max_levels, "levels", at, findings);
         if (const std::string* shape = tag(feature.tags, {"roof:shape"})) building.roof_shape = *shape;
+        if (const std::string* color = tag(feature.tags, {"building:colour"})) building.wall_color = map_color(*color);
+        if (const std::string* material = tag(feature.tags, {"building:material"}); material && !building.wall_color)
+          building.wall_color = material_color(*material);
+        if (const std::string* color = tag(feature.tags, {"roof:colour"})) building.roof_color = map_color(*color);
         buildings.push_back(std::move(building));
       }
     }

@@ -8,6 +8,7 @@
 #include <osmium/osm/area.hpp>
 #include <osmium/visitor.hpp>
 
+#include "orthodrive/io/object_kind.hpp"
 #include "orthodrive/io/osm_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
@@ -16,7 +17,8 @@ namespace {
 /// Closed ways with these keys are lines that come back to their start, unless area=yes says otherwise.
 bool is_linear(const osmium::TagList& tags) {
   if (tags.has_tag("area", "yes")) return false;
-  return tags.has_key("highway") || tags.has_key("barrier") || tags.has_key("railway");
+  return tags.has_key("highway") || tags.has_key("barrier") || tags.has_key("railway") ||
+         tags.has_tag("power", "line") || tags.has_tag("power", "minor_line");
 }
 
 template <typename NodeRefs>
@@ -35,14 +37,16 @@ Ring ring_of(const NodeRefs& nodes, const CoordinateTransform& target_from_lonla
   return ring;
 }
 
-/// Lines, and the points that anything here reads: trees and street lamps.
+/// Lines, and the points that anything here reads: trees, street lamps, objects.
 class LineHandler : public osmium::handler::Handler {
  public:
   LineHandler(std::vector<Feature>& features, const CoordinateTransform& transform)
       : features_(features), transform_(transform) {}
   void node(const osmium::Node& node) {
-    const bool is_read = node.tags().has_tag("natural", "tree") || node.tags().has_tag("highway", "street_lamp");
-    if (!is_read || !node.location().valid()) return;
+    if (node.tags().empty() || !node.location().valid()) return;
+    const bool is_read = node.tags().has_tag("natural", "tree") || node.tags().has_tag("highway", "street_lamp") ||
+                         object_kind(tags_of(node.tags()));
+    if (!is_read) return;
     const Vec2 at = transform_.target_from_source({node.location().lon(), node.location().lat()});
     features_.push_back({.points = {at}, .tags = tags_of(node.tags())});
   }

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "orthodrive/io/object_kind.hpp"
 #include "orthodrive/io/osm_tags.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
@@ -16,7 +19,7 @@ namespace {
 
 using Tags = std::map<std::string, std::string>;
 
-constexpr double max_height_m = 20.0;
+constexpr double max_height_m = 20.0, max_object_m = 400.0;
 
 std::string tag(const Tags& tags, const char* key) {
   const auto found = tags.find(key);
@@ -67,6 +70,9 @@ class Collector {
     if (const auto kind = barrier_kind(tag(tags, "barrier"))) return add_barrier(*kind, feature);
     if (is_track(tags)) return add_lines(feature.lines);
     if (tag(tags, "highway") == "street_lamp") return add_lamps(feature.points);
+    const std::string power = tag(tags, "power");
+    if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
+    if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
     if (!is_water(tags)) return;
     for (Polygon& polygon : feature.polygons)
       if (polygon.outer.size() >= 3 && is_near(polygon.outer)) result.water.push_back(std::move(polygon));
@@ -83,7 +89,7 @@ class Collector {
   void add_barrier(BarrierKind kind, const Feature& feature) {
     const auto add_line = [&](const Polyline& line) {
       if (line.size() < 2 || !is_near(line)) return;
-      result.barriers.push_back({kind, line, height_m(feature.tags, line.front())});
+      result.barriers.push_back({kind, line, height_m(feature.tags, line.front(), {max_height_m, "barrier"})});
     };
     for (const Polyline& line : feature.lines) add_line(line);
     for (const Polygon& polygon : feature.polygons) {
@@ -100,16 +106,38 @@ class Collector {
     for (const Vec2 p : points)
       if (area_.contains(p)) result.lamps.push_back(p);
   }
+  void add_power_lines(std::vector<Polyline>& lines, bool is_minor) {
+    for (Polyline& line : lines)
+      if (line.size() >= 2 && is_near(line)) result.power_lines.push_back({std::move(line), is_minor});
+  }
+  /// Areas stand at their middle, as round as they are large.
+  void add_objects(ObjectKind kind, const Feature& feature) {
+    const auto add_at = [&](Vec2 p, double radius_m) {
+      if (area_.contains(p))
+        result.objects.push_back({kind, p, height_m(feature.tags, p, {max_object_m, "object"}), radius_m});
+    };
+    for (const Vec2 p : feature.points) add_at(p, 0.5 * parse_width_m(tag(feature.tags, "diameter")));
+    for (const Polygon& polygon : feature.polygons) {
+      if (polygon.outer.size() < 3) continue;
+      const Box2 box = bounds_of(polygon.outer);
+      add_at({0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)},
+             std::sqrt(area_m2(polygon) / std::numbers::pi));
+    }
+  }
+  struct HeightOf {
+    double most_m;
+    std::string_view what;
+  };
   /// 0 for what is not known; what is odd is told.
-  double height_m(const Tags& tags, Vec2 at) {
+  double height_m(const Tags& tags, Vec2 at, const HeightOf& of) {
     const std::string text = tag(tags, "height");
     if (text.empty()) return 0.0;
     const double value = parse_width_m(text);
-    if (value > 0.0 && value <= max_height_m) return value;
+    if (value > 0.0 && value <= of.most_m) return value;
     if (findings_)
       findings_->push_back(
           {Severity::info, "surroundings.odd_height",
-           fmt::format("a barrier's height '{}' is no number up to {:.0f} and does not count", text, max_height_m),
+           fmt::format("height '{}' of a {} is no number up to {:.0f} and does not count", text, of.what, of.most_m),
            at.x, at.y});
     return 0.0;
   }

@@ -33,8 +33,8 @@ struct Feature {
   std::string osm_id;  ///< of areas: "way/123", "relation/45"; empty: not of OSM
 };
 [[nodiscard]] std::vector<Feature> read_features(const std::filesystem::path& path, const Crs& target_crs);
-/// Closed and open ways and multipolygon relations of an OSM file with at least one tag, and nodes with natural=tree or
-/// highway=street_lamp.
+/// Closed and open ways and multipolygon relations of an OSM file with at least one tag, and nodes with natural=tree,
+/// highway=street_lamp or what object_kind() knows.
 [[nodiscard]] std::vector<Feature> read_osm_features(const std::filesystem::path& path, const Crs& target_crs);
 
 /// roads.gpkg: layers centrelines, nodes, surface as docs/build.md lists them. Dates are fixed unless the

@@ -17,11 +17,53 @@ struct MapBarrier {
   double height_m = 0.0;  ///< 0: not known
 };
 
+/// What stands at a point. Those of traffic often lie on the road's axis in maps.
+enum class ObjectKind : std::uint8_t {
+  traffic_signals,
+  stop_sign,
+  give_way_sign,
+  speed_sign,
+  warning_sign,
+  city_sign,
+  other_sign,
+  bus_stop,
+  bus_shelter,
+  power_tower,
+  power_pole,
+  bench,
+  waste_basket,
+  post_box,
+  telephone,
+  recycling,
+  bollard,
+  gate,
+  lift_gate,
+  fire_hydrant,
+  tower,
+  mast,
+  chimney,
+  storage_tank,
+};
+
+struct MapObject {
+  ObjectKind kind = ObjectKind::other_sign;
+  Vec2 at;
+  double height_m = 0.0;  ///< 0: not known
+  double radius_m = 0.0;  ///< of towers, chimneys and tanks; 0: not known
+};
+
+struct MapPowerLine {
+  Polyline line;          ///< a tower or pole at each point
+  bool is_minor = false;  ///< on poles
+};
+
 struct MapSurroundings {
   std::vector<MapBarrier> barriers;
   MultiPolygon water;
   std::vector<Polyline> tracks;  ///< of railways on the ground: the middle of a pair of rails
   std::vector<Vec2> lamps;       ///< of streets
+  std::vector<MapObject> objects;
+  std::vector<MapPowerLine> power_lines;
 };
 
 }  // namespace orthodrive

@@ -16,21 +16,24 @@ namespace orthodrive {
 
 enum class MeshKind : std::uint8_t {
   terrain,
-  road,       ///< carriageways, on the ground and on decks of bridges
-  road_body,  ///< sides and undersides of bridge decks, facing outwards
-  verge,      ///< the ground beside roads once more: covers it where roads begin and fades away from them
-  marking,    ///< paint, a few millimetres over the road
-  kerb,       ///< lanes that lie higher than the road, and their faces
-  structure,  ///< piers, girders, abutments and edge beams of bridges
-  rails,      ///< railings of bridges, guard rails
-  building,   ///< walls and roofs
-  tree,       ///< copies of a few shapes
-  water,      ///< lakes and rivers, each at one level; meets the terrain as roads do
-  barrier,    ///< hedges, walls, fences
-  track,      ///< railways: ballast and rails
-  lamp,       ///< copies: street lamps
+  road,         ///< carriageways, on the ground and on decks of bridges
+  road_body,    ///< sides and undersides of bridge decks, facing outwards
+  verge,        ///< the ground beside roads once more: covers it where roads begin and fades away from them
+  marking,      ///< paint, a few millimetres over the road
+  kerb,         ///< lanes that lie higher than the road, and their faces
+  structure,    ///< piers, girders, abutments and edge beams of bridges
+  rails,        ///< railings of bridges, guard rails
+  building,     ///< walls and roofs
+  tree,         ///< copies of a few shapes
+  water,        ///< lakes and rivers, each at one level; meets the terrain as roads do
+  barrier,      ///< hedges, walls, fences
+  track,        ///< railways: ballast and rails
+  lamp,         ///< copies: street lamps
+  object,       ///< signs, traffic lights, street furniture, poles and wires
+  tunnel,       ///< tubes of tunnels, their portals and walls
+  tunnel_road,  ///< roads in tunnels and between the walls before them
 };
-constexpr std::size_t mesh_kind_count = static_cast<std::size_t>(MeshKind::lamp) + 1;
+constexpr std::size_t mesh_kind_count = static_cast<std::size_t>(MeshKind::tunnel_road) + 1;
 /// The name in the glTF file: the viewer switches meshes by it.
 [[nodiscard]] constexpr std::string_view to_string(MeshKind kind) {
   switch (kind) {
@@ -60,6 +63,12 @@ constexpr std::size_t mesh_kind_count = static_cast<std::size_t>(MeshKind::lamp)
       return "track";
     case MeshKind::lamp:
       return "lamp";
+    case MeshKind::object:
+      return "object";
+    case MeshKind::tunnel:
+      return "road_tube";
+    case MeshKind::tunnel_road:
+      return "road_in_tunnel";
     case MeshKind::tree:
       break;
   }
@@ -149,6 +158,9 @@ struct SceneTile {
   double min_z_m = 0.0, max_z_m = 0.0;
   double geometric_error_m = 0.0;  ///< what is lost to level 0: heights, silhouettes, texels
   std::vector<TriMesh> meshes;
+  /// The ground over openings for tunnels, with the terrain's vertices around them: not in the file of level 0, part of
+  /// the terrain in coarser tiles.
+  TriMesh lids;
   std::vector<InstancedMesh> instanced;
   Raster<std::uint8_t> texture_rgb;  ///< of the whole tile
   Raster<std::uint8_t> labels;       ///< of the whole tile: what the photo shows; empty: not known

@@ -144,6 +144,7 @@ void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoin
   const auto add = [&](Vec2 p, std::vector<Vec2>& inside) {
     if (inner.contains(p) && layout.area.contains(p) && layout.area.nearest(p).distance_m > border_clearance_m &&
         layout.roads.outline().nearest(p).distance_m > border_clearance_m && !layout.roads.outline().contains(p) &&
+        layout.openings.nearest(p).distance_m > border_clearance_m &&
         layout.waters.shore_distance_m(p) > border_clearance_m)
       inside.push_back(p);
   };
@@ -219,30 +220,41 @@ Vertex ground_vertex(const SceneLayout& layout, Vec2 p) {
   return {layout.ground->height_m(p), layout.ground->normal(p)};
 }
 
-/// On roads of the ground and on decks; where no road is near (corners that the plan grid moved) the ground itself.
+/// On roads of the ground, on decks and in tunnels; where no road is near (corners that the plan grid moved) the ground
+/// itself. Where levels join, that of the lower one: both have the same vertex.
 Vertex road_vertex(const SceneLayout& layout, const RoadLevel& roads, Vec2 p) {
-  const auto on = roads.sample(p);
+  const auto joint = layout.joints.level_at(p);
+  const auto on = (joint ? layout.level(*joint) : roads).sample(p);
   return on ? Vertex{on->z_m, on->normal} : ground_vertex(layout, p);
 }
 
-void add_ground(const SceneLayout& layout, TileAddress address, MeshBuilder& terrain, MeshBuilder& water,
-                MeshBuilder& road) {
+/// The parts of a tile's ground.
+struct GroundMeshes {
+  MeshBuilder &terrain, &water, &road, &lids;
+};
+
+void add_ground(const SceneLayout& layout, TileAddress address, const GroundMeshes& meshes) {
+  auto& [terrain, water, road, lids] = meshes;
   TilePoints points(terrain.world({}));
   const Constraints constraints = add_lines(layout.ground_lines, address, layout.options.terrain_step_m, points);
   add_axis_points(layout.roads, layout.ground_lines, address, points);
   add_terrain_points(layout, address, points);
   const Triangulation t = triangulate(points.points(), constraints);
-  std::vector<bool> is_terrain, is_water, is_road;
+  std::vector<bool> is_terrain, is_water, is_road, is_lid;
   for (const Vec2 local : t.region_points) {
     const Vec2 p = terrain.world(local);
     const bool inside = layout.area.contains(p), on_road = layout.roads.outline().contains(p);
-    const bool on_water = inside && !on_road && layout.waters.at(p) != nullptr;
-    is_terrain.push_back(inside && !on_road && !on_water);
+    const bool opened = inside && !on_road && layout.openings.contains(p);
+    const bool on_water = inside && !on_road && !opened && layout.waters.at(p) != nullptr;
+    is_terrain.push_back(inside && !on_road && !on_water && !opened);
+    is_lid.push_back(opened);
     is_water.push_back(on_water);
     is_road.push_back(inside && on_road);
   }
   add_regions(
       t, is_terrain, [&](Vec2 p) { return ground_vertex(layout, p); }, terrain);
+  add_regions(
+      t, is_lid, [&](Vec2 p) { return ground_vertex(layout, p); }, lids);
   add_regions(
       t, is_water,
       [&](Vec2 p) {
@@ -293,19 +305,17 @@ void add_deck_body(const TriMesh& deck, std::size_t first_index, double thicknes
   }
 }
 
-void add_deck(const SceneLayout& layout, std::size_t deck, TileAddress address, MeshBuilder& road, MeshBuilder& body) {
-  const RoadLevel& level = layout.decks[deck];
-  const LevelLines& lines = layout.deck_lines[deck];
+/// Triangulated alone.
+void add_level(const SceneLayout& layout, const RoadLevel& level, const LevelLines& lines, TileAddress address,
+               MeshBuilder& road) {
   TilePoints points(road.world({}));
   const Constraints constraints = add_lines(lines, address, 0.0, points);
   add_axis_points(level, lines, address, points);
   const Triangulation t = triangulate(points.points(), constraints);
-  std::vector<bool> is_deck;
-  for (const Vec2 local : t.region_points) is_deck.push_back(level.outline().contains(road.world(local)));
-  const std::size_t first_index = road.mesh.indices.size();
+  std::vector<bool> is_road;
+  for (const Vec2 local : t.region_points) is_road.push_back(level.outline().contains(road.world(local)));
   add_regions(
-      t, is_deck, [&](Vec2 p) { return road_vertex(layout, level, p); }, road);
-  add_deck_body(road.mesh, first_index, layout.options.deck_thickness_m, body);
+      t, is_road, [&](Vec2 p) { return road_vertex(layout, level, p); }, road);
 }
 
 std::vector<MarkingPiece> markings_of(const LevelLines& lines, TileAddress address, Vec2 center) {
@@ -400,23 +410,34 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
   SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
   MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z),
-      water(MeshKind::water, center, layout.origin.z);
+      water(MeshKind::water, center, layout.origin.z), lids(MeshKind::terrain, center, layout.origin.z),
+      tunnel_road(MeshKind::tunnel_road, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
   TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
-      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails};
-  add_ground(layout, address, terrain, water, road);
+      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails}, tube{.kind = MeshKind::tunnel};
+  add_ground(layout, address, {terrain, water, road, lids});
+  tile.lids = std::move(lids.mesh);
   add_water_material(layout, center, water.mesh);
   add_verge(layout, terrain.mesh, center, verge);
   drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
   add_kerbs(road.mesh, 0, kerbs_of(layout.ground_lines, address, center), kerb);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
     const std::size_t first_index = road.mesh.indices.size();
-    add_deck(layout, deck, address, road, body);
+    add_level(layout, layout.decks[deck], layout.deck_lines[deck], address, road);
+    add_deck_body(road.mesh, first_index, layout.options.deck_thickness_m, body);
     drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
     add_kerbs(road.mesh, first_index, kerbs_of(layout.deck_lines[deck], address, center), kerb);
   }
+  for (std::size_t i = 0; i < layout.tunnels.size(); ++i) {
+    const std::size_t first_index = tunnel_road.mesh.indices.size();
+    add_level(layout, layout.tunnels[i], layout.tunnel_lines[i], address, tunnel_road);
+    drape(tunnel_road.mesh, first_index, markings_of(layout.tunnel_lines[i], address, center), marking_lift_m, marking);
+    add_kerbs(tunnel_road.mesh, first_index, kerbs_of(layout.tunnel_lines[i], address, center), kerb);
+  }
   name_roads(*layout.query, tile, road.mesh);
+  name_roads(*layout.query, tile, tunnel_road.mesh);
   add_road_materials(layout, center, road.mesh);
+  add_road_materials(layout, center, tunnel_road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
   add_material(SurfaceMaterial::concrete, kerb);
@@ -424,6 +445,8 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_faces(faces_in(layout.structures, address), {.is_rail = true}, tile.origin, rails);
   add_material(SurfaceMaterial::concrete, structure);
   add_material(SurfaceMaterial::concrete, rails);
+  add_faces(faces_in(layout.tubes, address), {}, tile.origin, tube);
+  add_material(SurfaceMaterial::concrete, tube);
   TriMesh buildings{.kind = MeshKind::building};
   if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
     buildings = building_mesh(found->second, tile.origin);
@@ -441,10 +464,11 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     add_mesh_of(faces_in(layout.barriers, address), MeshKind::barrier, material, tile.origin, along_lines);
     add_mesh_of(faces_in(layout.tracks, address), MeshKind::track, material, tile.origin, along_lines);
   }
+  add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin, along_lines);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh, &body.mesh, &verge,
-                               &marking,      &kerb,       &structure, &rails,     &buildings};
+  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh, &body.mesh,        &verge, &marking, &kerb,
+                               &structure,    &rails,      &buildings, &tunnel_road.mesh, &tube};
   for (TriMesh& mesh : along_lines) all.push_back(&mesh);
   for (TriMesh* mesh : all) {
     if (mesh->indices.empty()) continue;

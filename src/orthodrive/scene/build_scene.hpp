@@ -30,7 +30,7 @@ struct SceneInput {
   const LabelMap* labels = nullptr;               ///< if given, tiles carry the classes, for simulators and viewers
   std::span<const Building> buildings = {};       ///< of maps; labels show what they lack
   std::span<const Vec2> trees = {};               ///< single trees of maps; labels show the others
-  const MapSurroundings* surroundings = nullptr;  ///< barriers, water, railways and lamps of maps
+  const MapSurroundings* surroundings = nullptr;  ///< barriers, water, railways, lamps, objects of maps
 };
 
 /// The same with rasters that are read window by window, from several threads at once.

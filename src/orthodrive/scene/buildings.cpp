@@ -174,8 +174,9 @@ void dress(const Building& building, const Ground& ground, const Photo& photo, P
   placed.base_z_m = sum_m / static_cast<double>(placed.footprint.outer.size());
   placed.foot_z_m = lowest_m - foot_depth_m;
   placed.eaves_z_m = placed.base_z_m + eaves_m;
-  placed.wall_color = wall_color(placed.middle);
-  placed.roof_color = photo_median(photo, moved(placed.footprint, placed.middle));
+  placed.wall_color = building.wall_color.value_or(wall_color(placed.middle));
+  placed.roof_color =
+      building.roof_color ? *building.roof_color : photo_median(photo, moved(placed.footprint, placed.middle));
 }
 
 /// Buildings one after the other: each loses what it shares with those before it.

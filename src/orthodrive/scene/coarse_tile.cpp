@@ -20,10 +20,29 @@ constexpr double base_tolerance_m = 0.25, base_square_m = 2.0;  // times 2^level
 constexpr int first_level_of_squares = 2, first_level_without_trees = 4;
 constexpr std::size_t lump_vertices = 10;
 
-/// Not joined: paint, verges, rails and railways do not show from afar, buildings are made anew.
+/// Not joined: paint, verges, rails, railways, objects and tunnels do not show from afar, buildings are made anew.
 bool is_left_out(MeshKind kind) {
   return kind == MeshKind::verge || kind == MeshKind::marking || kind == MeshKind::rails || kind == MeshKind::track ||
-         kind == MeshKind::building;
+         kind == MeshKind::building || kind == MeshKind::object || kind == MeshKind::tunnel ||
+         kind == MeshKind::tunnel_road;
+}
+
+/// Openings for tunnels become ground again. Returns the height of the highest face of their walls and portals, which
+/// the coarser ground is off by.
+double close_openings(SceneTile& tile) {
+  if (tile.lids.indices.empty()) return 0.0;
+  float highest = 0.0F;
+  for (const TriMesh& mesh : tile.meshes) {
+    if (mesh.kind != MeshKind::tunnel) continue;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      const auto z = [&](std::size_t k) { return mesh.positions[mesh.indices[i + k]][2]; };
+      const auto [low, high] = std::minmax({z(0), z(1), z(2)});
+      highest = std::max(highest, high - low);
+    }
+  }
+  tile.meshes.push_back(std::move(tile.lids));
+  tile.lids = {};
+  return static_cast<double>(highest);
 }
 bool is_ground(MeshKind kind) { return kind == MeshKind::terrain || kind == MeshKind::water || kind == MeshKind::road; }
 
@@ -302,6 +321,7 @@ bool is_seen_on(const PlacedBuilding& building, int level) { return height_m(bui
 SceneTile ready_to_coarsen(SceneTile tile) {
   if (std::ranges::any_of(tile.meshes, [](const TriMesh& mesh) { return mesh.kind == MeshKind::rails; }))
     tile.geometric_error_m = std::max(tile.geometric_error_m, railing_height_m);
+  tile.geometric_error_m = std::max(tile.geometric_error_m, close_openings(tile));
   std::erase_if(tile.meshes, [](const TriMesh& mesh) { return is_left_out(mesh.kind); });
   std::erase_if(tile.instanced, [](const InstancedMesh& copied) { return copied.mesh.kind == MeshKind::lamp; });
   tile.features = {};

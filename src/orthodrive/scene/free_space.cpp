@@ -37,8 +37,8 @@ FreeSpace::FreeSpace(const Obstacles& obstacles) : obstacles_(obstacles) {
 }
 
 double FreeSpace::around(Vec2 p, double radius_m, double below_z_m) const {
-  if (!obstacles_.area.contains(p)) return 0.0;
-  double free_m = radius_m;
+  if (!obstacles_.area.contains(p) || obstacles_.openings.contains(p)) return 0.0;
+  double free_m = std::min(radius_m, obstacles_.openings.nearest(p).distance_m);
   for (const RoadLevel* level : obstacles_.levels) {
     const NearestBorder border = level->outline().nearest(p);
     if (level->outline().contains(p)) {

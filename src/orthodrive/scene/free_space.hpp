@@ -1,5 +1,5 @@
 #pragma once
-// Where nothing stands: beside roads, decks and buildings, in the area.
+// Where nothing stands: beside roads, decks, openings of the ground and buildings, in the area.
 
 #include <span>
 
@@ -14,6 +14,7 @@ struct Obstacles {
   std::span<const RoadLevel* const> levels;
   std::span<const PlacedBuilding> buildings;
   const Outline& area;
+  const Outline& openings;
 };
 
 class FreeSpace {
@@ -23,6 +24,7 @@ class FreeSpace {
   /// lie higher than `below_z_m` where they are nearest do not count.
   [[nodiscard]] double around(Vec2 p, double radius_m,
                               double below_z_m = std::numeric_limits<double>::infinity()) const;
+  [[nodiscard]] bool is_in_area(Vec2 p) const { return obstacles_.area.contains(p); }
 
  private:
   Obstacles obstacles_;

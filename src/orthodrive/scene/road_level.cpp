@@ -39,13 +39,41 @@ void bulge(Ring& ring, const roadquery::Road& road, const CrossSection& end, dou
   ring = convex_hull(std::move(ring));
 }
 
+/// Points across both ends where roads of other levels go on, from the right edge to the left one; empty: none do.
+struct EndPoints {
+  std::span<const Vec2> start, end;
+};
+
+/// The corners of a strip's ends are those of its joints.
+void move_to_joints(const EndPoints& joints, std::vector<CrossSection>& strip) {
+  const auto move = [](std::span<const Vec2> points, CrossSection& section) {
+    if (points.empty()) return;
+    section.right.x = points.front().x, section.right.y = points.front().y;
+    section.left.x = points.back().x, section.left.y = points.back().y;
+  };
+  if (strip.size() < 2) return;
+  move(joints.start, strip.front());
+  move(joints.end, strip.back());
+}
+
 /// The strip between its sections, piece by piece.
-std::vector<Polygon> strip_pieces(const roadquery::Road& road, const std::vector<CrossSection>& strip) {
+std::vector<Polygon> strip_pieces(const roadquery::Road& road, const std::vector<CrossSection>& strip,
+                                  const EndPoints& joints) {
   std::vector<Polygon> pieces;
   for (std::size_t i = 1; i < strip.size(); ++i) {
     Ring ring = piece_ring(strip[i - 1], strip[i]);
-    if (i == 1 && !road.shape.empty()) bulge(ring, road, strip.front(), -1.0);
-    if (i + 1 == strip.size() && !road.shape.empty()) bulge(ring, road, strip.back(), 1.0);
+    if (i == 1 && joints.start.size() > 1) {  // counter-clockwise: from the left corner to the right one
+      const auto inner = joints.start.subspan(1, joints.start.size() - 2);
+      insert_between(ring, joints.start.back(), joints.start.front(), {inner.rbegin(), inner.rend()});
+    } else if (i == 1 && !road.shape.empty()) {
+      bulge(ring, road, strip.front(), -1.0);
+    }
+    if (i + 1 == strip.size() && joints.end.size() > 1) {
+      const auto inner = joints.end.subspan(1, joints.end.size() - 2);
+      insert_between(ring, joints.end.front(), joints.end.back(), {inner.begin(), inner.end()});
+    } else if (i + 1 == strip.size() && !road.shape.empty()) {
+      bulge(ring, road, strip.back(), 1.0);
+    }
     if (ring.size() >= 3 && signed_area_m2(ring) > min_piece_area_m2) pieces.push_back({std::move(ring), {}});
   }
   return pieces;
@@ -111,7 +139,10 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
   parallel_for(roads_.size(), options.threads, [&](std::size_t i) {
     const std::size_t index = options.query ? static_cast<std::size_t>(roads_[i] - query_->map().roads.data()) : i;
     strips_[i] = cross_sections(*query_, index, options.strip);
-    pieces[i] = strip_pieces(*roads_[i], strips_[i]);
+    EndPoints joints;
+    if (options.joints) joints = {options.joints->across(index, false), options.joints->across(index, true)};
+    move_to_joints(joints, strips_[i]);
+    pieces[i] = strip_pieces(*roads_[i], strips_[i], joints);
     if (pieces[i].empty()) return;
     if (auto joined = joined_at_edges(pieces[i])) {
       unions[i].push_back(std::move(*joined));

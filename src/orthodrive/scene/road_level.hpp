@@ -7,6 +7,7 @@
 
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/outline.hpp"
+#include "orthodrive/scene/road_joints.hpp"
 #include "orthodrive/scene/road_strip.hpp"
 #include "roadquery/road_query.hpp"
 
@@ -26,6 +27,7 @@ struct RoadLevelOptions {
   int threads = 0;
   /// Of the whole map, which the roads are of; null: the roads are all there is.
   std::shared_ptr<const roadquery::RoadQuery> query;
+  const RoadJoints* joints = nullptr;  ///< with roads of other levels, of the query's map; null: none
 };
 
 class RoadLevel {

@@ -92,8 +92,13 @@ SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_opti
   outline = Outline(dense_area, area_reach_m);
   tiles = tiles_of(outline, bounds);
   terrain.emplace(source.terrain, outline, findings);
-  if (source.surroundings)
+  if (source.surroundings) {
     water_levels = scene::water_levels(source.surroundings->water, outline, *terrain, source.photo, findings);
+    for (const MapPowerLine& line : source.surroundings->power_lines) {
+      std::vector<double>& ground_m = power_ground_m.emplace_back();
+      for (const Vec2 p : line.line) ground_m.push_back(outline.contains(p) ? terrain->height_m(p) : 0.0);
+    }
+  }
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
   origin = {middle.x, middle.y, std::floor(terrain->height_m(middle))};
 }

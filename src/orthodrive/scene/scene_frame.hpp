@@ -26,7 +26,8 @@ struct SceneFrame {
   std::vector<TileAddress> tiles;  ///< those that share ground with the area, by column, then row
   std::optional<TerrainWindows> terrain;
   std::vector<std::optional<WaterLevel>> water_levels;  ///< one for each polygon of the surroundings' water
-  Vec3 origin;                                          ///< middle of the area at a height of the terrain, whole metres
+  std::vector<std::vector<double>> power_ground_m;  ///< terrain at the points of each of the surroundings' power lines
+  Vec3 origin;                                      ///< middle of the area at a height of the terrain, whole metres
 };
 
 }  // namespace orthodrive::scene

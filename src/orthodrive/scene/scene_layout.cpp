@@ -188,14 +188,15 @@ namespace {
 
 struct SortedRoads {
   std::vector<const roadquery::Road*> ground;
-  std::map<int, std::vector<const roadquery::Road*>> decks;
+  std::vector<std::vector<const roadquery::Road*>> decks, tunnels;
 };
 
 SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
   SortedRoads sorted;
+  std::map<int, std::vector<const roadquery::Road*>> decks, tunnels;  // by layer
   for (std::size_t i = 0; i < query.map().roads.size(); ++i) {
     const roadquery::Road& road = query.map().roads[i];
-    if (road.tunnel || !(road.length > 0.0)) continue;
+    if (!(road.length > 0.0)) continue;
     if (!has_sections(query, i)) {
       const auto at = roadquery::reference_point(road, 0.0);
       findings.push_back({Severity::warning, "scene.road_without_surface",
@@ -203,9 +204,18 @@ SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
                           at.y});
       continue;
     }
-    const bool is_deck = road.bridge || road.layer > 0;
-    (is_deck ? sorted.decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
+    if (road.tunnel) {
+      tunnels[std::min(-1, road.layer)].push_back(&road);
+    } else {
+      const bool is_deck = road.bridge || road.layer > 0;
+      (is_deck ? decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
+    }
   }
+  const auto tell_apart = [](const auto& by_layer, auto& sets) {
+    for (const auto& [layer, of_layer] : by_layer) std::ranges::move(told_apart(of_layer), std::back_inserter(sets));
+  };
+  tell_apart(decks, sorted.decks);
+  tell_apart(tunnels, sorted.tunnels);
   return sorted;
 }
 
@@ -236,7 +246,7 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
   buildings = place_buildings(known, levels, area, *ground, *photo, options.threads, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
-  const FreeSpace space({levels, buildings, area});
+  const FreeSpace space({levels, buildings, area, openings});
   trees = plant_trees(crowns, window.trees, space, *ground, *photo, options.threads);
   for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
   if (window.surroundings) add_surroundings(*window.surroundings, space);
@@ -244,25 +254,62 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
 }
 
 void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space) {
-  barriers = by_tile(barrier_faces(surroundings.barriers, space, *ground));
+  ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground, window.power_ground_m});
+  std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
+  std::ranges::move(standing.large, std::back_inserter(lasting));
+  barriers = by_tile(std::move(lasting));
+  objects = by_tile(std::move(standing.small));
   tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
 
-void SceneLayout::lay_roads() {
+const RoadLevel& SceneLayout::level(int number) const {
+  if (number == 0) return roads;
+  const auto above = static_cast<std::size_t>(number) - 1;
+  return above < decks.size() ? decks[above] : tunnels[above - decks.size()];
+}
+
+void SceneLayout::lay_levels() {
   roadquery::RoadMap flat = window.roads;
   roadquery::remove_lane_heights(flat);
   query = std::make_shared<const roadquery::RoadQuery>(std::move(flat));
+  const SortedRoads sorted = sort_roads(*query, findings);
+  std::vector<int> level_of(query->map().roads.size(), -1);
+  int levels = 0;
+  const auto number = [&](const std::vector<const roadquery::Road*>& of_level) {
+    for (const roadquery::Road* road : of_level)
+      level_of[static_cast<std::size_t>(road - query->map().roads.data())] = levels;
+    ++levels;
+  };
+  number(sorted.ground);
+  for (const auto* sets : {&sorted.decks, &sorted.tunnels})
+    for (const auto& of_level : *sets) number(of_level);
+  joints = RoadJoints(*query, level_of);
   const RoadLevelOptions level_options{
       .strip = {.tolerance_m = options.road_tolerance_m, .max_step_m = options.terrain_step_m},
       .reach_m = std::max({options.verge_m + 1.0, tree_reach_m, track_reach_m}),
       .threads = options.threads,
-      .query = query};
-  const SortedRoads sorted = sort_roads(*query, findings);
+      .query = query,
+      .joints = &joints};
   roads = RoadLevel(sorted.ground, frame->area, level_options);
-  for (const auto& [layer, of_layer] : sorted.decks)
-    for (auto& deck_roads : told_apart(of_layer)) decks.emplace_back(std::move(deck_roads), frame->area, level_options);
+  for (const auto& of_level : sorted.decks) decks.emplace_back(of_level, frame->area, level_options);
+  for (const auto& of_level : sorted.tunnels) tunnels.emplace_back(of_level, frame->area, level_options);
+}
+
+/// Adds the openings' borders to the lines of the ground.
+void SceneLayout::lay_tunnels(std::vector<Polyline>& lines) {
+  Tunnels built = build_tunnels({roads, tunnels, *ground, *query, joints, area}, frame->dense_area);
+  append_rings(built.openings, window.box, lines);
+  openings = Outline(built.openings, tree_reach_m);
+  tubes = by_tile(std::move(built.faces));
+  constexpr std::size_t over_tunnels = 4;
+  for (const Vec2 p : built.ground_points) terrain_points[tile_at(p)][over_tunnels].push_back(snap_to_grid(p));
+  std::ranges::move(built.findings, std::back_inserter(findings));
+}
+
+void SceneLayout::lay_roads() {
+  lay_levels();
   if (window.surroundings)
     waters = Waters(window.surroundings->water, window.water_levels, {roads, frame->area, window.box, options.verge_m});
   ground.emplace(std::move(window.terrain), roads, decks, waters,
@@ -272,17 +319,21 @@ void SceneLayout::lay_roads() {
   append_rings(frame->dense_area, window.box, lines);
   append_rings(roads.polygons(), window.box, lines);
   for (const WaterBody& body : waters.bodies()) append_rings(body.shores, window.box, lines);
+  lay_tunnels(lines);
   ground_lines = cut_at_tiles(std::move(lines), window.box);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
   add_kerbs(roads, *query, window.roads, ground_lines);
-  for (const RoadLevel& deck : decks) {
+  const auto add_lines = [&](const RoadLevel& level, std::vector<LevelLines>& of_levels) {
     lines.clear();
-    append_rings(deck.polygons(), window.box, lines);
-    add_axis_points(deck, deck_lines.emplace_back(cut_at_tiles(std::move(lines), window.box)));
-    add_markings(deck, deck_lines.back());
-    add_kerbs(deck, *query, window.roads, deck_lines.back());
-  }
+    append_rings(level.polygons(), window.box, lines);
+    LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), window.box));
+    add_axis_points(level, own);
+    add_markings(level, own);
+    add_kerbs(level, *query, window.roads, own);
+  };
+  for (const RoadLevel& deck : decks) add_lines(deck, deck_lines);
+  for (const RoadLevel& tunnel : tunnels) add_lines(tunnel, tunnel_lines);
   structures = by_tile(build_structures({roads, decks, *ground, *query, options.deck_thickness_m}));
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);

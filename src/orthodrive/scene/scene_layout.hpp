@@ -13,7 +13,9 @@
 #include "orthodrive/scene/ground.hpp"
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/line_objects.hpp"
+#include "orthodrive/scene/map_objects.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
+#include "orthodrive/scene/road_joints.hpp"
 #include "orthodrive/scene/road_level.hpp"
 #include "orthodrive/scene/road_markings.hpp"
 #include "orthodrive/scene/road_tint.hpp"
@@ -22,6 +24,7 @@
 #include "orthodrive/scene/structures.hpp"
 #include "orthodrive/scene/tile_address.hpp"
 #include "orthodrive/scene/trees.hpp"
+#include "orthodrive/scene/tunnels.hpp"
 #include "orthodrive/scene/water.hpp"
 
 namespace orthodrive {
@@ -71,6 +74,10 @@ class SceneLayout {
   scene::LevelLines ground_lines;
   std::vector<scene::RoadLevel> decks;  ///< of bridges, by OSM layer; those that cross apart
   std::vector<scene::LevelLines> deck_lines;
+  std::vector<scene::RoadLevel> tunnels;  ///< likewise
+  std::vector<scene::LevelLines> tunnel_lines;
+  scene::RoadJoints joints;  ///< of levels; the ground is 0, then come decks and tunnels
+  scene::Outline openings;   ///< no ground lies in them
   std::optional<scene::Ground> ground;
   std::shared_ptr<const roadquery::RoadQuery> query;  ///< of all roads, without the heights of lanes: kerbs lie on it
   scene::RoadTint tint;
@@ -78,15 +85,21 @@ class SceneLayout {
   std::map<TileAddress, std::vector<const scene::PlacedBuilding*>> buildings_in;  ///< by their middles
   std::vector<scene::PlacedTree> trees;
   std::map<TileAddress, std::vector<const scene::PlacedTree*>> trees_in;
-  std::map<TileAddress, std::vector<scene::StructureFace>> structures, barriers, tracks;  ///< by their middles
+  std::map<TileAddress, std::vector<scene::StructureFace>> structures, tubes, barriers, tracks,
+      objects;  ///< by their middles
   scene::Waters waters;
   std::vector<scene::PlacedLamp> lamps;
   std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
-  /// Terrain vertices besides the raster, by rows: beside roads at three distances, then below bridges.
-  std::map<TileAddress, std::array<std::vector<Vec2>, 4>> terrain_points;
+  /// Terrain vertices besides the raster, by rows: beside roads at three distances, below bridges, over tunnels.
+  std::map<TileAddress, std::array<std::vector<Vec2>, 5>> terrain_points;
+
+  /// By its number in `joints`.
+  [[nodiscard]] const scene::RoadLevel& level(int number) const;
 
  private:
   void lay_roads();
+  void lay_levels();
+  void lay_tunnels(std::vector<Polyline>& lines);
   void add_surroundings(const MapSurroundings& surroundings, const scene::FreeSpace& space);
   void add_terrain_points();
 };

@@ -102,6 +102,13 @@ SceneWindow SceneWindows::window(const Box2& box) const {
     if (reaches(track, box)) near.tracks.push_back(track);
   for (const Vec2 lamp : all.lamps)
     if (box.contains(lamp)) near.lamps.push_back(lamp);
+  for (const MapObject& object : all.objects)
+    if (box.contains(object.at)) near.objects.push_back(object);
+  for (std::size_t i = 0; i < all.power_lines.size(); ++i) {
+    if (!reaches(all.power_lines[i].line, box)) continue;
+    near.power_lines.push_back(all.power_lines[i]);
+    window.power_ground_m.push_back(frame_->power_ground_m[i]);
+  }
   return window;
 }
 

@@ -20,6 +20,7 @@ struct SceneWindow {
   std::vector<Vec2> trees;
   std::optional<MapSurroundings> surroundings;
   std::vector<std::optional<WaterLevel>> water_levels;  ///< of the surroundings' water
+  std::vector<std::vector<double>> power_ground_m;      ///< terrain at the points of the surroundings' power lines
 };
 
 class SceneWindows {

@@ -223,6 +223,73 @@ void add_guard_rails(const StructureInput& input, Faces& faces) {
   }
 }
 
+// ---- around islands
+
+constexpr double island_kerb_m = 0.12, island_stone_m = 0.15, kerb_foot_m = 0.1;
+constexpr double least_island_m2 = 3.0, largest_island_m2 = 150.0, largest_ring_m2 = 3000.0;
+constexpr LinearColor kerb_stone = {0.36F, 0.355F, 0.34F};
+
+/// How much of a ring of border segments around a hole has what beside it, m.
+struct RingLook {
+  double length_m = 0.0, lanes_m = 0.0, circling_m = 0.0, against_m = 0.0, area_m2 = 0.0;
+};
+
+RingLook look_around(const StructureInput& input, std::span<const BorderSegment> ring) {
+  constexpr double along = 0.7;  // cosine
+  RingLook look;
+  for (const BorderSegment& s : ring) {
+    const double length_m = distance(s.a, s.b);
+    look.length_m += length_m;
+    look.area_m2 -= 0.5 * cross(s.a - ring.front().a, s.b - ring.front().a);  // holes are clockwise
+    const Vec2 line = normalized(s.b - s.a), p = (s.a + s.b) * 0.5 + left_normal(line) * look_m;
+    roadquery::Cursor cursor;
+    const auto hit = input.query.find(p.x, p.y, 0.5 * (s.a_z_m + s.b_z_m), cursor, roadquery::hit_position);
+    if (!hit || hit->lane_id == 0) continue;
+    const roadquery::Road& road = input.query.map().roads[static_cast<std::size_t>(hit->road)];
+    const roadquery::LaneSection& section = roadquery::section_at(road, hit->s);
+    const auto& side = hit->lane_id > 0 ? section.left : section.right;
+    const auto lane = std::ranges::find(side, hit->lane_id, &roadquery::Lane::id);
+    if (lane == side.end() || lane->type != roadquery::LaneType::driving) continue;
+    look.lanes_m += length_m;
+    const bool drives_right = road.driving_side == roadquery::DrivingSide::right;
+    const double hdg = roadquery::reference_point(road, hit->s).hdg;
+    const double cosine = (line.x * std::cos(hdg) + line.y * std::sin(hdg)) *
+                          ((hit->lane_id < 0) == drives_right ? 1.0 : -1.0) * (drives_right ? -1.0 : 1.0);
+    if (cosine > along) look.circling_m += length_m;
+    if (cosine < -along) look.against_m += length_m;
+  }
+  return look;
+}
+
+/// Traffic goes around the middle of a roundabout in one direction, and has it on the side of the oncoming lanes.
+/// Blocks of houses have sidewalks or lanes of the other direction around them. Small holes in carriageways are islands
+/// anyway.
+bool is_island(const RingLook& look) {
+  if (look.area_m2 < least_island_m2 || look.lanes_m < 0.9 * look.length_m) return false;
+  const bool is_circled = look.circling_m > 0.8 * look.length_m && look.against_m < 0.05 * look.length_m;
+  return look.area_m2 < largest_island_m2 || (is_circled && look.area_m2 < largest_ring_m2);
+}
+
+void add_island_kerbs(const StructureInput& input, Faces& faces) {
+  const std::vector<BorderSegment>& segments = input.roads.outline().segments();
+  std::vector<bool> is_kerbed(segments.size(), false);
+  std::size_t first = 0;  // segments stand in the order of the rings
+  for (const Polygon& polygon : input.roads.polygons()) {
+    first += polygon.outer.size();
+    for (const Ring& hole : polygon.holes) {
+      if (std::abs(signed_area_m2(hole)) < largest_ring_m2 &&
+          is_island(look_around(input, std::span(segments).subspan(first, hole.size()))))
+        std::fill_n(is_kerbed.begin() + static_cast<std::ptrdiff_t>(first), hole.size(), true);
+      first += hole.size();
+    }
+  }
+  const auto wanted = [&](const BorderSegment& s, Vec2) {
+    return is_kerbed[static_cast<std::size_t>(&s - segments.data())];
+  };
+  for (const BorderRun& run : runs_of(input.roads, wanted))
+    add_bar(run, 0.0, island_stone_m, -kerb_foot_m, island_kerb_m, kerb_stone, faces);
+}
+
 // ---- below decks
 
 struct DeckPlace {
@@ -376,13 +443,17 @@ std::vector<StructureFace> build_structures(const StructureInput& input) {
       for (const bool at_end : {false, true}) add_abutment(input, *road, at_end, faces);
     }
   }
+  add_island_kerbs(input, faces);
   add_guard_rails(input, faces);
-  // By place: the borders' own order depends on where their rings begin.
-  std::ranges::stable_sort(faces.all, {}, [](const StructureFace& face) {
+  sort_by_place(faces.all);  // the borders' own order depends on where their rings begin
+  return std::move(faces.all);
+}
+
+void sort_by_place(std::vector<StructureFace>& faces) {
+  std::ranges::stable_sort(faces, {}, [](const StructureFace& face) {
     const Vec3& p = face.corners[0];
     return std::tuple(p.x, p.y, p.z);
   });
-  return std::move(faces.all);
 }
 
 std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces) {

@@ -37,9 +37,14 @@ struct StructureInput {
 /// a railing of 1 m. Where the ground falls away below a deck's end by 0.3 m: an abutment, a wall across from the deck
 /// into the ground, and walls from there along both sides to the deck's end. Below decks that are 2.5 m and more above
 /// the ground: two girders a road, and walls as piers at most 25 m apart, on the ground and on no road. Beside
-/// motorways and trunk roads on the ground: a guard rail, 0.75 m high and 0.75 m beside the edge (RPS 2009). Nothing
-/// stands where another road runs. The same for every tile.
+/// motorways and trunk roads on the ground: a guard rail, 0.75 m high and 0.75 m beside the edge (RPS 2009). Around
+/// islands, inside holes of the carriageways on the ground: a kerb stone of 0.15 m, 0.12 m over the road; islands are
+/// holes up to 150 m2, and up to 3000 m2 those that all lanes beside them circle. Nothing stands where another road
+/// runs. The same for every tile.
 [[nodiscard]] std::vector<StructureFace> build_structures(const StructureInput& input);
+
+/// By their first corners; those with the same one keep their order.
+void sort_by_place(std::vector<StructureFace>& faces);
 
 /// Faces by the tile of their middle.
 [[nodiscard]] std::map<TileAddress, std::vector<StructureFace>> by_tile(std::vector<StructureFace> faces);

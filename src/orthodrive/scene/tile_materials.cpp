@@ -11,7 +11,8 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double verge_photo_m = 2.0;  // square of the photo that tints a vertex of the verge
+constexpr double verge_photo_m = 2.0;                            // square of the photo that tints a vertex of the verge
+constexpr LinearColor tunnel_road_tint = {0.11F, 0.11F, 0.11F};  // of asphalt
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 
 bool is_on_road_border(const SceneLayout& layout, Vec2 p) {
@@ -113,7 +114,8 @@ void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
   for (std::size_t i = 0; i < road.positions.size(); ++i) {
     const auto& p = road.positions[i];
     add_tile_place(i, road);
-    road.colors.push_back(mesh_color(layout.tint.at(center + Vec2{p[0], p[1]})));
+    const bool is_seen = road.kind != MeshKind::tunnel_road;  // by the photo
+    road.colors.push_back(mesh_color(is_seen ? layout.tint.at(center + Vec2{p[0], p[1]}) : tunnel_road_tint));
   }
 }
 

@@ -1,0 +1,137 @@
+#include "orthodrive/scene/road_joints.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "orthodrive/scene/plan_grid.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+constexpr double most_apart_m = 0.02;   // along the road, of ends that are one joint
+constexpr double same_point_m = 0.005;  // across the road
+constexpr double on_edge_m = 1.5 * plan_grid_m;
+
+Vec2 plan(const std::array<double, 3>& p) { return {p[0], p[1]}; }
+
+double distance_to(Vec2 p, Vec2 a, Vec2 b) {
+  const double length2 = dot(b - a, b - a);
+  const double u = length2 > 0.0 ? std::clamp(dot(p - a, b - a) / length2, 0.0, 1.0) : 0.0;
+  return distance(p, a + (b - a) * u);
+}
+
+}  // namespace
+
+struct RoadJoints::End {
+  std::size_t road = 0;
+  bool at_end = false;
+  int level = 0;
+  Vec2 right, left, reference;
+  bool has_ridge = false;
+};
+
+RoadJoints::RoadJoints(const roadquery::RoadQuery& query, std::span<const int> level_of) {
+  const std::vector<roadquery::Road>& roads = query.map().roads;
+  std::map<int, std::size_t> by_id;
+  for (std::size_t i = 0; i < roads.size(); ++i) by_id.emplace(roads[i].id, i);
+  std::vector<std::size_t> first(2 * roads.size());  // of the ends that meet there; end 2 i + 1 is the last of road i
+  std::iota(first.begin(), first.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (first[i] != i) i = first[i];
+    return i;
+  };
+  for (std::size_t i = 0; i < roads.size(); ++i) {
+    for (const bool at_end : {false, true}) {
+      const roadquery::RoadLink& link = at_end ? roads[i].successor : roads[i].predecessor;
+      const auto found = link.kind == roadquery::LinkKind::road ? by_id.find(link.id) : by_id.end();
+      if (found == by_id.end()) continue;
+      const std::size_t other = found->second;
+      if (level_of[i] < 0 || level_of[other] < 0 || level_of[i] == level_of[other]) continue;
+      const std::size_t a = root(2 * i + (at_end ? 1 : 0));
+      const std::size_t b = root(2 * other + (link.contact == roadquery::ContactPoint::end ? 1 : 0));
+      first[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::map<std::size_t, std::vector<End>> meeting;
+  for (std::size_t e = 0; e < first.size(); ++e) {
+    const std::size_t i = e / 2;
+    if (level_of[i] < 0) continue;
+    const bool at_end = e % 2 == 1;
+    const auto cut = query.section(i, at_end ? roads[i].length : 0.0);
+    if (!cut) continue;
+    meeting[root(e)].push_back(
+        {i, at_end, level_of[i], plan(cut->right), plan(cut->left), plan(cut->reference), !roads[i].shape.empty()});
+  }
+  for (const auto& [unused, ends] : meeting)
+    if (ends.size() > 1) join(ends);
+  std::vector<Box2> boxes;
+  for (const Edge& edge : edges_) boxes.push_back(bounds_of({edge.a, edge.b}));
+  index_ = SpatialIndex(boxes);
+}
+
+void RoadJoints::join(std::span<const End> ends) {
+  const auto width = [](const End& end) { return distance(end.left, end.right); };
+  const End& widest = *std::ranges::max_element(ends, {}, width);
+  const Vec2 across = normalized(widest.left - widest.right);
+  std::vector<const End*> joined;
+  for (const End& end : ends) {
+    const auto apart_m = [&](Vec2 p) { return std::abs(cross(across, p - widest.right)); };
+    if (apart_m(end.right) < most_apart_m && apart_m(end.left) < most_apart_m) joined.push_back(&end);
+  }
+  const auto by_level = [](const End* a, const End* b) { return a->level < b->level; };
+  if (joined.size() < 2 ||
+      (*std::ranges::min_element(joined, by_level))->level == (*std::ranges::max_element(joined, by_level))->level)
+    return;
+  struct Place {
+    double across_m;
+    Vec2 p;
+  };
+  std::vector<Place> places;
+  const auto across_m = [&](Vec2 p) { return dot(across, p - widest.right); };
+  const auto add = [&](Vec2 p) {
+    const double u = across_m(p);
+    if (std::ranges::none_of(places, [&](const Place& q) { return std::abs(q.across_m - u) < same_point_m; }))
+      places.push_back({u, snap_to_grid(p)});
+  };
+  for (const End* end : joined) add(end->right), add(end->left);
+  for (const End* end : joined)
+    if (end->has_ridge) add(end->reference);
+  std::ranges::sort(places, {}, &Place::across_m);
+  const int lowest = (*std::ranges::min_element(joined, by_level))->level;
+  for (std::size_t k = 1; k < places.size(); ++k) edges_.push_back({places[k - 1].p, places[k].p, lowest});
+  for (const End* end : joined) {
+    const double right_m = across_m(end->right), left_m = across_m(end->left);
+    const double low = std::min(right_m, left_m) - same_point_m, high = std::max(right_m, left_m) + same_point_m;
+    std::vector<Vec2> own;
+    for (const Place& place : places)
+      if (place.across_m > low && place.across_m < high) own.push_back(place.p);
+    if (own.size() < 2) continue;
+    if (right_m > left_m) std::ranges::reverse(own);
+    across_[{end->road, end->at_end}] = std::move(own);
+  }
+}
+
+std::span<const Vec2> RoadJoints::across(std::size_t road, bool at_end) const {
+  const auto found = across_.find({road, at_end});
+  return found == across_.end() ? std::span<const Vec2>{} : found->second;
+}
+
+std::optional<int> RoadJoints::level_at(Vec2 p) const {
+  std::optional<int> lowest;
+  for (const std::uint32_t i : index_.near(p, on_edge_m)) {
+    const Edge& edge = edges_[i];
+    if (distance_to(p, edge.a, edge.b) <= on_edge_m && (!lowest || edge.level < *lowest)) lowest = edge.level;
+  }
+  return lowest;
+}
+
+void insert_between(Ring& ring, Vec2 from, Vec2 to, const std::vector<Vec2>& between) {
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    if (!(ring[i] == from && ring[(i + 1) % ring.size()] == to)) continue;
+    ring.insert(ring.begin() + static_cast<std::ptrdiff_t>(i) + 1, between.begin(), between.end());
+    return;
+  }
+}
+
+}  // namespace orthodrive::scene

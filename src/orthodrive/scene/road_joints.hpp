@@ -1,0 +1,48 @@
+#pragma once
+// Where roads of two levels run on into each other: the ground and a deck, the ground and a tunnel. Both meshes get the
+// same vertices there, so that no crack opens.
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "orthodrive/geo/polygon.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/geo/vec.hpp"
+#include "roadquery/road_query.hpp"
+
+namespace orthodrive::scene {
+
+class RoadJoints {
+ public:
+  RoadJoints() = default;
+  /// Of road ends that links of the map join. `level_of`: by index of the road its level, negative: not drawn. Ends
+  /// more than 2 cm apart along the road are no joint.
+  RoadJoints(const roadquery::RoadQuery& query, std::span<const int> level_of);
+
+  /// Points across the road's end on the plan grid, from its right edge to its left one seen along the road: its own
+  /// corners, and those of the other roads and ridges of crowns in between. Empty: no joint.
+  [[nodiscard]] std::span<const Vec2> across(std::size_t road, bool at_end) const;
+  /// The level whose height counts at p: the lowest of those that meet there. Nothing: p lies on no joint.
+  [[nodiscard]] std::optional<int> level_at(Vec2 p) const;
+
+ private:
+  struct Edge {
+    Vec2 a, b;
+    int level = 0;
+  };
+  struct End;
+  void join(std::span<const End> ends);
+
+  std::map<std::pair<std::size_t, bool>, std::vector<Vec2>> across_;
+  std::vector<Edge> edges_;
+  SpatialIndex index_;
+};
+
+/// A ring with the points between its corners `from` and `to`, which follow each other; as it was where it lacks them.
+void insert_between(Ring& ring, Vec2 from, Vec2 to, const std::vector<Vec2>& between);
+
+}  // namespace orthodrive::scene
