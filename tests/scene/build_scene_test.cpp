@@ -147,6 +147,35 @@ TEST(BuildScene, crown_has_its_ridge_on_the_reference_line) {
       }
 }
 
+TEST(BuildScene, crowned_roads_keep_their_shape_across_tile_borders) {
+  // Askew, so that the border of the tiles cuts the roof at no section of the road.
+  Site site = make_site(
+      960.0, {{.start = {west_m + 380.0, south_m + 150.0}, .heading_rad = 0.6, .length_m = 260.0, .width_m = 9.0},
+              {.start = {west_m + 90.0, south_m + 560.0}, .heading_rad = -1.1, .length_m = 200.0, .width_m = 7.0}});
+  for (roadquery::Road& road : site.roads.roads) {
+    road.shape.push_back({0.0, -30.0, -30.0 * 0.05, 0.05, 0.0, 0.0});
+    road.shape.push_back({0.0, 0.0, 0.0, -0.05, 0.0, 0.0});
+  }
+  const auto layout = lay_out_scene(site.input());
+  int crossings = 0;
+  for (const TileAddress address : scene_tiles(*layout)) {
+    const SceneTile tile = build_scene_tile(*layout, address);
+    const TriMesh* mesh = find_mesh(tile, MeshKind::road);
+    if (mesh == nullptr) continue;
+    for (const roadquery::Road& road : site.roads.roads)
+      for (double s = 0.05; s < road.length; s += 0.7)
+        for (const double t : {-2.6, -1.3, 0.0, 1.3, 2.6}) {
+          const auto at = roadquery::surface_point(road, s, t);
+          const double east_m = std::abs(at.x - west_m - 480.0), north_m = std::abs(at.y - south_m - 480.0);
+          const Box2 box{tile.origin.x - 240.0, tile.origin.y - 240.0, tile.origin.x + 240.0, tile.origin.y + 240.0};
+          if (std::min(east_m, north_m) > 5.0 || !box.contains({at.x, at.y})) continue;
+          ++crossings;
+          EXPECT_NEAR(mesh_height_m(tile, *mesh, {at.x, at.y}), at.z, 0.02) << s << ' ' << t;
+        }
+  }
+  EXPECT_GT(crossings, 100);
+}
+
 TEST(BuildScene, ground_meets_the_road_and_becomes_terrain_within_the_verge) {
   // A road 3 m above a plain, as a bad DTM would have it.
   const Site site = make_site(480.0, {{.start = {west_m + 20.0, south_m + 200.0}, .length_m = 400.0, .z_m = 13.0}});

@@ -95,7 +95,9 @@ class Glb {
     const std::size_t view_index = accessor.at("bufferView"), offset = accessor.value("byteOffset", std::size_t{0});
     const View& view = unpacked(view_index);
     const std::size_t stride = view.stride > 0 ? view.stride : width * size;
-    if (count > view.bytes.size() || (count > 0 && offset + (count - 1) * stride + width * size > view.bytes.size()))
+    const std::size_t size_of_all = view.bytes.size();
+    if (count > size_of_all || offset > size_of_all || stride > size_of_all ||
+        (count > 0 && (count - 1) * stride + width * size > size_of_all - offset))
       throw Error(fmt::format("accessor {} reaches beyond its view", index));
     std::vector<double> values;
     values.reserve(count * width);

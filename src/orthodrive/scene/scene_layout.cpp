@@ -12,6 +12,7 @@
 #include "orthodrive/scene/crossing_roads.hpp"
 #include "orthodrive/scene/label_footprints.hpp"
 #include "orthodrive/scene/road_paint.hpp"
+#include "orthodrive/scene/tile_crossings.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
@@ -321,6 +322,8 @@ void SceneLayout::lay_roads() {
   for (const WaterBody& body : waters.bodies()) append_rings(body.shores, window.box, lines);
   lay_tunnels(lines);
   ground_lines = cut_at_tiles(std::move(lines), window.box);
+  const double chord_m = 0.5 * options.road_tolerance_m;
+  add_road_crossings(roads, chord_m, ground_lines.on_west, ground_lines.on_south);
   add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
   add_kerbs(roads, *query, window.roads, ground_lines);
@@ -328,6 +331,7 @@ void SceneLayout::lay_roads() {
     lines.clear();
     append_rings(level.polygons(), window.box, lines);
     LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), window.box));
+    add_road_crossings(level, chord_m, own.on_west, own.on_south);
     add_axis_points(level, own);
     add_markings(level, own);
     add_kerbs(level, *query, window.roads, own);
