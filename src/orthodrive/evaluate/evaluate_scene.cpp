@@ -13,7 +13,7 @@ namespace {
 
 constexpr double allowed_road_error_m = 0.02;
 constexpr double clear_below_m = 0.3, clear_above_m = 4.5, border_m = 0.02;  // of what stands beside roads
-constexpr int most_told = 20;                                                // faults of a kind
+constexpr std::size_t most_told = 20;                                        // faults of a kind
 
 using Place = std::array<double, 3>;
 
@@ -43,6 +43,22 @@ double plan_area_m2(const TriMesh& mesh) {
   return 0.5 * twice;
 }
 
+/// From the surface nearest in height. Beside the border of a deck that is the road below it: a chord of the border may
+/// lie as far beside it as the mesh may be off, so the least error of around counts there.
+std::optional<double> error_of_road(const roadquery::RoadQuery& roads, const Place& p) {
+  constexpr double other_level_m = 1.0, beside_m = 0.03;
+  const auto error_at = [&](double dx, double dy) {
+    roadquery::Cursor cursor;
+    const auto z = roads.find_height(p[0] + dx, p[1] + dy, p[2], cursor);
+    return z ? std::optional(std::abs(*z - p[2])) : std::nullopt;
+  };
+  std::optional<double> least = error_at(0.0, 0.0);
+  if (!least || *least < other_level_m) return least;
+  for (const auto& [dx, dy] : {std::pair{beside_m, 0.0}, {-beside_m, 0.0}, {0.0, beside_m}, {0.0, -beside_m}})
+    if (const auto error = error_at(dx, dy)) least = std::min(*least, *error);
+  return least;
+}
+
 /// Takes edges that run in both directions out of a list, and counts those that more than two triangles share.
 template <typename Edge>
 std::vector<Edge> unpaired(std::vector<Edge> edges, std::size_t& crowded) {
@@ -67,7 +83,12 @@ std::vector<Edge> unpaired(std::vector<Edge> edges, std::size_t& crowded) {
 }  // namespace
 
 void SceneScorer::fault(const char* code, std::string message, const Place& at) {
-  if (told_[code]++ < most_told) scores_.faults.push_back({Severity::error, code, std::move(message), at[0], at[1]});
+  scores_.faults.push_back({Severity::error, code, std::move(message), at[0], at[1]});
+}
+
+void SceneScorer::note_road_error(double error_m, const Place& at) {
+  worst_roads_.emplace(error_m, at);
+  if (worst_roads_.size() > most_told) worst_roads_.erase(worst_roads_.begin());
 }
 
 void SceneScorer::add(const SceneTile& tile, std::uintmax_t bytes) {
@@ -112,16 +133,15 @@ void SceneScorer::add_roads(const SceneTile& tile) {
       const auto check = [&](double wa, double wb, double wc) {
         Place p;
         for (std::size_t k = 0; k < 3; ++k) p[k] = wa * c[0][k] + wb * c[1][k] + wc * c[2][k];
-        roadquery::Cursor cursor;
-        const auto z = roads_->find_height(p[0], p[1], p[2], cursor);
-        if (!z) return;  // between the border and its chords
-        const double error_m = std::abs(*z - p[2]);
+        const std::optional<double> error = error_of_road(*roads_, p);
+        if (!error) return;  // between the border and its chords
+        const double error_m = *error;
         ++scores_.road_samples;
         road_errors_m_.push_back(static_cast<float>(error_m));
         scores_.road_error_m = std::max(scores_.road_error_m, error_m);
         if (error_m <= allowed_road_error_m) return;
         ++scores_.road_samples_off;
-        fault("scene.road_off_surface", fmt::format("road mesh {:.3f} m from the surface", error_m), p);
+        note_road_error(error_m, p);
       };
       check(1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0);
       check(0.5, 0.5, 0.0), check(0.0, 0.5, 0.5), check(0.5, 0.0, 0.5);
@@ -171,10 +191,13 @@ void SceneScorer::check_standing(MeshKind kind, const Place& p) {
        {std::pair{0.0, 0.0}, {border_m, 0.0}, {-border_m, 0.0}, {0.0, border_m}, {0.0, -border_m}})
     if (!is_over(p[0] + dx, p[1] + dy)) return;
   ++scores_.on_road;
-  fault("scene.on_road", fmt::format("{} stands on a road", to_string(kind)), p);
+  const std::string message = fmt::format("{} stands on a road", to_string(kind));
+  if (told_[message]++ < static_cast<int>(most_told)) fault("scene.on_road", message, p);
 }
 
 SceneScores SceneScorer::finish() {
+  for (auto worst = worst_roads_.rbegin(); worst != worst_roads_.rend(); ++worst)
+    fault("scene.road_off_surface", fmt::format("road mesh {:.3f} m from the surface", worst->first), worst->second);
   std::size_t crowded = 0;
   const std::vector<Edge> open = unpaired(std::move(open_), crowded);
   std::multimap<Place, std::size_t> next;
@@ -194,7 +217,8 @@ SceneScores SceneScorer::finish() {
     constexpr double least_scene_m2 = 1000.0;
     if (twice_m2 > 2.0 * least_scene_m2) continue;
     scores_.open_edges += loop.size();
-    fault("scene.crack", fmt::format("{} open edges around {:.4f} m2", loop.size(), -0.5 * twice_m2), start);
+    if (told_["crack"]++ < static_cast<int>(most_told))
+      fault("scene.crack", fmt::format("{} open edges around {:.4f} m2", loop.size(), -0.5 * twice_m2), start);
   }
   for (const auto& [place, normals] : border_normals_) {
     if (normals.size() < 2) continue;

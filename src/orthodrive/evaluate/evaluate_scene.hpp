@@ -26,7 +26,7 @@ struct SceneScores {
   std::size_t shared_vertices = 0;                     ///< of roads and terrain, on the borders of tiles
   double normal_error_deg = 0.0;                       ///< the largest between their normals
   std::size_t standing_vertices = 0, on_road = 0;      ///< of what stands beside roads; over a road by up to 4.5 m
-  Findings faults;                                     ///< the first of each kind, with their places
+  Findings faults;  ///< with their places: the worst of roads, the first of each mesh and of cracks
 };
 
 /// Takes tiles one by one; memory goes with the tiles' borders.
@@ -46,13 +46,15 @@ class SceneScorer {
   void add_standing(const SceneTile& tile);
   void check_standing(MeshKind kind, const Place& p);
   void fault(const char* code, std::string message, const Place& at);
+  void note_road_error(double error_m, const Place& at);
 
   const roadquery::RoadQuery* roads_;
   SceneScores scores_;
   std::vector<Edge> open_;  ///< of single tiles
   std::map<Place, std::vector<std::array<float, 3>>> border_normals_;
   std::vector<float> road_errors_m_;
-  std::map<std::string, int> told_;
+  std::multimap<double, Place> worst_roads_;
+  std::map<std::string, int> told_;  ///< by message
 };
 
 }  // namespace orthodrive

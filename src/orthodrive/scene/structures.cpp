@@ -225,7 +225,7 @@ void add_guard_rails(const StructureInput& input, Faces& faces) {
 
 // ---- around islands
 
-constexpr double island_kerb_m = 0.12, island_stone_m = 0.15, kerb_foot_m = 0.1;
+constexpr double island_kerb_m = 0.12, island_stone_m = 0.15, kerb_foot_m = 0.1, kerb_gap_m = 0.05;
 constexpr double least_island_m2 = 3.0, largest_island_m2 = 150.0, largest_ring_m2 = 3000.0;
 constexpr LinearColor kerb_stone = {0.36F, 0.355F, 0.34F};
 
@@ -283,11 +283,25 @@ void add_island_kerbs(const StructureInput& input, Faces& faces) {
       first += hole.size();
     }
   }
-  const auto wanted = [&](const BorderSegment& s, Vec2) {
-    return is_kerbed[static_cast<std::size_t>(&s - segments.data())];
+  const auto wanted = [&](const BorderSegment& s, Vec2 outwards) {
+    if (!is_kerbed[static_cast<std::size_t>(&s - segments.data())]) return false;
+    return std::ranges::none_of(std::array{0.02, 0.5, 0.98}, [&](double share) {
+      const Vec2 p = s.a + (s.b - s.a) * share;
+      return is_paved(input, p + outwards * (island_stone_m + kerb_gap_m), 0.5 * (s.a_z_m + s.b_z_m));
+    });
   };
-  for (const BorderRun& run : runs_of(input.roads, wanted))
+  for (BorderRun& run : runs_of(input.roads, wanted)) {
+    // In the tips of an island and where it is narrow the stone is narrower: the road opposite is free of it.
+    for (std::size_t i = 0; i < run.points.size(); ++i) {
+      const Vec3 p = run.points[i];
+      const auto is_on_road = [&] {
+        return is_paved(input, Vec2{p.x, p.y} + run.outwards[i] * (island_stone_m + kerb_gap_m), p.z);
+      };
+      for (int halves = 0; halves < 3 && is_on_road(); ++halves) run.outwards[i] = run.outwards[i] * 0.5;
+      if (is_on_road()) run.outwards[i] = {};
+    }
     add_bar(run, 0.0, island_stone_m, -kerb_foot_m, island_kerb_m, kerb_stone, faces);
+  }
 }
 
 // ---- below decks
