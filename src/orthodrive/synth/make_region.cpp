@@ -132,8 +132,9 @@ Raster<T> cropped(const Raster<T>& raster, int first_col, int first_row, int wid
 /// The pixels that a picture needs: those of its shadows, too, which fall northwards.
 GridFrame scene_frame(const Region& region, const PixelBox& box) {
   const int reach_px = static_cast<int>(std::ceil(shadow_reach_m / region.photo_frame.gsd_m)) + 2;
-  return window_of(region.photo_frame,
-                   {box.col - reach_px, box.row - 1, box.width + 2 * reach_px, box.height + 1 + reach_px});
+  constexpr int north_px = 2;  // the optics blur by a pixel, whose own slope takes another
+  return window_of(region.photo_frame, {box.col - reach_px, box.row - north_px, box.width + 2 * reach_px,
+                                        box.height + north_px + reach_px});
 }
 
 RegionPicture paint(const Region& region, const ObjectCells& cells, const PixelBox& box) {

@@ -9,7 +9,7 @@ namespace orthodrive::synth {
 /// Sun, shadows, textures, lane markings, wear, the optics' blur and the sensor's noise. Colours and light vary with
 /// the seed. 3 channels. Every pixel is a pure function of place and seed, so the result does not depend on threads.
 /// `box`: the pixels of the site to paint. Where the scene is a window, it must reach shadow_reach_m beyond the box,
-/// but for a pixel in the north: the sun stands in the south.
+/// but for two pixels in the north: the sun stands in the south.
 [[nodiscard]] Raster<std::uint8_t> paint_ortho(const SceneSource& source, const SceneRaster& scene, const PixelBox& box,
                                                int threads);
 

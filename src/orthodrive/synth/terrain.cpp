@@ -80,19 +80,29 @@ std::vector<double> solve_least_squares(const std::vector<Row>& rows, std::vecto
   return x;
 }
 
-/// The same by the sparse Cholesky factor, which is about as sparse as the roads are chains.
-std::vector<double> solve_least_squares_directly(const std::vector<Row>& rows, std::size_t unknowns) {
-  SparseJacobian jacobian{static_cast<int>(unknowns), {0}, {}, {}};
+/// The same by the sparse Cholesky factor, which is about as sparse as the roads are chains. Unknowns without a row, of
+/// knots that share another's, stay as they are.
+std::vector<double> solve_least_squares_directly(const std::vector<Row>& rows, std::vector<double> x) {
+  constexpr int unused = -1;
+  std::vector<int> column(x.size(), unused);
+  for (const Row& row : rows)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (row.factor[j] != 0.0) column[row.index[j]] = 0;
+  SparseJacobian jacobian{0, {0}, {}, {}};
+  for (int& c : column)
+    if (c != unused) c = jacobian.columns++;
   std::vector<double> right;
   for (const Row& row : rows) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (row.factor[j] == 0.0) continue;
-      jacobian.column.push_back(static_cast<int>(row.index[j])), jacobian.value.push_back(row.factor[j]);
-    }
+    for (std::size_t j = 0; j < 3; ++j)
+      if (row.factor[j] != 0.0)
+        jacobian.column.push_back(column[row.index[j]]), jacobian.value.push_back(row.factor[j]);
     jacobian.row_start.push_back(static_cast<int>(jacobian.column.size()));
     right.push_back(row.value);
   }
-  return solve_normal(jacobian, right);
+  const std::vector<double> solution = solve_normal(jacobian, right);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (column[i] != unused) x[i] = solution[static_cast<std::size_t>(column[i])];
+  return x;
 }
 
 /// Knots of all roads; those of one junction share an unknown.
@@ -226,7 +236,7 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
   add_bridge_rows(plan, knots, rows);
   add_tie_rows(plan, knots, rows);
   const std::vector<double> z = knots.unknowns > most_iterated_unknowns
-                                    ? solve_least_squares_directly(rows, knots.unknowns)
+                                    ? solve_least_squares_directly(rows, std::move(start))
                                     : solve_least_squares(rows, std::move(start));
   std::vector<Profile> profiles;
   for (std::size_t r = 0; r < plan.roads.size(); ++r) {
