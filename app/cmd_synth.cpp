@@ -18,22 +18,27 @@ struct Arguments {
 }  // namespace
 
 void add_synth(CLI::App& app, Context& context) {
-  static const std::map<std::string, Preset> presets{
-      {"village", Preset::village}, {"circuit", Preset::circuit}, {"junction", Preset::junction}};
+  static const std::map<std::string, Preset> presets{{"village", Preset::village},
+                                                     {"circuit", Preset::circuit},
+                                                     {"junction", Preset::junction},
+                                                     {"region", Preset::region}};
   auto arguments = std::make_shared<Arguments>();
   CLI::App* cmd = app.add_subcommand("synth",
                                      "Makes a synthetic site with exact truth.\n"
                                      "Writes site.toml, ortho.tif, roads.osm, dtm_1m.tif, dtm_10m.tif and truth/ "
                                      "(labels.tif, roads.gpkg, surface.geojson, centrelines.geojson, dtm_1m.tif).");
   SynthOptions& options = arguments->options;
-  CLI::Option* preset = cmd->add_option("--preset", arguments->preset, "kind of site: village, circuit, junction")
-                            ->check(CLI::IsMember({"village", "circuit", "junction"}))
-                            ->capture_default_str();
+  CLI::Option* preset =
+      cmd->add_option("--preset", arguments->preset, "kind of site: village, circuit, junction, region")
+          ->check(CLI::IsMember({"village", "circuit", "junction", "region"}))
+          ->capture_default_str();
   cmd->add_option("--seed", options.seed, "same seed, same bytes")->capture_default_str();
   cmd->add_option("-o,--output", arguments->files.folder, "folder to write to")->required();
   CLI::Option* size =
-      cmd->add_option("--size", options.size_m, "edge of the site in metres, a multiple of 10")->capture_default_str();
-  cmd->add_option("--gsd", options.gsd_m, "edge of a photo pixel in metres")->capture_default_str();
+      cmd->add_option("--size", options.size_m, "edge of the site in metres, a multiple of 10 (region: 10000)")
+          ->capture_default_str();
+  CLI::Option* gsd =
+      cmd->add_option("--gsd", options.gsd_m, "edge of a photo pixel in metres (region: 0.5)")->capture_default_str();
   cmd->add_option("--osm-offset-min", options.osm_offset_min_m, "least distance of OSM from the truth in metres")
       ->capture_default_str();
   cmd->add_option("--osm-offset-max", options.osm_offset_max_m, "largest distance of OSM from the truth in metres")
@@ -51,9 +56,14 @@ void add_synth(CLI::App& app, Context& context) {
       ->needs(track);
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
-      "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --from-track track.csv --track-osm track.osm -o sites/track\n"
-      "Needs 0.8 GB of memory for 1 km2 at 0.2 m.");
-  cmd->callback([arguments, &context] {
+      "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "
+      "--from-track track.csv --track-osm track.osm -o sites/track\n"
+      "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region is made tile by tile.");
+  cmd->callback([arguments, size, gsd, &context] {
+    if (arguments->preset == "region") {
+      if (size->count() == 0) arguments->options.size_m = 10000.0;
+      if (gsd->count() == 0) arguments->options.gsd_m = 0.5;
+    }
     StageContext stage = stage_context(context);
     print_outcome(run_synth(arguments->files, presets.at(arguments->preset), arguments->options, stage), stage);
   });

@@ -105,11 +105,13 @@ LabelMap blobs(int width, int height) {
   return map;
 }
 
-Raster<std::uint8_t> cut(const Raster<std::uint8_t>& whole, const PixelBox& box) {
-  Raster<std::uint8_t> part(box.width, box.height);
+template <typename T>
+Raster<T> cut(const Raster<T>& whole, const PixelBox& box) {
+  Raster<T> part(box.width, box.height, whole.channels);
   for (int row = 0; row < box.height; ++row)
     for (int col = 0; col < box.width; ++col)
-      part.at(col, row) = whole.at(static_cast<int>(box.col) + col, static_cast<int>(box.row) + row);
+      for (int c = 0; c < whole.channels; ++c)
+        part.at(col, row, c) = whole.at(static_cast<int>(box.col) + col, static_cast<int>(box.row) + row, c);
   return part;
 }
 
@@ -140,6 +142,28 @@ TEST(RasterStream, file_is_the_one_that_is_written_at_once) {
   io::RasterStream confidence = io::stream_confidence(scratch / "boxes.tif", map.crs, map.frame);
   for (const PixelBox& box : shuffled_boxes(map.frame, 1111)) confidence.write(box, cut(map.labels, box));
   confidence.finish();
+  EXPECT_TRUE(bytes_of(scratch / "boxes.tif") == bytes_of(scratch / "once.tif"));
+}
+
+TEST(RasterStream, photo_and_terrain_are_the_ones_that_are_written_at_once) {
+  const Scratch scratch;
+  Photo photo = noisy_photo(1300, 900);
+  std::fill(photo.valid.data.begin(), photo.valid.data.end(), std::uint8_t{1});
+  for (const int jpeg_quality : {0, 85}) {
+    io::write_photo(scratch / "once.tif", photo, {.jpeg_quality = jpeg_quality});
+    io::RasterStream stream =
+        io::stream_photo(scratch / "boxes.tif", photo.crs, photo.frame, {.jpeg_quality = jpeg_quality});
+    for (const PixelBox& box : shuffled_boxes(photo.frame, 300)) stream.write(box, cut(photo.rgb, box));
+    stream.finish();
+    EXPECT_TRUE(bytes_of(scratch / "boxes.tif") == bytes_of(scratch / "once.tif")) << jpeg_quality;
+  }
+  HeightGrid heights{photo.crs, photo.frame, Raster<float>(1300, 900), ""};
+  Random random(8);
+  for (float& z : heights.height_m.data) z = static_cast<float>(random.uniform(200.0, 300.0));
+  io::write_dtm(scratch / "once.tif", heights);
+  io::RasterStream stream = io::stream_dtm(scratch / "boxes.tif", heights.crs, heights.frame);
+  for (const PixelBox& box : shuffled_boxes(heights.frame, 300)) stream.write(box, cut(heights.height_m, box));
+  stream.finish();
   EXPECT_TRUE(bytes_of(scratch / "boxes.tif") == bytes_of(scratch / "once.tif"));
 }
 

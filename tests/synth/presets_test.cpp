@@ -331,7 +331,7 @@ TEST(Presets, osm_has_the_tags_of_a_junction) {
     const auto truth =
         std::count_if(site.roads.paths.begin(), site.roads.paths.end(), [](const auto& p) { return p.roundabout; });
     EXPECT_EQ(truth, count["roundabout"]);
-    EXPECT_TRUE(site.circuit_name.empty());
+    EXPECT_TRUE(site.route_name.empty());
   }
 }
 

@@ -162,7 +162,7 @@ TEST(Village, osm_has_the_tags_that_later_stages_read) {
   std::map<std::string, int> count;
   for (const OsmWay& way : site.osm.ways) {
     for (const auto& [key, value] : way.tags) ++count[key];
-    if (way.tags.contains("name") && way.tags.at("name") == site.circuit_name) {
+    if (way.tags.contains("name") && way.tags.at("name") == site.route_name) {
       EXPECT_EQ(way.nodes.front(), way.nodes.back());
     }
     if (way.tags.contains("bridge")) {
@@ -220,7 +220,7 @@ TEST(Village, bare_earth_holds_the_road_beds_and_the_road_below_the_bridge) {
       deck = &path;
       continue;
     }
-    if (path.name != site.circuit_name && path.highway != "secondary") continue;  // others give way at junctions
+    if (path.name != site.route_name && path.highway != "secondary") continue;  // others give way at junctions
     for (const RoadNode& node : path.nodes) {
       EXPECT_NEAR(sample_bilinear(site.true_dtm, node.p), node.z_m, 0.05) << path.name << " at " << node.s_m;
       ++compared;

@@ -60,10 +60,12 @@ void rasterize(const Polygon& polygon, const GridFrame& frame, const std::functi
   struct Edge {
     double x0, y0, x1, y1;  // pixel coordinates, y0 < y1
   };
+  GridFrame grid = frame;  // edges are those of the whole grid, or rounding would differ from window to window
+  grid.first_col = grid.first_row = 0;
   std::vector<Edge> edges;
   auto add = [&](const Ring& ring) {
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      Vec2 a = frame.pixel_from_world(ring[j]), b = frame.pixel_from_world(ring[i]);
+      Vec2 a = grid.pixel_from_world(ring[j]), b = grid.pixel_from_world(ring[i]);
       if (a.y == b.y) continue;
       if (a.y > b.y) std::swap(a, b);
       edges.push_back({a.x, a.y, b.x, b.y});
@@ -78,8 +80,8 @@ void rasterize(const Polygon& polygon, const GridFrame& frame, const std::functi
 
   double bottom = edges[0].y1;
   for (const Edge& edge : edges) bottom = std::max(bottom, edge.y1);
-  const int first = std::max(0, static_cast<int>(std::ceil(edges[0].y0 - 0.5)));
-  const int end = std::min(frame.height, static_cast<int>(std::ceil(bottom - 0.5)));
+  const int first = std::max(frame.first_row, static_cast<int>(std::ceil(edges[0].y0 - 0.5)));
+  const int end = std::min(frame.first_row + frame.height, static_cast<int>(std::ceil(bottom - 0.5)));
   std::vector<Edge> active;
   std::vector<double> crossings;
   std::size_t next = 0;
@@ -91,9 +93,10 @@ void rasterize(const Polygon& polygon, const GridFrame& frame, const std::functi
     for (const Edge& e : active) crossings.push_back(e.x0 + (y - e.y0) * (e.x1 - e.x0) / (e.y1 - e.y0));
     std::sort(crossings.begin(), crossings.end());
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      const double lo = std::clamp(std::ceil(crossings[i] - 0.5), 0.0, static_cast<double>(frame.width));
-      const double hi = std::clamp(std::ceil(crossings[i + 1] - 0.5), 0.0, static_cast<double>(frame.width));
-      if (lo < hi) span(row, static_cast<int>(lo), static_cast<int>(hi));
+      const auto width = static_cast<double>(frame.width);
+      const double lo = std::clamp(std::ceil(crossings[i] - 0.5) - frame.first_col, 0.0, width);
+      const double hi = std::clamp(std::ceil(crossings[i + 1] - 0.5) - frame.first_col, 0.0, width);
+      if (lo < hi) span(row - frame.first_row, static_cast<int>(lo), static_cast<int>(hi));
     }
   }
 }

@@ -74,14 +74,23 @@ void write_confidence(const std::filesystem::path& path, const ConfidenceMap& co
 /// As write_confidence makes it: one band of 8 bit, north-up in a metric CRS.
 [[nodiscard]] ConfidenceMap read_confidence(const std::filesystem::path& path);
 
-/// A label map or a confidence written box by box, in any order; each pixel once. Boxes wait in a compressed file
-/// without a name, so memory does not grow with the raster and a killed run leaves nothing. finish() makes the same
-/// file as write_labels or write_confidence; without it an earlier file stays untouched. One thread at a time.
+struct WritePhotoOptions {
+  int jpeg_quality = 0;  ///< 0: lossless (deflate)
+};
+void write_photo(const std::filesystem::path& path, const Photo& photo, const WritePhotoOptions& options = {});
+void write_dtm(const std::filesystem::path& path, const HeightGrid& grid);
+
+/// A raster written box by box, in any order; each pixel once. Boxes wait in a compressed file without a name, so
+/// memory does not grow with the raster and a killed run leaves nothing. finish() makes the same file as write_labels,
+/// write_confidence, write_photo (all pixels valid) or write_dtm; without it an earlier file stays untouched. One
+/// thread at a time.
 class RasterStream {
  public:
   RasterStream(RasterStream&&) noexcept;
   ~RasterStream();
-  void write(const PixelBox& box, const Raster<std::uint8_t>& pixels);
+  /// T: std::uint8_t, of heights float. As many channels as the raster has.
+  template <typename T>
+  void write(const PixelBox& box, const Raster<T>& pixels);
   void finish();
 
  private:
@@ -89,17 +98,17 @@ class RasterStream {
   explicit RasterStream(std::unique_ptr<State> state);
   friend RasterStream stream_labels(const std::filesystem::path&, const Crs&, const GridFrame&, const ClassTable&);
   friend RasterStream stream_confidence(const std::filesystem::path&, const Crs&, const GridFrame&);
+  friend RasterStream stream_photo(const std::filesystem::path&, const Crs&, const GridFrame&,
+                                   const WritePhotoOptions&);
+  friend RasterStream stream_dtm(const std::filesystem::path&, const Crs&, const GridFrame&);
   std::unique_ptr<State> state_;
 };
 [[nodiscard]] RasterStream stream_labels(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame,
                                          const ClassTable& classes);
 [[nodiscard]] RasterStream stream_confidence(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame);
-
-struct WritePhotoOptions {
-  int jpeg_quality = 0;  ///< 0: lossless (deflate)
-};
-void write_photo(const std::filesystem::path& path, const Photo& photo, const WritePhotoOptions& options = {});
-void write_dtm(const std::filesystem::path& path, const HeightGrid& grid);
+[[nodiscard]] RasterStream stream_photo(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame,
+                                        const WritePhotoOptions& options = {});
+[[nodiscard]] RasterStream stream_dtm(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame);
 
 /// Encoded images for glTF and the report. rgb has 3 channels.
 [[nodiscard]] std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quality = 85);

@@ -8,6 +8,7 @@
 
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/io/gdal_support.hpp"
+#include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/model/class_table.hpp"
 
 namespace orthodrive::io {
@@ -46,6 +47,12 @@ void require_complete(const std::filesystem::path& path, GDALDataset& dataset);
 void place(GDALDataset& dataset, const GridFrame& frame, const Crs& crs);
 /// Palette, nodata and class table of a label map.
 void dress_as_labels(GDALDataset& dataset, const ClassTable& classes);
+/// Colours of the bands, the fourth alpha.
+void dress_as_photo(GDALDataset& dataset);
+/// NaN is nodata.
+void dress_as_dtm(GDALDataset& dataset);
+[[nodiscard]] std::vector<std::string> photo_cog_options(const WritePhotoOptions& options);
+const std::vector<std::string>& dtm_cog_options();
 const std::vector<std::string>& label_cog_options();
 const std::vector<std::string>& confidence_cog_options();
 /// Writes the copy aside, then puts it in the target's place. Throws Error naming the target.

@@ -73,6 +73,28 @@ void dress_as_labels(GDALDataset& dataset, const ClassTable& classes) {
   dataset.SetMetadataItem("ORTHODRIVE_CLASSES", class_table_to_json(classes).c_str());
 }
 
+void dress_as_photo(GDALDataset& dataset) {
+  constexpr GDALColorInterp meaning[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
+  for (int b = 1; b <= dataset.GetRasterCount(); ++b) dataset.GetRasterBand(b)->SetColorInterpretation(meaning[b - 1]);
+}
+
+void dress_as_dtm(GDALDataset& dataset) {
+  dataset.GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
+}
+
+std::vector<std::string> photo_cog_options(const WritePhotoOptions& options) {
+  if (options.jpeg_quality > 0)  // the driver turns alpha into a mask, which JPEG's losses do not touch
+    return {"COMPRESS=JPEG", fmt::format("QUALITY={}", options.jpeg_quality), "OVERVIEW_RESAMPLING=AVERAGE",
+            "BIGTIFF=IF_SAFER"};
+  return {"COMPRESS=DEFLATE", "PREDICTOR=YES", "OVERVIEW_RESAMPLING=AVERAGE", "BIGTIFF=IF_SAFER"};
+}
+
+const std::vector<std::string>& dtm_cog_options() {
+  static const std::vector<std::string> options{"COMPRESS=DEFLATE", "PREDICTOR=YES", "OVERVIEW_RESAMPLING=AVERAGE",
+                                                "BIGTIFF=IF_SAFER"};
+  return options;
+}
+
 // IF_SAFER: a mosaic may grow beyond the 4 GB of a plain TIFF, which a compressed file does not know beforehand.
 const std::vector<std::string>& label_cog_options() {
   static const std::vector<std::string> options{"COMPRESS=DEFLATE", "OVERVIEW_RESAMPLING=NEAREST", "BIGTIFF=IF_SAFER",
@@ -104,26 +126,20 @@ void write_photo(const fs::path& path, const Photo& photo, const WritePhotoOptio
   const DatasetPtr dataset = placed(photo.frame, photo.crs);
   wrap_for_reading(*dataset, photo.rgb);
   Raster<std::uint8_t> alpha;
-  const GDALColorInterp meaning[] = {GCI_RedBand, GCI_GreenBand, GCI_BlueBand, GCI_AlphaBand};
   if (std::find(photo.valid.data.begin(), photo.valid.data.end(), 0) != photo.valid.data.end()) {
     alpha = photo.valid;
     for (std::uint8_t& a : alpha.data) a = a ? 255 : 0;
     wrap_channels(*dataset, alpha);
   }
-  for (int b = 1; b <= dataset->GetRasterCount(); ++b)
-    dataset->GetRasterBand(b)->SetColorInterpretation(meaning[b - 1]);
-  if (options.jpeg_quality > 0)  // the driver turns alpha into a mask, which JPEG's losses do not touch
-    create_copy(path, "COG", *dataset,
-                {"COMPRESS=JPEG", fmt::format("QUALITY={}", options.jpeg_quality), "OVERVIEW_RESAMPLING=AVERAGE"});
-  else
-    create_copy(path, "COG", *dataset, {"COMPRESS=DEFLATE", "PREDICTOR=YES", "OVERVIEW_RESAMPLING=AVERAGE"});
+  dress_as_photo(*dataset);
+  create_copy(path, "COG", *dataset, photo_cog_options(options));
 }
 
 void write_dtm(const fs::path& path, const HeightGrid& grid) {
   const DatasetPtr dataset = placed(grid.frame, grid.crs);
   wrap_for_reading(*dataset, grid.height_m);
-  dataset->GetRasterBand(1)->SetNoDataValue(std::numeric_limits<double>::quiet_NaN());
-  create_copy(path, "COG", *dataset, {"COMPRESS=DEFLATE", "PREDICTOR=YES", "OVERVIEW_RESAMPLING=AVERAGE"});
+  dress_as_dtm(*dataset);
+  create_copy(path, "COG", *dataset, dtm_cog_options());
 }
 
 void write_png(const fs::path& path, const Raster<std::uint8_t>& rgb) {

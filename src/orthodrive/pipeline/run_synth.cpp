@@ -11,6 +11,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
 
 namespace orthodrive {
@@ -41,22 +42,45 @@ std::string site_toml(const SynthSite& site) {
       "[attribution]\ntext = [{}]\n\n"
       "[truth]\ndir = \"truth\"\n",
       toml_text(site.name), site.crs.definition, b.min_x, b.min_y, b.max_x, b.max_y,
-      site.circuit_name.empty()
-          ? std::string()
-          : fmt::format("[drive]\nroute = {}  # name of a closed way\n\n", toml_text(site.circuit_name)),
+      site.route_name.empty() ? std::string()
+                              : fmt::format("[drive]\nroute = {}  # name of a {}way\n\n", toml_text(site.route_name),
+                                            site.route_closed ? "closed " : ""),
       attribution);
 }
 
-void write_site(const fs::path& folder, const SynthSite& site) {
-  const fs::path truth = folder / "truth";
-  fs::create_directories(truth);
+void write_rasters(const fs::path& folder, const SynthSite& site) {
   io::write_photo(folder / "ortho.tif", site.photo, {.jpeg_quality = jpeg_quality});
   io::write_dtm(folder / "dtm_1m.tif", site.dtm_1m);
   io::write_dtm(folder / "dtm_10m.tif", site.dtm_10m);
-  io::write_osm(folder / "roads.osm", site.osm);
+  io::write_labels(folder / "truth/labels.tif", site.labels);
+  io::write_dtm(folder / "truth/dtm_1m.tif", site.true_dtm);
+}
 
-  io::write_labels(truth / "labels.tif", site.labels);
-  io::write_dtm(truth / "dtm_1m.tif", site.true_dtm);
+/// Writes the rasters on the way.
+SynthSite make_region_site(const fs::path& folder, const SynthOptions& options, Monitor* monitor) {
+  const RegionFrames frames = region_frames(options);
+  const Crs crs{"EPSG:32633"};
+  io::RasterStream photo = io::stream_photo(folder / "ortho.tif", crs, frames.photo, {.jpeg_quality = jpeg_quality}),
+                   labels = io::stream_labels(folder / "truth/labels.tif", crs, frames.photo, default_class_table()),
+                   dtm_1m = io::stream_dtm(folder / "dtm_1m.tif", crs, frames.dtm_1m),
+                   dtm_10m = io::stream_dtm(folder / "dtm_10m.tif", crs, frames.dtm_10m),
+                   true_dtm = io::stream_dtm(folder / "truth/dtm_1m.tif", crs, frames.dtm_1m);
+  const auto write_picture = [&](const RegionPicture& tile) {
+    photo.write(tile.box, tile.rgb), labels.write(tile.box, tile.labels);
+  };
+  const auto write_heights = [&](const RegionHeights& tile) {
+    true_dtm.write(tile.box_1m, tile.true_1m), dtm_1m.write(tile.box_1m, tile.dtm_1m);
+    dtm_10m.write(tile.box_10m, tile.dtm_10m);
+  };
+  SynthSite site = make_region(options, {write_picture, write_heights}, monitor);
+  for (io::RasterStream* stream : {&photo, &labels, &dtm_1m, &dtm_10m, &true_dtm}) stream->finish();
+  return site;
+}
+
+/// What is not a raster; site.toml last: a folder with a site file is complete.
+void write_vectors(const fs::path& folder, const SynthSite& site) {
+  const fs::path truth = folder / "truth";
+  io::write_osm(folder / "roads.osm", site.osm);
   io::write_roads(truth / "roads.gpkg", site.roads);
   std::vector<io::Feature> surfaces, lines;
   for (std::size_t i = 0; i < site.roads.paths.size(); ++i) {
@@ -70,7 +94,7 @@ void write_site(const fs::path& folder, const SynthSite& site) {
   }
   io::write_geojson(truth / "surface.geojson", surfaces, site.crs);
   io::write_geojson(truth / "centrelines.geojson", lines, site.crs);
-  write_text_file(folder / "site.toml", site_toml(site));  // last: a folder with a site file is complete
+  write_text_file(folder / "site.toml", site_toml(site));
 }
 
 SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, StageContext& context) {
@@ -101,9 +125,15 @@ SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, 
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
   SynthOptions synth = options;
   synth.threads = context.threads;
-  const SynthSite site =
-      files.track.empty() ? make_preset(preset, synth, context.monitor) : make_track_site(files, synth, context);
-  write_site(files.folder, site);
+  fs::create_directories(files.folder / "truth");
+  SynthSite site;
+  if (files.track.empty() && preset == Preset::region) {
+    site = make_region_site(files.folder, synth, context.monitor);
+  } else {
+    site = files.track.empty() ? make_preset(preset, synth, context.monitor) : make_track_site(files, synth, context);
+    write_rasters(files.folder, site);
+  }
+  write_vectors(files.folder, site);
   double road_m = 0.0;
   for (const RoadPath& path : site.roads.paths) road_m += path.nodes.back().s_m;
   return {.summary = {fmt::format("{}: {} ways, {:.1f} km of road, written to {}", site.name, site.roads.paths.size(),

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/geo/polygon.hpp"
+
 namespace orthodrive::synth {
 namespace {
 // Gauss-Legendre, 8 points on [-1, 1] (Abramowitz and Stegun, table 25.4).
@@ -198,7 +200,11 @@ Polyline sample(const Alignment& alignment, double step_m) {
 }
 
 double nearest_s(const Alignment& alignment, Vec2 p) {
-  double s = project_onto(sample(alignment, 2.0), p).s_m;
+  return nearest_s(alignment, sample(alignment, search_step_m), p);
+}
+
+double nearest_s(const Alignment& alignment, const Polyline& line, Vec2 p) {
+  double s = project_onto(line, p).s_m;
   for (int i = 0; i < 20; ++i) {  // Newton on the along-track distance; the chord gave a start within centimetres
     const AlignmentPoint q = evaluate(alignment, s);
     const Vec2 t = unit(q.heading_rad), d = p - q.p;
@@ -211,9 +217,15 @@ double nearest_s(const Alignment& alignment, Vec2 p) {
 }
 
 std::vector<AlignmentCrossing> crossings(const Alignment& a, const Alignment& b) {
-  const Polyline line_a = sample(a, 2.0), line_b = sample(b, 2.0);
+  return crossings(a, sample(a, search_step_m), b, sample(b, search_step_m));
+}
+
+std::vector<AlignmentCrossing> crossings(const Alignment& a, const Polyline& line_a, const Alignment& b,
+                                         const Polyline& line_b) {
   std::vector<AlignmentCrossing> found;
-  for (std::size_t i = 0; i + 1 < line_a.size(); ++i)
+  const Box2 near_b = bounds_of(line_b).grown(search_step_m);
+  for (std::size_t i = 0; i + 1 < line_a.size(); ++i) {
+    if (!near_b.contains(line_a[i])) continue;
     for (std::size_t j = 0; j + 1 < line_b.size(); ++j) {
       const Vec2 da = line_a[i + 1] - line_a[i], db = line_b[j + 1] - line_b[j], r = line_b[j] - line_a[i];
       const double denominator = cross(da, db);
@@ -231,6 +243,7 @@ std::vector<AlignmentCrossing> crossings(const Alignment& a, const Alignment& b)
       }
       found.push_back(c);
     }
+  }
   return found;
 }
 

@@ -68,11 +68,18 @@ struct Corner {
 [[nodiscard]] Polyline sample(const Alignment& alignment, double step_m);
 /// s of the point of the alignment nearest to p, to 1e-9 m.
 [[nodiscard]] double nearest_s(const Alignment& alignment, Vec2 p);
+/// The distance at which lines of nearest_s and crossings are sampled.
+constexpr double search_step_m = 2.0;
+/// The same with the line sampled before, at search_step_m: for many points.
+[[nodiscard]] double nearest_s(const Alignment& alignment, const Polyline& line, Vec2 p);
 
 struct AlignmentCrossing {
   double s_a_m = 0.0, s_b_m = 0.0;
 };
 /// All crossings of two alignments, by s of the first; exact to 1e-9 m.
 [[nodiscard]] std::vector<AlignmentCrossing> crossings(const Alignment& a, const Alignment& b);
+/// The same with both lines sampled before, at search_step_m.
+[[nodiscard]] std::vector<AlignmentCrossing> crossings(const Alignment& a, const Polyline& line_a, const Alignment& b,
+                                                       const Polyline& line_b);
 
 }  // namespace orthodrive::synth

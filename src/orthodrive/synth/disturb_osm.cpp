@@ -103,6 +103,8 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
   Random random(derive_seed(options.seed, 6));
   std::map<std::int64_t, Vec2> nodes;
   std::int64_t next_node = 1000;
+  for (const PlannedWay& way : ways)
+    for (const PlannedWay::Stop& stop : way.stops) next_node = std::max(next_node, stop.osm_node + 1);
   OsmData osm;
   for (const PlannedWay& planned : ways) {
     const Alignment& alignment = plan.roads[planned.road].alignment;
@@ -129,7 +131,7 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
     osm.ways.push_back(std::move(way));
   }
 
-  std::int64_t next_area = first_area_id;
+  std::int64_t next_area = std::max(first_area_id, first_way_id + static_cast<std::int64_t>(ways.size()));
   const auto add_area = [&](const Ring& ring, std::map<std::string, std::string> tags) {
     OsmWay way{.id = next_area++, .tags = std::move(tags)};
     for (const Vec2 p : ring) {

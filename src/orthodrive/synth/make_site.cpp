@@ -10,19 +10,11 @@
 #include "orthodrive/synth/disturb_osm.hpp"
 #include "orthodrive/synth/paint_ortho.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
+#include "orthodrive/synth/true_surfaces.hpp"
 
 namespace orthodrive {
 namespace {
 using namespace synth;
-
-constexpr double dtm_margin_m = 60.0;
-
-void check(const SynthOptions& o) {
-  if (!(o.gsd_m >= 0.05 && o.gsd_m <= 2.0)) throw OptionError(fmt::format("gsd is {} m, need 0.05 to 2", o.gsd_m));
-  if (!(o.osm_offset_min_m >= 0.0 && o.osm_offset_min_m <= o.osm_offset_max_m && o.osm_offset_max_m <= 20.0))
-    throw OptionError(
-        fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
-}
 
 GridFrame moved(GridFrame frame, Vec2 world_from_local) {
   frame.west_m += world_from_local.x, frame.north_m += world_from_local.y;
@@ -44,37 +36,17 @@ HeightGrid noisy_dtm(const HeightGrid& truth, int cell, double sigma_m, std::uin
     }
   return grid;
 }
-
-Polygon carriageway(const RoadPath& path) {
-  const Ring ring = surface_ring(path);
-  const std::size_t n = path.nodes.size();
-  if (path.nodes.front().p != path.nodes.back().p) return {ring, {}};
-  // Closed: two rings instead of a strip that touches itself. The first and the last node coincide.
-  Ring right(ring.begin(), ring.begin() + static_cast<long>(n) - 1),
-      left(ring.begin() + static_cast<long>(n), ring.end() - 1);
-  if (std::abs(signed_area_m2(right)) < std::abs(signed_area_m2(left))) std::swap(right, left);
-  return {right, {left}};
-}
-
-std::vector<SynthSurface> make_surfaces(const RoadNetwork& roads, const Raster<std::uint8_t>& labels,
-                                        const GridFrame& frame) {
-  constexpr std::uint8_t road = 1;
-  std::vector<SynthSurface> surfaces;
-  for (const RoadPath& path : roads.paths) {
-    SynthSurface surface{path.osm_id, path.highway, 1.0, carriageway(path)};
-    double pixels = 0.0, visible = 0.0;
-    rasterize(surface.polygon, frame, [&](int row, int begin, int end) {
-      for (int col = begin; col < end; ++col) ++pixels, visible += labels.at(col, row) == road ? 1.0 : 0.0;
-    });
-    if (pixels > 0.0) surface.visibility = visible / pixels;
-    surfaces.push_back(std::move(surface));
-  }
-  return surfaces;
-}
 }  // namespace
 
+void check_synth_options(const SynthOptions& o) {
+  if (!(o.gsd_m >= 0.05 && o.gsd_m <= 2.0)) throw OptionError(fmt::format("gsd is {} m, need 0.05 to 2", o.gsd_m));
+  if (!(o.osm_offset_min_m >= 0.0 && o.osm_offset_min_m <= o.osm_offset_max_m && o.osm_offset_max_m <= 20.0))
+    throw OptionError(
+        fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
+}
+
 SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* monitor) {
-  check(options);
+  check_synth_options(options);
   const auto report = [&](double fraction) {
     if (monitor) monitor->progress(fraction, "synth");
   };
@@ -85,7 +57,7 @@ SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* 
   const Vec2 world_from_local = plan.world_from_local;
   const auto to_world = [&](const GridFrame& frame) { return moved(frame, world_from_local); };
   site.bounds = {world_from_local.x, world_from_local.y, world_from_local.x + size, world_from_local.y + size};
-  if (plan.circuit) site.circuit_name = plan.roads[*plan.circuit].name;
+  if (plan.circuit) site.route_name = plan.roads[*plan.circuit].name;
 
   const Terrain terrain = make_terrain(plan, options.seed);
   const int earth_px = static_cast<int>(size + 2.0 * dtm_margin_m);
@@ -103,7 +75,7 @@ SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* 
     const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
     report(0.35);
     site.labels = {site.crs, to_world(photo_frame), label_scene(source, scene, options.threads), default_class_table()};
-    site.photo = {site.crs, to_world(photo_frame), paint_ortho(source, scene, options.threads),
+    site.photo = {site.crs, to_world(photo_frame), paint_ortho(source, scene, pixels_of(photo_frame), options.threads),
                   Raster<std::uint8_t>(photo_px, photo_px, 1, 1)};
   }
   report(0.9);
@@ -121,7 +93,12 @@ SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* 
   for (RoadPath& path : site.roads.paths)
     for (RoadNode& node : path.nodes) node.p = node.p + world_from_local;
   site.osm.crs = site.roads.crs = site.crs;
-  site.surfaces = make_surfaces(site.roads, site.labels.labels, site.labels.frame);
+  site.surfaces = true_surfaces(site.roads);
+  for (SynthSurface& surface : site.surfaces) {
+    SeenPixels seen;
+    seen.count(surface.polygon, site.labels.labels, site.labels.frame);
+    surface.visibility = seen.share();
+  }
   report(1.0);
   return site;
 }
@@ -134,8 +111,10 @@ SynthSite make_preset(Preset preset, const SynthOptions& o, Monitor* monitor) {
       return make_site(plan_circuit(o.size_m, o.seed), o, monitor);
     case Preset::junction:
       return make_site(plan_junction(o.size_m, o.seed), o, monitor);
+    case Preset::region:
+      break;
   }
-  throw OptionError("no such preset");
+  throw OptionError("a region is made tile by tile: make_region");
 }
 
 }  // namespace orthodrive

@@ -25,8 +25,12 @@ struct SynthOptions {
   double osm_offset_max_m = 3.6;  ///< ... and at most so far; 0 and 0: OSM nodes lie on the true lines
   double dtm_1m_sigma_m = 0.05;   ///< noise of the heights
   double dtm_10m_sigma_m = 0.10;
-  int threads = 0;  ///< 0 = all cores; the result does not depend on it
+  int threads = 0;     ///< 0 = all cores; the result does not depend on it
+  int tile_px = 1024;  ///< edge of the tiles that a region is made of; the result does not depend on it
 };
+/// Throws OptionError.
+void check_synth_options(const SynthOptions& options);
+constexpr double dtm_margin_m = 60.0;  ///< terrain models reach beyond the site
 
 /// True carriageway of a way.
 struct SynthSurface {
@@ -47,7 +51,8 @@ struct SynthSite {
   OsmData osm;                         ///< disturbed: roads, buildings, woods, water, parking
   RoadNetwork roads;                   ///< truth, a node a metre: width, z, gradient, banking, offset from the OSM line
   std::vector<SynthSurface> surfaces;  ///< one a path of `roads`
-  std::string circuit_name;            ///< of the closed way to drive on; empty: there is none
+  std::string route_name;              ///< of the way to drive on: the circuit, a region's motorway; empty: none
+  bool route_closed = true;
   std::vector<std::string> attribution{"Synthetic site made by orthodrive synth, no rights reserved"};
 };
 
@@ -55,8 +60,9 @@ struct SynthSite {
 /// for 1 km2 at 0.2 m. Throws OptionError.
 [[nodiscard]] SynthSite make_site(const synth::SitePlan& plan, const SynthOptions& options, Monitor* monitor = nullptr);
 
-enum class Preset : std::uint8_t { village, circuit, junction };
-/// A site of that kind: plan and site in one call. Throws OptionError for sizes it cannot fill.
+enum class Preset : std::uint8_t { village, circuit, junction, region };
+/// A site of that kind: plan and site in one call. Throws OptionError for sizes it cannot fill, and for regions, which
+/// are made tile by tile (make_region.hpp).
 [[nodiscard]] SynthSite make_preset(Preset preset, const SynthOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

@@ -107,10 +107,10 @@ class Painter {
     if (object < 0) {
       albedo = ground(col, row, p);
     } else if (object < counts_.houses) {
-      albedo = roof(source_.objects.houses[static_cast<std::size_t>(object)], object, p);
+      albedo = roof(source_.objects.houses[static_cast<std::size_t>(object)], p);
       roughness = 1.0f;
     } else if (object < counts_.houses + counts_.trees) {
-      albedo = crown(source_.objects.trees[static_cast<std::size_t>(object - counts_.houses)], object, p);
+      albedo = crown(source_.objects.trees[static_cast<std::size_t>(object - counts_.houses)], p);
       roughness = 0.55f;
     } else {
       albedo = car(source_.objects.cars[static_cast<std::size_t>(object - counts_.houses - counts_.trees)], p);
@@ -164,6 +164,8 @@ class Painter {
     return unit_hash(thing, 77, seed_ + layer);
   }
 
+  [[nodiscard]] std::int32_t area_id(std::uint16_t detail) const { return source_.objects.areas[detail].id; }
+
   [[nodiscard]] Rgb ground(int col, int row, Vec2 p) const {
     const std::uint16_t detail = scene_.detail.at(col, row);
     switch (scene_.cover.at(col, row)) {
@@ -174,7 +176,7 @@ class Painter {
       case Cover::meadow:
         return grass(p, 0.0f, 0.5f);
       case Cover::lawn:
-        return grass(p, trait(detail, 20) - 0.5f, trait(detail, 21));
+        return grass(p, trait(area_id(detail), 20) - 0.5f, trait(area_id(detail), 21));
       case Cover::verge:
         return mix(grass(p, -0.2f, 0.5f), {0.52f, 0.48f, 0.37f}, 0.35f + 0.3f * noise(p, 1.5, 22));
       case Cover::garden_bed: {
@@ -184,8 +186,8 @@ class Painter {
       case Cover::forest_floor:
         return mood_.foliage * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
       case Cover::paved: {
-        const float tone = 0.52f + 0.22f * trait(detail, 25) + 0.03f * fractal(p, 1.0, 26, 3);
-        const float red = 0.06f * trait(detail, 27);
+        const float tone = 0.52f + 0.22f * trait(area_id(detail), 25) + 0.03f * fractal(p, 1.0, 26, 3);
+        const float red = 0.06f * trait(area_id(detail), 27);
         return {tone + red, tone, tone - 0.03f - 0.5f * red};
       }
       case Cover::gravel: {
@@ -364,7 +366,8 @@ class Painter {
     return paint;
   }
 
-  [[nodiscard]] Rgb roof(const House& house, std::int32_t number, Vec2 p) const {
+  [[nodiscard]] Rgb roof(const House& house, Vec2 p) const {
+    const std::int32_t number = house.id;
     const Vec2 d = p - house.center, along{std::cos(house.heading_rad), std::sin(house.heading_rad)};
     const double u = dot(d, along), v = cross(along, d);
     float shade = 1.0f + 0.05f * fractal(p, 3.0, 80, 3) +
@@ -388,7 +391,8 @@ class Painter {
     return house.color * shade;
   }
 
-  [[nodiscard]] Rgb crown(const Tree& tree, std::int32_t number, Vec2 p) const {
+  [[nodiscard]] Rgb crown(const Tree& tree, Vec2 p) const {
+    const std::int32_t number = tree.id;
     Rgb color = mood_.foliage;
     if (tree.conifer) color = {color[0] * 0.75f, color[1] * 0.82f, color[2] * 0.95f};
     const float warm = trait(number, 90) - 0.5f, light = 0.85f + 0.35f * trait(number, 91);
@@ -415,24 +419,26 @@ class Painter {
   Raster<float> terrain_shade_;
 };
 
-/// The camera: haze, contrast, tint, blur of the optics and noise of the sensor, row by row.
-void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed, int row,
-             Raster<std::uint8_t>& rgb) {
+/// The camera: haze, contrast, tint, blur of the optics and noise of the sensor, row by row. `site_row`: which
+/// pixels of the site the row has; of the light there is a pixel more on both sides.
+void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed,
+             const PixelBox& site_row, int row, Raster<std::uint8_t>& rgb) {
   constexpr std::array blur{0.25f, 0.50f, 0.25f};
-  const int width = rgb.width;
-  for (int col = 0; col < width; ++col) {
+  const auto site_y = static_cast<std::int32_t>(site_row.row);
+  for (int col = 0; col < rgb.width; ++col) {
+    const auto site_x = static_cast<std::int32_t>(site_row.col) + col;
     Rgb sum{};
     for (std::size_t j = 0; j < 3; ++j)
       for (int i = -1; i <= 1; ++i)
-        sum = sum + (*rows[j])[static_cast<std::size_t>(std::clamp(col + i, 0, width - 1))] *
-                        (blur[j] * blur[static_cast<std::size_t>(i + 1)]);
+        sum =
+            sum + (*rows[j])[static_cast<std::size_t>(col + i + 1)] * (blur[j] * blur[static_cast<std::size_t>(i + 1)]);
     const float grain =
-        signed_hash(col, row, seed + 100) + signed_hash(col, row, seed + 101);  // triangular, sigma 0.82
+        signed_hash(site_x, site_y, seed + 100) + signed_hash(site_x, site_y, seed + 101);  // triangular, sigma 0.82
     for (int c = 0; c < 3; ++c) {
       float value = sum[static_cast<std::size_t>(c)];
       value = (value - 0.45f) * mood.contrast + 0.45f;
       value = value * mood.gain * mood.tint[static_cast<std::size_t>(c)] * (1.0f - mood.haze) + mood.haze;
-      const float chroma = signed_hash(col, row, seed + 102 + static_cast<std::uint32_t>(c));
+      const float chroma = signed_hash(site_x, site_y, seed + 102 + static_cast<std::uint32_t>(c));
       value += mood.noise_sigma * (grain + 0.6f * chroma);
       rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(value * 255.0f + 0.5f, 0.0f, 255.0f));
     }
@@ -440,26 +446,31 @@ void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& moo
 }
 }  // namespace
 
-Raster<std::uint8_t> paint_ortho(const SceneSource& source, const SceneRaster& scene, int threads) {
+Raster<std::uint8_t> paint_ortho(const SceneSource& source, const SceneRaster& scene, const PixelBox& box,
+                                 int threads) {
   const Mood mood = make_mood(source.seed);
   const Painter painter(source, scene, mood);
-  const int width = scene.frame.width, height = scene.frame.height;
-  Raster<std::uint8_t> rgb(width, height, 3);
+  const GridFrame& frame = scene.frame;
+  const int first_col = static_cast<int>(box.col) - frame.first_col,
+            first_row = static_cast<int>(box.row) - frame.first_row;  // of the box in the scene
+  Raster<std::uint8_t> rgb(box.width, box.height, 3);
   constexpr int band_rows = 64;
-  parallel_for(static_cast<std::size_t>((height + band_rows - 1) / band_rows), threads, [&](std::size_t band) {
-    const int first = static_cast<int>(band) * band_rows, end = std::min(height, first + band_rows);
-    std::array<std::vector<Rgb>, 3> window;
+  parallel_for(static_cast<std::size_t>((box.height + band_rows - 1) / band_rows), threads, [&](std::size_t band) {
+    const int first = static_cast<int>(band) * band_rows, end = std::min(box.height, first + band_rows);
+    std::array<std::vector<Rgb>, 3> window;  // rows with a pixel more on both sides
     const auto slot = [](int row) { return static_cast<std::size_t>((row + 3) % 3); };
     const auto fill = [&](int row) {
       std::vector<Rgb>& line = window[slot(row)];
-      line.resize(static_cast<std::size_t>(width));
-      for (int col = 0; col < width; ++col)
-        line[static_cast<std::size_t>(col)] = painter.light(col, std::clamp(row, 0, height - 1));
+      line.resize(static_cast<std::size_t>(box.width) + 2);
+      for (int col = -1; col <= box.width; ++col)
+        line[static_cast<std::size_t>(col + 1)] = painter.light(std::clamp(first_col + col, 0, frame.width - 1),
+                                                                std::clamp(first_row + row, 0, frame.height - 1));
     };
     fill(first - 1), fill(first);
     for (int row = first; row < end; ++row) {
       fill(row + 1);
-      develop({&window[slot(row - 1)], &window[slot(row)], &window[slot(row + 1)]}, mood, source.seed, row, rgb);
+      develop({&window[slot(row - 1)], &window[slot(row)], &window[slot(row + 1)]}, mood, source.seed,
+              {box.col, box.row + row, box.width, 1}, row, rgb);
     }
   });
   return rgb;

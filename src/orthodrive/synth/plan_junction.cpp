@@ -6,15 +6,12 @@
 #include <numbers>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/synth/interchange.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
-#include "orthodrive/synth/planner.hpp"
 #include "orthodrive/synth/trackside.hpp"
 
 namespace orthodrive::synth {
 namespace {
-constexpr double strip_m = 0.75, lane_m = 3.75;  // RAA 2008: edge strip at the median, lane
-constexpr double ring_radius_m = 17.0;           // of a roundabout's centre line: 40 m across with 7 m of carriageway
-
 /// Metres from the middle of the site, turned by seed. Never mirrored: traffic keeps right.
 struct Frame {
   Vec2 center;
@@ -23,86 +20,6 @@ struct Frame {
     const double c = std::cos(turn_rad), s = std::sin(turn_rad);
     return center + Vec2{c * x - s * y, s * x + c * y};
   }
-};
-
-/// The tangent polygon moved to the left; radii change so that arcs stay concentric.
-std::vector<Corner> moved_left(const std::vector<Corner>& corners, double by_m) {
-  std::vector<Corner> moved;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec2 in = normalized(corners[i].p - corners[i > 0 ? i - 1 : 0].p);
-    const Vec2 out = normalized(corners[std::min(i + 1, corners.size() - 1)].p - corners[i].p);
-    if (i == 0 || i + 1 == corners.size()) {
-      moved.push_back({corners[i].p + left_normal(i == 0 ? out : in) * by_m, corners[i].radius_m});
-      continue;
-    }
-    const Vec2 bisector = normalized(left_normal(in) + left_normal(out));
-    const double turn = cross(in, out) > 0.0 ? 1.0 : -1.0;
-    moved.push_back(
-        {corners[i].p + bisector * (by_m / dot(bisector, left_normal(in))), corners[i].radius_m - turn * by_m});
-  }
-  return moved;
-}
-
-/// A place relative to a road: along it and to its right.
-Vec2 beside(const Alignment& a, double s_m, double right_m) {
-  const AlignmentPoint q = evaluate(a, s_m);
-  return q.p - Vec2{-std::sin(q.heading_rad), std::cos(q.heading_rad)} * right_m;
-}
-
-/// Where a slip road meets the secondary road: a T junction, or a roundabout whose ring it ends on.
-struct Head {
-  Vec2 p;
-  double ring_radius_m = 0.0;
-  [[nodiscard]] Vec2 end_from(Vec2 corner) const { return p + normalized(corner - p) * ring_radius_m; }
-};
-
-struct Sizes {
-  double reach_m = 0.0;  ///< from the bridge to where slip roads leave the motorway
-  double taper_m = 0.0;  ///< length of the flat first leg
-  double head_m = 0.0;   ///< from the motorway to the heads
-};
-
-/// Exit (from the carriageway to the head) or entry (from the head to the carriageway), on the right of `main`.
-Alignment slip_road(const Alignment& main, double s_bridge, const Head& head, const Sizes& sizes, bool exit) {
-  const double sign = exit ? -1.0 : 1.0;
-  constexpr double flat_slope = 0.09;  // 5 degrees
-  const Vec2 nose = beside(main, s_bridge + sign * sizes.reach_m, 0.0);
-  // The last corner stands so that the slip road meets the secondary road across.
-  const double last_m = std::max(50.0, 0.16 * sizes.reach_m) + head.ring_radius_m;
-  const Vec2 away = normalized(beside(main, s_bridge + sign * 100.0, 0.0) - beside(main, s_bridge, 0.0));
-  const Vec2 last = head.p + away * last_m;
-  std::vector<Corner> corners{{nose, 0.0}};
-  // Along the carriageway, bent as it is: one leg would cut its bend and leave at twice the angle or never. The last
-  // leg is long, the bend at its end needs it.
-  for (const double share : {0.2, 0.4, 1.0}) {
-    const double away_m = sizes.taper_m * share;
-    corners.push_back({beside(main, s_bridge + sign * (sizes.reach_m - away_m), flat_slope * away_m), 260.0});
-  }
-  corners.insert(corners.end(), {{last, 90.0}, {head.end_from(last), 0.0}});
-  if (!exit) std::reverse(corners.begin(), corners.end());
-  return round_corners(corners, false);
-}
-
-/// The stretches of a slip road on and off its carriageway. On it: their surfaces overlap.
-void add_ties(SitePlan& plan, std::size_t slip, std::size_t main, bool exit) {
-  const Alignment &a = plan.roads[slip].alignment, &m = plan.roads[main].alignment;
-  const double apart_m = 0.5 * (plan.roads[slip].width_m + plan.roads[main].width_m) + 1.0;
-  double on_m = 0.0;
-  for (; on_m < 0.5 * a.length_m; on_m += 2.0) {
-    const Vec2 p = evaluate(a, exit ? on_m : a.length_m - on_m).p;
-    if (distance(p, evaluate(m, nearest_s(m, p)).p) > apart_m) break;
-  }
-  if (exit)
-    plan.ties.push_back({slip, main, 0.0, on_m, true});
-  else
-    plan.ties.push_back({slip, main, a.length_m - on_m, a.length_m, true});
-}
-
-/// The two carriageways, in the direction of travel, on both sides of an axis.
-struct Motorway {
-  std::vector<Corner> axis;
-  std::array<std::size_t, 2> roads{};
-  double width_m = 0.0;  ///< of a carriageway
 };
 
 Motorway add_motorway(Planner& planner, const Frame& frame, double size_m) {
@@ -115,18 +32,7 @@ Motorway add_motorway(Planner& planner, const Frame& frame, double size_m) {
                                  {frame.at(-0.32 * size_m, wobble(0.025)), random.uniform(0.7, 1.1) * size_m},
                                  {frame.at(0.32 * size_m, wobble(0.025)), random.uniform(0.7, 1.1) * size_m},
                                  {frame.at(0.9 * size_m, wobble(0.06)), 0.0}};
-  std::vector<Corner> back = moved_left(axis, apart_m);
-  std::reverse(back.begin(), back.end());
-  const auto carriageway = [&](const std::vector<Corner>& corners) {
-    return planner.add({.highway = "motorway",
-                        .name = "A 9",
-                        .width_m = width_m,
-                        .lanes = lanes,
-                        .oneway = true,
-                        .alignment = round_corners(corners, false),
-                        .lanes_tagged = true});
-  };
-  return {axis, {carriageway(moved_left(axis, -apart_m)), carriageway(back)}, width_m};
+  return add_carriageways(planner, axis, {"A 9", "A 9"}, {lanes, width_m, apart_m});
 }
 
 /// The line of the secondary road: straight over the motorway, bent beyond the heads.
@@ -150,25 +56,6 @@ SecondaryLine draw_secondary_line(const Frame& frame, double size_m, Random& ran
   return line;
 }
 
-/// Where the secondary road crosses each carriageway, and the heads beside it.
-struct Crossings {
-  std::array<double, 2> s_bridge{};
-  std::array<Head, 2> heads;
-};
-
-Crossings place_heads(const SitePlan& plan, const Motorway& motorway, const SecondaryLine& line, const Sizes& sizes,
-                      bool roundabouts) {
-  const Alignment straight = line.straight();
-  Crossings result;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const AlignmentCrossing c = crossings(plan.roads[motorway.roads[i]].alignment, straight).front();
-    result.s_bridge[i] = c.s_a_m;
-    const double head_s = c.s_b_m + (i == 0 ? -1.0 : 1.0) * (sizes.head_m + 0.5 * motorway.width_m);
-    result.heads[i] = {evaluate(straight, head_s).p, roundabouts ? ring_radius_m : 0.0};
-  }
-  return result;
-}
-
 /// The secondary road, in one piece or in three with the rings between. Returns the piece with the bridge.
 std::size_t add_secondary_road(Planner& planner, const SecondaryLine& line, const std::array<Head, 2>& heads,
                                bool roundabouts) {
@@ -189,39 +76,9 @@ std::size_t add_secondary_road(Planner& planner, const SecondaryLine& line, cons
     const double sign = i == 0 ? -1.0 : 1.0;
     const Vec2 bend = line.across(sign * line.bend_m);
     piece({{heads[i].end_from(bend), 0.0}, {bend, line.bend_radius_m}, {line.beyond(sign), 0.0}});
-    planner.add({.highway = "secondary",
-                 .name = i == 0 ? "Kreisel Sued" : "Kreisel Nord",
-                 .width_m = planner.random_.uniform(6.6, 7.6),
-                 .lanes = 1,
-                 .oneway = true,
-                 .alignment = circle(heads[i].p, ring_radius_m),
-                 .roundabout = true});
+    add_ring(planner, heads[i], i == 0 ? "Kreisel Sued" : "Kreisel Nord");
   }
   return over;
-}
-
-struct Slip {
-  std::size_t road = 0, main = 0;
-  bool exit = false;
-};
-
-/// An exit and an entry at each carriageway.
-std::vector<Slip> add_slip_roads(Planner& planner, const Motorway& motorway, const Crossings& at, const Sizes& sizes) {
-  const double width_m = planner.random_.uniform(5.8, 7.0);
-  std::vector<Slip> slips;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const std::size_t main = motorway.roads[i];
-    for (const bool exit : {true, false})
-      slips.push_back({planner.add({.highway = "motorway_link",
-                                    .width_m = width_m,
-                                    .lanes = 1,
-                                    .oneway = true,
-                                    .alignment = slip_road(planner.plan_.roads[main].alignment, at.s_bridge[i],
-                                                           at.heads[i], sizes, exit),
-                                    .lanes_tagged = true}),
-                       main, exit});
-  }
-  return slips;
 }
 
 /// A lane to a farm on each side, from the secondary road beyond the heads. Returns the last one.
@@ -280,9 +137,9 @@ SitePlan plan_junction(double size_m, std::uint64_t seed) {
   const bool roundabouts = random.below(2) == 1;
   const Motorway motorway = add_motorway(planner, frame, size_m);
   const SecondaryLine line = draw_secondary_line(frame, size_m, random);
-  const Sizes sizes{std::min(420.0, 0.38 * size_m), std::min(140.0, 0.15 * size_m),
-                    std::max(66.0, std::min(100.0, 0.09 * size_m))};
-  const Crossings at = place_heads(planner.plan_, motorway, line, sizes, roundabouts);
+  const InterchangeSizes sizes{std::min(420.0, 0.38 * size_m), std::min(140.0, 0.15 * size_m),
+                               std::max(66.0, std::min(100.0, 0.09 * size_m))};
+  const Crossings at = place_heads(planner.plan_, motorway, line.straight(), sizes, roundabouts);
   const std::size_t over = add_secondary_road(planner, line, at.heads, roundabouts);
   const std::vector<Slip> slips = add_slip_roads(planner, motorway, at, sizes);
   const double lane_side = random.below(2) ? 1.0 : -1.0;
@@ -297,7 +154,7 @@ SitePlan plan_junction(double size_m, std::uint64_t seed) {
   });
   const auto [main, opposite] = motorway.roads;
   plan.ties.push_back({opposite, main, 0.0, plan.roads[opposite].alignment.length_m, false});
-  for (const Slip& slip : slips) add_ties(plan, slip.road, slip.main, slip.exit);
+  for (const Slip& slip : slips) add_ties(plan, slip);
   lay_out_ground(plan, motorway, slips, at.heads, roundabouts);
   add_car_park(plan, farm_lane, lane_side);
   return plan;

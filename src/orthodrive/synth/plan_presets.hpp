@@ -19,4 +19,8 @@ namespace orthodrive::synth {
 /// four slip roads that end at T junctions or at roundabouts, by seed. 500 - 4000 m.
 [[nodiscard]] SitePlan plan_junction(double size_m, std::uint64_t seed);
 
+/// A region: towns, villages and hamlets on roads that cross in them, streets, farm lanes, and a motorway from edge to
+/// edge (roads 0 and 1) with bridges over it and interchanges with roundabouts. 2 - 40 km.
+[[nodiscard]] SitePlan plan_region(double size_m, std::uint64_t seed);
+
 }  // namespace orthodrive::synth

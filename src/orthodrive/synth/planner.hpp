@@ -1,11 +1,28 @@
 #pragma once
 // What the plans of the presets are built with.
 
+#include <cmath>
+#include <numbers>
+
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/synth/site_plan.hpp"
 
 namespace orthodrive::synth {
+
+/// A wobbly disc, at most 1.4 times as far as its radius.
+[[nodiscard]] inline Ring blob(Random& random, Vec2 center, double radius_m) {
+  constexpr double turn = 2.0 * std::numbers::pi;
+  const double p1 = random.uniform(0.0, turn), p2 = random.uniform(0.0, turn), p3 = random.uniform(0.0, turn);
+  Ring ring;
+  for (int i = 0; i < 40; ++i) {
+    const double a = turn * i / 40;
+    ring.push_back(center + Vec2{std::cos(a), std::sin(a)} *
+                                (radius_m * (1.0 + 0.22 * std::cos(2 * a + p1) + 0.12 * std::cos(3 * a + p2) +
+                                             0.06 * std::cos(7 * a + p3))));
+  }
+  return ring;
+}
 
 /// Builds the plan in the unit square, turned and mirrored by seed.
 class Planner {

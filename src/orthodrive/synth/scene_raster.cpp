@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/synth/noise.hpp"
@@ -104,12 +105,16 @@ struct RoadLayer {
   int priority = 0;
 };
 
-/// Roads from the least important up, then the decks of bridges, which lie over everything.
-std::vector<RoadLayer> layers_of(const SitePlan& plan) {
+/// Of the roads that are sampled: from the least important up, then the decks of bridges, which lie over everything.
+std::vector<RoadLayer> layers_of(const SceneSource& source) {
+  std::set<std::uint16_t> roads, decks;
+  for (const RoadSample& sample : source.road_samples) {
+    roads.insert(sample.road);
+    if (sample.bridge) decks.insert(sample.road);
+  }
   std::vector<RoadLayer> layers;
-  for (std::size_t r = 0; r < plan.roads.size(); ++r)
-    layers.push_back({static_cast<std::uint16_t>(r), false, surface_priority(plan, r)});
-  for (const PlannedBridge& b : plan.bridges) layers.push_back({static_cast<std::uint16_t>(b.over), true, 1000});
+  for (const std::uint16_t r : roads) layers.push_back({r, false, surface_priority(source.plan, r)});
+  for (const std::uint16_t r : decks) layers.push_back({r, true, 1000});
   std::stable_sort(layers.begin(), layers.end(),
                    [](const RoadLayer& a, const RoadLayer& b) { return a.priority < b.priority; });
   return layers;
@@ -145,7 +150,9 @@ bool find_nearest(const SceneSource& source, const RoadLayer& layer, const Band&
               row1 = std::min(band.first + band.rows, static_cast<int>(high.y) + 1);
     const int col0 = std::max(0, static_cast<int>(low.x)), col1 = std::min(frame.width, static_cast<int>(high.x) + 1);
     const bool closed = source.plan.roads[a.road].alignment.closed;
-    const bool first = a.s_m == 0.0f ? !closed : (samples[i - 1].bridge || a.bridge) != layer.bridge;
+    // Where only a stretch is sampled, its ends lie too far away to be seen.
+    const bool begins = i == 0 || samples[i - 1].last;
+    const bool first = begins ? !closed : (samples[i - 1].bridge || a.bridge) != layer.bridge;
     const bool last = b.last ? !closed : (b.bridge || samples[i + 2].bridge) != layer.bridge;
     for (int row = row0; row < row1; ++row)
       for (int col = col0; col < col1; ++col) {
@@ -209,7 +216,8 @@ void cover_roads(const SceneSource& source, const Band& band, SceneRaster& scene
     }
 }
 
-void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene) {
+void paint_roads(const SceneSource& source, const std::vector<RoadLayer>& layers, const Band& band,
+                 SceneRaster& scene) {
   for (int row = band.first; row < band.first + band.rows; ++row)
     for (int col = 0; col < scene.frame.width; ++col) {
       scene.road_segment.at(col, row) = -1;
@@ -217,7 +225,7 @@ void paint_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       scene.road_count.at(col, row) = 0;
     }
   std::vector<NearSegment> near(static_cast<std::size_t>(scene.frame.width) * static_cast<std::size_t>(band.rows));
-  for (const RoadLayer& layer : layers_of(source.plan))
+  for (const RoadLayer& layer : layers)
     if (find_nearest(source, layer, band, scene.frame, near)) merge_layer(source, layer, band, near, scene);
   cover_roads(source, band, scene);
 }
@@ -275,7 +283,7 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
     ++number;
   }
   for (const Tree& t : source.objects.trees) {
-    const auto seed = source.seed + static_cast<std::uint32_t>(number);
+    const auto seed = source.seed + static_cast<std::uint32_t>(t.id);
     for_rectangle(band, frame, t.center, 0.0, 1.2 * t.radius_m, 1.2 * t.radius_m,
                   [&](int col, int row, double u, double v) {
                     const double lumps = fractal_noise(u / 1.3, v / 1.3, seed, 2);
@@ -320,14 +328,16 @@ SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, i
                     Raster<std::uint8_t>(frame.width, frame.height),
                     Raster<std::int32_t>(frame.width, frame.height),
                     Raster<float>(frame.width, frame.height)};
+  const std::vector<RoadLayer> layers = layers_of(source);
   parallel_for(static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows), threads, [&](std::size_t i) {
     Band band;
     band.first = static_cast<int>(i) * band_rows;
     band.rows = std::min(band_rows, frame.height - band.first);
-    band.frame = {frame.west_m, frame.north_m - band.first * frame.gsd_m, frame.gsd_m, frame.width, band.rows};
+    band.frame = frame;
+    band.frame.height = band.rows, band.frame.first_row += band.first;
     band.box = band.frame.bounds();
     paint_covers(source, band, scene);
-    paint_roads(source, band, scene);
+    paint_roads(source, layers, band, scene);
     raise_objects(source, band, scene);
   });
   return scene;

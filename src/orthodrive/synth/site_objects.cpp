@@ -6,6 +6,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/synth/noise.hpp"
+#include "orthodrive/synth/planner.hpp"
 
 namespace orthodrive::synth {
 namespace {
@@ -49,9 +50,33 @@ class Placer {
         clearance_(clearance),
         frame_(frame),
         random_(derive_seed(seed, 3)),
+        box_{0.0, 0.0, plan.size_m, plan.size_m},
+        stretches_(whole_roads(plan)),
         circuit_{plan.circuit ? sample(plan.roads[*plan.circuit].alignment, 4.0) : Ring{}, {}} {
     for (const PlannedRoad& road : plan.roads)
       if (is_fast(road)) fast_.push_back({sample(road.alignment, 10.0), 0.5 * road.width_at(0.0)});
+    for (const PlannedBridge& b : plan.bridges) add_deck(b);
+  }
+  Placer(const SitePlan& plan, const ObjectCell& cell, const Raster<float>& clearance, const GridFrame& frame)
+      : plan_(plan),
+        clearance_(clearance),
+        frame_(frame),
+        random_(cell.seed),
+        box_(cell.box),
+        one_cell_(true),
+        stretches_(cell.stretches) {
+    constexpr double step_m = 10.0;
+    for (const Stretch& stretch : stretches_) {
+      const PlannedRoad& road = plan.roads[stretch.road];
+      if (!is_fast(road)) continue;
+      Polyline line;
+      for (double s = stretch.s_begin_m; s < stretch.s_end_m + step_m; s += step_m)
+        line.push_back(evaluate(road.alignment, s).p);
+      fast_.push_back({std::move(line), 0.5 * road.width_at(0.0)});
+    }
+    for (const PlannedBridge& b : plan.bridges) add_deck(b);
+    std::erase_if(decks_, [&](const Deck& deck) { return !box_.grown(100.0).contains(deck.middle); });
+    for (const std::size_t area : cell.areas) plan_areas_.push_back(&plan.areas[area]);
   }
 
   SiteObjects village() {
@@ -59,12 +84,12 @@ class Placer {
     place_paths();
     place_parking(plan_.parkings.front());
     place_shop(plan_.parkings.front().outer);
-    for (std::size_t r = 0; r < plan_.roads.size(); ++r) place_lots(r);
+    for (const Stretch& stretch : stretches_) place_lots(stretch);
     grow_woods();
     plant_orchards();
-    for (std::size_t r = 0; r < plan_.roads.size(); ++r) place_roadside_trees(r), place_traffic(r);
+    for (const Stretch& stretch : stretches_) place_roadside_trees(stretch), place_traffic(stretch);
     scatter_trees();
-    return std::move(objects_);
+    return numbered();
   }
 
   /// Woods and fields, what the plan itself lays out, a farm here and there; nothing grows beside fast roads.
@@ -74,29 +99,68 @@ class Placer {
     objects_.areas.insert(objects_.areas.end(), plan_.areas.begin(), plan_.areas.end());
     objects_.houses = plan_.buildings;
     for (const Polygon& lot : plan_.parkings) place_parking(lot);
-    for (std::size_t r = 0; r < plan_.roads.size(); ++r)
-      if (!is_fast(plan_.roads[r]) && plan_.roads[r].highway != "service" && !plan_.roads[r].roundabout) place_lots(r);
+    for (const Stretch& stretch : stretches_) {
+      const PlannedRoad& road = plan_.roads[stretch.road];
+      if (!is_fast(road) && road.highway != "service" && !road.roundabout) place_lots(stretch);
+    }
     grow_woods();
     plant_orchards();
-    for (std::size_t r = 0; r < plan_.roads.size(); ++r) {
-      if (!is_fast(plan_.roads[r]) && !plan_.roads[r].roundabout) place_roadside_trees(r);
-      if (plan_.roads[r].highway != "raceway") place_traffic(r);
+    line_roads();
+    scatter_trees();
+    return numbered();
+  }
+
+  /// A square of a region: houses where the settlements are, woods and parked cars on the plan's areas.
+  SiteObjects cell() {
+    place_paths();
+    for (const House& house : plan_.buildings)
+      if (box_.contains(house.center)) objects_.houses.push_back(house);
+    for (const Area* area : plan_areas_)
+      if (area->cover == Cover::parking) park_cars(area->polygon);
+    for (const Stretch& stretch : stretches_) {
+      const PlannedRoad& road = plan_.roads[stretch.road];
+      if (!is_fast(road) && !road.roundabout) place_lots(stretch);
     }
+    for (const Area* area : plan_areas_) grow_wood(*area);
+    if (random_.uniform() < 0.3) plant_orchard();
+    line_roads();
     scatter_trees();
     return std::move(objects_);
   }
 
  private:
+  /// Trees along roads and cars on them.
+  void line_roads() {
+    for (const Stretch& stretch : stretches_) {
+      const PlannedRoad& road = plan_.roads[stretch.road];
+      if (!is_fast(road) && !road.roundabout) place_roadside_trees(stretch);
+      if (road.highway != "raceway") place_traffic(stretch);
+    }
+  }
+
+  /// Every object has a number of its own.
+  SiteObjects numbered() {
+    std::int32_t number = 0;
+    for (House& house : objects_.houses) house.id = number++;
+    for (Tree& tree : objects_.trees) tree.id = number++;
+    number = 0;
+    for (Area& area : objects_.areas) area.id = number++;
+    return std::move(objects_);
+  }
+
   /// Distance to the edge of the nearest carriageway or bridge; far outside counts as far from roads.
   [[nodiscard]] double clearance(Vec2 p) const {
     const Vec2 q = frame_.pixel_from_world(p);
     const int col = static_cast<int>(std::floor(q.x)), row = static_cast<int>(std::floor(q.y));
     double clearance_m = clearance_.inside(col, row) ? clearance_.at(col, row) : 40.0;
-    for (const PlannedBridge& b : plan_.bridges)
-      clearance_m =
-          std::min(clearance_m, distance(p, evaluate(plan_.roads[b.over].alignment, b.s_over_m).p) - b.half_length_m);
+    for (const Deck& deck : decks_) clearance_m = std::min(clearance_m, distance(p, deck.middle) - deck.half_length_m);
     return clearance_m;
   }
+  void add_deck(const PlannedBridge& b) {
+    decks_.push_back({evaluate(plan_.roads[b.over].alignment, b.s_over_m).p, b.half_length_m});
+  }
+  /// Where cells are placed on their own, each keeps to what lies in it.
+  [[nodiscard]] bool mine(Vec2 p) const { return !one_cell_ || box_.contains(p); }
   /// Nearer to a fast road than its verge and the crown allow.
   [[nodiscard]] bool in_verge_of_fast_road(Vec2 p, double radius_m) const {
     constexpr double verge_m = 5.0;
@@ -106,17 +170,23 @@ class Placer {
   }
   /// On ground that is kept free: run-off areas, paved areas of the plan.
   [[nodiscard]] bool on_paved_or_gravel(Vec2 p) const {
-    return std::any_of(plan_.areas.begin(), plan_.areas.end(), [&](const Area& area) {
+    const auto kept_free = [&](const Area& area) {
       return (area.cover == Cover::gravel_trap || area.cover == Cover::paved) && contains(area.polygon, p);
-    });
+    };
+    if (one_cell_)
+      return std::any_of(plan_areas_.begin(), plan_areas_.end(), [&](const Area* area) { return kept_free(*area); });
+    return std::any_of(plan_.areas.begin(), plan_.areas.end(), kept_free);
   }
   [[nodiscard]] bool in_site(Vec2 p, double margin) const {
-    return p.x > margin && p.y > margin && p.x < plan_.size_m - margin && p.y < plan_.size_m - margin;
+    return p.x > box_.min_x + margin && p.y > box_.min_y + margin && p.x < box_.max_x - margin &&
+           p.y < box_.max_y - margin;
   }
   [[nodiscard]] bool on_water_or_parking(Vec2 p) const {
-    return std::any_of(objects_.areas.begin(), objects_.areas.end(), [&](const Area& area) {
+    const auto wet_or_parking = [&](const Area& area) {
       return (area.cover == Cover::water || area.cover == Cover::parking) && contains(area.polygon, p);
-    });
+    };
+    return std::any_of(objects_.areas.begin(), objects_.areas.end(), wet_or_parking) ||
+           std::any_of(plan_areas_.begin(), plan_areas_.end(), [&](const Area* area) { return wet_or_parking(*area); });
   }
   [[nodiscard]] bool near_house(Vec2 p, double margin) const {
     return std::any_of(objects_.houses.begin(), objects_.houses.end(), [&](const House& h) {
@@ -131,29 +201,17 @@ class Placer {
                        [&](const Car& car) { return distance(car.center, p) < two_lorries_m; });
   }
 
-  /// A wobbly disc.
-  Ring blob(Vec2 center, double radius) {
-    const double p1 = random_.uniform(0.0, 2 * pi), p2 = random_.uniform(0.0, 2 * pi),
-                 p3 = random_.uniform(0.0, 2 * pi);
-    Ring ring;
-    for (int i = 0; i < 40; ++i) {
-      const double a = 2 * pi * i / 40;
-      ring.push_back(center + unit(a) * (radius * (1.0 + 0.22 * std::cos(2 * a + p1) + 0.12 * std::cos(3 * a + p2) +
-                                                   0.06 * std::cos(7 * a + p3))));
-    }
-    return ring;
-  }
-
   void place_woods_and_pond() {
     const double size = plan_.size_m;
     // Woods: from the corners inwards, and a copse in the village.
     for (const Vec2 corner : {Vec2{0.1, 0.1}, {0.9, 0.1}, {0.1, 0.9}, {0.9, 0.9}, {0.93, 0.5}, {0.5, 0.95}}) {
       if (random_.uniform() < 0.3) continue;
       const Vec2 center = (corner + Vec2{random_.uniform(-0.06, 0.06), random_.uniform(-0.06, 0.06)}) * size;
-      objects_.areas.push_back({{blob(center, size * random_.uniform(0.06, 0.13)), {}}, Cover::forest_floor, true});
+      objects_.areas.push_back(
+          {{blob(random_, center, size * random_.uniform(0.06, 0.13)), {}}, Cover::forest_floor, true});
     }
     const Vec2 copse = Vec2{random_.uniform(0.3, 0.7), random_.uniform(0.3, 0.7)} * size;
-    objects_.areas.push_back({{blob(copse, size * 0.035), {}}, Cover::forest_floor, true});
+    objects_.areas.push_back({{blob(random_, copse, size * 0.035), {}}, Cover::forest_floor, true});
     // The pond goes where most room is left among random places.
     Vec2 best;
     double room = 0.0;
@@ -164,57 +222,69 @@ class Placer {
     }
     const double radius = std::min(0.045 * size, 0.6 * room - 1.0);
     if (radius > 3.0) {
-      objects_.areas.push_back({{blob(best, 1.25 * radius), {}}, Cover::meadow, false});
-      objects_.areas.push_back({{blob(best, radius), {}}, Cover::water, true});
+      objects_.areas.push_back({{blob(random_, best, 1.25 * radius), {}}, Cover::meadow, false});
+      objects_.areas.push_back({{blob(random_, best, radius), {}}, Cover::water, true});
     }
   }
 
   /// Unpaved tracks into the fields and footpaths, none of them in the OSM file: light strips that are no roads.
   void place_paths() {
-    const int count = static_cast<int>(8.0 * std::min(1.0, plan_.size_m / 1000.0)) + 2;
+    if (stretches_.empty()) return;
+    const int count = one_cell_ ? 2 : static_cast<int>(8.0 * std::min(1.0, plan_.size_m / 1000.0)) + 2;
     for (int i = 0; i < count; ++i) {
-      const PlannedRoad& road = plan_.roads[random_.below(plan_.roads.size())];
+      const Stretch& stretch = stretches_[random_.below(stretches_.size())];
+      const PlannedRoad& road = plan_.roads[stretch.road];
       if (is_fast(road) || road.roundabout) continue;
-      const AlignmentPoint q = evaluate(road.alignment, random_.uniform(0.1, 0.9) * road.alignment.length_m);
+      const AlignmentPoint q = evaluate(
+          road.alignment, stretch.s_begin_m + random_.uniform(0.1, 0.9) * (stretch.s_end_m - stretch.s_begin_m));
       const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5),
                    bend = random_.uniform(-0.01, 0.01);
-      const double length_m = random_.uniform(0.08, 0.25) * plan_.size_m,
+      const double length_m = random_.uniform(0.08, 0.25) * std::min(plan_.size_m, 4000.0),
                    start = q.heading_rad + side * random_.uniform(1.0, 2.1);
       Polyline line{q.p};
       for (double s = 0.0; s < length_m; s += 6.0) {
         line.push_back(line.back() + unit(start + bend * s + 0.25 * std::sin(s / 31.0)) * 6.0);
         if (s > 12.0 && clearance(line.back()) < 4.0) break;  // reached another road
+        if (!mine(line.back())) break;
       }
       const std::vector<double> half(line.size(), half_m);
       objects_.areas.push_back({{strip_ring(line, half, half), {}}, Cover::gravel, false});
     }
   }
 
-  /// Fruit trees in rows.
   void plant_orchards() {
     const int count = static_cast<int>(5.0 * std::min(1.0, plan_.size_m / 1000.0)) + 1;
-    for (int i = 0; i < count; ++i) {
-      const Vec2 corner = Vec2{random_.uniform(0.2, 0.8), random_.uniform(0.2, 0.8)} * plan_.size_m;
-      const Vec2 along = unit(random_.uniform(0.0, pi)), across = left_normal(along);
-      const double spacing_m = random_.uniform(7.0, 9.0), radius_m = random_.uniform(1.4, 2.4);
-      for (int u = 0; u < 8; ++u)
-        for (int v = 0; v < 5; ++v) {
-          const double jitter_u = random_.uniform(-0.5, 0.5), jitter_v = random_.uniform(-0.5, 0.5);
-          add_tree(corner + along * (u * spacing_m + jitter_u) + across * (v * spacing_m + jitter_v),
-                   radius_m * random_.uniform(0.8, 1.2), 3.0, 0.0);
-        }
-    }
+    for (int i = 0; i < count; ++i) plant_orchard();
+  }
+
+  /// Fruit trees in rows.
+  void plant_orchard() {
+    const double size = box_.width();
+    const Vec2 corner =
+        Vec2{box_.min_x, box_.min_y} + Vec2{random_.uniform(0.2, 0.8), random_.uniform(0.2, 0.8)} * size;
+    const Vec2 along = unit(random_.uniform(0.0, pi)), across = left_normal(along);
+    const double spacing_m = random_.uniform(7.0, 9.0), radius_m = random_.uniform(1.4, 2.4);
+    for (int u = 0; u < 8; ++u)
+      for (int v = 0; v < 5; ++v) {
+        const double jitter_u = random_.uniform(-0.5, 0.5), jitter_v = random_.uniform(-0.5, 0.5);
+        add_tree(corner + along * (u * spacing_m + jitter_u) + across * (v * spacing_m + jitter_v),
+                 radius_m * random_.uniform(0.8, 1.2), 3.0, 0.0);
+      }
   }
 
   void place_parking(const Polygon& lot) {
-    const Ring& corners = lot.outer;
     objects_.areas.push_back({lot, Cover::parking, true});
+    park_cars(lot);
+  }
+
+  void park_cars(const Polygon& lot) {
+    const Ring& corners = lot.outer;
     const Vec2 along = normalized(corners[1] - corners[0]), inward = normalized(corners[3] - corners[0]);
     const double length_m = distance(corners[0], corners[1]), depth_m = distance(corners[0], corners[3]);
     constexpr double bay_m = 2.5, bay_depth_m = 5.0;
     for (const double row_m : {0.5 * bay_depth_m, depth_m - 0.5 * bay_depth_m})
       for (double s = 0.5 * bay_m; s + 0.5 * bay_m <= length_m; s += bay_m)
-        if (random_.uniform() < 0.55)
+        if (random_.uniform() < 0.55 && mine(corners[0] + along * s))
           add_car(corners[0] + along * s + inward * (row_m + random_.uniform(-0.25, 0.25)),
                   std::atan2(inward.y, inward.x));
   }
@@ -248,22 +318,34 @@ class Placer {
   }
 
   /// Lots with a house, a garden and a drive on both sides of the streets; farther apart along the larger roads.
-  void place_lots(std::size_t r) {
+  void place_lots(const Stretch& stretch) {
+    const std::size_t r = stretch.road;
     const PlannedRoad& road = plan_.roads[r];
     const double share = road.highway == "residential" ? 0.92
                          : road.highway == "tertiary"  ? 0.5
                          : road.highway == "service"   ? 0.6
                                                        : 0.12;
     for (const double side : {1.0, -1.0})
-      for (double s = random_.uniform(10.0, 20.0); s < road.alignment.length_m - 8.0;) {
+      for (double s = stretch.s_begin_m + random_.uniform(10.0, 20.0); s < stretch.s_end_m - 8.0;) {
         const double lot_m = random_.uniform(18.0, 27.0);
         const AlignmentPoint q = evaluate(road.alignment, s + 0.5 * lot_m);
-        if (random_.uniform() < share && contains(circuit_, q.p + left_normal(unit(q.heading_rad)) * (side * 20.0)))
+        if (one_cell_) {
+          if (random_.uniform() < built_share(road, q.p) && mine(q.p)) place_lot(q, side, lot_m, 0.5 * road.width_m);
+        } else if (random_.uniform() < share &&
+                   contains(circuit_, q.p + left_normal(unit(q.heading_rad)) * (side * 20.0)))
           place_lot(q, side, lot_m, 0.5 * road.width_m);
         else if (r != plan_.circuit && random_.uniform() < 0.3 * share)
           place_lot(q, side, lot_m, 0.5 * road.width_m);
         s += lot_m;
       }
+  }
+
+  /// Share of the lots beside a road of a region that have a house.
+  [[nodiscard]] double built_share(const PlannedRoad& road, Vec2 p) const {
+    const bool built_up = std::any_of(plan_.settlements.begin(), plan_.settlements.end(),
+                                      [&](const Settlement& s) { return contains(s.outline, p); });
+    if (!built_up) return road.highway == "service" ? 0.3 : road.highway == "unclassified" ? 0.05 : 0.02;
+    return road.highway == "residential" ? 0.88 : 0.65;
   }
 
   /// A building lot beside a road. Distances are from the road's centre line.
@@ -394,7 +476,7 @@ class Placer {
                        roof_color(random_)};
       const Ring corners = outline(shed);
       if (std::none_of(corners.begin(), corners.end(),
-                       [&](Vec2 p) { return clearance(p) < 3.0 || near_house(p, 0.3); }))
+                       [&](Vec2 p) { return clearance(p) < 3.0 || near_house(p, 0.3) || !mine(p); }))
         objects_.houses.push_back(shed);
     } else if (random_.uniform() < 0.6) {
       add_car(lot.q.p + lot.along * drive.at_m + lot.outward * (0.6 * drive.end_m + 0.4 * lot.half_road_m),
@@ -417,8 +499,8 @@ class Placer {
 
   /// A tree unless it stands in a house, on water, on a parking area or nearer to a road than `min_clearance_m`.
   void add_tree(Vec2 p, double radius, double min_clearance_m, double height) {
-    if (!in_site(p, -5.0) || clearance(p) < min_clearance_m || near_house(p, 0.6 * radius) || on_water_or_parking(p) ||
-        in_verge_of_fast_road(p, radius) || on_paved_or_gravel(p))
+    if (!in_site(p, one_cell_ ? 0.0 : -5.0) || clearance(p) < min_clearance_m || near_house(p, 0.6 * radius) ||
+        on_water_or_parking(p) || in_verge_of_fast_road(p, radius) || on_paved_or_gravel(p))
       return;
     const bool conifer = random_.uniform() < 0.2;
     objects_.trees.push_back({p, conifer ? 0.8 * radius : radius,
@@ -426,25 +508,31 @@ class Placer {
   }
 
   void grow_woods() {
-    for (const Area& area : std::vector<Area>(objects_.areas)) {
-      if (area.cover != Cover::forest_floor) continue;
-      const Box2 box = bounds_of(area.polygon.outer);
-      constexpr double spacing_m = 4.3;
-      for (double y = box.min_y; y < box.max_y; y += spacing_m)
-        for (double x = box.min_x; x < box.max_x; x += spacing_m) {
-          const Vec2 p{x + random_.uniform(-1.9, 1.9), y + random_.uniform(-1.9, 1.9)};
-          const double radius_m = random_.uniform(2.0, 4.3), height_m = random_.uniform(9.0, 16.0);
-          if (contains(area.polygon, p)) add_tree(p, radius_m, 1.2, height_m);
-        }
-    }
+    for (const Area& area : std::vector<Area>(objects_.areas)) grow_wood(area);
+  }
+
+  void grow_wood(const Area& area) {
+    if (area.cover != Cover::forest_floor) return;
+    Box2 box = bounds_of(area.polygon.outer);
+    if (one_cell_)
+      box = {std::max(box.min_x, box_.min_x), std::max(box.min_y, box_.min_y), std::min(box.max_x, box_.max_x),
+             std::min(box.max_y, box_.max_y)};
+    constexpr double spacing_m = 4.3;
+    for (double y = box.min_y; y < box.max_y; y += spacing_m)
+      for (double x = box.min_x; x < box.max_x; x += spacing_m) {
+        const Vec2 p{x + random_.uniform(-1.9, 1.9), y + random_.uniform(-1.9, 1.9)};
+        const double radius_m = random_.uniform(2.0, 4.3), height_m = random_.uniform(9.0, 16.0);
+        if (contains(area.polygon, p)) add_tree(p, radius_m, 1.2, height_m);
+      }
   }
 
   /// Alleys: stretches of a road with trees on a side; large crowns reach over the carriageway.
-  void place_roadside_trees(std::size_t r) {
+  void place_roadside_trees(const Stretch& stretch) {
+    const std::size_t r = stretch.road;
     const PlannedRoad& road = plan_.roads[r];
     const auto noise_seed = static_cast<std::uint32_t>(random_.next());
     for (const double side : {1.0, -1.0})
-      for (double s = 0.0; s < road.alignment.length_m; s += random_.uniform(7.0, 12.0)) {
+      for (double s = stretch.s_begin_m; s < stretch.s_end_m; s += random_.uniform(7.0, 12.0)) {
         if (value_noise(s / 70.0, 3.0 * side, noise_seed) < 0.22 || on_bridge(plan_, r, s)) continue;
         const AlignmentPoint q = evaluate(road.alignment, s);
         const double away = 0.5 * road.width_m + random_.uniform(1.2, 3.2);
@@ -453,10 +541,10 @@ class Placer {
   }
 
   void scatter_trees() {
-    const double hectares = plan_.size_m * plan_.size_m / 1e4;
+    const double hectares = box_.width() * box_.width() / 1e4;
     const int groups = static_cast<int>(4.0 * hectares);
     for (int i = 0; i < groups; ++i) {
-      const Vec2 p{random_.uniform(0.0, plan_.size_m), random_.uniform(0.0, plan_.size_m)};
+      const Vec2 p{random_.uniform(box_.min_x, box_.max_x), random_.uniform(box_.min_y, box_.max_y)};
       if (!contains(circuit_, p) && random_.uniform() < 0.65) continue;  // fewer in the fields
       const int count = 1 + static_cast<int>(random_.below(4));
       for (int k = 0; k < count; ++k)
@@ -464,10 +552,10 @@ class Placer {
     }
   }
 
-  void place_traffic(std::size_t r) {
-    const PlannedRoad& road = plan_.roads[r];
+  void place_traffic(const Stretch& stretch) {
+    const PlannedRoad& road = plan_.roads[stretch.road];
     const double spacing_m = road.highway == "residential" ? 160.0 : road.highway == "service" ? 200.0 : 90.0;
-    for (double s = random_.uniform(0.0, spacing_m); s < road.alignment.length_m;
+    for (double s = stretch.s_begin_m + random_.uniform(0.0, spacing_m); s < stretch.s_end_m;
          s += random_.uniform(0.3, 1.7) * spacing_m) {
       const AlignmentPoint q = evaluate(road.alignment, s);
       double t = road.oneway ? 0.0 : (random_.below(2) ? 0.25 : -0.25) * road.width_m;
@@ -475,14 +563,16 @@ class Placer {
         t = 0.5 * road.width_m - 0.75 -
             3.75 * (0.5 + static_cast<double>(random_.below(static_cast<std::uint64_t>(road.lanes))));
       const Vec2 p = q.p + left_normal(unit(q.heading_rad)) * t;
-      if (plan_.surroundings == Surroundings::country && near_car(p)) continue;  // where roads run into each other
+      if (!mine(p)) continue;
+      if (plan_.surroundings != Surroundings::village && near_car(p)) continue;  // where roads run into each other
       add_car(p, q.heading_rad);
     }
     if (road.highway != "residential") return;
     for (const double side : {1.0, -1.0})  // parked at the kerb
-      for (double s = 15.0; s < road.alignment.length_m - 15.0; s += 6.2) {
+      for (double s = stretch.s_begin_m + 15.0; s < stretch.s_end_m - 15.0; s += 6.2) {
         if (random_.uniform() > 0.16) continue;
         const AlignmentPoint q = evaluate(road.alignment, s);
+        if (!mine(q.p)) continue;
         add_car(q.p + left_normal(unit(q.heading_rad)) * (side * (0.5 * road.width_m - 1.05)), q.heading_rad);
       }
   }
@@ -491,10 +581,19 @@ class Placer {
     Polyline line;
     double half_width_m = 0.0;
   };
+  struct Deck {
+    Vec2 middle;
+    double half_length_m = 0.0;
+  };
   const SitePlan& plan_;
   const Raster<float>& clearance_;
   const GridFrame& frame_;
   Random random_;
+  Box2 box_;               ///< of the site or the cell
+  bool one_cell_ = false;  ///< of a region
+  std::vector<Stretch> stretches_;
+  std::vector<const Area*> plan_areas_;  ///< of a cell
+  std::vector<Deck> decks_;
   Polygon circuit_;
   std::vector<FastRoad> fast_;
   SiteObjects objects_;
@@ -509,6 +608,18 @@ SiteObjects place_objects(const SitePlan& plan, const Raster<float>& clearance_m
                           std::uint64_t seed) {
   Placer placer(plan, clearance_m, frame, seed);
   return plan.surroundings == Surroundings::village ? placer.village() : placer.country();
+}
+
+SiteObjects place_cell_objects(const SitePlan& plan, const ObjectCell& cell, const Raster<float>& clearance_m,
+                               const GridFrame& frame) {
+  SiteObjects objects = Placer(plan, cell, clearance_m, frame).cell();
+  std::int32_t number = 0;
+  const auto seed = static_cast<std::uint32_t>(cell.seed);
+  const auto next_id = [&] { return static_cast<std::int32_t>(hash_lattice(number++, 0, seed) >> 1); };
+  for (House& house : objects.houses) house.id = next_id();
+  for (Tree& tree : objects.trees) tree.id = next_id();
+  for (Area& area : objects.areas) area.id = next_id();
+  return objects;
 }
 
 }  // namespace orthodrive::synth

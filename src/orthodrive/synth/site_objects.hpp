@@ -14,6 +14,7 @@ struct Tree {
   Vec2 center;
   double radius_m = 0.0, height_m = 0.0;
   bool conifer = false;
+  std::int32_t id = 0;  ///< what its look is drawn from
 };
 
 struct Car {
@@ -34,5 +35,16 @@ struct SiteObjects {
 /// `clearance_m` on `frame` (local metres): distance to the nearest carriageway.
 [[nodiscard]] SiteObjects place_objects(const SitePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
                                         std::uint64_t seed);
+
+/// A square of a region whose objects are placed on their own: what stands in it, with what the plan says about it.
+struct ObjectCell {
+  Box2 box;
+  std::vector<Stretch> stretches;  ///< of the roads that touch the box
+  std::vector<std::size_t> areas;  ///< of the plan that touch the box
+  std::uint64_t seed = 0;          ///< of this cell
+};
+/// Objects whose centres lie in the cell; houses keep inside it. The plan's own areas are not among them.
+[[nodiscard]] SiteObjects place_cell_objects(const SitePlan& plan, const ObjectCell& cell,
+                                             const Raster<float>& clearance_m, const GridFrame& frame);
 
 }  // namespace orthodrive::synth

@@ -35,20 +35,28 @@ void add_bridge(SitePlan& plan, PlannedBridge bridge) {
 
 void find_junctions(SitePlan& plan, const BridgeRule& rule) {
   const auto& roads = plan.roads;
+  std::vector<Polyline> lines;
+  std::vector<Box2> boxes;
+  for (const PlannedRoad& road : roads) {
+    lines.push_back(sample(road.alignment, search_step_m));
+    boxes.push_back(bounds_of(lines.back()).grown(search_step_m));
+  }
   for (std::size_t b = 0; b < roads.size(); ++b)
     for (std::size_t a = 0; a < roads.size(); ++a) {  // ends of b on a
       if (a == b || roads[b].alignment.closed) continue;
       for (const double s : {0.0, roads[b].alignment.length_m}) {
         const Vec2 p = evaluate(roads[b].alignment, s).p;
-        const double on_a = nearest_s(roads[a].alignment, p);
+        if (!boxes[a].contains(p)) continue;
+        const double on_a = nearest_s(roads[a].alignment, lines[a], p);
         if (distance(evaluate(roads[a].alignment, on_a).p, p) > 1e-6) continue;
         add_arm(plan, p, {a, on_a});
         add_arm(plan, p, {b, s});
       }
     }
   for (std::size_t b = 1; b < roads.size(); ++b)
-    for (std::size_t a = 0; a < b; ++a)
-      for (const AlignmentCrossing& c : crossings(roads[a].alignment, roads[b].alignment)) {
+    for (std::size_t a = 0; a < b; ++a) {
+      if (!boxes[a].overlaps(boxes[b])) continue;
+      for (const AlignmentCrossing& c : crossings(roads[a].alignment, lines[a], roads[b].alignment, lines[b])) {
         const AlignmentPoint pa = evaluate(roads[a].alignment, c.s_a_m), pb = evaluate(roads[b].alignment, c.s_b_m);
         const std::optional<std::size_t> over = rule(a, b);
         if (!over) {
@@ -67,10 +75,17 @@ void find_junctions(SitePlan& plan, const BridgeRule& rule) {
                  (0.5 * roads[under].width_at(s_under) + 0.5 * roads[*over].width_at(s_over) * cosine) / sine + 5.0,
              .under = {{under, s_under, s_over}}});
       }
+    }
 }
 
 int surface_priority(const SitePlan& plan, std::size_t road) {
   return 2 * road_rank(plan.roads[road].highway) + (road == plan.circuit || plan.roads[road].roundabout ? 1 : 0);
+}
+
+std::vector<Stretch> whole_roads(const SitePlan& plan) {
+  std::vector<Stretch> stretches;
+  for (std::size_t r = 0; r < plan.roads.size(); ++r) stretches.push_back({r, 0.0, plan.roads[r].alignment.length_m});
+  return stretches;
 }
 
 bool on_bridge(const SitePlan& plan, std::size_t road, double s_m) {

@@ -42,6 +42,7 @@ struct Area {
   Polygon polygon;
   Cover cover = Cover::lawn;
   bool mapped = false;  ///< appears in the OSM file
+  std::int32_t id = 0;  ///< what its look is drawn from; set when objects are placed
 };
 
 enum class RoofShape : std::uint8_t { gable, flat };
@@ -52,6 +53,7 @@ struct House {
   double half_length_m = 0.0, half_width_m = 0.0, eave_m = 0.0, pitch = 0.0;  ///< pitch = rise over run
   RoofShape roof = RoofShape::gable;
   Rgb color{};
+  std::int32_t id = 0;  ///< what its look is drawn from; set when objects are placed
 };
 
 struct PlannedRoad {
@@ -97,7 +99,13 @@ struct PlannedTie {
 };
 
 /// How the land looks away from the roads.
-enum class Surroundings : std::uint8_t { village, country };
+enum class Surroundings : std::uint8_t { village, country, region };
+
+/// A town or a village of a region.
+struct Settlement {
+  Polygon outline;
+  bool town = false;
+};
 
 /// Ways that were given, not made: OSM as it is, with the stretch of a road that each way is.
 struct GivenOsm {
@@ -120,7 +128,9 @@ struct SitePlan {
   std::vector<Polygon> parkings;  ///< four corners each: along the road, then away from it
   std::vector<Area> areas;        ///< what the plan lays out itself: run-off areas, verges
   std::vector<House> buildings;
-  std::optional<std::size_t> circuit;  ///< the closed road to drive on; its inside is a meadow
+  std::vector<Settlement> settlements;  ///< of a region: roads in them are built up
+  std::string route;                    ///< name of an open road to drive on; empty: the circuit, or none
+  std::optional<std::size_t> circuit;   ///< the closed road to drive on; its inside is a meadow
   Surroundings surroundings = Surroundings::village;
   double relief = 1.0;                  ///< of the hills
   bool round_corners_by_angle = false;  ///< else all corners alike: right where roads meet at 45 degrees and more
@@ -136,6 +146,14 @@ void find_junctions(SitePlan& plan, const BridgeRule& rule);
 
 /// Which road's surface is on top where two overlap at grade: larger wins.
 [[nodiscard]] int surface_priority(const SitePlan& plan, std::size_t road);
+/// A piece of a road, along its line.
+struct Stretch {
+  std::size_t road = 0;
+  double s_begin_m = 0.0, s_end_m = 0.0;
+};
+/// All roads from end to end.
+[[nodiscard]] std::vector<Stretch> whole_roads(const SitePlan& plan);
+
 /// True on the deck of a bridge.
 [[nodiscard]] bool on_bridge(const SitePlan& plan, std::size_t road, double s_m);
 /// Built for speed: nothing grows or stands near it.

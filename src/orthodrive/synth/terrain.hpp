@@ -52,9 +52,12 @@ struct RoadSample {
   float s_m = 0.0f, z_m = 0.0f, banking = 0.0f, half_width_m = 0.0f;
   std::uint16_t road = 0;
   bool bridge = false;
-  bool last = false;  ///< no segment from here to the next sample
+  bool last = false;  ///< no segment from here to the next sample: end of the road or of what is sampled of it
 };
 [[nodiscard]] std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrain, double step_m);
+/// Of some stretches: those of the whole roads, from a little before each stretch to a little behind it.
+[[nodiscard]] std::vector<RoadSample> sample_roads(const SitePlan& plan, const Terrain& terrain,
+                                                   const std::vector<Stretch>& stretches, double step_m);
 
 struct BareEarth {
   Raster<float> height_m;     ///< hills with road beds; bridges left out
@@ -63,5 +66,10 @@ struct BareEarth {
 /// `frame` in local metres.
 [[nodiscard]] BareEarth make_bare_earth(const SitePlan& plan, const Terrain& terrain, const GridFrame& frame,
                                         int threads);
+/// Roads farther away than this leave the ground as it is.
+constexpr double max_clearance_m = 40.0;
+/// Of a window: `stretches` are those within max_clearance_m of it.
+[[nodiscard]] BareEarth make_bare_earth(const SitePlan& plan, const Terrain& terrain,
+                                        const std::vector<Stretch>& stretches, const GridFrame& frame, int threads);
 
 }  // namespace orthodrive::synth
