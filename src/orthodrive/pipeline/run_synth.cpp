@@ -49,6 +49,7 @@ std::string site_toml(const SynthSite& site) {
 }
 
 void write_rasters(const fs::path& folder, const SynthSite& site) {
+  fs::create_directories(folder / "truth");
   io::write_photo(folder / "ortho.tif", site.photo, {.jpeg_quality = jpeg_quality});
   io::write_dtm(folder / "dtm_1m.tif", site.dtm_1m);
   io::write_dtm(folder / "dtm_10m.tif", site.dtm_10m);
@@ -58,7 +59,8 @@ void write_rasters(const fs::path& folder, const SynthSite& site) {
 
 /// Writes the rasters on the way.
 SynthSite make_region_site(const fs::path& folder, const SynthOptions& options, Monitor* monitor) {
-  const RegionFrames frames = region_frames(options);
+  const RegionFrames frames = region_frames(options);  // options that cannot be leave no folder behind
+  fs::create_directories(folder / "truth");
   const Crs crs{"EPSG:32633"};
   io::RasterStream photo = io::stream_photo(folder / "ortho.tif", crs, frames.photo, {.jpeg_quality = jpeg_quality}),
                    labels = io::stream_labels(folder / "truth/labels.tif", crs, frames.photo, default_class_table()),
@@ -125,7 +127,6 @@ SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, 
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
   SynthOptions synth = options;
   synth.threads = context.threads;
-  fs::create_directories(files.folder / "truth");
   SynthSite site;
   if (files.track.empty() && preset == Preset::region) {
     site = make_region_site(files.folder, synth, context.monitor);
