@@ -36,7 +36,7 @@ export class Car {
   private readonly materials: CarMaterials;
   private readonly steeringWheel: Object3D;
 
-  constructor(private readonly shape: VehicleShape, colors: {paint: number; dot: string} = {paint: 0xb01a12, dot: '#e23b2e'}) {
+  constructor(private readonly shape: VehicleShape, colors: {paint: number; dot: string} = {paint: 0x9a120c, dot: '#e23b2e'}) {
     const {length_m, width_m, height_m, wheelbase_m, rearOverhang_m} = shape;
     this.materials = carMaterials(colors.paint);
     this.eye_m = [0.015 * wheelbase_m, 0.2 * width_m, 0.83 * height_m];

@@ -1,6 +1,6 @@
 // What a car is made of. What is outside mirrors the sky.
 
-import {type Color, type ColorRepresentation, DoubleSide, type Material, MeshLambertMaterial, MeshPhysicalMaterial, MeshStandardMaterial} from 'three';
+import {type Color, type ColorRepresentation, DoubleSide, MeshLambertMaterial, MeshPhysicalMaterial, MeshStandardMaterial} from 'three';
 
 import {withSky} from './sky_light';
 
@@ -31,5 +31,3 @@ export function carMaterials(paint: number): CarMaterials {
     mirror: made(0xdfe3e6, 0.03, 1), headlamp, rearLamp, plate: made(0xe8ebee, 0.5),
   };
 }
-
-export const materialsOf = (materials: CarMaterials): Material[] => Object.values(materials);

@@ -3,7 +3,7 @@
 
 import {CustomBlending, MeshLambertMaterial, OneFactor, type WebGLProgramParametersWithUniforms, ZeroFactor} from 'three';
 
-const fluff = 0.1; // lumps are drawn so much wider, because their rims are full of holes
+const fluff = 0.15; // lumps are drawn so much wider, because their rims are full of holes
 
 function replace(shader: WebGLProgramParametersWithUniforms, stage: 'vertexShader' | 'fragmentShader', from: string, to: string): void {
   if (!shader[stage].includes(from)) throw new Error('three.js has changed the shader of its Lambert material');
@@ -21,10 +21,12 @@ function addLeaves(shader: WebGLProgramParametersWithUniforms): void {
     if (leafy > 0.5) {
       float facing = abs(dot(normalize(vNormal), normalize(vViewPosition)));
       float clump = texture2D(map, 0.31 * vMapUv + 0.21).g / 0.6, leaf = 0.7 * clump + 0.3 * sampledDiffuseColor.g / 0.6; // 1 in the mean
-      float wanted = 1.5 - 1.25 * smoothstep(0.0, 0.7, facing);
+      float wanted = 1.5 - 1.25 * smoothstep(0.1, 0.85, facing);
       float soft = 0.06 + 3.0 * length(fwidth(vMapUv)); // from afar the texture is smooth, and so are the edges
       diffuseColor.a = smoothstep(wanted - soft, wanted + soft, leaf);
       if (diffuseColor.a < 0.02) discard;
+      float mass = texture2D(map, 0.19 * vMapUv).g / 0.6;
+      diffuseColor.rgb *= mix(0.6, 1.25, smoothstep(0.7, 1.25, mass));
       diffuseColor.rgb *= mix(0.55, 1.12, smoothstep(wanted - 0.1, wanted + 0.7, leaf)); // what lies deeper is darker
     } else {
       diffuseColor.a = 1.0;

@@ -2,8 +2,8 @@
 // own colours. What lies where comes from the labels' roles and from how green the photo is.
 
 import {
-  DataArrayTexture, DataTexture, Group, LinearFilter, LinearMipmapLinearFilter, type Mesh, type MeshLambertMaterial, RepeatWrapping, RGBAFormat,
-  Sphere, type Texture, Vector3, Vector4,
+  DataArrayTexture, DataTexture, Group, LinearFilter, LinearMipmapLinearFilter, type Mesh, type MeshLambertMaterial, type Object3D, RepeatWrapping, RGBAFormat,
+  Scene, Sphere, type Texture, Vector3, Vector4,
 } from 'three';
 
 import {groundKinds, type GroundPatterns, groundPattern_m, groundPattern_px} from './ground_patterns';
@@ -36,6 +36,11 @@ function photoSize_m(mesh: Mesh): number {
     if (position.getX(i) > position.getX(east)) east = i;
   }
   return (position.getX(east) - position.getX(west)) / Math.max(1e-6, uv.getX(east) - uv.getX(west));
+}
+
+function isDrawn(mesh: Object3D): boolean {
+  while (mesh.parent) mesh = mesh.parent;
+  return mesh instanceof Scene;
 }
 
 export class GroundDetail {
@@ -91,7 +96,9 @@ export class GroundDetail {
     };
     this.grounds.set(mesh, ground);
     material.onBeforeCompile = (shader) => {
-      Object.assign(shader.uniforms, {groundShare: this.share, groundPatterns: this.patterns, groundMeans: this.means, groundLowLod: ground.lowLod, groundWeights: ground.weights});
+      Object.assign(shader.uniforms, {
+        groundShare: this.share, groundPatterns: this.patterns, groundMeans: this.means, groundLowLod: ground.lowLod, groundWeights: ground.weights,
+      });
       const replace = (stage: 'vertexShader' | 'fragmentShader', from: string, to: string) => {
         if (!shader[stage].includes(from)) throw new Error('three.js has changed the shader of its Lambert material');
         shader[stage] = shader[stage].replace(from, to);
@@ -107,6 +114,9 @@ export class GroundDetail {
   /** Asks for what the ground near the eye needs. */
   update(eye: Vector3): void {
     for (const [mesh, ground] of this.grounds) {
+      const drawn = isDrawn(mesh); // tiles that are finer or coarser than wanted are held, too
+      if (ground.plants) ground.plants.object.visible = drawn;
+      if (!drawn) continue;
       if (ground.plants?.update(eye)) this.onChange();
       if (ground.asked) continue;
       mesh.geometry.boundingSphere ?? mesh.geometry.computeBoundingSphere();
@@ -124,7 +134,10 @@ export class GroundDetail {
         texture.magFilter = texture.minFilter = LinearFilter;
         texture.needsUpdate = true;
         ground.weights.value = texture;
-        const isGrass = (u: number, v: number) => data[4 * (Math.floor(v * height) * width + Math.floor(u * width))] > 200;
+        const isGrass = (u: number, v: number) => {
+          const at = 4 * (Math.floor(v * height) * width + Math.floor(u * width));
+          return data[at] + data[at + 1] > 200; // open ground or plants; how green it is the graphics processor sees
+        };
         ground.plants = new GroundPlants(mesh, isGrass, ground.photo, ground.lowLod);
         this.object.add(ground.plants.object);
         this.onChange();
@@ -175,7 +188,7 @@ groundTilt = vec3(0.0);
       uneven += shares[kind] * clump;
       if (near <= 0.0) continue;
       vec4 pattern = textureGrad(groundPatterns, vec3(fine, kind), fineX, fineY);
-      vec3 tint = kind == 0 ? grassTint(low) : low;
+      vec3 tint = kind == 0 ? grassTint(low) : kind == 2 ? mix(low, brightness(low) * vec3(1.2, 1.0, 0.7), 0.5) : low; // no crowns on the ground
       sum += shares[kind] * clump * (pattern.r / groundMeans[kind].x) * tint * (1.0 + 2.0 * (pattern.g - 0.5) * vec3(1.0, 0.0, -1.0));
       groundTilt.xy += shares[kind] * near * (2.0 * pattern.ba - 1.0);
     }

@@ -9,9 +9,9 @@ import {randomOf} from './noise';
 
 const reach_m = 26, step_m = 5; // tufts are looked for anew when the eye has moved so far
 const perSquare = 1.1; // tufts a square metre
-const most = 2400, blades = 7;
+const most = 3600, blades = 7;
 
-/** Shares of a channel of the roles' weights at a place of the photo. */
+/** Whether grass may stand at a place of the photo. */
 type IsGrass = (u: number, v: number) => boolean;
 
 /** A tuft in the frame of the tile: y up. Blades are triangles that lean outwards. */

@@ -52,7 +52,10 @@ export class SurfaceMaterials {
     const color = this.texture(`${name}_color.jpg`);
     color.colorSpace = SRGBColorSpace;
     const normalMap = this.texture(`${name}_normal.jpg`);
-    if (name === 'foliage') return Object.assign(foliageMaterial(), {map: color, normalMap});
+    if (name === 'foliage') {
+      for (const texture of [color, normalMap]) texture.repeat.setScalar(0.5);
+      return Object.assign(foliageMaterial(), {map: color, normalMap});
+    }
     const material = withSky(new MeshStandardMaterial({
       name, map: color, normalMap, roughnessMap: this.texture(`${name}_roughness.jpg`), metalness: 0, vertexColors: true,
     }));
