@@ -40,7 +40,7 @@ export class TileLayers {
     this.looks = new TileLooks(anisotropy);
     this.looks.onChange = () => this.onChange();
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
-    this.group.add(this.tiles.group);
+    this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
     this.tiles.lruCache.minBytesSize = 3e8;
@@ -103,10 +103,12 @@ export class TileLayers {
     }
     this.tiles.setResolutionFromRenderer(camera, renderer);
     this.tiles.update();
+    this.looks.update(camera.getWorldPosition(new Vector3()));
   }
 
   setLayer(layer: keyof Layers, on: boolean): void {
     this.layers[layer] = on;
+    this.looks.groundShown = this.isShown('verge');
     this.tiles.forEachLoadedModel((model) => this.apply(model));
     this.onChange();
   }
