@@ -57,16 +57,15 @@ std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridg
 
 std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
   std::vector<PlannedWay> ways;
-  if (plan.osm) {
+  if (plan.osm)
     for (const GivenOsm::Way& given : plan.osm->ways)
       ways.push_back({.osm_id = given.osm_id,
                       .s_begin_m = given.s_begin_m,
                       .s_end_m = given.s_end_m,
+                      .given = true,
                       .stops = {{given.s_begin_m, given.first_node}, {given.s_end_m, given.last_node}}});
-    return ways;
-  }
   std::int64_t next_node = static_cast<std::int64_t>(plan.junctions.size()) + 1;  // junction j has node j + 1
-  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+  for (std::size_t r = plan.osm ? 1 : 0; r < plan.roads.size(); ++r) {
     const PlannedRoad& road = plan.roads[r];
     std::vector<double> cuts{0.0, road.alignment.length_m};
     for (const PlannedBridge& b : plan.bridges)
@@ -106,7 +105,15 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
   for (const PlannedWay& way : ways)
     for (const PlannedWay::Stop& stop : way.stops) next_node = std::max(next_node, stop.osm_node + 1);
   OsmData osm;
+  if (plan.osm) {
+    osm.ways = plan.osm->data.ways;
+    for (const OsmNode& node : plan.osm->data.nodes) {
+      nodes.emplace(node.id, node.p);
+      next_node = std::max(next_node, node.id + 1);
+    }
+  }
   for (const PlannedWay& planned : ways) {
+    if (planned.given) continue;
     const Alignment& alignment = plan.roads[planned.road].alignment;
     OsmWay way{.id = planned.osm_id, .tags = road_tags(plan.roads[planned.road], planned.bridge, random)};
     const auto put = [&](std::int64_t id, double s) {
@@ -131,7 +138,8 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
     osm.ways.push_back(std::move(way));
   }
 
-  std::int64_t next_area = std::max(first_area_id, first_way_id + static_cast<std::int64_t>(ways.size()));
+  std::int64_t next_area = first_area_id;
+  for (const OsmWay& way : osm.ways) next_area = std::max(next_area, way.id + 1);
   const auto add_area = [&](const Ring& ring, std::map<std::string, std::string> tags) {
     OsmWay way{.id = next_area++, .tags = std::move(tags)};
     for (const Vec2 p : ring) {
@@ -146,6 +154,7 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
     if (area.cover == Cover::water) add_area(area.polygon.outer, {{"natural", "water"}});
     if (area.cover == Cover::forest_floor) add_area(area.polygon.outer, {{"landuse", "forest"}});
     if (area.cover == Cover::parking) add_area(area.polygon.outer, {{"amenity", "parking"}});
+    if (area.cover == Cover::gravel_trap) add_area(area.polygon.outer, {{"natural", "shingle"}, {"surface", "gravel"}});
   }
   for (const House& house : objects.houses) add_area(outline(house), {{"building", "yes"}});
   for (const auto& [id, p] : nodes) osm.nodes.push_back({id, p});
