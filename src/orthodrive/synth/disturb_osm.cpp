@@ -57,14 +57,19 @@ std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridg
 
 std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
   std::vector<PlannedWay> ways;
-  if (plan.osm)
+  std::int64_t last_node = 0, next_way = first_way_id;
+  if (plan.osm) {
+    for (const OsmNode& node : plan.osm->data.nodes) last_node = std::max(last_node, node.id);
+    for (const OsmWay& way : plan.osm->data.ways) next_way = std::max(next_way, way.id + 1);
     for (const GivenOsm::Way& given : plan.osm->ways)
       ways.push_back({.osm_id = given.osm_id,
                       .s_begin_m = given.s_begin_m,
                       .s_end_m = given.s_end_m,
                       .given = true,
                       .stops = {{given.s_begin_m, given.first_node}, {given.s_end_m, given.last_node}}});
-  std::int64_t next_node = static_cast<std::int64_t>(plan.junctions.size()) + 1;  // junction j has node j + 1
+  }
+  // Junction j has the node j + 1 after the given ones.
+  std::int64_t next_node = last_node + static_cast<std::int64_t>(plan.junctions.size()) + 1;
   for (std::size_t r = plan.osm ? 1 : 0; r < plan.roads.size(); ++r) {
     const PlannedRoad& road = plan.roads[r];
     std::vector<double> cuts{0.0, road.alignment.length_m};
@@ -73,7 +78,7 @@ std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
     std::sort(cuts.begin(), cuts.end());
     std::int64_t cut_node = 0;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      PlannedWay way{.osm_id = first_way_id + static_cast<std::int64_t>(ways.size()),
+      PlannedWay way{.osm_id = next_way++,
                      .road = r,
                      .s_begin_m = cuts[i],
                      .s_end_m = cuts[i + 1],
@@ -81,7 +86,7 @@ std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
       for (std::size_t j = 0; j < plan.junctions.size(); ++j)
         for (const PlannedJunction::Arm& arm : plan.junctions[j].arms)
           if (arm.road == r && arm.s_m >= way.s_begin_m - 1e-6 && arm.s_m <= way.s_end_m + 1e-6)
-            way.stops.push_back({arm.s_m, static_cast<std::int64_t>(j) + 1});
+            way.stops.push_back({arm.s_m, last_node + static_cast<std::int64_t>(j) + 1});
       std::sort(way.stops.begin(), way.stops.end(), [](const auto& a, const auto& b) { return a.s_m < b.s_m; });
       if (way.stops.empty() || way.stops.front().s_m > way.s_begin_m + 1e-6)
         way.stops.insert(way.stops.begin(), {way.s_begin_m, cut_node != 0 ? cut_node : next_node++});
