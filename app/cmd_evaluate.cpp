@@ -145,7 +145,9 @@ void add_scene(CLI::App* cmd, const Command& command) {
       cmd, command, "scene", "Cracks, roads beside their surface and things on roads, in the tiles of a scene.",
       "open_edges: of ground, roads and decks, within tiles and between them, besides the scene's outer border.\n"
       "road_error_m: of middles of road triangles and of their edges from the surface that is driven.\n"
-      "on_road: vertices of buildings, trees, barriers and the like over a road, by up to 4.5 m.\n"
+      "on_road: vertices of buildings, trees, barriers and the like over a road, by up to 4.5 m; in_building: those "
+      "of\n"
+      "trees, barriers, lamps and objects inside buildings.\n"
       "texture: with --photo, how far the tiles' pictures lie from it, in texels: the worst of windows of 48 texels.\n"
       "Examples:\n  orthodrive evaluate scene out/scene out/roads.xodr\n"
       "  orthodrive evaluate scene out/scene out/roads.xodr --photo ortho.tif --json",

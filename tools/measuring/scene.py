@@ -71,6 +71,7 @@ def table(numbers):
         yield "places of it over 2 cm, of all", "0", lambda n: f"{n['scores']['road_samples_off']:,} of {n['scores']['road_samples']:,}"
         yield "normals at tile borders, largest difference, degrees", "0.1", lambda n: fixed(n["scores"]["normal_error_deg"], 3)
         yield "vertices on a road, of those that stand", "0", lambda n: f"{n['scores']['on_road']:,} of {n['scores']['standing_vertices']:,}"
+        yield "vertices of trees, barriers, lamps and objects in buildings", "0", lambda n: n["scores"].get("in_building", "")
         yield "commit", "", lambda n: n["commit"]
     return header(["", "asked", *numbers]) + "".join(row([name, asked, *(value(n) for n in numbers.values())]) for name, asked, value in rows())
 
