@@ -59,8 +59,9 @@ export class SurfaceMaterials {
     const material = withSky(new MeshStandardMaterial({
       name, map: color, normalMap, roughnessMap: this.texture(`${name}_roughness.jpg`), metalness: 0, vertexColors: true,
     }));
-    // Verge and paint lie on other triangles: they are drawn a little nearer, and after them.
+    // Verge, gravel beside roads and paint lie on other triangles: they are drawn a little nearer, and after them.
     if (name === 'verge') Object.assign(material, {transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1});
+    if (name === 'gravel') Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1});
     if (name === 'paint') Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4});
     return material;
   }
