@@ -19,6 +19,9 @@ const given = Object.fromEntries(words.map((word) => word.split('=')));
 const [length_m, speed_mps, step_s] = [['length', 10_000], ['speed', 50], ['step', 0]].map(([name, usual]) => Number(given[name] ?? usual));
 const camera = given.camera ?? 'driver';
 
+/** Drawn with fewer pixels, because the processor draws them; tiles are chosen by the size of the page as ever. */
+const drivePixels = 0.25;
+
 /** Of this program's children and theirs: the server and the browser. */
 function processorSeconds() {
   const ticks = 100;
@@ -34,12 +37,12 @@ function processorSeconds() {
 }
 
 /** A browser that knows nothing yet, with the site open. `watch` runs in the page from its beginning. */
-async function withPage(query, watch, work, note = () => {}) {
+async function withPage(query, {watch, note = () => {}, pixels = 1}, work) {
   const profile = mkdtempSync(join(tmpdir(), 'orthodrive-browser-'));
   const server = await serveSite(tool, siteDir);
   let context;
   try {
-    context = await openBrowser(profile);
+    context = await openBrowser(profile, pixels);
     const page = context.pages()[0] ?? (await context.newPage());
     await page.goto('about:blank');
     await context.exposeFunction('streamNote', note);
@@ -81,7 +84,7 @@ function watchFirst() {
 async function measureFirst(query) {
   const used = {};
   const since = (name) => used[name] - used.begin;
-  return withPage(query, watchFirst, async (page) => {
+  return withPage(query, {watch: watchFirst, note: (name) => (used[name] = processorSeconds())}, async (page) => {
     await page.waitForFunction(() => window.streamTimes?.whole, null, {timeout: 300_000});
     const {times, requests, held} = await page.evaluate(() => ({
       times: window.streamTimes, held: window.orthodrive.held.length,
@@ -93,7 +96,7 @@ async function measureFirst(query) {
       script_s: times.script, first_s: times.first, road_s: times.road, whole_s: times.whole, tiles: held,
       script_processor_s: since('script'), first_processor_s: since('first'), road_processor_s: since('road'), whole_processor_s: since('whole'),
     };
-  }, (name) => (used[name] = processorSeconds()));
+  });
 }
 
 /** Goes to a place of the lap and waits for the next picture; tells what it shows. Runs in the page. */
@@ -113,7 +116,7 @@ async function pictureAt({t_s, places}) {
 async function measureDrive(places) {
   const grid = gridPlaces(places);
   const fileBytes = (file) => statSync(join(siteDir, 'scene', file)).size;
-  return withPage(`?camera=${camera}&t=0&play=0`, undefined, async (page) => {
+  return withPage(`?camera=${camera}&t=0&play=0`, {pixels: drivePixels}, async (page) => {
     await page.waitForFunction(() => window.orthodrive?.ready, null, {timeout: 300_000});
     const pictures = [];
     const start = performance.now();
@@ -138,6 +141,6 @@ async function measureDrive(places) {
 const {origin} = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8')).asset.extras.orthodrive;
 const places = lapPlaces(readLap(siteDir, ['t_s', 's_m', 'x_m', 'y_m', 'z_m']), origin);
 const result = {first: {}};
-for (const mode of ['fly', camera]) result.first[mode] = await measureFirst(`?camera=${mode}&t=0&play=0`);
+for (const mode of given.first === '0' ? [] : ['fly', camera]) result.first[mode] = await measureFirst(`?camera=${mode}&t=0&play=0`);
 if (length_m > 0) result.drive = await measureDrive(places);
 console.log(JSON.stringify(result, null, 1));

@@ -20,6 +20,24 @@ export interface HeldTile {
   visible: boolean;
 }
 
+/**
+ * Positive: `a` mends the picture more than `b`, by the error of what is shown as long as it is missing. All parts of a
+ * tile that the camera is in come first, coarse ones before fine ones: only all four together replace it. (The renderer's
+ * own order goes by a tile's own error, which is 0 for the finest: what lies under the wheels would come last.)
+ */
+function byGain(a: Tile, b: Tile): number {
+  const [gainA, gainB] = [a, b].map((tile) => tile.parent?.traversal.error ?? Infinity);
+  if (a.traversal.used !== b.traversal.used) return a.traversal.used ? 1 : -1;
+  if (gainA !== gainB) return gainA > gainB ? 1 : -1;
+  if (a.internal.depth !== b.internal.depth) return b.internal.depth - a.internal.depth;
+  return b.traversal.distanceFromCamera - a.traversal.distanceFromCamera || 0; // infinitely far both: NaN
+}
+/** Positive: `a` is dropped before `b`. */
+function byAge(a: Tile, b: Tile): number {
+  const [seenA, seenB] = [a, b].map(({traversal}) => (traversal as Tile['traversal'] & {lastFrameVisited: number}).lastFrameVisited);
+  return seenA !== seenB ? seenB - seenA : -byGain(a, b);
+}
+
 /** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
 class FlatPlaces {
   readonly name = 'flat_places';
@@ -58,8 +76,10 @@ export class TileLayers {
     this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : null)});
     this.tiles.autoDisableRendererCulling = false; // parts of a tile that picture or shadow map do not show are not drawn
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
-    this.tiles.lruCache.minBytesSize = 3e8;
-    this.tiles.lruCache.maxBytesSize = 4e8;
+    this.tiles.lruCache.minBytesSize = 2.8e8;
+    this.tiles.lruCache.maxBytesSize = 3.8e8; // one more tile may come in before it is seen to be full
+    this.tiles.lruCache.unloadPriorityCallback = byAge as (item: unknown) => number; // typed for an older way of calling it
+    this.tiles.downloadQueue.priorityCallback = this.tiles.parseQueue.priorityCallback = byGain;
     this.tiles.addEventListener('load-model', ({scene}) => this.adopt(scene));
     this.tiles.addEventListener('dispose-model', ({scene}) => this.release(scene));
     this.tiles.addEventListener('load-error', ({tile, error, url}) => {
