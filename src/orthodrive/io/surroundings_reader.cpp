@@ -53,6 +53,14 @@ bool is_water(const Tags& tags) {
          is_one_of(tag(tags, "landuse"), basins) || has_no_tags(tags);
 }
 
+/// Ground to drive into, not what is built on it.
+bool is_gravel(const Tags& tags) {
+  constexpr std::array<std::string_view, 2> natural = {"shingle", "sand"};
+  constexpr std::array<std::string_view, 4> surfaces = {"gravel", "fine_gravel", "pebblestone", "sand"};
+  if (is_one_of(tag(tags, "natural"), natural)) return true;
+  return is_one_of(tag(tags, "surface"), surfaces) && tag(tags, "building").empty();
+}
+
 /// Not garages and what lies below the ground.
 bool is_parking(const Tags& tags) {
   constexpr std::array<std::string_view, 4> built = {"underground", "multi-storey", "rooftop", "garage_boxes"};
@@ -80,6 +88,7 @@ class Collector {
     const std::string power = tag(tags, "power");
     if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
     if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
+    if (is_gravel(tags)) return add_areas(feature.polygons, result.gravel);
     if (is_parking(tags)) return add_areas(feature.polygons, result.parking);
     if (is_water(tags)) add_areas(feature.polygons, result.water);
   }

@@ -14,6 +14,7 @@
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/building_mesh.hpp"
 #include "orthodrive/scene/drape.hpp"
+#include "orthodrive/scene/gravel_areas.hpp"
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_features.hpp"
@@ -414,12 +415,14 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
       water(MeshKind::water, center, layout.origin.z), lids(MeshKind::terrain, center, layout.origin.z),
       tunnel_road(MeshKind::tunnel_road, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
-  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
-      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails}, tube{.kind = MeshKind::tunnel};
+  TriMesh verge{.kind = MeshKind::verge}, gravel{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking},
+      kerb{.kind = MeshKind::kerb}, structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails},
+      tube{.kind = MeshKind::tunnel};
   add_ground(layout, address, {terrain, water, road, lids});
   tile.lids = std::move(lids.mesh);
   add_water_material(layout, center, water.mesh);
   add_verge(layout, terrain.mesh, center, verge);
+  add_gravel(layout, terrain.mesh, center, gravel);
   drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
   add_kerbs(road.mesh, 0, kerbs_of(layout.ground_lines, address, center), kerb);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
@@ -474,9 +477,9 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin, along_lines);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh,       &road.mesh, &body.mesh, &verge,
-                               &asphalt,      &marking,          &kerb,      &structure, &rails,
-                               &buildings,    &tunnel_road.mesh, &tube};
+  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh,        &body.mesh, &verge,
+                               &gravel,       &asphalt,    &marking,          &kerb,      &structure,
+                               &rails,        &buildings,  &tunnel_road.mesh, &tube};
   for (TriMesh& mesh : along_lines) all.push_back(&mesh);
   for (TriMesh* mesh : all) {
     if (mesh->indices.empty()) continue;
