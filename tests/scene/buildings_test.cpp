@@ -353,7 +353,7 @@ TEST(BuildingParts, stand_for_their_outline) {
     EXPECT_DOUBLE_EQ(layout->buildings[i].foot_z_m, low[i]);
     EXPECT_DOUBLE_EQ(layout->buildings[i].eaves_z_m, high[i]);
     EXPECT_EQ(layout->buildings[i].wall_color, (scene::LinearColor{0.1F, 0.2F, 0.3F})) << "the outline's";
-    EXPECT_NEAR(area_m2(layout->buildings[i].footprint), std::array{600.0, 200.0, 100.0}[i], 1e-9)
+    EXPECT_NEAR(area_m2(layout->buildings[i].footprint), (std::array{600.0, 200.0, 100.0}[i]), 1e-9)
         << "one over the other";
   }
   expect_shells(*layout);
