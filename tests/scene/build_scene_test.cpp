@@ -366,6 +366,8 @@ TEST(BuildScene, every_triangle_of_roads_and_buildings_says_what_it_is) {
     EXPECT_EQ(feature.id, first ? "1" : "2");
     EXPECT_EQ(feature.osm_id, first ? "way/17" : "");
     EXPECT_EQ(feature.name, first ? "Hauptstraße" : "");
+    EXPECT_EQ(feature.lane_id, middle.y > south_m + 240.0 ? "1" : "-1");
+    EXPECT_EQ(feature.lane_type, "driving");
   });
   each(building, [&](const SceneFeature& feature, Vec3 middle) {
     EXPECT_EQ(feature.kind, "building");

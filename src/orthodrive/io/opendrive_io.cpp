@@ -11,11 +11,11 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/opendrive_junction.hpp"
 #include "roadquery/connecting_road.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
+#include "roadquery/lane_type_name.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -150,7 +150,7 @@ const char* road_type(const std::string& highway) {
 
 /// OpenDRIVE has no type "other".
 const char* written_lane_type(roadquery::LaneType type) {
-  return type == roadquery::LaneType::other ? "none" : lane_type_name(type);
+  return type == roadquery::LaneType::other ? "none" : roadquery::lane_type_name(type);
 }
 
 void add_speed(pugi::xml_node parent, double limit_mps) {

@@ -123,13 +123,15 @@ struct TriMesh {
 };
 constexpr std::uint32_t no_feature = std::numeric_limits<std::uint32_t>::max();
 
-/// A road or building, for those who click on it.
+/// A lane of a road or a building, for those who click on it.
 struct SceneFeature {
   std::string kind;    ///< "road" or "building"
   std::string id;      ///< of the OpenDRIVE road; empty: none
   std::string osm_id;  ///< "way/123", "relation/45"; empty: not of OSM
   std::string name;
-  std::string type;  ///< OSM's highway=* or building=*
+  std::string type;       ///< OSM's highway=* or building=*
+  std::string lane_id;    ///< of the OpenDRIVE lane; empty: no lane
+  std::string lane_type;  ///< as OpenDRIVE names it
 };
 
 /// A copy of a mesh: stretched, turned about z, then moved.

@@ -1,16 +1,47 @@
 #include "orthodrive/scene/tile_features.hpp"
 
+#include <compare>
 #include <map>
+
+#include "roadquery/lane_type_name.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {
 
-SceneFeature feature_of(const roadquery::Road& road) {
+/// Road by its index in the map, and lane; -1: none.
+struct LaneKey {
+  int road = -1;
+  int lane_id = 0;
+  roadquery::LaneType type = roadquery::LaneType::none;
+  friend auto operator<=>(const LaneKey&, const LaneKey&) = default;
+};
+
+/// Beside all lanes the outermost one of that side counts.
+LaneKey lane_under(const roadquery::RoadQuery& query, const Vec3& p) {
+  roadquery::Cursor cursor;
+  const auto hit = query.find(p.x, p.y, p.z, cursor, roadquery::hit_position);
+  if (!hit) return {};
+  const roadquery::Road& road = query.map().roads[static_cast<std::size_t>(hit->road)];
+  const roadquery::LaneSection& section = roadquery::section_at(road, hit->s);
+  const bool left = hit->lane_id > 0 || (hit->lane_id == 0 && hit->t > roadquery::evaluate(road.lane_offset, hit->s));
+  const auto& lanes = (left && !section.left.empty()) || section.right.empty() ? section.left : section.right;
+  for (const roadquery::Lane& lane : lanes)
+    if (lane.id == hit->lane_id || (hit->lane_id == 0 && &lane == &lanes.back()))
+      return {hit->road, lane.id, lane.type};
+  return {.road = hit->road};
+}
+
+SceneFeature feature_of(const roadquery::RoadQuery& query, const LaneKey& key) {
+  if (key.road < 0) return {.kind = "road"};
+  const roadquery::Road& road = query.map().roads[static_cast<std::size_t>(key.road)];
   return {.kind = "road",
           .id = std::to_string(road.id),
           .osm_id = road.osm_id.empty() ? "" : "way/" + road.osm_id,
           .name = road.name,
-          .type = road.highway};
+          .type = road.highway,
+          .lane_id = std::to_string(key.lane_id),
+          .lane_type = roadquery::lane_type_name(key.type)};
 }
 
 template <typename T>
@@ -21,8 +52,7 @@ void append_copy(std::vector<T>& values, std::uint32_t v) {
 }  // namespace
 
 void name_roads(const roadquery::RoadQuery& query, SceneTile& tile, TriMesh& road) {
-  constexpr int no_road = -1;
-  std::map<int, std::uint32_t> rows;                                         // by index of the road
+  std::map<LaneKey, std::uint32_t> rows;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> doubled;  // vertex and row
   std::vector<std::uint32_t> row_of(road.positions.size(), no_feature);
   for (std::size_t i = 0; i < road.indices.size(); i += 3) {
@@ -31,13 +61,9 @@ void name_roads(const roadquery::RoadQuery& query, SceneTile& tile, TriMesh& roa
       const auto& p = road.positions[road.indices[i + k]];
       middle = middle + Vec3{p[0], p[1], p[2]} * (1.0 / 3.0);
     }
-    roadquery::Cursor cursor;
-    const auto hit = query.find(middle.x, middle.y, middle.z, cursor, 0);
-    const int index = hit ? hit->road : no_road;
-    const auto [row, is_new] = rows.try_emplace(index, static_cast<std::uint32_t>(tile.features.size()));
-    if (is_new)
-      tile.features.push_back(index == no_road ? SceneFeature{.kind = "road"}
-                                               : feature_of(query.map().roads[static_cast<std::size_t>(index)]));
+    const LaneKey key = lane_under(query, middle);
+    const auto [row, is_new] = rows.try_emplace(key, static_cast<std::uint32_t>(tile.features.size()));
+    if (is_new) tile.features.push_back(feature_of(query, key));
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& v = road.indices[i + k];
       if (row_of[v] == no_feature) row_of[v] = row->second;

@@ -6,8 +6,9 @@
 
 namespace orthodrive::scene {
 
-/// Gives each triangle of the mesh the road under its middle: sets TriMesh::features and appends the roads to the
-/// tile's. Vertices between triangles of two roads are doubled.
+/// Gives each triangle of the mesh the lane under its middle, in junctions the nearest one of the nearest connecting
+/// road: sets TriMesh::features and appends the lanes to the tile's. Vertices between triangles of two lanes are
+/// doubled.
 void name_roads(const roadquery::RoadQuery& query, SceneTile& tile, TriMesh& road);
 
 }  // namespace orthodrive::scene
