@@ -35,19 +35,20 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->add_option("--seed", options.seed, "same seed, same bytes")->capture_default_str();
   cmd->add_option("-o,--output", arguments->files.folder, "folder to write to")->required();
   CLI::Option* size =
-      cmd->add_option("--size", options.size_m, "edge of the site in metres, a multiple of 10 (region: 10000)")
+      cmd->add_option("--size", options.size_m,
+                      "edge of the site in metres, a multiple of 10 (region: 10000; track: as small as can be)")
           ->capture_default_str();
   CLI::Option* gsd =
-      cmd->add_option("--gsd", options.gsd_m, "edge of a photo pixel in metres (region: 0.5)")->capture_default_str();
+      cmd->add_option("--gsd", options.gsd_m, "edge of a photo pixel in metres (region, track with a size: 0.5)")
+          ->capture_default_str();
   cmd->add_option("--osm-offset-min", options.osm_offset_min_m, "least distance of OSM from the truth in metres")
       ->capture_default_str();
   cmd->add_option("--osm-offset-max", options.osm_offset_max_m, "largest distance of OSM from the truth in metres")
       ->capture_default_str();
   CLI::Option* track = cmd->add_option("--from-track", arguments->files.track,
                                        "CSV of a real closed track: w_tr_right_m, w_tr_left_m, utm33_e, utm33_n; "
-                                       "paints a site round its edges")
-                           ->excludes(preset)
-                           ->excludes(size);
+                                       "paints a site round its edges, with --size the country round it, too")
+                           ->excludes(preset);
   cmd->add_option("--track-osm", arguments->files.track_osm,
                   "its OSM ways, kept as they are (default: the truth, disturbed)")
       ->needs(track);
@@ -58,12 +59,12 @@ void add_synth(CLI::App& app, Context& context) {
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "
       "--from-track track.csv --track-osm track.osm -o sites/track\n"
-      "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region is made tile by tile.");
-  cmd->callback([arguments, size, gsd, &context] {
-    if (arguments->preset == "region") {
-      if (size->count() == 0) arguments->options.size_m = 10000.0;
-      if (gsd->count() == 0) arguments->options.gsd_m = 0.5;
-    }
+      "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region and a track with a size are made tile by tile.");
+  cmd->callback([arguments, size, gsd, track, &context] {
+    const bool is_track = track->count() > 0, is_region = !is_track && arguments->preset == "region";
+    if (is_track && size->count() > 0) arguments->files.track_size_m = arguments->options.size_m;
+    if (is_region && size->count() == 0) arguments->options.size_m = 10000.0;
+    if ((is_region || arguments->files.track_size_m > 0.0) && gsd->count() == 0) arguments->options.gsd_m = 0.5;
     StageContext stage = stage_context(context);
     print_outcome(run_synth(arguments->files, presets.at(arguments->preset), arguments->options, stage), stage);
   });

@@ -218,7 +218,7 @@ Edges carriageway_edges(const Road& road, double s) {
   const auto width_m = [&](const std::vector<Lane>& lanes) {
     double width = 0.0;
     for (const Lane& lane : lanes) {
-      if (lane.type == LaneType::sidewalk || lane.type == LaneType::none) break;
+      if (lane.type == LaneType::sidewalk || lane.type == LaneType::border || lane.type == LaneType::none) break;
       width += lane_width(lane, s - section.s);
     }
     return width;

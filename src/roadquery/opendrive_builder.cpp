@@ -85,6 +85,7 @@ LaneType lane_type(std::string_view name) {
       {"border", LaneType::border},
       {"sidewalk", LaneType::sidewalk},
       {"walking", LaneType::sidewalk},
+      {"curb", LaneType::border},
       {"parking", LaneType::parking},
       {"biking", LaneType::biking},
       {"bidirectional", LaneType::driving},

@@ -33,7 +33,7 @@ TEST(Kerbs, pieces_cover_the_raised_lane_with_a_stone_along_the_carriageway) {
   double stone = 0.0, walk = 0.0;
   for (const KerbPiece& piece : pieces) {
     EXPECT_GT(area_m2(piece), 0.0) << "counter-clockwise";
-    (piece.is_stone ? stone : walk) += area_m2(piece);
+    (piece.look == KerbLook::stone ? stone : walk) += area_m2(piece);
     for (std::size_t i = 0; i < 4; ++i) {
       const Vec2 p = piece.corners[i];
       EXPECT_NEAR(piece.lift_m[i], 0.12 * std::clamp(std::min(p.x - 1.0, 100.0 - p.x), 0.0, 1.0), 1e-9) << p.x;
@@ -58,7 +58,7 @@ TEST(Kerbs, left_walks_have_their_stone_at_the_carriageway_too) {
     EXPECT_GT(area_m2(piece), 0.0);
     const Vec2 middle = (piece.corners[0] + piece.corners[2]) * 0.5;
     const double inside_m = 50.0 - distance(middle, {0.0, 50.0});
-    EXPECT_EQ(piece.is_stone, inside_m < 3.2) << inside_m;
+    EXPECT_EQ(piece.look == KerbLook::stone, inside_m < 3.2) << inside_m;
   }
 }
 

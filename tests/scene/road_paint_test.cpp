@@ -54,6 +54,37 @@ TEST(RoadPaint, zebra_has_bars_along_the_road_as_many_as_fit) {
   EXPECT_NEAR(area_m2(road_paint(road_with(zebra))), 2 * 8 * 0.5 * 0.12, 1e-9) << "eight strokes and gaps of 0.7 m";
 }
 
+/// From nothing at 20 m to 3 m at 50 m, left of the road's edge.
+roadquery::RoadObject gore() {
+  roadquery::RoadObject object{.type = "roadMark", .subtype = "hatchedArea", .name = "gore"};
+  object.outline = {{20.0, 3.0}, {35.0, 3.0}, {50.0, 3.0}, {50.0, 6.0}, {35.0, 4.5}, {20.0, 3.0}};
+  return object;
+}
+
+TEST(RoadPaint, gores_have_lines_along_both_sides_and_strokes_over_a_third_of_them) {
+  const auto pieces = road_paint(road_with(gore()));
+  const Box2 box = bounds_of(pieces);
+  EXPECT_NEAR(box.min_x, 20.0, 1e-9);
+  EXPECT_NEAR(box.max_x, 50.0, 1e-9);
+  EXPECT_NEAR(box.min_y, 3.0, 1e-9);
+  EXPECT_NEAR(box.max_y, 6.0, 1e-9);
+  // Lines of 0.15 m, narrower where both meet; strokes of 0.5 m every 1.5 m.
+  EXPECT_NEAR(area_m2(pieces), 2.0 * 30.0 * 0.15 + 45.0 / 3.0, 1.0);
+  for (const MarkingPiece& piece : pieces)
+    for (const Vec2 p : piece) EXPECT_LE(p.y, 3.0 + 0.1 * (p.x - 20.0) + 1e-9) << "inside the outline";
+}
+
+TEST(RoadPaint, gores_look_the_same_whichever_way_their_outline_runs) {
+  roadquery::RoadObject other = gore();
+  std::reverse(other.outline.begin(), other.outline.end());
+  const double area = area_m2(road_paint(road_with(gore())));
+  EXPECT_NEAR(area_m2(road_paint(road_with(other))), area, 1e-9);
+  other.outline.pop_back();
+  EXPECT_TRUE(road_paint(road_with(other)).empty()) << "no two sides";
+  other.outline = {{20.0, 3.0}, {35.0, 3.0}, {35.0, 3.0}, {20.0, 3.0}};
+  EXPECT_TRUE(road_paint(road_with(other)).empty()) << "no width";
+}
+
 TEST(RoadPaint, stop_lines_are_solid_and_give_way_lines_are_blocks) {
   roadquery::RoadObject line{.type = "roadMark", .subtype = "signalLines", .name = "stop line"};
   line.s = 50.0, line.t = -1.5, line.length = 0.5, line.width = 3.0;

@@ -201,8 +201,8 @@ TEST(RegionPlan, index_finds_all_roads_and_areas_of_a_box) {
 }
 
 /// The rasters of a region put together again.
-SynthSite assembled(const SynthOptions& options) {
-  const RegionFrames frames = region_frames(options);
+SynthSite assembled(const SitePlan& plan, const SynthOptions& options) {
+  const RegionFrames frames = region_frames(plan, options);
   const auto raster = [](const GridFrame& frame, int channels, auto fill) {
     return Raster<decltype(fill)>(frame.width, frame.height, channels, fill);
   };
@@ -214,13 +214,14 @@ SynthSite assembled(const SynthOptions& options) {
       std::copy_n(&part.at(0, row), box.width * part.channels,
                   &whole.at(static_cast<int>(box.col), static_cast<int>(box.row) + row));
   };
-  SynthSite site = make_region(
-      options, {[&](const RegionPicture& tile) { put(rgb, tile.box, tile.rgb), put(labels, tile.box, tile.labels); },
-                [&](const RegionHeights& tile) {
-                  put(true_1m, tile.box_1m, tile.true_1m);
-                  put(dtm_1m, tile.box_1m, tile.dtm_1m);
-                  put(dtm_10m, tile.box_10m, tile.dtm_10m);
-                }});
+  SynthSite site =
+      make_region(plan, options,
+                  {[&](const RegionPicture& tile) { put(rgb, tile.box, tile.rgb), put(labels, tile.box, tile.labels); },
+                   [&](const RegionHeights& tile) {
+                     put(true_1m, tile.box_1m, tile.true_1m);
+                     put(dtm_1m, tile.box_1m, tile.dtm_1m);
+                     put(dtm_10m, tile.box_10m, tile.dtm_10m);
+                   }});
   site.photo = {site.crs, frames.photo, rgb, {}};
   site.labels = {site.crs, frames.photo, labels, default_class_table()};
   site.true_dtm = {site.crs, frames.dtm_1m, true_1m, ""}, site.dtm_1m = {site.crs, frames.dtm_1m, dtm_1m, ""};
@@ -230,14 +231,14 @@ SynthSite assembled(const SynthOptions& options) {
 
 constexpr SynthOptions small{.size_m = 2000.0, .gsd_m = 0.8, .seed = 3, .threads = 1, .tile_px = 700};
 const SynthSite& small_region() {
-  static const SynthSite site = assembled(small);
+  static const SynthSite site = assembled(plan_region(small.size_m, small.seed), small);
   return site;
 }
 
 TEST(Region, does_not_depend_on_threads_and_tiles) {
   SynthOptions other = small;
   other.threads = 3, other.tile_px = 333;
-  const SynthSite site = assembled(other), &same = small_region();
+  const SynthSite site = assembled(plan_region(small.size_m, small.seed), other), &same = small_region();
   EXPECT_EQ(site.photo.rgb.data, same.photo.rgb.data);
   EXPECT_EQ(site.labels.labels.data, same.labels.labels.data);
   EXPECT_EQ(site.true_dtm.height_m.data, same.true_dtm.height_m.data);
@@ -311,7 +312,7 @@ TEST(Region, wrong_options_are_refused) {
   EXPECT_THROW((void)plan_region(1990.0, 1), OptionError);
   EXPECT_THROW((void)plan_region(40010.0, 1), OptionError);
   EXPECT_THROW((void)plan_region(2505.0, 1), OptionError);
-  EXPECT_THROW((void)region_frames({.size_m = 2000.0, .gsd_m = 0.5, .tile_px = 0}), OptionError);
+  EXPECT_THROW((void)region_frames({.size_m = 2000.0}, {.gsd_m = 0.5, .tile_px = 0}), OptionError);
   EXPECT_THROW((void)make_preset(Preset::region, {.size_m = 2000.0}), OptionError);
 }
 

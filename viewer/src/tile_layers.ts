@@ -1,13 +1,29 @@
 // The 3D Tiles of the site and what of them is shown.
 
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
-import {Camera, Group, Mesh, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
+import {Camera, Group, Mesh, MeshDepthMaterial, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
 import {tilesetUrl} from './site';
 import {describeHit} from './tile_features';
 import {kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
 
 const alwaysRefined_m = 1e4;
+const tubeCasts_m = 0.4;
+
+/**
+ * A tube has inner faces only, which throw its shadow from where its floor begins. What lies nearer to a wall than the bias and a
+ * texel of the shadow map would be lit: a thin line along the wall's foot. So tubes throw their shadow from as far towards the sun
+ * as their walls are thick.
+ */
+function tubeShadow(): MeshDepthMaterial {
+  const material = new MeshDepthMaterial();
+  material.onBeforeCompile = (shader) => {
+    const place = '#include <project_vertex>';
+    if (!shader.vertexShader.includes(place)) throw new Error('three.js has changed the shader of its depth material');
+    shader.vertexShader = shader.vertexShader.replace(place, `${place}\ngl_Position.z += ${tubeCasts_m} * projectionMatrix[2][2];`);
+  };
+  return material;
+}
 
 /** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
 class FlatPlaces {
@@ -34,13 +50,14 @@ export class TileLayers {
 
   private readonly tiles = new TilesRenderer(tilesetUrl);
   private readonly looks: TileLooks;
+  private readonly tubeShadow = tubeShadow();
   private camera?: Camera;
 
   constructor(anisotropy: number) {
     this.looks = new TileLooks(anisotropy);
     this.looks.onChange = () => this.onChange();
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
-    this.group.add(this.tiles.group);
+    this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
     this.tiles.lruCache.minBytesSize = 3e8;
@@ -103,10 +120,12 @@ export class TileLayers {
     }
     this.tiles.setResolutionFromRenderer(camera, renderer);
     this.tiles.update();
+    this.looks.update(camera.getWorldPosition(new Vector3()));
   }
 
   setLayer(layer: keyof Layers, on: boolean): void {
     this.layers[layer] = on;
+    this.looks.groundShown = this.isShown('verge');
     this.tiles.forEachLoadedModel((model) => this.apply(model));
     this.onChange();
   }
@@ -117,7 +136,9 @@ export class TileLayers {
     this.looks.adopt(meshes);
     for (const mesh of meshes) {
       if (['tree', 'lamp'].includes(kindOf(mesh))) mesh.raycast = () => {}; // thousands of copies, and nothing stands on them
-      mesh.castShadow = stands(mesh) || mesh.name.startsWith('road_tube'); // no sun in tunnels
+      const isTube = mesh.name.startsWith('road_tube');
+      mesh.castShadow = stands(mesh) || isTube; // no sun in tunnels
+      if (isTube) mesh.customDepthMaterial = this.tubeShadow;
       mesh.receiveShadow = true;
     }
     this.apply(model);

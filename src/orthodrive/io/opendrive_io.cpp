@@ -148,9 +148,11 @@ const char* road_type(const std::string& highway) {
   return "town";
 }
 
-/// OpenDRIVE has no type "other".
-const char* written_lane_type(roadquery::LaneType type) {
-  return type == roadquery::LaneType::other ? "none" : roadquery::lane_type_name(type);
+/// A "border" is as high as the lanes beside it, a "curb" is not (1.7, 11.7). OpenDRIVE has no type "other": on
+/// "restricted" lanes no car drives.
+const char* written_lane_type(const Lane& lane) {
+  if (lane.type == roadquery::LaneType::border && !lane.heights.empty()) return "curb";
+  return lane.type == roadquery::LaneType::other ? "restricted" : roadquery::lane_type_name(lane.type);
 }
 
 void add_speed(pugi::xml_node parent, double limit_mps) {
@@ -170,7 +172,7 @@ void add_lane(pugi::xml_node side, const Lane& lane, const roadquery::Inherited&
               double limit_mps = 0.0) {
   pugi::xml_node node = side.append_child("lane");
   set(node, "id", lane.id);
-  set(node, "type", written_lane_type(lane.type));
+  set(node, "type", written_lane_type(lane));
   if (lane.predecessor || lane.successor) {
     pugi::xml_node link = node.append_child("link");
     if (lane.predecessor) set(link.append_child("predecessor"), "id", *lane.predecessor);

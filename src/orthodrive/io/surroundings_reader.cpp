@@ -53,6 +53,21 @@ bool is_water(const Tags& tags) {
          is_one_of(tag(tags, "landuse"), basins) || has_no_tags(tags);
 }
 
+/// Ground to drive into, not what is built on it.
+bool is_gravel(const Tags& tags) {
+  constexpr std::array<std::string_view, 2> natural = {"shingle", "sand"};
+  constexpr std::array<std::string_view, 4> surfaces = {"gravel", "fine_gravel", "pebblestone", "sand"};
+  if (is_one_of(tag(tags, "natural"), natural)) return true;
+  return is_one_of(tag(tags, "surface"), surfaces) && tag(tags, "building").empty();
+}
+
+/// Not garages and what lies below the ground.
+bool is_parking(const Tags& tags) {
+  constexpr std::array<std::string_view, 4> built = {"underground", "multi-storey", "rooftop", "garage_boxes"};
+  if (is_set(tag(tags, "building"))) return false;
+  return (tag(tags, "amenity") == "parking" && !is_one_of(tag(tags, "parking"), built)) || tag(tags, "t") == "parking";
+}
+
 bool is_track(const Tags& tags) {
   constexpr std::array<std::string_view, 5> kinds = {"rail", "light_rail", "tram", "narrow_gauge", "preserved"};
   return is_one_of(tag(tags, "railway"), kinds) || tag(tags, "t") == "rail";
@@ -73,9 +88,9 @@ class Collector {
     const std::string power = tag(tags, "power");
     if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
     if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
-    if (!is_water(tags)) return;
-    for (Polygon& polygon : feature.polygons)
-      if (polygon.outer.size() >= 3 && is_near(polygon.outer)) result.water.push_back(std::move(polygon));
+    if (is_gravel(tags)) return add_areas(feature.polygons, result.gravel);
+    if (is_parking(tags)) return add_areas(feature.polygons, result.parking);
+    if (is_water(tags)) add_areas(feature.polygons, result.water);
   }
 
   MapSurroundings result;
@@ -97,6 +112,10 @@ class Collector {
       if (!closed.empty()) closed.push_back(closed.front());
       add_line(closed);
     }
+  }
+  void add_areas(MultiPolygon& polygons, MultiPolygon& areas) {
+    for (Polygon& polygon : polygons)
+      if (polygon.outer.size() >= 3 && is_near(polygon.outer)) areas.push_back(std::move(polygon));
   }
   void add_lines(std::vector<Polyline>& lines) {
     for (Polyline& line : lines)

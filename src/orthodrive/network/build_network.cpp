@@ -10,10 +10,12 @@
 #include "orthodrive/network/crossing_nodes.hpp"
 #include "orthodrive/network/crosswalks.hpp"
 #include "orthodrive/network/ease_arms.hpp"
+#include "orthodrive/network/gores.hpp"
 #include "orthodrive/network/junction_surface.hpp"
 #include "orthodrive/network/lane_arrows.hpp"
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/narrow_sidewalks.hpp"
+#include "orthodrive/network/race_kerbs.hpp"
 #include "orthodrive/network/raise_sidewalks.hpp"
 #include "orthodrive/network/rings.hpp"
 #include "orthodrive/network/road_cuts.hpp"
@@ -117,6 +119,8 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
   const JunctionParts parts = add_junctions(plan, ends, result.map, result.findings);
   narrow_sidewalks(result.map);
+  add_race_kerbs(result.map, options.weather);
+  add_gores(plan, ends, result.map);
   if (options.junction_surfaces)
     result.junction_surfaces = add_junction_surfaces(
         result.map, parts.straight, {.threads = options.threads, .kerb_radius_m = parts.kerb_radius_m});

@@ -121,10 +121,12 @@ Markings markings_of(const std::string& highway, const LaneLayout& layout, doubl
                                         "secondary_link", "tertiary",     "tertiary_link"};
   Markings marks;
   const bool is_fast = is_one_of(highway, fast), is_major = is_fast || is_one_of(highway, major);
-  marks.edges = is_major && width_m >= (layout.left > 0 && layout.right > 0 ? centre_line_from_m : 0.0);
+  const bool is_race = highway == "raceway";
+  marks.edges = is_race || (is_major && width_m >= (layout.left > 0 && layout.right > 0 ? centre_line_from_m : 0.0));
   marks.lanes = is_major || layout.left > 2 || layout.right > 2;
   marks.centre = is_major && width_m >= centre_line_from_m;
   if (is_fast) marks.line_m = 0.15, marks.edge_m = 0.30;
+  if (is_race) marks.edge_m = 0.15;  // FIA, International Sporting Code, appendix O: at least 0.10 m
   return marks;
 }
 
@@ -225,15 +227,16 @@ RoadNetwork with_lane_room(RoadNetwork roads, Findings& findings) {
   return roads;
 }
 
+roadquery::LaneMaterial lane_material(SurfaceClass surface, Weather weather) {
+  const RoadMaterial m = material_of(surface, weather);
+  return {0.0, surface, m.friction, m.roughness_m};
+}
+
 void set_material(Road& road, SurfaceClass surface, Weather weather) {
-  const auto material = [weather](SurfaceClass of) {
-    const RoadMaterial m = material_of(of, weather);
-    return roadquery::LaneMaterial{0.0, of, m.friction, m.roughness_m};
-  };
   for (roadquery::LaneSection& section : road.sections)
     for (auto* side : {&section.left, &section.right})
       for (Lane& lane : *side)
-        lane.materials = {material(lane.type == LaneType::sidewalk ? SurfaceClass::concrete : surface)};
+        lane.materials = {lane_material(lane.type == LaneType::sidewalk ? SurfaceClass::concrete : surface, weather)};
 }
 
 SurfaceClass surface_of(const Road& road) {

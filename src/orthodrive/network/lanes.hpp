@@ -59,6 +59,7 @@ struct LaneOptions {
 void add_lanes(roadquery::Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
                const LaneOptions& options);
 
+[[nodiscard]] roadquery::LaneMaterial lane_material(SurfaceClass surface, Weather weather);
 /// Gives all lanes what the road is made of; sidewalks are of slabs (concrete). One entry a lane section.
 void set_material(roadquery::Road& road, SurfaceClass surface, Weather weather);
 /// Of the innermost driving lane; asphalt for roads without a material.

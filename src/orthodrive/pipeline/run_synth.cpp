@@ -13,6 +13,7 @@
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
+#include "orthodrive/synth/plan_presets.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -58,8 +59,9 @@ void write_rasters(const fs::path& folder, const SynthSite& site) {
 }
 
 /// Writes the rasters on the way.
-SynthSite make_region_site(const fs::path& folder, const SynthOptions& options, Monitor* monitor) {
-  const RegionFrames frames = region_frames(options);  // options that cannot be leave no folder behind
+SynthSite make_region_site(const fs::path& folder, synth::SitePlan plan, const SynthOptions& options,
+                           Monitor* monitor) {
+  const RegionFrames frames = region_frames(plan, options);  // options that cannot be leave no folder behind
   fs::create_directories(folder / "truth");
   const Crs crs{"EPSG:32633"};
   io::RasterStream photo = io::stream_photo(folder / "ortho.tif", crs, frames.photo, {.jpeg_quality = jpeg_quality}),
@@ -74,7 +76,7 @@ SynthSite make_region_site(const fs::path& folder, const SynthOptions& options, 
     true_dtm.write(tile.box_1m, tile.true_1m), dtm_1m.write(tile.box_1m, tile.dtm_1m);
     dtm_10m.write(tile.box_10m, tile.dtm_10m);
   };
-  SynthSite site = make_region(options, {write_picture, write_heights}, monitor);
+  SynthSite site = make_region(std::move(plan), options, {write_picture, write_heights}, monitor);
   for (io::RasterStream* stream : {&photo, &labels, &dtm_1m, &dtm_10m, &true_dtm}) stream->finish();
   return site;
 }
@@ -99,6 +101,7 @@ void write_vectors(const fs::path& folder, const SynthSite& site) {
   write_text_file(folder / "site.toml", site_toml(site));
 }
 
+/// With the size, tile by tile.
 SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, StageContext& context) {
   synth::TrackSources sources{
       .file = files.track.string(), .osm_file = files.track_osm.string(), .heights_file = files.track_heights.string()};
@@ -109,13 +112,22 @@ SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, 
   }
   if (!sources.heights_file.empty())
     sources.heights = synth::parse_heights(io::read_file(files.track_heights), sources.heights_file);
-  SynthSite site = make_site(synth::plan_from_track(sources, options.seed), options, context.monitor);
+  SynthSite site;
+  if (files.track_size_m > 0.0) {
+    site = make_region_site(files.folder, synth::plan_from_track(sources, options.seed, files.track_size_m), options,
+                            context.monitor);
+  } else {
+    site = make_site(synth::plan_from_track(sources, options.seed), options, context.monitor);
+    write_rasters(files.folder, site);
+  }
   site.attribution = {fmt::format("Road edges: {}, see its licence", files.track.filename().string())};
   if (!sources.osm_file.empty()) site.attribution.push_back("Roads: OpenStreetMap contributors, ODbL");
   if (!sources.heights_file.empty())
     site.attribution.push_back(fmt::format("Heights: {}, see its licence", files.track_heights.filename().string()));
   site.attribution.push_back("All else made up by orthodrive synth");
-  const synth::TrackErrors errors = synth::measure_track(sources.rows, site.roads);
+  RoadNetwork track = site.roads;
+  std::erase_if(track.paths, [&](const RoadPath& path) { return path.name != site.route_name; });
+  const synth::TrackErrors errors = synth::measure_track(sources.rows, track);
   context.info(
       fmt::format("lap {:.2f} m; given edges lie {:.3f} m (mean), {:.3f} m (p95), {:.3f} m (most) from the true "
                   "carriageway's",
@@ -125,13 +137,15 @@ SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, 
 }  // namespace
 
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
-  SynthOptions synth = options;
-  synth.threads = context.threads;
+  SynthOptions made = options;
+  made.threads = context.threads;
   SynthSite site;
-  if (files.track.empty() && preset == Preset::region) {
-    site = make_region_site(files.folder, synth, context.monitor);
+  if (!files.track.empty()) {
+    site = make_track_site(files, made, context);
+  } else if (preset == Preset::region) {
+    site = make_region_site(files.folder, synth::plan_region(made.size_m, made.seed), made, context.monitor);
   } else {
-    site = files.track.empty() ? make_preset(preset, synth, context.monitor) : make_track_site(files, synth, context);
+    site = make_preset(preset, made, context.monitor);
     write_rasters(files.folder, site);
   }
   write_vectors(files.folder, site);

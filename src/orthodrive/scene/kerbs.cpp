@@ -14,13 +14,27 @@ constexpr double max_piece_m = 5.0, chord_error_m = 0.01;
 constexpr double least_lift_m = 0.004;  // over the road where a ramp begins: both would flicker
 constexpr double below_m = 0.03;        // the foot of a face lies in the road
 constexpr double on_edge_m = 1e-6;
-constexpr LinearColor stone = {0.36F, 0.355F, 0.34F}, slabs = {0.27F, 0.265F, 0.255F};
+
+LinearColor color_of(KerbLook look) {
+  switch (look) {
+    case KerbLook::stone:
+      return {0.36F, 0.355F, 0.34F};
+    case KerbLook::red:
+      return {0.42F, 0.025F, 0.02F};
+    case KerbLook::white:
+      return {0.60F, 0.60F, 0.58F};
+    case KerbLook::slabs:
+      break;
+  }
+  return {0.27F, 0.265F, 0.255F};
+}
 
 /// A raised lane of one section, in s of the road.
 struct RaisedLane {
   const roadquery::Road& road;
   const roadquery::LaneSection& section;
   const roadquery::Lane& lane;
+  bool is_race() const { return lane.type == roadquery::LaneType::border; }
   double inner_t(double s) const {
     const bool left = lane.id > 0;
     double t = roadquery::evaluate(road.lane_offset, s);
@@ -44,9 +58,14 @@ struct RaisedLane {
   }
 };
 
+/// The blocks of a race track's kerb count from the start of its road.
+int block_at(double s) { return static_cast<int>(std::floor(s / race_block_m)); }
+
 /// Where pieces begin and end.
 std::vector<double> cuts_of(const RaisedLane& raised, double from, double to) {
   std::vector<double> cuts = {from, to};
+  for (int block = block_at(from) + 1; raised.is_race() && block <= block_at(to); ++block)
+    cuts.push_back(block * race_block_m);
   for (const roadquery::LaneHeight& height : raised.lane.heights) cuts.push_back(raised.section.s + height.s_offset);
   for (const roadquery::PlanElement& element : raised.road.plan) cuts.push_back(element.s);
   std::erase_if(cuts, [&](double s) { return s < from || s > to; });
@@ -67,21 +86,34 @@ std::vector<double> cuts_of(const RaisedLane& raised, double from, double to) {
   return all;
 }
 
+/// A part of the cross section from the carriageway outwards.
+struct Strip {
+  double from_m = 0.0, to_m = 0.0;
+  KerbLook look = KerbLook::slabs;
+  bool steps_inwards = false, steps_outwards = false;  ///< has a face on that side
+};
+
+std::vector<Strip> strips_of(const RaisedLane& raised) {
+  constexpr double whole_m = 1e6;
+  if (raised.is_race()) return {{0.0, whole_m, KerbLook::white, false, true}};
+  return {{0.0, kerb_stone_m, KerbLook::stone, true, false}, {kerb_stone_m, whole_m, KerbLook::slabs, false, true}};
+}
+
 void add_pieces(const RaisedLane& raised, double from, double to, std::vector<KerbPiece>& pieces) {
   const bool left = raised.lane.id > 0;
   const std::vector<double> cuts = cuts_of(raised, from, to);
-  constexpr double whole_m = 1e6;
-  for (const bool is_stone : {true, false}) {
-    const double from_m = is_stone ? 0.0 : kerb_stone_m, to_m = is_stone ? kerb_stone_m : whole_m;
+  for (const Strip& strip : strips_of(raised)) {
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       std::array<Vec2, 2> start, end;
       std::array<double, 2> low, high;
-      raised.cut(cuts[i], from_m, to_m, start, low);
-      raised.cut(cuts[i + 1], from_m, to_m, end, high);
-      KerbPiece piece{{start[0], end[0], end[1], start[1]}, {low[0], high[0], high[1], low[1]}, {}, is_stone};
+      raised.cut(cuts[i], strip.from_m, strip.to_m, start, low);
+      raised.cut(cuts[i + 1], strip.from_m, strip.to_m, end, high);
+      KerbPiece piece{{start[0], end[0], end[1], start[1]}, {low[0], high[0], high[1], low[1]}, {}, strip.look};
+      if (raised.is_race() && block_at(0.5 * (cuts[i] + cuts[i + 1])) % 2 == 0) piece.look = KerbLook::red;
       if (*std::ranges::max_element(piece.lift_m) <= 0.0) continue;
       if (cross(end[0] - start[0], start[1] - start[0]) <= 0.0) continue;  // folded, or without width
-      piece.is_border[is_stone == left ? 0 : 2] = true;
+      piece.is_border[0] = left ? strip.steps_inwards : strip.steps_outwards;
+      piece.is_border[2] = left ? strip.steps_outwards : strip.steps_inwards;
       piece.is_border[3] = i == 0, piece.is_border[1] = i + 2 == cuts.size();
       pieces.push_back(piece);
     }
@@ -168,7 +200,7 @@ void add_kerbs(const TriMesh& road, std::size_t first_index, std::span<const Ker
     const std::size_t first = kerbs.positions.size();
     builder.add_top(pieces[number], part);
     builder.add_faces(pieces[number], part);
-    const auto color = mesh_color(pieces[number].is_stone ? stone : slabs);
+    const auto color = mesh_color(color_of(pieces[number].look));
     kerbs.colors.insert(kerbs.colors.end(), kerbs.positions.size() - first, color);
   });
 }

@@ -12,10 +12,11 @@ using roadquery::Road;
 using roadquery::RoadObject;
 
 constexpr double largest_m = 100.0;
-constexpr double bar_m = 0.5, bar_gap_m = 0.5;                          // of a zebra
-constexpr double line_m = 0.12, line_stroke_m = 0.5, line_gap_m = 0.2;  // at traffic lights
-constexpr double block_m = 0.5, block_gap_m = 0.25;                     // of a give-way line
-constexpr double longest_bar_m = 2.0;                                   // in one piece: roads bend
+constexpr double bar_m = 0.5, bar_gap_m = 0.5;                             // of a zebra
+constexpr double line_m = 0.12, line_stroke_m = 0.5, line_gap_m = 0.2;     // at traffic lights
+constexpr double block_m = 0.5, block_gap_m = 0.25;                        // of a give-way line
+constexpr double longest_bar_m = 2.0;                                      // in one piece: roads bend
+constexpr double hatch_m = 0.5, hatch_gap_m = 1.0, hatch_border_m = 0.15;  // at right angles to the strokes
 
 /// A rectangle in s and t.
 struct Extent {
@@ -115,6 +116,79 @@ void add_arrow(const Road& road, const RoadObject& box, std::vector<MarkingPiece
   if (right) arrow.turn(branch, -1.0);
 }
 
+using Place = std::array<double, 2>;  ///< s and t
+
+Place between(const Place& a, const Place& b, double share) {
+  return {a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share};
+}
+
+/// The part of a convex polygon where f is not negative; f is linear.
+template <typename F>
+std::vector<Place> part_where(const std::vector<Place>& polygon, const F& f) {
+  std::vector<Place> part;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Place &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double fa = f(a), fb = f(b);
+    if (fa >= 0.0) part.push_back(a);
+    if ((fa > 0.0 && fb < 0.0) || (fa < 0.0 && fb > 0.0)) part.push_back(between(a, b, fa / (fa - fb)));
+  }
+  return part;
+}
+
+/// Two lines along the road and strokes of 45 degrees between them.
+class Hatching {
+ public:
+  Hatching(const Road& road, std::vector<MarkingPiece>& to) : road_(road), to_(to) {}
+
+  /// The outline's corners go along one side and back along the other.
+  void add(const std::vector<Place>& outline) {
+    const std::size_t count = outline.size();
+    for (std::size_t i = 0; i + 1 < count / 2; ++i) {
+      const Place &a = outline[i], &b = outline[i + 1], &c = outline[count - 2 - i], &d = outline[count - 1 - i];
+      add_line(a, b, c, d);
+      add_line(c, d, a, b);
+      add_strokes({a, b, c, d});
+    }
+  }
+
+ private:
+  using Quad = std::array<Place, 4>;
+
+  void add_quad(Quad quad) {
+    double twice_m2 = 0.0;
+    for (std::size_t i = 0; i < 4; ++i)
+      twice_m2 += quad[i][0] * quad[(i + 1) % 4][1] - quad[(i + 1) % 4][0] * quad[i][1];
+    constexpr double least_m2 = 1e-4;
+    if (std::abs(twice_m2) < 2.0 * least_m2) return;
+    if (twice_m2 < 0.0) std::ranges::reverse(quad);
+    add_piece(road_, quad, to_);
+  }
+  /// Beside a - b, inside a quadrangle a, b, c, d.
+  void add_line(const Place& a, const Place& b, const Place& c, const Place& d) {
+    const auto inwards = [](const Place& from, const Place& to) {
+      const double width = std::abs(to[1] - from[1]);
+      return between(from, to, width > 0.0 ? std::min(0.5, hatch_border_m / width) : 0.0);
+    };
+    add_quad({a, b, inwards(b, c), inwards(a, d)});
+  }
+  void add_strokes(const Quad& quad) {
+    const auto across = [](const Place& p) { return (p[0] + p[1]) / std::sqrt(2.0); };
+    const std::vector<Place> whole(quad.begin(), quad.end());
+    double low = across(quad[0]), high = low;
+    for (const Place& p : quad) low = std::min(low, across(p)), high = std::max(high, across(p));
+    constexpr double period_m = hatch_m + hatch_gap_m;
+    for (double from = std::floor(low / period_m) * period_m; from < high; from += period_m) {
+      std::vector<Place> part = part_where(whole, [&](const Place& p) { return across(p) - from; });
+      part = part_where(part, [&](const Place& p) { return from + hatch_m - across(p); });
+      for (std::size_t i = 1; i + 1 < part.size(); i += 2)
+        add_quad({part[0], part[i], part[i + 1], part[std::min(i + 2, part.size() - 1)]});
+    }
+  }
+
+  const Road& road_;
+  std::vector<MarkingPiece>& to_;
+};
+
 void add_crosswalk(const Road& road, const RoadObject& object, std::vector<MarkingPiece>& to) {
   const Extent e = extent_of(object);
   if (object.subtype == "zebra") add_strokes(road, e, bar_m, bar_gap_m, to);
@@ -136,6 +210,8 @@ std::vector<MarkingPiece> road_paint(const Road& road) {
       add_strokes(road, e, block_m, block_gap_m, pieces);
     else if (object.subtype == "signalLines")
       add_rectangle(road, e, pieces);
+    else if (object.subtype == "hatchedArea" && object.outline.size() >= 4 && object.outline.size() % 2 == 0)
+      Hatching(road, pieces).add(object.outline);
     else if (object.subtype.starts_with("arrow") && !object.subtype.starts_with("arrowMerge"))
       add_arrow(road, object, pieces);
   }

@@ -98,6 +98,10 @@ SceneWindow SceneWindows::window(const Box2& box) const {
     near.water.push_back(all.water[i]);
     window.water_levels.push_back(frame_->water_levels[i]);
   }
+  for (const Polygon& gravel : all.gravel)
+    if (reaches(gravel.outer, box)) near.gravel.push_back(gravel);
+  for (const Polygon& area : all.parking)
+    if (reaches(area.outer, box)) near.parking.push_back(area);
   for (const Polyline& track : all.tracks)
     if (reaches(track, box)) near.tracks.push_back(track);
   for (const Vec2 lamp : all.lamps)

@@ -57,16 +57,20 @@ std::map<std::string, std::string> road_tags(const PlannedRoad& road, bool bridg
 
 std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
   std::vector<PlannedWay> ways;
+  std::int64_t last_node = 0, next_way = first_way_id;
   if (plan.osm) {
+    for (const OsmNode& node : plan.osm->data.nodes) last_node = std::max(last_node, node.id);
+    for (const OsmWay& way : plan.osm->data.ways) next_way = std::max(next_way, way.id + 1);
     for (const GivenOsm::Way& given : plan.osm->ways)
       ways.push_back({.osm_id = given.osm_id,
                       .s_begin_m = given.s_begin_m,
                       .s_end_m = given.s_end_m,
+                      .given = true,
                       .stops = {{given.s_begin_m, given.first_node}, {given.s_end_m, given.last_node}}});
-    return ways;
   }
-  std::int64_t next_node = static_cast<std::int64_t>(plan.junctions.size()) + 1;  // junction j has node j + 1
-  for (std::size_t r = 0; r < plan.roads.size(); ++r) {
+  // Junction j has the node j + 1 after the given ones.
+  std::int64_t next_node = last_node + static_cast<std::int64_t>(plan.junctions.size()) + 1;
+  for (std::size_t r = plan.osm ? 1 : 0; r < plan.roads.size(); ++r) {
     const PlannedRoad& road = plan.roads[r];
     std::vector<double> cuts{0.0, road.alignment.length_m};
     for (const PlannedBridge& b : plan.bridges)
@@ -74,7 +78,7 @@ std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
     std::sort(cuts.begin(), cuts.end());
     std::int64_t cut_node = 0;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      PlannedWay way{.osm_id = first_way_id + static_cast<std::int64_t>(ways.size()),
+      PlannedWay way{.osm_id = next_way++,
                      .road = r,
                      .s_begin_m = cuts[i],
                      .s_end_m = cuts[i + 1],
@@ -82,7 +86,7 @@ std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
       for (std::size_t j = 0; j < plan.junctions.size(); ++j)
         for (const PlannedJunction::Arm& arm : plan.junctions[j].arms)
           if (arm.road == r && arm.s_m >= way.s_begin_m - 1e-6 && arm.s_m <= way.s_end_m + 1e-6)
-            way.stops.push_back({arm.s_m, static_cast<std::int64_t>(j) + 1});
+            way.stops.push_back({arm.s_m, last_node + static_cast<std::int64_t>(j) + 1});
       std::sort(way.stops.begin(), way.stops.end(), [](const auto& a, const auto& b) { return a.s_m < b.s_m; });
       if (way.stops.empty() || way.stops.front().s_m > way.s_begin_m + 1e-6)
         way.stops.insert(way.stops.begin(), {way.s_begin_m, cut_node != 0 ? cut_node : next_node++});
@@ -106,7 +110,15 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
   for (const PlannedWay& way : ways)
     for (const PlannedWay::Stop& stop : way.stops) next_node = std::max(next_node, stop.osm_node + 1);
   OsmData osm;
+  if (plan.osm) {
+    osm.ways = plan.osm->data.ways;
+    for (const OsmNode& node : plan.osm->data.nodes) {
+      nodes.emplace(node.id, node.p);
+      next_node = std::max(next_node, node.id + 1);
+    }
+  }
   for (const PlannedWay& planned : ways) {
+    if (planned.given) continue;
     const Alignment& alignment = plan.roads[planned.road].alignment;
     OsmWay way{.id = planned.osm_id, .tags = road_tags(plan.roads[planned.road], planned.bridge, random)};
     const auto put = [&](std::int64_t id, double s) {
@@ -131,7 +143,8 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
     osm.ways.push_back(std::move(way));
   }
 
-  std::int64_t next_area = std::max(first_area_id, first_way_id + static_cast<std::int64_t>(ways.size()));
+  std::int64_t next_area = first_area_id;
+  for (const OsmWay& way : osm.ways) next_area = std::max(next_area, way.id + 1);
   const auto add_area = [&](const Ring& ring, std::map<std::string, std::string> tags) {
     OsmWay way{.id = next_area++, .tags = std::move(tags)};
     for (const Vec2 p : ring) {
@@ -146,6 +159,7 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
     if (area.cover == Cover::water) add_area(area.polygon.outer, {{"natural", "water"}});
     if (area.cover == Cover::forest_floor) add_area(area.polygon.outer, {{"landuse", "forest"}});
     if (area.cover == Cover::parking) add_area(area.polygon.outer, {{"amenity", "parking"}});
+    if (area.cover == Cover::gravel_trap) add_area(area.polygon.outer, {{"natural", "shingle"}, {"surface", "gravel"}});
   }
   for (const House& house : objects.houses) add_area(outline(house), {{"building", "yes"}});
   for (const auto& [id, p] : nodes) osm.nodes.push_back({id, p});

@@ -16,6 +16,7 @@ struct PlannedWay {
   std::size_t road = 0;
   double s_begin_m = 0.0, s_end_m = 0.0;
   bool bridge = false;
+  bool given = false;  ///< its OSM way is there
   struct Stop {
     double s_m = 0.0;
     std::int64_t osm_node = 0;
@@ -28,9 +29,9 @@ struct DisturbOptions {
   double offset_min_m = 0.0, offset_max_m = 0.0;
   std::uint64_t seed = 0;
 };
-/// OSM of the site in local metres: nodes moved by a smooth field (correlated over about 100 m) and set 15 - 40 m
-/// apart (closer in bends), few width and lanes tags; junctions shared. Buildings and areas are moved by a third of
-/// that.
+/// OSM of the site in local metres, given ways as they are. Of the others nodes are moved by a smooth field (correlated
+/// over about 100 m) and set 15 - 40 m apart (closer in bends), few width and lanes tags; junctions shared. Buildings
+/// and areas are moved by a third of that. Ways come in the order of `ways`.
 [[nodiscard]] OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, const SiteObjects& objects,
                                   const DisturbOptions& options);
 

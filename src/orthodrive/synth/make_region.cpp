@@ -15,7 +15,6 @@
 #include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/paint_ortho.hpp"
 #include "orthodrive/synth/plan_index.hpp"
-#include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/true_surfaces.hpp"
 
 namespace orthodrive {
@@ -82,7 +81,7 @@ class ObjectCells {
       if (!box_of(number).grown(object_reach_m).overlaps(window)) continue;
       for (const Area& area : cell.areas)
         if (bounds_of(area.polygon.outer).overlaps(window)) all.areas.push_back(area);
-      const Box2 reach = window.grown(20.0);
+      const Box2 reach = window.grown(object_reach_m);
       for (const House& house : cell.houses)
         if (reach.contains(house.center)) all.houses.push_back(house);
       for (const Tree& tree : cell.trees)
@@ -222,7 +221,7 @@ void stream_heights(const Region& region, const RegionSink& sink) {
 /// Also counts what is seen of the carriageways.
 void stream_pictures(const Region& region, ObjectCells& cells, std::vector<SynthSurface>& surfaces,
                      const RegionSink& sink, const std::function<void(double)>& report) {
-  const GridFrame site_frame = region_frames(region.options).photo;
+  const GridFrame site_frame = region_frames(region.plan, region.options).photo;
   std::vector<SeenPixels> seen(surfaces.size());
   std::vector<Box2> boxes;
   for (const SynthSurface& surface : surfaces) boxes.push_back(bounds_of(surface.polygon.outer));
@@ -248,12 +247,12 @@ void stream_pictures(const Region& region, ObjectCells& cells, std::vector<Synth
 
 }  // namespace
 
-RegionFrames region_frames(const SynthOptions& options) {
+RegionFrames region_frames(const SitePlan& plan, const SynthOptions& options) {
   check_synth_options(options);
   if (options.tile_px < 16 || options.tile_px > 8192)
     throw OptionError(fmt::format("tile_px is {}, need 16 to 8192", options.tile_px));
-  const Vec2 corner = SitePlan{}.world_from_local;
-  const double size = options.size_m;
+  const Vec2 corner = plan.world_from_local;
+  const double size = plan.size_m;
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));
   const int earth_px = static_cast<int>(size + 2.0 * dtm_margin_m);
   const double west = corner.x - dtm_margin_m, north = corner.y + size + dtm_margin_m;
@@ -262,12 +261,11 @@ RegionFrames region_frames(const SynthOptions& options) {
           {west, north, 1.0 * coarse_cell, earth_px / coarse_cell, earth_px / coarse_cell}};
 }
 
-SynthSite make_region(const SynthOptions& options, const RegionSink& sink, Monitor* monitor) {
-  const RegionFrames frames = region_frames(options);
+SynthSite make_region(SitePlan plan, const SynthOptions& options, const RegionSink& sink, Monitor* monitor) {
+  const RegionFrames frames = region_frames(plan, options);
   const auto report = [&](double fraction) {
     if (monitor) monitor->progress(fraction, "synth");
   };
-  SitePlan plan = plan_region(options.size_m, options.seed);
   Terrain terrain = make_terrain(plan, options.seed);
   PlanIndex index(plan);
   const auto local = [&](GridFrame frame) {
@@ -279,11 +277,13 @@ SynthSite make_region(const SynthOptions& options, const RegionSink& sink, Monit
   report(0.05);
 
   SynthSite site;
-  site.name = fmt::format("{} {}", region.plan.name, options.seed);
+  site.name = site_name(region.plan, options.seed);
   site.crs = {"EPSG:32633"};
   site.bounds = {region.plan.world_from_local.x, region.plan.world_from_local.y,
-                 region.plan.world_from_local.x + options.size_m, region.plan.world_from_local.y + options.size_m};
-  site.route_name = region.plan.route, site.route_closed = false;
+                 region.plan.world_from_local.x + region.plan.size_m,
+                 region.plan.world_from_local.y + region.plan.size_m};
+  site.route_closed = region.plan.circuit.has_value();
+  site.route_name = site.route_closed ? region.plan.roads[*region.plan.circuit].name : region.plan.route;
   const std::vector<PlannedWay> ways = plan_ways(region.plan);
   const DisturbOptions disturb{options.osm_offset_min_m, options.osm_offset_max_m, options.seed};
   // The truth knows how far OSM's lines lie from it; buildings follow when all cells have theirs.

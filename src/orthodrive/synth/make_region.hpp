@@ -1,20 +1,21 @@
 #pragma once
-// A synthetic region of many square kilometres, made tile by tile: what grows with its area is the plan, not the
-// rasters. docs/synth.md describes what is in it.
+// A synthetic site of many square kilometres, made tile by tile: what grows with its area is the plan, not the
+// rasters. docs/synth_region.md describes how.
 
 #include <functional>
 
 #include "orthodrive/geo/pixel_box.hpp"
 #include "orthodrive/synth/make_site.hpp"
+#include "orthodrive/synth/site_plan.hpp"
 
 namespace orthodrive {
 
-/// Grids of a region's rasters, site CRS.
+/// Grids of the site's rasters, site CRS.
 struct RegionFrames {
   GridFrame photo, dtm_1m, dtm_10m;
 };
 /// Throws OptionError.
-[[nodiscard]] RegionFrames region_frames(const SynthOptions& options);
+[[nodiscard]] RegionFrames region_frames(const synth::SitePlan& plan, const SynthOptions& options);
 
 /// A window of the photo and the labels.
 struct RegionPicture {
@@ -32,8 +33,10 @@ struct RegionSink {
   std::function<void(const RegionHeights&)> heights;
 };
 
-/// Everything but the rasters, which go to the sink; theirs are empty here. Same options, same bytes, for any tile_px
-/// and any number of threads. Throws OptionError.
-[[nodiscard]] SynthSite make_region(const SynthOptions& options, const RegionSink& sink, Monitor* monitor = nullptr);
+/// Everything but the rasters, which go to the sink; theirs are empty here. The plan (its size, not the options') has
+/// the surroundings of a region. Same plan and options, same bytes, for any tile_px and any number of threads. Throws
+/// OptionError.
+[[nodiscard]] SynthSite make_region(synth::SitePlan plan, const SynthOptions& options, const RegionSink& sink,
+                                    Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

@@ -51,7 +51,7 @@ SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* 
     if (monitor) monitor->progress(fraction, "synth");
   };
   SynthSite site;
-  site.name = plan.osm ? plan.name : fmt::format("{} {}", plan.name, options.seed);
+  site.name = site_name(plan, options.seed);
   site.crs = {"EPSG:32633"};
   const double size = plan.size_m;
   const Vec2 world_from_local = plan.world_from_local;
@@ -85,9 +85,7 @@ SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* 
   site.dtm_10m = noisy_dtm(site.true_dtm, 10, options.dtm_10m_sigma_m, derive_seed(options.seed, 9));
 
   const std::vector<PlannedWay> ways = plan_ways(plan);
-  site.osm = plan.osm
-                 ? plan.osm->data
-                 : disturb_osm(plan, ways, objects, {options.osm_offset_min_m, options.osm_offset_max_m, options.seed});
+  site.osm = disturb_osm(plan, ways, objects, {options.osm_offset_min_m, options.osm_offset_max_m, options.seed});
   site.roads = true_roads(plan, terrain, ways, site.osm);
   for (OsmNode& node : site.osm.nodes) node.p = node.p + world_from_local;
   for (RoadPath& path : site.roads.paths)

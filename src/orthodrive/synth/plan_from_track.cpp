@@ -10,13 +10,15 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/synth/plan_country.hpp"
 #include "orthodrive/synth/trackside.hpp"
 
 namespace orthodrive::synth {
 namespace {
-constexpr double margin_m = 120.0;    // of the site round the track
-constexpr double largest_m = 4000.0;  // site, as for the presets
-constexpr double osm_reach_m = 25.0;  // OSM is right to a few metres; the next road is farther away
+constexpr double margin_m = 120.0;             // of the site round the track
+constexpr double largest_m = 4000.0;           // site, as for the presets
+constexpr double largest_country_m = 10000.0;  // heights take a time that grows with the area
+constexpr double osm_reach_m = 25.0;           // OSM is right to a few metres; the next road is farther away
 
 Polyline closed_line(const std::vector<TrackRow>& rows) {
   Polyline line;
@@ -174,7 +176,7 @@ TrackErrors measure_track(const std::vector<TrackRow>& rows, const RoadNetwork& 
   return errors;
 }
 
-SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed) {
+SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed, double size_m) {
   std::vector<TrackRow> rows = sources.rows;
   SitePlan plan{.name = "Track", .circuit = 0, .surroundings = Surroundings::country, .relief = 0.6};
   plan.round_corners_by_angle = true;
@@ -183,6 +185,14 @@ SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed) {
   if (plan.size_m > largest_m)
     throw InputError(sources.file, fmt::format("the track needs a site of {:.0f} m, at most {:.0f} m is painted",
                                                plan.size_m, largest_m));
+  if (size_m > 0.0) {
+    const double least_m = plan.size_m - 2.0 * margin_m + 2.0 * country_reach_m;
+    if (!(size_m >= least_m && size_m <= largest_country_m) || std::fmod(size_m, 10.0) != 0.0)
+      throw OptionError(
+          fmt::format("size is {} m, need a multiple of 10 m between {:.0f} and {:.0f} for the track of {}", size_m,
+                      least_m, largest_country_m, sources.file));
+    plan.size_m = size_m;
+  }
   const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
   plan.world_from_local = {10.0 * std::round((middle.x - 0.5 * plan.size_m) / 10.0),
                            10.0 * std::round((middle.y - 0.5 * plan.size_m) / 10.0)};
@@ -219,6 +229,7 @@ SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed) {
   add_verges(plan, 0, 16.0);
   add_run_off(plan, 0, random);
   add_stands(plan, 0, 6, random);
+  if (size_m > 0.0) add_country(plan, seed);
   return plan;
 }
 

@@ -24,8 +24,10 @@ struct TrackSources {
 /// The carriageway lies exactly between the given edges: road 0 is a cubic spline through the middles of both edges,
 /// its width a cubic spline over its length. Drivable OSM ways within 25 m of the track must close to one loop; they
 /// are kept as they are (others are left out), the truth has their ids and direction. Verges, run-off areas, stands
-/// and woods are made up by seed. Throws InputError naming the file.
-[[nodiscard]] SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed);
+/// and woods are made up by seed. `size_m` 0: a site as large as the track and 120 m round it. Else that large, with
+/// the country of plan_country.hpp round the track, for make_region(). Throws InputError naming the file; OptionError
+/// for a size too small or large.
+[[nodiscard]] SitePlan plan_from_track(const TrackSources& sources, std::uint64_t seed, double size_m = 0.0);
 
 /// The given edges, a point a row, in the CRS of the rows: across the periodic cubic spline through them.
 struct TrackEdges {

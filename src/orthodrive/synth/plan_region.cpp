@@ -8,6 +8,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/synth/countryside.hpp"
 #include "orthodrive/synth/interchange.hpp"
 #include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
@@ -301,8 +302,7 @@ class RegionPlanner {
              Cover::parking, true);
   }
   void add_area(Ring ring, Cover cover, bool mapped) {
-    const auto id = static_cast<std::int32_t>(planner_.plan_.areas.size());
-    planner_.plan_.areas.push_back({{std::move(ring), {}}, cover, mapped, id});
+    synth::add_area(planner_.plan_, std::move(ring), cover, mapped);
   }
 
   void add_outline(Vec2 center, const Extent& extent) {
@@ -380,78 +380,20 @@ class RegionPlanner {
       if (!site.grown(-40.0).contains(yard)) continue;
       add("service", "",
           {{q.p, 0.0}, {q.p + outward * (0.5 * length_m) + along * random_.uniform(-5.0, 5.0), 40.0}, {yard, 0.0}});
-      add_farm(yard, outward);
-    }
-  }
-
-  /// A house and a barn behind the yard.
-  void add_farm(Vec2 yard, Vec2 outward) {
-    const double heading = std::atan2(outward.y, outward.x);
-    const Vec2 across = left_normal(outward);
-    constexpr Rgb red{0.58f, 0.33f, 0.26f}, grey{0.42f, 0.40f, 0.38f};
-    for (const double side : {-1.0, 1.0}) {
-      House house{yard + outward * 9.0 + across * (side * 16.0),
-                  heading,
-                  random_.uniform(9.0, 14.0),
-                  random_.uniform(5.0, 7.5),
-                  random_.uniform(4.0, 6.0),
-                  0.6,
-                  RoofShape::gable,
-                  side < 0.0 ? red : grey};
-      house.id = static_cast<std::int32_t>(planner_.plan_.buildings.size());
-      planner_.plan_.buildings.push_back(house);
+      add_farm(planner_.plan_, yard, outward, random_);
     }
   }
 
   /// Verges, a wall in the median, grass in the rings; woods and lakes where they fit.
   void lay_out_ground() {
     SitePlan& plan = planner_.plan_;
-    place_woods_and_lakes();
+    add_lakes_and_woods(plan, count_ * count_, {}, random_);
     for (const Slip& slip : slips_) add_verges(plan, slip.road, 10.0);
     for (const std::size_t road : motorway_.roads) add_verges(plan, road, 18.0);
     for (const Vec2 ring : rings_at_) add_area(sample(circle(ring, ring_radius_m), 2.0), Cover::meadow, false);
     const Alignment axis = round_corners(motorway_.axis, false);
     for (double s = 0.0; s < axis.length_m; s += 100.0)
       add_area(strip_along(axis, s, std::min(s + 100.0, axis.length_m), -0.3, 0.3), Cover::paved, false);
-  }
-
-  void place_woods_and_lakes() {
-    std::vector<Polyline> lines;
-    for (const PlannedRoad& road : planner_.plan_.roads) lines.push_back(sample(road.alignment, 20.0));
-    const SegmentIndex index(lines);
-    const int squares = count_ * count_;
-    std::vector<std::pair<Vec2, double>> taken;
-    const auto room_m = [&](Vec2 p, double most_m) {
-      double room = most_m;
-      for (const SegmentIndex::Segment& s : index.near(p, most_m))
-        room = std::min(room, project_onto(std::span(lines[s.line]).subspan(s.index, 2), p).distance_m);
-      for (const auto& [center, radius] : taken) room = std::min(room, distance(center, p) - radius);
-      return room;
-    };
-    const auto anywhere = [&] { return Vec2{random_.uniform(0.0, size_m_), random_.uniform(0.0, size_m_)}; };
-    for (int k = 0; k < squares; ++k)  // lakes keep off roads and farms
-      for (int attempt = 0; attempt < 12; ++attempt) {
-        const Vec2 p = anywhere();
-        const double radius_m = (room_m(p, 230.0) - 30.0) / 1.75;
-        if (radius_m < 40.0) continue;
-        add_area(blob(random_, p, 1.25 * radius_m), Cover::meadow, false);
-        add_area(blob(random_, p, radius_m), Cover::water, true);
-        taken.emplace_back(p, 1.75 * radius_m);
-        break;
-      }
-    for (int k = 0; k < 4 * squares; ++k) {  // woods keep off settlements and lakes
-      const Vec2 p = anywhere();
-      const double radius_m = random_.uniform(70.0, 240.0);
-      const Ring ring = blob(random_, p, radius_m);
-      const bool free =
-          std::none_of(taken.begin(), taken.end(),
-                       [&](const auto& lake) { return distance(lake.first, p) < lake.second + 1.4 * radius_m; }) &&
-          std::none_of(planner_.plan_.settlements.begin(), planner_.plan_.settlements.end(), [&](const Settlement& s) {
-            return contains(s.outline, p) ||
-                   std::any_of(ring.begin(), ring.end(), [&](Vec2 q) { return contains(s.outline, q); });
-          });
-      if (free) add_area(ring, Cover::forest_floor, true);
-    }
   }
 
   Planner planner_;

@@ -1,5 +1,7 @@
 #include "orthodrive/synth/site_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -76,6 +78,10 @@ void find_junctions(SitePlan& plan, const BridgeRule& rule) {
              .under = {{under, s_under, s_over}}});
       }
     }
+}
+
+std::string site_name(const SitePlan& plan, std::uint64_t seed) {
+  return plan.osm ? plan.name : fmt::format("{} {}", plan.name, seed);
 }
 
 int surface_priority(const SitePlan& plan, std::size_t road) {

@@ -107,7 +107,7 @@ struct Settlement {
   bool town = false;
 };
 
-/// Ways that were given, not made: OSM as it is, with the stretch of a road that each way is.
+/// Ways that were given, not made: OSM as it is, with the stretch of road 0 that each way is. Sorted by their ids.
 struct GivenOsm {
   struct Way {
     std::int64_t osm_id = 0;
@@ -136,8 +136,11 @@ struct SitePlan {
   bool round_corners_by_angle = false;  ///< else all corners alike: right where roads meet at 45 degrees and more
   Vec2 world_from_local{460000.0, 5270000.0};  ///< near Salzburg. A multiple of 10 m, so that all grids share corners
   std::vector<Vec3> heights;                   ///< surveyed ground; empty: hills are made up
-  std::optional<GivenOsm> osm;                 ///< else OSM is the plan, disturbed
+  std::optional<GivenOsm> osm;                 ///< of road 0; else, and for other roads, OSM is the plan, disturbed
 };
+
+/// With the seed where all is made up.
+[[nodiscard]] std::string site_name(const SitePlan& plan, std::uint64_t seed);
 
 /// Of the crossing roads a and b (indices): the one that is on a bridge, if any.
 using BridgeRule = std::function<std::optional<std::size_t>(std::size_t a, std::size_t b)>;

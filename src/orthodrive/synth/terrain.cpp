@@ -248,12 +248,34 @@ std::vector<Profile> solve_profiles(const SitePlan& plan, const Hills& hills) {
   return profiles;
 }
 
-double steepest(const std::vector<Profile>& profiles) {
+/// Of all roads but one.
+double steepest(const std::vector<Profile>& profiles, std::optional<std::size_t> but = {}) {
   double steepest = 0.0;
-  for (const Profile& profile : profiles)
-    for (double s = 0.0; s <= profile.spline.knots.back(); s += 2.0)
-      steepest = std::max(steepest, std::abs(profile.gradient(s)));
+  for (std::size_t r = 0; r < profiles.size(); ++r)
+    for (double s = 0.0; r != but && s <= profiles[r].spline.knots.back(); s += 2.0)
+      steepest = std::max(steepest, std::abs(profiles[r].gradient(s)));
   return steepest;
+}
+
+/// The surveyed ground as it is within 250 m of the survey. From 900 m on its slope goes over into level land, at most
+/// 110 m higher or lower, with the hills.
+HeightField with_hills_around(HeightField field, const std::vector<Vec3>& surveyed, const Hills& hills) {
+  constexpr double none_m = 250.0, whole_m = 900.0, rise_m = 110.0;
+  double mean_m = 0.0;
+  for (const Vec3& q : surveyed) mean_m += q.z / static_cast<double>(surveyed.size());
+  for (int row = 0; row < field.frame.height; ++row)
+    for (int col = 0; col < field.frame.width; ++col) {
+      const Vec2 p = field.frame.center_of(col, row);
+      double nearest_m = whole_m;
+      for (const Vec3& q : surveyed) nearest_m = std::min(nearest_m, distance(p, {q.x, q.y}));
+      const double share =
+          smoothstep(static_cast<float>(none_m), static_cast<float>(whole_m), static_cast<float>(nearest_m));
+      double& z = field.height_m[static_cast<std::size_t>(row) * static_cast<std::size_t>(field.frame.width) +
+                                 static_cast<std::size_t>(col)];
+      const double far = mean_m + rise_m * std::tanh((z - mean_m) / rise_m) + hills.height_m(p) - hills.base_m;
+      z += share * (far - z);
+    }
+  return field;
 }
 
 }  // namespace
@@ -270,8 +292,15 @@ Terrain make_terrain(const SitePlan& plan, std::uint64_t seed) {
   Terrain terrain{make_hills(plan.size_m, plan.relief, random), {}};
   if (!plan.heights.empty()) {
     constexpr double margin_m = 100.0;  // the terrain models reach beyond the site
-    terrain.hills.surveyed = fit_heights(plan.heights, Box2{0.0, 0.0, plan.size_m, plan.size_m}.grown(margin_m));
-    terrain.profiles = solve_profiles(plan, terrain.hills);
+    const HeightField field = fit_heights(plan.heights, Box2{0.0, 0.0, plan.size_m, plan.size_m}.grown(margin_m));
+    const bool has_country = plan.surroundings == Surroundings::region;
+    for (int attempt = 0; attempt < (has_country ? 12 : 1); ++attempt) {
+      Hills around{terrain.hills.base_m, terrain.hills.waves, {}};
+      terrain.hills.surveyed = has_country ? with_hills_around(field, plan.heights, around) : field;
+      terrain.profiles = solve_profiles(plan, terrain.hills);
+      if (steepest(terrain.profiles, plan.circuit) <= max_gradient) break;
+      for (Hills::Wave& wave : terrain.hills.waves) wave.amplitude_m *= 0.85;
+    }
     return terrain;
   }
   for (int attempt = 0; attempt < 12; ++attempt) {

@@ -40,7 +40,8 @@ constexpr double bridge_rise_m = 6.2;
 constexpr double max_gradient = 0.10;
 
 /// Hills with a relief of 20 - 60 m (less for sites below 1 km and for plans that say so), lowered until every road
-/// stays below max_gradient; or the ground of the plan's surveyed heights as it is.
+/// stays below max_gradient; or the ground of the plan's surveyed heights as it is, in a region with level land and
+/// such hills from 250 m beside it on (the circuit may be as steep as it is).
 [[nodiscard]] Terrain make_terrain(const SitePlan& plan, std::uint64_t seed);
 
 /// Superelevation from curvature, rad, positive = left side higher.

@@ -91,12 +91,12 @@ void add_run_off(SitePlan& plan, std::size_t road_index, Random& random) {
     const double width_m = random.uniform(10.0, 22.0);
     const bool apron = random.uniform() < 0.4;
     if (!apron) {
-      plan.areas.push_back({{run_off(road, bend, {4.0, 0.0, width_m}), {}}, Cover::gravel_trap, false});
+      plan.areas.push_back({{run_off(road, bend, {4.0, 0.0, width_m}), {}}, Cover::gravel_trap, true});
       continue;
     }
     // The apron begins under the kerb; gravel follows where it ends.
     plan.areas.push_back({{run_off(road, bend, {-1.0, 0.0, 0.55 * width_m + 1.0}), {}}, Cover::paved, false});
-    plan.areas.push_back({{run_off(road, bend, {-1.0, 0.55 * width_m + 1.0, width_m}), {}}, Cover::gravel_trap, false});
+    plan.areas.push_back({{run_off(road, bend, {-1.0, 0.55 * width_m + 1.0, width_m}), {}}, Cover::gravel_trap, true});
   }
 }
 

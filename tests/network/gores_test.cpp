@@ -1,0 +1,117 @@
+// Gores between a main road and a slip road drawn by hand.
+
+#include "orthodrive/network/gores.hpp"
+
+#include <gtest/gtest.h>
+
+#include "network_support.hpp"
+#include "roadquery/road_query.hpp"
+
+namespace orthodrive {
+namespace {
+
+using namespace orthodrive::testing;
+using network::gore_mark;
+using roadquery::Road;
+using roadquery::RoadObject;
+
+struct Slip {
+  bool merges = false;      ///< else it leaves
+  double angle_rad = 0.09;  ///< 5 degrees
+  std::string main = "motorway", slip = "motorway_link";
+  double climb = 0.0;  ///< of the slip road against the main road, m a metre
+};
+
+/// A main road of 12 m along x; at x = 0 a slip road of 6 m leaves to the right, or comes from there.
+RoadNetwork fork(const Slip& of) {
+  const PathOptions main{.osm_id = 1, .highway = of.main, .width_m = 12.0, .oneway = Oneway::forward};
+  PathOptions after = main, slip = main;
+  after.osm_id = 2, slip.osm_id = 3, slip.highway = of.slip, slip.width_m = 6.0;
+  slip.height = [climb = of.climb](Vec2 p) { return climb * std::max(0.0, std::abs(p.y) - 9.0) / 0.09; };
+  const double sign = of.merges ? -1.0 : 1.0;
+  const Vec2 end{sign * 400.0, -400.0 * std::tan(of.angle_rad)};
+  std::vector<RoadPath> paths = {make_path({{-400, 0}, {0, 0}}, {1, 9}, main),
+                                 make_path({{0, 0}, {400, 0}}, {9, 2}, after)};
+  paths.push_back(of.merges ? make_path({end, {0, 0}}, {3, 9}, slip) : make_path({{0, 0}, end}, {9, 3}, slip));
+  return network_of(std::move(paths));
+}
+
+struct Gore {
+  const Road* road = nullptr;
+  const RoadObject* mark = nullptr;
+};
+std::vector<Gore> gores_of(const roadquery::RoadMap& map) {
+  std::vector<Gore> gores;
+  for (const Road& road : map.roads)
+    for (const RoadObject& object : road.objects)
+      if (object.name == gore_mark) gores.push_back({&road, &object});
+  return gores;
+}
+
+TEST(Gores, lie_between_the_edges_that_part) {
+  for (const bool merges : {false, true}) {
+    const roadquery::RoadMap map = build_network(fork({.merges = merges})).map;
+    const auto gores = gores_of(map);
+    ASSERT_EQ(gores.size(), 1u) << merges;
+    const auto& [road, mark] = gores[0];
+    EXPECT_EQ(road->osm_id, "3");
+    EXPECT_EQ(mark->subtype, "hatchedArea");
+    EXPECT_GT(mark->length, 20.0);
+    EXPECT_LE(mark->length, network::longest_gore_m);
+    ASSERT_EQ(mark->outline.size() % 2, 0u);
+    double widest = 0.0;
+    for (std::size_t i = 0; i < mark->outline.size(); ++i) {
+      const auto p = roadquery::surface_point(*road, mark->outline[i][0], mark->outline[i][1]);
+      const double x = (p.x - site_origin.x) * (merges ? -1.0 : 1.0), y = p.y - site_origin.y;
+      if (i < mark->outline.size() / 2)  // 3 m beside the slip road's line
+        EXPECT_NEAR(std::cos(0.09) * y + std::sin(0.09) * x, 3.0, 0.25) << x;
+      else
+        EXPECT_NEAR(y, -6.0, 0.1) << "along the main road's edge";
+      if (i >= mark->outline.size() / 2) continue;
+      widest = std::max(widest, -6.0 - y);
+    }
+    EXPECT_NEAR(widest, network::widest_gore_m, 0.2);
+  }
+}
+
+TEST(Gores, are_paved_and_even) {
+  const roadquery::RoadMap map = build_network(fork({})).map;
+  const auto gores = gores_of(map);
+  ASSERT_EQ(gores.size(), 1u);
+  const auto& [road, mark] = gores[0];
+  const roadquery::RoadQuery query(map);
+  roadquery::Cursor cursor;
+  const std::size_t n = mark->outline.size();
+  int asked = 0;
+  for (std::size_t i = 0; i < n / 2; ++i)
+    for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+      const double t = mark->outline[i][1] + share * (mark->outline[n - 1 - i][1] - mark->outline[i][1]);
+      const auto p = roadquery::surface_point(*road, mark->outline[i][0], t);
+      const auto hit = query.find(p.x, p.y, 0.0, cursor);
+      ASSERT_TRUE(hit) << "no road at " << p.x - site_origin.x << ' ' << p.y - site_origin.y;
+      EXPECT_NEAR(hit->z, 0.0, 0.01);
+      ++asked;
+    }
+  EXPECT_GT(asked, 20);
+}
+
+TEST(Gores, none_at_wide_forks_on_small_roads_and_where_heights_part) {
+  EXPECT_TRUE(gores_of(build_network(fork({.angle_rad = 0.7})).map).empty());
+  EXPECT_TRUE(gores_of(build_network(fork({.main = "residential", .slip = "residential"})).map).empty());
+  EXPECT_TRUE(gores_of(build_network(fork({.climb = 0.5})).map).empty());
+  RoadNetwork two_way = fork({});
+  two_way.paths[2].oneway = Oneway::no;
+  EXPECT_TRUE(gores_of(build_network(two_way).map).empty());
+}
+
+TEST(Gores, both_roads_have_a_lane_where_nobody_drives) {
+  const roadquery::RoadMap map = build_network(fork({})).map;
+  int lanes = 0;
+  for (const Road& road : map.roads)
+    for (const auto* side : {&road.sections[0].left, &road.sections[0].right})
+      for (const roadquery::Lane& lane : *side) lanes += lane.type == roadquery::LaneType::other ? 1 : 0;
+  EXPECT_EQ(lanes, 2);
+}
+
+}  // namespace
+}  // namespace orthodrive
