@@ -72,7 +72,9 @@ TEST(RaceKerbs, rise_to_their_outer_border_and_the_query_feels_them) {
     const auto hit = query.find(p.x, p.y, p.z, cursor);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->z, race_kerb_rise_m * share, 1e-3) << share;
-    if (share > 0.0) EXPECT_EQ(hit->surface, SurfaceClass::concrete);
+    if (share > 0.0) {
+      EXPECT_EQ(hit->surface, SurfaceClass::concrete);
+    }
   }
 }
 
