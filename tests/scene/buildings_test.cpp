@@ -328,6 +328,7 @@ TEST(Buildings, eaves_stand_out_but_not_over_roads_and_neighbours) {
     west = std::min(west, world(tile, p).x - west_m), south = std::min(south, world(tile, p).y - south_m);
   EXPECT_NEAR(west, 99.6, 1e-3);
   EXPECT_NEAR(south, 94.47, 1e-3) << "a door";
+  expect_shells(*layout);
 }
 
 // ---- parts
