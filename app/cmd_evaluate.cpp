@@ -18,6 +18,7 @@ struct EvaluateCommand {
   LabelScoreOptions label_options;
   RoadScoreOptions road_options;
   NetworkScoreOptions network_options;
+  SceneScoreOptions scene_options;
   bool strict = false;
   bool json = false;
 };
@@ -144,10 +145,14 @@ void add_scene(CLI::App* cmd, const Command& command) {
       cmd, command, "scene", "Cracks, roads beside their surface and things on roads, in the tiles of a scene.",
       "open_edges: of ground, roads and decks, within tiles and between them, besides the scene's outer border.\n"
       "road_error_m: of middles of road triangles and of their edges from the surface that is driven.\n"
-      "on_road: vertices of buildings, trees, barriers and the like over a road, by up to 4.5 m.\n"
+      "on_road: vertices of buildings, trees, barriers and the like over a road, by up to 4.5 m; in_building: those "
+      "of\n"
+      "trees, barriers, lamps and objects inside buildings.\n"
+      "texture: with --photo, how far the tiles' pictures lie from it, in texels: the worst of windows of 48 texels.\n"
       "Examples:\n  orthodrive evaluate scene out/scene out/roads.xodr\n"
-      "  orthodrive evaluate scene out/scene out/roads.xodr --json",
-      of_files(score_scene));
+      "  orthodrive evaluate scene out/scene out/roads.xodr --photo ortho.tif --json",
+      [](const EvaluateCommand& c) { return score_scene(c.request, c.scene_options); });
+  scene->add_option("--photo", command->scene_options.photo, "orthophoto that the tiles were made of");
   positional(scene, "DIR", command->request.scored, "folder of `orthodrive scene`");
   positional(scene, "NETWORK", command->request.truth, "the roads that it was made of (OpenDRIVE)");
 }

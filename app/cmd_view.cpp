@@ -57,7 +57,16 @@ void configure(httplib::Server& server, const std::filesystem::path& site, const
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
   });
-  server.set_keep_alive_timeout(1);                             // seconds; stopping waits for idle connections
+  server.set_keep_alive_timeout(1);         // seconds; stopping waits for idle connections
+  server.set_keep_alive_max_count(10'000);  // a page with its tiles asks for hundreds of files
+  server.set_tcp_nodelay(true);             // head and body are sent one after the other
+  // httplib packs text with Brotli at its best and slowest: a second for 0.5 MB, on a line that needs no packing. It
+  // does so where the request allows it, and has no switch.
+  server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
+    const_cast<httplib::Request&>(request).headers.erase(
+        "Accept-Encoding");  // httplib's own object, which is not const
+    return httplib::Server::HandlerResponse::Unhandled;
+  });
   server.set_default_headers({{"Cache-Control", "no-cache"}});  // a site may be built anew under the same address
   for (const auto& [extension, type] : {std::pair{"glb", "model/gltf-binary"},
                                         {"gltf", "model/gltf+json"},

@@ -122,5 +122,39 @@ TEST(EvaluateScene, what_stands_on_a_road_is_found_but_not_what_touches_it_or_ha
   EXPECT_EQ(with(1.0F, 7.0F), 0U);
 }
 
+/// A box of 10 m without a floor, its roof at 14 m over the ground's 10 m; places from the tile's middle.
+TriMesh box_at(float x, float y) {
+  TriMesh box{.kind = MeshKind::building};
+  const std::array<std::array<float, 2>, 4> c = {{{x, y}, {x + 10.0F, y}, {x + 10.0F, y + 10.0F}, {x, y + 10.0F}}};
+  for (const float z : {1.5F, 6.0F})
+    for (const auto& p : c) box.positions.push_back({p[0], p[1], z}), box.normals.push_back({0.0F, 0.0F, 1.0F});
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t n = (k + 1) % 4;
+    box.indices.insert(box.indices.end(), {k, n, n + 4, k, n + 4, k + 4});
+  }
+  box.indices.insert(box.indices.end(), {4, 5, 6, 4, 6, 7});
+  return box;
+}
+
+TEST(EvaluateScene, what_stands_in_a_building_is_found_but_not_what_stands_on_it) {
+  const auto with = [](MeshKind kind, float x, float y, float z) {
+    SceneTile tile = flat_tile(0), next = flat_tile(1);
+    tile.meshes.push_back(box_at(50.0F, 50.0F));
+    tile.meshes.push_back(box_at(235.0F, -150.0F));  // half of it lies in the next tile
+    TriMesh thing{.kind = kind, .positions = {{x, y, z}}, .normals = {{0.0F, 0.0F, 1.0F}}};
+    if (x > 240.0F) thing.positions[0][0] -= 480.0F;
+    (x > 240.0F ? next : tile).meshes.push_back(thing);
+    return std::array{score({tile, next}).in_building, score({next, tile}).in_building};
+  };
+  const auto both = [](std::size_t count) { return std::array{count, count}; };
+  EXPECT_EQ(with(MeshKind::tree, 55.0F, 53.0F, 3.0F), both(1));
+  EXPECT_EQ(with(MeshKind::barrier, 55.0F, 53.0F, 3.0F), both(1));
+  EXPECT_EQ(with(MeshKind::building, 55.0F, 53.0F, 3.0F), both(0));
+  EXPECT_EQ(with(MeshKind::tree, 49.9F, 53.0F, 3.0F), both(0));
+  EXPECT_EQ(with(MeshKind::object, 55.0F, 53.0F, 6.5F), both(0)) << "on the roof";
+  EXPECT_EQ(with(MeshKind::tree, 244.0F, -143.0F, 3.0F), both(1)) << "a neighbour's building";
+  EXPECT_EQ(with(MeshKind::tree, 246.0F, -143.0F, 3.0F), both(0));
+}
+
 }  // namespace
 }  // namespace orthodrive

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "places.hpp"
@@ -63,7 +65,6 @@ TEST(BuildingReader, takes_colours_by_hex_name_and_material) {
 
 TEST(BuildingReader, passes_over_what_is_no_building_here) {
   const auto buildings = read({box(0, {{"building", "no"}}),
-                               box(20, {{"building", "roof"}}),
                                box(40, {{"landuse", "grass"}}),
                                box(60, {{"building", ""}}),
                                box(-500, {{"building", "yes"}}),
@@ -71,6 +72,57 @@ TEST(BuildingReader, passes_over_what_is_no_building_here) {
                                {.lines = {{origin, origin + Vec2{10, 3}}}, .tags = {{"building", "yes"}}},
                                {.points = {origin}, .tags = {{"building", "yes"}}}});
   ASSERT_EQ(buildings.size(), 1U) << "the one that reaches into the area";
+}
+
+TEST(BuildingReader, takes_parts_roofs_and_what_has_no_walls) {
+  const auto buildings =
+      read({box(0, {{"building:part", "yes"}, {"height", "20"}, {"min_height", "8"}}),
+            box(20, {{"building:part", "tower"}, {"building:levels", "6"}, {"building:min_level", "2"}}),
+            box(40, {{"building", "roof"}}),
+            box(60, {{"building", "church"},
+                     {"roof:shape", "skillion"},
+                     {"roof:height", "4"},
+                     {"roof:direction", "SE"},
+                     {"roof:angle", "30"},
+                     {"roof:levels", "1"},
+                     {"roof:orientation", "across"},
+                     {"roof:material", "copper"}}),
+            box(80, {{"building:part", "no"}}),
+            box(100, {{"building", "yes"}, {"building:part", "yes"}, {"roof:direction", "270"}})});
+  ASSERT_EQ(buildings.size(), 5U);
+  EXPECT_TRUE(buildings[0].is_part && buildings[1].is_part);
+  EXPECT_EQ(buildings[0].min_height_m, 8.0);
+  EXPECT_EQ(buildings[1].min_height_m, 6.0);
+  EXPECT_EQ(buildings[1].use, "tower");
+  EXPECT_FALSE(buildings[2].has_walls);
+  const Building& church = buildings[3];
+  EXPECT_EQ(church.roof_height_m, 4.0);
+  EXPECT_EQ(church.roof_levels, 1.0);
+  EXPECT_NEAR(church.roof_angle_rad, 0.5236, 1e-4);
+  EXPECT_NEAR(church.roof_direction_rad.value(), -0.7854, 1e-4) << "south-east";
+  EXPECT_TRUE(church.ridge_across);
+  EXPECT_TRUE(church.roof_color) << "copper is green";
+  EXPECT_FALSE(buildings[4].is_part) << "a building that is its own part";
+  EXPECT_NEAR(std::cos(buildings[4].roof_direction_rad.value()), -1.0, 1e-9) << "west";
+}
+
+TEST(BuildingReader, heights_that_contradict_each_other_are_told) {
+  Findings findings;
+  const auto buildings = read({box(0, {{"building:part", "yes"}, {"height", "9"}, {"min_height", "12"}}),
+                               box(20, {{"building", "yes"}, {"height", "6"}, {"roof:height", "8"}}),
+                               box(40, {{"building", "yes"}, {"roof:angle", "120"}}),
+                               box(60, {{"building:part", "yes"}, {"min_height", "0"}, {"height", "9"}}),
+                               box(80, {{"building", "yes"}, {"roof:direction", "down"}})},
+                              &findings);
+  ASSERT_EQ(buildings.size(), 5U);
+  EXPECT_EQ(buildings[0].min_height_m, 0.0);
+  EXPECT_EQ(buildings[1].roof_height_m, 0.0);
+  EXPECT_EQ(buildings[2].roof_angle_rad, 0.0);
+  EXPECT_FALSE(buildings[4].roof_direction_rad);
+  ASSERT_EQ(findings.size(), 3U);
+  for (const Finding& finding : findings) EXPECT_EQ(finding.code, "buildings.odd_height");
+  EXPECT_EQ(findings[0].message, "a building that begins at 12.0 m and ends at 9.0 m begins at the ground");
+  EXPECT_EQ(findings[1].message, "a roof of 8.0 m on a building of 6.0 m does not count");
 }
 
 TEST(BuildingReader, odd_heights_do_not_count_and_are_told) {

@@ -57,6 +57,16 @@ TEST(SurroundingsReader, takes_water_and_polygons_without_tags) {
   EXPECT_EQ(got.water.size(), 4U);
 }
 
+TEST(SurroundingsReader, takes_car_parks_on_the_ground) {
+  const MapSurroundings got =
+      read({area({{"amenity", "parking"}}), area({{"amenity", "parking"}, {"parking", "surface"}}),
+            area({{"amenity", "parking"}, {"parking", "underground"}}),
+            area({{"amenity", "parking"}, {"building", "parking"}}), area({{"t", "parking"}}), area({{"t", "plaza"}}),
+            area({{"amenity", "parking"}}, 5000.0)});
+  EXPECT_EQ(got.parking.size(), 3U);
+  EXPECT_TRUE(got.water.empty());
+}
+
 TEST(SurroundingsReader, takes_railways_on_the_ground) {
   const MapSurroundings got = read({line({{"railway", "rail"}}), line({{"railway", "tram"}}), line({{"t", "rail"}}),
                                     line({{"railway", "rail"}, {"bridge", "yes"}}),

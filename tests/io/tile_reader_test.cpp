@@ -95,6 +95,9 @@ TEST_F(TileReader, gives_back_what_was_written) {
     EXPECT_EQ(back.meshes[0].kind, MeshKind::terrain);
     EXPECT_EQ(triangles_of(back, back.meshes[0]), triangles_of(tile, tile.meshes[0])) << compressed;
     for (const auto& n : back.meshes[0].normals) EXPECT_NEAR(n[2], 1.0F, 1e-6F);
+    EXPECT_EQ(back.meshes[0].uv.size(), back.meshes[0].positions.size());
+    ASSERT_EQ(back.texture_rgb.width, tile.texture_rgb.width);
+    EXPECT_NEAR(back.texture_rgb.at(0, 0, 1), tile.texture_rgb.at(0, 0, 1), 3);
     ASSERT_EQ(back.instanced.size(), 1U);
     ASSERT_EQ(back.instanced[0].instances.size(), 1U);
     const MeshInstance& copy = back.instanced[0].instances[0];

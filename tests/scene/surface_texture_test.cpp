@@ -59,7 +59,8 @@ INSTANTIATE_TEST_SUITE_P(SurfaceTexture, EverySurfaceTexture,
                          testing::Values(SurfaceMaterial::asphalt, SurfaceMaterial::concrete, SurfaceMaterial::setts,
                                          SurfaceMaterial::gravel, SurfaceMaterial::ground, SurfaceMaterial::verge,
                                          SurfaceMaterial::paint, SurfaceMaterial::facade, SurfaceMaterial::roof_tiles,
-                                         SurfaceMaterial::foliage),
+                                         SurfaceMaterial::foliage, SurfaceMaterial::balconies,
+                                         SurfaceMaterial::cladding, SurfaceMaterial::openings),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST(SurfaceTexture, is_the_same_each_time) {

@@ -45,7 +45,8 @@ def measure(tool, site_file, out):
     folder = pathlib.Path(tempfile.mkdtemp())
     try:
         seconds, processor, memory_mb = run_measured(tool.file, "--quiet", "scene", *scene_options(site_file, out), "-o", folder / "scene")
-        scores = tool.json("evaluate", "scene", folder / "scene", out / "roads.xodr", "--json")
+        photo = site_file.parent / tomllib.loads(site_file.read_text())["sources"]["photo"]
+        scores = tool.json("evaluate", "scene", folder / "scene", out / "roads.xodr", "--photo", photo, "--json")
         files = lambda pattern: sum(f.stat().st_size for f in (folder / "scene").glob(pattern))
         return {"commit": commit(), "machine": machine(), "seconds": round(seconds, 1), "processor_s": round(processor, 1),
                 "memory_mb": round(memory_mb), "material_bytes": files("materials/*"), "scores": scores}
@@ -63,12 +64,14 @@ def table(numbers):
         yield "tiles, MB/km2", "6", lambda n: fixed(n["scores"]["mb_per_km2"])
         yield "pictures of materials, MB in all", "", lambda n: fixed(n["material_bytes"] / 1e6)
         yield "triangles and draw calls of level 0", "", lambda n: f"{n['scores']['triangles']:,}; {n['scores']['draw_calls']:,}"
+        yield "place of the photo, largest error, texels; windows", "0.1", lambda n: f"{fixed(n['scores']['texture']['error_px'], 3)}; {n['scores']['texture']['windows']:,}"
         yield "open edges", "0", lambda n: n["scores"]["open_edges"]
         yield "edges of more than two triangles", "0", lambda n: n["scores"]["crowded_edges"]
         yield "road mesh from the surface, largest, m", "0.02", lambda n: fixed(n["scores"]["road_error_m"], 3)
         yield "places of it over 2 cm, of all", "0", lambda n: f"{n['scores']['road_samples_off']:,} of {n['scores']['road_samples']:,}"
         yield "normals at tile borders, largest difference, degrees", "0.1", lambda n: fixed(n["scores"]["normal_error_deg"], 3)
         yield "vertices on a road, of those that stand", "0", lambda n: f"{n['scores']['on_road']:,} of {n['scores']['standing_vertices']:,}"
+        yield "vertices of trees, barriers, lamps and objects in buildings", "0", lambda n: n["scores"].get("in_building", "")
         yield "commit", "", lambda n: n["commit"]
     return header(["", "asked", *numbers]) + "".join(row([name, asked, *(value(n) for n in numbers.values())]) for name, asked, value in rows())
 

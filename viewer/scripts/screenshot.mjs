@@ -1,9 +1,11 @@
 // A picture of a built site, for documents: node viewer/scripts/screenshot.mjs SITE_DIR TOOL OUT.png ['?camera=follow&t=20']
+// A name that ends in .jpg: a JPEG without the page's cards.
 
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
+import {hideCards} from '../test/page_helpers.mjs';
 import {openBrowser, serveSite} from '../test/serve_and_open.mjs';
 
 const [siteDir, tool, picture, query = '?'] = process.argv.slice(2);
@@ -19,7 +21,12 @@ try {
   const page = context.pages()[0] ?? (await context.newPage());
   await page.goto(`${server.url}${query}&play=0`);
   await page.waitForFunction(() => window.orthodrive?.ready, null, {timeout: 120_000});
-  await page.screenshot({path: picture});
+  if (picture.endsWith('.jpg')) {
+    await hideCards(page);
+    await page.screenshot({path: picture, type: 'jpeg', quality: 80});
+  } else {
+    await page.screenshot({path: picture});
+  }
 } finally {
   await context?.close();
   rmSync(profile, {recursive: true, force: true, maxRetries: 5});

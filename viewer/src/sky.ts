@@ -1,8 +1,12 @@
 // Light and air: sky, sun with shadows, and haze in the colour of the horizon.
 
 import {
-  BackSide, Color, DirectionalLight, Fog, HemisphereLight, Mesh, Scene, ShaderMaterial, SphereGeometry, Vector3,
+  BackSide, Color, DataTexture, DirectionalLight, Fog, HemisphereLight, LinearFilter, LinearMipmapLinearFilter, Mesh, RedFormat, RepeatWrapping,
+  Scene, ShaderMaterial, SphereGeometry, Vector3,
 } from 'three';
+
+import {fractal, randomOf} from './noise';
+import {skyUniforms} from './sky_light';
 
 /** Colours of the air at some height of the sun (degrees above the horizon), and shares of the light at noon. */
 interface Air {
@@ -24,6 +28,7 @@ const airs: Air[] = [ // by eye, after photos of clear days
   air(90, 0x3f78b5, 0xcfdde6, 0xfff4e2, 1.0, 1.0),
 ];
 const below = new Color(0xaab7bb);
+const land = new Color(0x5d5d4e); // as paint and glass mirror it
 const shadow_px = 2048;
 
 function airAt(elevation: number): Air {
@@ -104,13 +109,27 @@ export class Sky {
     const slant = this.relief ? 1 / direction.z : 1 / Math.max(direction.z, 0.5);
     this.sun.intensity = (this.relief ? 0.75 : 0.55 * state.sunShare) * Math.PI * slant;
     this.ambient.intensity = (this.relief ? 0.4 : 0.5 * state.skyShare) * Math.PI;
-    this.dome.uniforms.zenith.value = state.zenith;
-    this.dome.uniforms.horizon.value = state.horizon;
+    skyUniforms.zenith.value.copy(state.zenith);
+    skyUniforms.horizon.value.copy(state.horizon);
+    skyUniforms.land.value.copy(land).multiplyScalar(state.skyShare);
+    skyUniforms.toSun.value.copy(this.relief ? new Vector3(0, 0, -1) : this.toSun);
+    skyUniforms.sunColor.value.copy(state.sun);
     this.dome.uniforms.below.value = below.clone().lerp(state.horizon, 1 - state.skyShare);
-    this.dome.uniforms.sun.value = this.relief ? new Vector3(0, 0, -1) : this.toSun;
-    this.dome.uniforms.sunColor.value = state.sun;
+    this.dome.uniforms.cloudShare.value = this.relief ? 0 : state.skyShare;
     this.fog.color.copy(state.horizon);
   }
+}
+
+/** Of the clouds' thickness; repeats. */
+function cloudNoise(): DataTexture {
+  const size = 256;
+  const values = fractal(size, 4, 6, randomOf(21));
+  const texture = new DataTexture(Uint8Array.from(values, (v) => 255 * Math.min(1, Math.max(0, 0.5 + 0.8 * v))), size, size, RedFormat);
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  texture.magFilter = LinearFilter;
+  texture.minFilter = LinearMipmapLinearFilter;
+  texture.generateMipmaps = texture.needsUpdate = true;
+  return texture;
 }
 
 /** Drawn around the camera behind everything else. The gradient follows the direction of view, not the distance. */
@@ -120,10 +139,7 @@ function domeMaterial(): ShaderMaterial {
     depthTest: false,
     depthWrite: false,
     fog: false,
-    uniforms: {
-      zenith: {value: new Color()}, horizon: {value: new Color()}, below: {value: below}, sun: {value: new Vector3(0, 0, 1)},
-      sunColor: {value: new Color()},
-    },
+    uniforms: {...skyUniforms, below: {value: below}, noise: {value: cloudNoise()}, cloudShare: {value: 1}},
     vertexShader: `
       varying vec3 direction;
       void main() {
@@ -132,15 +148,26 @@ function domeMaterial(): ShaderMaterial {
         gl_Position.z = 0.0;
       }`,
     fragmentShader: `
-      uniform vec3 zenith, horizon, below, sun, sunColor;
+      uniform vec3 zenith, horizon, below, toSun, sunColor;
+      uniform sampler2D noise;
+      uniform float cloudShare;
       varying vec3 direction;
       void main() {
         vec3 view = normalize(direction);
         vec3 color = view.z > 0.0 ? mix(horizon, zenith, pow(view.z, 0.55)) : mix(horizon, below, min(1.0, -view.z * 4.0));
-        float off = acos(clamp(dot(view, sun), -1.0, 1.0)); // the sun's disc and the glow around it
+        float off = acos(clamp(dot(view, toSun), -1.0, 1.0)); // the sun's disc and the glow around it
         color = mix(color, sunColor, 0.35 * exp(-6.0 * off) + smoothstep(0.0065, 0.0045, off));
+        if (view.z > 0.02 && cloudShare > 0.0) { // fair weather: small clouds at one height, thinner towards the horizon
+          vec2 place = view.xy / (view.z + 0.08);
+          float thick = 0.7 * texture2D(noise, 0.045 * place).r + 0.3 * texture2D(noise, 0.21 * place + 0.4).r;
+          float cover = smoothstep(0.5, 0.72, thick) * smoothstep(0.02, 0.22, view.z) * cloudShare;
+          vec3 lit = mix(sunColor, vec3(1.0), 0.6), shade = mix(horizon, zenith, 0.25);
+          color = mix(color, mix(lit, shade, 0.55 * smoothstep(0.58, 0.85, thick)), 0.85 * cover);
+        }
+        float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))); // against bands (Jimenez 2014)
         gl_FragColor = vec4(color, 1.0);
         #include <colorspace_fragment>
+        gl_FragColor.rgb += (grain - 0.5) / 255.0;
       }`,
   });
 }

@@ -3,10 +3,12 @@
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
 import {
-  LoadingManager, Material, MeshBasicMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
+  LoadingManager, Material, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
 } from 'three';
 
+import {foliageMaterial} from './foliage';
 import {tilesetUrl} from './site';
+import {withSky} from './sky_light';
 import {tileFeaturesPlugin} from './tile_features';
 
 /** What the file says about its materials, as far as it is used here. */
@@ -16,10 +18,12 @@ interface GltfJson {
   images: {uri?: string}[];
 }
 
+type SurfaceMaterial = MeshStandardMaterial | MeshLambertMaterial;
+
 export class SurfaceMaterials {
   onChange: () => void = () => {};
   private readonly textures = new TextureLoader();
-  private readonly byName = new Map<string, MeshStandardMaterial>();
+  private readonly byName = new Map<string, SurfaceMaterial>();
 
   constructor(private readonly anisotropy: number) {}
 
@@ -38,19 +42,23 @@ export class SurfaceMaterials {
   }
 
   /** The material of that name; pictures follow when they are loaded. */
-  get(name: string): MeshStandardMaterial {
+  get(name: string): SurfaceMaterial {
     let material = this.byName.get(name);
     if (!material) this.byName.set(name, (material = this.make(name)));
     return material;
   }
 
-  private make(name: string): MeshStandardMaterial {
+  private make(name: string): SurfaceMaterial {
     const color = this.texture(`${name}_color.jpg`);
     color.colorSpace = SRGBColorSpace;
-    const material = new MeshStandardMaterial({
-      name, map: color, normalMap: this.texture(`${name}_normal.jpg`), roughnessMap: this.texture(`${name}_roughness.jpg`),
-      metalness: 0, vertexColors: true,
-    });
+    const normalMap = this.texture(`${name}_normal.jpg`);
+    if (name === 'foliage') {
+      for (const texture of [color, normalMap]) texture.repeat.setScalar(0.5);
+      return Object.assign(foliageMaterial(), {map: color, normalMap});
+    }
+    const material = withSky(new MeshStandardMaterial({
+      name, map: color, normalMap, roughnessMap: this.texture(`${name}_roughness.jpg`), metalness: 0, vertexColors: true,
+    }));
     // Verge, gravel beside roads and paint lie on other triangles: they are drawn a little nearer, and after them.
     if (name === 'verge') Object.assign(material, {transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1});
     if (name === 'gravel') Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1});

@@ -74,24 +74,55 @@ export function labelTexture(features: TileFeatures | undefined): Promise<Canvas
   return (features.labelTexture ??= colored(features.labels, features.labelPicture));
 }
 
-async function colored(labels: Row[], labelPicture: Blob): Promise<CanvasTexture> {
+/** Values of the labels are in the first of four channels. */
+async function labelsOf(labelPicture: Blob): Promise<ImageData> {
   const picture = await createImageBitmap(labelPicture, {colorSpaceConversion: 'none', premultiplyAlpha: 'none'});
-  const canvas = document.createElement('canvas');
-  [canvas.width, canvas.height] = [picture.width, picture.height];
-  const context = canvas.getContext('2d')!;
+  const context = new OffscreenCanvas(picture.width, picture.height).getContext('2d')!;
   context.drawImage(picture, 0, 0);
-  const pixels = context.getImageData(0, 0, picture.width, picture.height);
+  return context.getImageData(0, 0, picture.width, picture.height);
+}
+
+async function colored(labels: Row[], labelPicture: Blob): Promise<CanvasTexture> {
+  const pixels = await labelsOf(labelPicture);
+  const canvas = document.createElement('canvas');
+  [canvas.width, canvas.height] = [pixels.width, pixels.height];
   const colors = labels.map(({color}) => parseInt(color?.slice(1) ?? '', 16)); // NaN in tiles of older versions: black
   for (let i = 0; i < pixels.data.length; i += 4) {
     const color = colors[pixels.data[i]] ?? 0xffffff;
     pixels.data.set([color >> 16, (color >> 8) & 255, color & 255, 255], i);
   }
-  context.putImageData(pixels, 0, 0);
+  canvas.getContext('2d')!.putImageData(pixels, 0, 0);
   const texture = new CanvasTexture(canvas);
   texture.flipY = false;
   texture.colorSpace = SRGBColorSpace;
   texture.magFilter = NearestFilter;
   return texture;
+}
+
+export interface RoleWeights {
+  data: Uint8Array;
+  width: number;
+  height: number;
+}
+
+const weightOf: Record<string, number> = {ground: 0, vegetation: 1, road: 2, maybe_road: 2, building: 2, other: 2, rail: 3};
+
+/** Shares of open ground, plants, paving and rails in squares of two pixels of the labels (0 to 255); undefined: no labels. */
+export function roleWeights(features: TileFeatures | undefined): Promise<RoleWeights> | undefined {
+  return features?.labelPicture && weighed(features.labels, features.labelPicture);
+}
+
+async function weighed(labels: Row[], labelPicture: Blob): Promise<RoleWeights> {
+  const ids = await labelsOf(labelPicture);
+  const [width, height] = [ids.width >> 1, ids.height >> 1];
+  const channels = labels.map(({role}) => weightOf[role]);
+  const data = new Uint8Array(4 * width * height);
+  for (let y = 0; y < 2 * height; ++y)
+    for (let x = 0; x < 2 * width; ++x) {
+      const channel = channels[ids.data[4 * (y * ids.width + x)]];
+      if (channel !== undefined) data[4 * ((y >> 1) * width + (x >> 1)) + channel] += 63;
+    }
+  return {data, width, height};
 }
 
 /** The label at a place of the photo. */

@@ -1,8 +1,9 @@
 // What the parts of the tiles look like, by the layers that are shown: photo, materials, classes, normals, relief.
 
 import type {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
-import {LoadingManager, Material, Mesh, MeshLambertMaterial, MeshNormalMaterial, MeshStandardMaterial, Texture} from 'three';
+import {LoadingManager, Material, Mesh, MeshLambertMaterial, MeshNormalMaterial, MeshStandardMaterial, Object3D, Texture, Vector3} from 'three';
 
+import {GroundDetail} from './ground_detail';
 import {SurfaceMaterials} from './surface_materials';
 import {featuresOf, labelTexture} from './tile_features';
 
@@ -24,6 +25,11 @@ export type SurfaceKind = (typeof kinds)[number];
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
 export function kindOf(mesh: Mesh): SurfaceKind {
   return kinds.find((kind) => mesh.name.startsWith(kind)) ?? 'terrain';
+}
+
+/** What cars drive on, and nothing of what belongs to it. */
+export function isRoadSurface(mesh: Mesh): boolean {
+  return /^road(_in_tunnel)?(_\d+)*$/.test(mesh.name);
 }
 
 /** What stands beside the roads throws shadows and has no photo of its own. */
@@ -51,6 +57,7 @@ interface Look {
 export class TileLooks {
   onChange: () => void = () => {};
   private readonly surfaceMaterials: SurfaceMaterials;
+  private readonly ground: GroundDetail;
   private readonly looks = new Map<Mesh, Look>();
   private readonly normals = normalMaterial();
   private readonly relief: Record<SurfaceKind, MeshLambertMaterial> = {
@@ -71,6 +78,8 @@ export class TileLooks {
   constructor(private readonly anisotropy: number) {
     this.surfaceMaterials = new SurfaceMaterials(anisotropy);
     this.surfaceMaterials.onChange = () => this.onChange();
+    this.ground = new GroundDetail(anisotropy);
+    this.ground.onChange = () => this.onChange();
   }
 
   gltfLoader(manager: LoadingManager): GLTFLoader {
@@ -78,7 +87,7 @@ export class TileLooks {
   }
   /** Pictures are on their way. */
   get pending(): boolean {
-    return this.pictures > 0;
+    return this.pictures > 0 || this.ground.pending;
   }
 
   /** Of one tile. */
@@ -87,8 +96,22 @@ export class TileLooks {
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
       const own = mesh.material as MeshStandardMaterial;
-      this.looks.set(mesh, {photo: new MeshLambertMaterial({map}), surface: own.name === 'photo' ? undefined : own.name});
+      const photo = new MeshLambertMaterial({map});
+      if (kindOf(mesh) === 'terrain') this.ground.adopt(mesh, photo);
+      this.looks.set(mesh, {photo, surface: own.name === 'photo' ? undefined : own.name});
     }
+  }
+
+  update(eye: Vector3): void {
+    this.ground.update(eye);
+  }
+  /** What stands on the ground near the eye, beside what is in the tiles. */
+  get plants(): Object3D {
+    return this.ground.object;
+  }
+  /** Patterns and plants near the eye; off: the photo alone. */
+  set groundShown(on: boolean) {
+    this.ground.shown = on;
   }
 
   materialOf(mesh: Mesh, layers: Layers): Material {
@@ -127,6 +150,7 @@ export class TileLooks {
   release(meshes: Mesh[]): void {
     for (const mesh of meshes) {
       const look = this.looks.get(mesh);
+      this.ground.release(mesh);
       look?.photo.dispose();
       look?.labels?.map?.dispose();
       look?.labels?.dispose();

@@ -1,6 +1,9 @@
 // A wheel that stands in the car's frame: axle along y, tyre with round shoulders, rim with spokes on both sides.
 
-import {BoxGeometry, CylinderGeometry, Group, LatheGeometry, Material, Mesh, MeshLambertMaterial, Object3D, Vector2} from 'three';
+import {BoxGeometry, CylinderGeometry, Group, LatheGeometry, Material, Mesh, MeshStandardMaterial, Object3D, Vector2} from 'three';
+
+import {merged} from './merged';
+import {withSky} from './sky_light';
 
 const halfWidth_m = 0.11;
 const roundParts = 48, spokes = 7;
@@ -22,11 +25,8 @@ export interface WheelMaterials {
 }
 
 export function wheelMaterials(): WheelMaterials {
-  return {
-    rubber: new MeshLambertMaterial({color: 0x1b1d1f}),
-    metal: new MeshLambertMaterial({color: 0xc3c8ce}),
-    dark: new MeshLambertMaterial({color: 0x3a3e42}),
-  };
+  const made = (color: number, roughness: number, metalness: number) => withSky(new MeshStandardMaterial({color, roughness, metalness}));
+  return {rubber: made(0x121314, 0.92, 0), metal: made(0xc3c8ce, 0.32, 0.8), dark: made(0x3a3e42, 0.6, 0.3)};
 }
 
 function turned(profile: [number, number][], radius_m: number, material: Material): Mesh {
@@ -39,7 +39,7 @@ export function makeWheel(radius_m: number, {rubber, metal, dark}: WheelMaterial
   const rim = turned(rimProfile, radius_m, metal);
   const disc = new Mesh(new CylinderGeometry(0.5 * radius_m, 0.5 * radius_m, 0.03, roundParts), dark);
   const hub = new Mesh(new CylinderGeometry(0.13 * radius_m, 0.13 * radius_m, 1.62 * halfWidth_m, 24), metal);
-  wheel.add(turned(tyreProfile, radius_m, rubber), rim, disc, hub, ...spokesOf(radius_m, metal));
+  wheel.add(...merged([turned(tyreProfile, radius_m, rubber), rim, disc, hub, ...spokesOf(radius_m, metal)]));
   return wheel;
 }
 

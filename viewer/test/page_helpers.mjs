@@ -32,10 +32,15 @@ export async function waitUntilDrawn(page) {
   assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
 }
 
-/** The picture without the page's cards, which lie over it. */
+/** Hides the page's cards, which lie over the picture. */
+export function hideCards(page) {
+  return page.addStyleTag({content: '.card, footer, #message { visibility: hidden }'});
+}
+
+/** The picture without the page's cards. */
 export async function sceneShot(page) {
   await waitUntilDrawn(page);
-  const style = await page.addStyleTag({content: '.card, footer, #message { visibility: hidden }'});
+  const style = await hideCards(page);
   const png = await page.screenshot();
   await style.evaluate((element) => element.remove());
   return png;

@@ -33,6 +33,11 @@ bool stands(MeshKind kind) {
   return !is_surface(kind) && kind != MeshKind::verge && kind != MeshKind::marking && kind != MeshKind::kerb;
 }
 
+/// Kerbs and beams belong to roads, rails lie in stations, wires hang over roofs.
+bool is_beside_buildings(MeshKind kind) {
+  return kind == MeshKind::tree || kind == MeshKind::barrier || kind == MeshKind::lamp || kind == MeshKind::object;
+}
+
 double plan_area_m2(const TriMesh& mesh) {
   double twice = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -109,6 +114,7 @@ void SceneScorer::add(const SceneTile& tile, std::uintmax_t bytes) {
   add_edges(tile);
   add_roads(tile);
   add_normals(tile);
+  add_shells(tile);
   add_standing(tile);
 }
 
@@ -162,18 +168,85 @@ void SceneScorer::add_normals(const SceneTile& tile) {
   }
 }
 
+void SceneScorer::Shells::make_index() {
+  std::vector<Box2> boxes;
+  for (const auto& [a, b, c] : triangles)
+    boxes.push_back({std::min({a[0], b[0], c[0]}), std::min({a[1], b[1], c[1]}), std::max({a[0], b[0], c[0]}),
+                     std::max({a[1], b[1], c[1]})});
+  index = SpatialIndex(boxes);
+}
+
+/// A ray upwards leaves a closed shell once more than it enters it.
+bool SceneScorer::Shells::contain(const Place& p) const {
+  int leaves = 0;
+  for (const std::uint32_t i : index.near({p[0], p[1]}, 0.0)) {
+    const auto& [a, b, c] = triangles[i];
+    const auto side = [&](const Place& u, const Place& v) {
+      return (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
+    };
+    const double wc = side(a, b), wa = side(b, c), wb = side(c, a), all = wa + wb + wc;
+    const bool inside = all > 0.0 ? wa > 0.0 && wb > 0.0 && wc > 0.0 : wa < 0.0 && wb < 0.0 && wc < 0.0;
+    if (inside && (wa * a[2] + wb * b[2] + wc * c[2]) / all > p[2]) leaves += all > 0.0 ? 1 : -1;
+  }
+  return leaves > 0;
+}
+
+void SceneScorer::add_shells(const SceneTile& tile) {
+  constexpr double half_m = 240.0;
+  shells_ = {};
+  for (const TriMesh& mesh : tile.meshes) {
+    if (mesh.kind != MeshKind::building) continue;
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+      std::array<Place, 3> triangle;
+      bool reaches_over = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto& p = mesh.positions[mesh.indices[i + k]];
+        triangle[k] = place_of(tile, p);
+        reaches_over |= std::max(std::abs(double{p[0]}), std::abs(double{p[1]})) > half_m;
+      }
+      shells_.triangles.push_back(triangle);
+      if (reaches_over) over_borders_.triangles.push_back(triangle);
+    }
+  }
+  shells_.make_index();
+}
+
+void SceneScorer::note_in_building(MeshKind kind, const Place& p) {
+  ++scores_.in_building;
+  const std::string message = fmt::format("{} stands in a building", to_string(kind));
+  if (told_[message]++ < static_cast<int>(most_told)) fault("scene.in_building", message, p);
+}
+
+void SceneScorer::check_shells(MeshKind kind, const Place& p, const Box2& tile) {
+  constexpr double border_of_tile_m = 60.0;  // buildings of a neighbour reach no further
+  if (!is_beside_buildings(kind)) return;
+  if (shells_.contain(p)) return note_in_building(kind, p);
+  if (tile.grown(-border_of_tile_m).contains({p[0], p[1]})) return;
+  if (!first_place_) first_place_ = p;
+  std::array<float, 3> away;
+  for (std::size_t k = 0; k < 3; ++k) away[k] = static_cast<float>(p[k] - (*first_place_)[k]);
+  near_borders_[kind].push_back(away);
+}
+
 void SceneScorer::add_standing(const SceneTile& tile) {
+  constexpr double half_m = 240.0;
+  const Box2 box{tile.origin.x - half_m, tile.origin.y - half_m, tile.origin.x + half_m, tile.origin.y + half_m};
   for (const TriMesh& mesh : tile.meshes)
     if (stands(mesh.kind))
-      for (const auto& p : mesh.positions) check_standing(mesh.kind, place_of(tile, p));
+      for (const auto& p : mesh.positions) {
+        check_standing(mesh.kind, place_of(tile, p));
+        check_shells(mesh.kind, place_of(tile, p), box);
+      }
   for (const InstancedMesh& copied : tile.instanced) {
     for (const MeshInstance& copy : copied.instances) {
       const double c = std::cos(static_cast<double>(copy.yaw_rad)), s = std::sin(static_cast<double>(copy.yaw_rad));
       for (const auto& p : copied.mesh.positions) {
         const double x = static_cast<double>(p[0] * copy.scale[0]), y = static_cast<double>(p[1] * copy.scale[1]);
         const Place foot = place_of(tile, copy.position);
-        check_standing(copied.mesh.kind, {foot[0] + c * x - s * y, foot[1] + s * x + c * y,
-                                          foot[2] + static_cast<double>(p[2] * copy.scale[2])});
+        const Place place{foot[0] + c * x - s * y, foot[1] + s * x + c * y,
+                          foot[2] + static_cast<double>(p[2] * copy.scale[2])};
+        check_standing(copied.mesh.kind, place);
+        check_shells(copied.mesh.kind, place, box);
       }
     }
   }
@@ -198,6 +271,13 @@ void SceneScorer::check_standing(MeshKind kind, const Place& p) {
 SceneScores SceneScorer::finish() {
   for (auto worst = worst_roads_.rbegin(); worst != worst_roads_.rend(); ++worst)
     fault("scene.road_off_surface", fmt::format("road mesh {:.3f} m from the surface", worst->first), worst->second);
+  over_borders_.make_index();
+  for (const auto& [kind, places] : near_borders_)
+    for (const auto& away : places) {
+      const Place p{(*first_place_)[0] + double{away[0]}, (*first_place_)[1] + double{away[1]},
+                    (*first_place_)[2] + double{away[2]}};
+      if (over_borders_.contain(p)) note_in_building(kind, p);
+    }
   std::size_t crowded = 0;
   const std::vector<Edge> open = unpaired(std::move(open_), crowded);
   std::multimap<Place, std::size_t> next;

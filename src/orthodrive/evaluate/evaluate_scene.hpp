@@ -1,12 +1,14 @@
 #pragma once
 // What is wrong with the tiles of a scene: cracks, roads beside their surface, normals that differ at borders, things
-// that stand on roads. Of level 0; of the others what they cost.
+// that stand on roads and in buildings. Of level 0; of the others what they cost.
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
+#include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/model/scene.hpp"
 #include "roadquery/road_query.hpp"
 
@@ -26,6 +28,7 @@ struct SceneScores {
   std::size_t shared_vertices = 0;                     ///< of roads and terrain, on the borders of tiles
   double normal_error_deg = 0.0;                       ///< the largest between their normals
   std::size_t standing_vertices = 0, on_road = 0;      ///< of what stands beside roads; over a road by up to 4.5 m
+  std::size_t in_building = 0;                         ///< vertices of trees, barriers, lamps, objects inside buildings
   Findings faults;  ///< with their places: the worst of roads, the first of each mesh and of cracks
 };
 
@@ -45,6 +48,9 @@ class SceneScorer {
   void add_normals(const SceneTile& tile);
   void add_standing(const SceneTile& tile);
   void check_standing(MeshKind kind, const Place& p);
+  void add_shells(const SceneTile& tile);
+  void check_shells(MeshKind kind, const Place& p, const Box2& tile);
+  void note_in_building(MeshKind kind, const Place& p);
   void fault(const char* code, std::string message, const Place& at);
   void note_road_error(double error_m, const Place& at);
 
@@ -52,6 +58,18 @@ class SceneScorer {
   SceneScores scores_;
   std::vector<Edge> open_;  ///< of single tiles
   std::map<Place, std::vector<std::array<float, 3>>> border_normals_;
+  /// Triangles of buildings seen from above, with an index.
+  struct Shells {
+    std::vector<std::array<Place, 3>> triangles;
+    SpatialIndex index;
+    void make_index();
+    [[nodiscard]] bool contain(const Place& p) const;
+  };
+  Shells shells_;        ///< of the tile
+  Shells over_borders_;  ///< those that reach over the border of their tile
+  /// What stands near a border of its tile, from `first_place_`.
+  std::map<MeshKind, std::vector<std::array<float, 3>>> near_borders_;
+  std::optional<Place> first_place_;
   std::vector<float> road_errors_m_;
   std::multimap<double, Place> worst_roads_;
   std::map<std::string, int> told_;  ///< by message

@@ -28,15 +28,12 @@ constexpr std::array<NamedColor, 38> css_colors = {{
     {"wheat", 0xf5deb3},     {"ivory", 0xfffff0},
 }};
 
-constexpr std::array<NamedColor, 8> materials = {{
-    {"brick", 0xa0583f},
-    {"concrete", 0x9c9a94},
-    {"glass", 0x9fb4bd},
-    {"metal", 0x9aa0a3},
-    {"sandstone", 0xc9ac7d},
-    {"stone", 0x9b9486},
-    {"timber_framing", 0xcdbfa6},
-    {"wood", 0x8a5f3c},
+constexpr std::array<NamedColor, 19> materials = {{
+    {"brick", 0xa0583f},       {"bricks", 0xa0583f},    {"cement_block", 0x9c9a94}, {"concrete", 0x9c9a94},
+    {"copper", 0x6fa08a},      {"eternit", 0x7d7f7e},   {"glass", 0x9fb4bd},        {"metal", 0x9aa0a3},
+    {"metal_sheet", 0x9aa0a3}, {"sandstone", 0xc9ac7d}, {"slate", 0x4d5257},        {"steel", 0x9aa0a3},
+    {"stone", 0x9b9486},       {"tar_paper", 0x45423f}, {"thatch", 0x8d7a52},       {"timber_framing", 0xcdbfa6},
+    {"tin", 0xa6abad},         {"wood", 0x8a5f3c},      {"zinc", 0x8e979c},
 }};
 
 std::array<float, 3> linear(unsigned rgb) {

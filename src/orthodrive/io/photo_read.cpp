@@ -4,7 +4,9 @@
 #include <gdal_utils.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -240,8 +242,8 @@ Photo read_photo_native(const fs::path& path) {
   return photo;
 }
 
-Raster<std::uint8_t> read_image(const fs::path& path) {
-  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+namespace {
+Raster<std::uint8_t> pixels_of(const fs::path& path, const DatasetPtr& source) {
   const DatasetPtr view = as_rgb(path, *source);
   GDALDataset& rgb = view ? *view : *source;
   Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
@@ -251,6 +253,34 @@ Raster<std::uint8_t> read_image(const fs::path& path) {
                    bands, 3, GSpacing{3} * image.width, 1, nullptr) != CE_None)
     throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
   return image;
+}
+}  // namespace
+
+Raster<std::uint8_t> read_image(const fs::path& path) { return pixels_of(path, open_dataset(path, GDAL_OF_RASTER)); }
+
+PlacedImage read_placed_image(const fs::path& path) {
+  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
+  const Georeference g = georeference_of(path, *source);
+  require_complete(path, *source);
+  PlacedImage image{.crs = crs_of(g.reference), .rgb = pixels_of(path, source)};
+  std::copy_n(std::begin(g.c), image.world_from_pixel.size(), image.world_from_pixel.begin());
+  return image;
+}
+
+Raster<std::uint8_t> decode_image(std::span<const std::uint8_t> bytes) {
+  static std::atomic<int> counter{0};
+  const std::string name = fmt::format("/vsimem/orthodrive-encoded-{}", counter++);
+  std::vector<GByte> copy(bytes.begin(), bytes.end());
+  VSIFCloseL(VSIFileFromMemBuffer(name.c_str(), copy.data(), copy.size(), FALSE));
+  const std::unique_ptr<const std::string, void (*)(const std::string*)> unlinked(
+      &name, [](const std::string* file) { VSIUnlink(file->c_str()); });
+  constexpr int largest_px = 8192;
+  GdalErrors errors;
+  const DatasetPtr source(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER));
+  if (!source) throw InputError("an image", fmt::format("cannot be decoded ({})", errors.text()));
+  if (source->GetRasterXSize() > largest_px || source->GetRasterYSize() > largest_px)
+    throw InputError("an image", fmt::format("has more than {} pixels a side", largest_px));
+  return pixels_of(name, source);
 }
 
 }  // namespace orthodrive::io

@@ -1,6 +1,7 @@
 #pragma once
 // Rasters: files <-> model, through GDAL. All reading ends in the site CRS; all writing goes aside first.
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -110,6 +111,15 @@ class RasterStream {
                                         const WritePhotoOptions& options = {});
 [[nodiscard]] RasterStream stream_dtm(const std::filesystem::path& path, const Crs& crs, const GridFrame& frame);
 
+/// A picture on its own grid, whichever way that lies in whatever CRS; geographic ones count (longitude, latitude).
+struct PlacedImage {
+  Crs crs;
+  /// GDAL's: x = c[0] + c[1] col + c[2] row, y = c[3] + c[4] col + c[5] row, from the outer corner of the first pixel.
+  std::array<double, 6> world_from_pixel{};
+  Raster<std::uint8_t> rgb;
+};
+[[nodiscard]] PlacedImage read_placed_image(const std::filesystem::path& path);
+
 /// Encoded images for glTF and the report. rgb has 3 channels.
 [[nodiscard]] std::vector<std::uint8_t> encode_jpeg(const Raster<std::uint8_t>& rgb, int quality = 85);
 [[nodiscard]] std::vector<std::uint8_t> encode_webp(const Raster<std::uint8_t>& rgb, int quality = 80);
@@ -118,6 +128,8 @@ class RasterStream {
 void write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& rgb);
 /// 3 channels from any PNG/JPEG without georeferencing (training data).
 [[nodiscard]] Raster<std::uint8_t> read_image(const std::filesystem::path& path);
+/// The same of a file in memory, up to 8192 pixels a side. Throws InputError where it cannot be decoded.
+[[nodiscard]] Raster<std::uint8_t> decode_image(std::span<const std::uint8_t> bytes);
 
 /// Serialisation of class tables: {"name":...,
 /// "classes":[{"name","color","role","cost_false_positive","cost_false_negative"}]}.

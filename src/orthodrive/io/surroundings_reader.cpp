@@ -61,6 +61,13 @@ bool is_gravel(const Tags& tags) {
   return is_one_of(tag(tags, "surface"), surfaces) && tag(tags, "building").empty();
 }
 
+/// Not garages and what lies below the ground.
+bool is_parking(const Tags& tags) {
+  constexpr std::array<std::string_view, 4> built = {"underground", "multi-storey", "rooftop", "garage_boxes"};
+  if (is_set(tag(tags, "building"))) return false;
+  return (tag(tags, "amenity") == "parking" && !is_one_of(tag(tags, "parking"), built)) || tag(tags, "t") == "parking";
+}
+
 bool is_track(const Tags& tags) {
   constexpr std::array<std::string_view, 5> kinds = {"rail", "light_rail", "tram", "narrow_gauge", "preserved"};
   return is_one_of(tag(tags, "railway"), kinds) || tag(tags, "t") == "rail";
@@ -82,6 +89,7 @@ class Collector {
     if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
     if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
     if (is_gravel(tags)) return add_areas(feature.polygons, result.gravel);
+    if (is_parking(tags)) return add_areas(feature.polygons, result.parking);
     if (is_water(tags)) add_areas(feature.polygons, result.water);
   }
 

@@ -13,6 +13,7 @@
 #include <span>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/raster_io.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;
@@ -108,6 +109,17 @@ class Glb {
     return values;
   }
 
+  /// The picture that a material shows, if it lies in the file.
+  [[nodiscard]] std::span<const std::uint8_t> picture_of(const Json& material) const {
+    const Json& shown = material.value("pbrMetallicRoughness", Json::object());
+    if (!shown.contains("baseColorTexture")) return {};
+    const Json& texture = json.at("textures").at(shown.at("baseColorTexture").at("index").get<std::size_t>());
+    const Json& source = texture.contains("source") ? texture : texture.at("extensions").at("EXT_texture_webp");
+    const Json& image = json.at("images").at(source.at("source").get<std::size_t>());
+    if (!image.contains("bufferView")) return {};
+    return part(json.at("bufferViews").at(image.at("bufferView").get<std::size_t>()));
+  }
+
   Json json;
 
  private:
@@ -191,6 +203,9 @@ TriMesh read_mesh(Glb& glb, std::size_t index) {
       result.positions = z_up(glb.numbers(attributes.at("POSITION")));
       result.normals = z_up(glb.numbers(attributes.at("NORMAL")));
       if (result.normals.size() != result.positions.size()) throw Error("a mesh lacks normals");
+      const std::vector<double> uv = glb.numbers(attributes.at("TEXCOORD_0"));
+      for (std::size_t i = 0; i + 1 < uv.size(); i += 2)
+        result.uv.push_back({static_cast<float>(uv[i]), static_cast<float>(uv[i + 1])});
     }
     const std::size_t first = result.indices.size();
     for (const double v : glb.numbers(primitive.at("indices"))) {
@@ -266,6 +281,9 @@ SceneTile read_tile_glb(const TileFile& file) {
                    .row = file.row,
                    .origin = file.origin,
                    .geometric_error_m = file.geometric_error_m};
+    for (const Json& material : glb.json.value("materials", Json::array()))
+      if (material.value("name", "") == to_string(SurfaceMaterial::photo))
+        if (const auto bytes = glb.picture_of(material); !bytes.empty()) tile.texture_rgb = decode_image(bytes);
     for (const Json& node : glb.json.at("nodes")) {
       TriMesh mesh = read_mesh(glb, node.at("mesh"));
       if (node.contains("extensions") && node.at("extensions").contains("EXT_mesh_gpu_instancing")) {

@@ -22,7 +22,8 @@ struct TileFile {
 /// All tiles of all levels, parents first. Throws InputError for a tileset that is not ours.
 [[nodiscard]] std::vector<TileFile> read_tileset(const std::filesystem::path& folder);
 
-/// Meshes and copies: kinds, positions, normals and indices alone. Throws InputError for a file that is broken.
+/// Meshes and copies: kinds, positions, normals, first set of coordinates and indices alone; and the photo. Throws
+/// InputError for a file that is broken.
 [[nodiscard]] SceneTile read_tile_glb(const TileFile& file);
 
 }  // namespace orthodrive::io

@@ -61,6 +61,7 @@ struct MapSurroundings {
   std::vector<MapBarrier> barriers;
   MultiPolygon water;
   MultiPolygon gravel;           ///< ground of gravel or sand: traps of race tracks and the like
+  MultiPolygon parking;          ///< car parks on the ground
   std::vector<Polyline> tracks;  ///< of railways on the ground: the middle of a pair of rails
   std::vector<Vec2> lamps;       ///< of streets
   std::vector<MapObject> objects;

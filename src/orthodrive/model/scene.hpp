@@ -85,17 +85,20 @@ enum class SurfaceMaterial : std::uint8_t {
   ground,
   verge,
   paint,
-  facade,      ///< a storey high and a window wide
+  facade,      ///< plaster with four storeys of four windows
   roof_tiles,  ///< rows along the eaves
   foliage,     ///< leaves and needles
   water,       ///< low waves
+  balconies,   ///< of flats: as facade, with balconies
+  cladding,    ///< sheet metal, boards
+  openings,    ///< doors, gates, shop windows: places in scene/facade_picture
 };
-constexpr std::size_t surface_material_count = 12;
+constexpr std::size_t surface_material_count = 15;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
-  constexpr std::array<std::string_view, surface_material_count> names = {"photo",  "asphalt",    "concrete", "setts",
-                                                                          "gravel", "ground",     "verge",    "paint",
-                                                                          "facade", "roof_tiles", "foliage",  "water"};
+  constexpr std::array<std::string_view, surface_material_count> names = {
+      "photo",  "asphalt",    "concrete", "setts", "gravel",    "ground",   "verge",   "paint",
+      "facade", "roof_tiles", "foliage",  "water", "balconies", "cladding", "openings"};
   return names[static_cast<std::size_t>(material)];
 }
 

@@ -41,7 +41,12 @@ struct NetworkScoreOptions {
 };
 [[nodiscard]] ScoreJson score_network(const ScoreRequest& request, const NetworkScoreOptions& options);
 [[nodiscard]] ScoreJson score_network(const ScoreRequest& request);  ///< needs no truth
+/// What else a score of a scene takes in; an empty path: nothing of it.
+struct SceneScoreOptions {
+  std::filesystem::path photo;  ///< that the tiles show, with its own pixels: adds the place of their pictures
+};
 /// Of the tiles in a folder; `truth` is the OpenDRIVE file that they were made of.
+[[nodiscard]] ScoreJson score_scene(const ScoreRequest& request, const SceneScoreOptions& options);
 [[nodiscard]] ScoreJson score_scene(const ScoreRequest& request);
 /// What of a built site the truth folder knows about: labels, roads, heights, network.
 [[nodiscard]] ScoreJson score_site(const ScoreRequest& request);

@@ -167,6 +167,7 @@ ScoreJson to_json(const SceneScores& scores) {
           {"normal_error_deg", scores.normal_error_deg},
           {"standing_vertices", scores.standing_vertices},
           {"on_road", scores.on_road},
+          {"in_building", scores.in_building},
           {"faults", std::move(faults)}};
 }
 

@@ -12,6 +12,7 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
+#include "orthodrive/scene/building_mesh.hpp"
 #include "orthodrive/scene/drape.hpp"
 #include "orthodrive/scene/gravel_areas.hpp"
 #include "orthodrive/scene/kerbs.hpp"
@@ -437,6 +438,10 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     drape(tunnel_road.mesh, first_index, markings_of(layout.tunnel_lines[i], address, center), marking_lift_m, marking);
     add_kerbs(tunnel_road.mesh, first_index, kerbs_of(layout.tunnel_lines[i], address, center), kerb);
   }
+  TriMesh asphalt{.kind = MeshKind::verge};
+  if (const auto found = layout.parking_in.find(address); found != layout.parking_in.end())
+    add_parking(terrain.mesh, found->second, center, asphalt, marking);
+  add_material(SurfaceMaterial::asphalt, asphalt);
   name_roads(*layout.query, tile, road.mesh);
   name_roads(*layout.query, tile, tunnel_road.mesh);
   add_road_materials(layout, center, road.mesh);
@@ -456,9 +461,11 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     for (std::uint32_t& feature : buildings.features) feature += static_cast<std::uint32_t>(tile.features.size());
     for (const PlacedBuilding* building : found->second)
       tile.features.push_back({.kind = "building", .osm_id = building->osm_id, .type = building->use});
+    InstancedMesh chimneys = chimney_instances(found->second, tile.origin);
+    if (!chimneys.instances.empty()) tile.instanced.push_back(std::move(chimneys));
   }
   if (const auto found = layout.trees_in.find(address); found != layout.trees_in.end())
-    tile.instanced = tree_instances(found->second, tile.origin);
+    std::ranges::move(tree_instances(found->second, tile.origin), std::back_inserter(tile.instanced));
   if (const auto found = layout.lamps_in.find(address); found != layout.lamps_in.end())
     tile.instanced.push_back(lamp_instances(found->second, tile.origin));
   std::vector<TriMesh> along_lines;
@@ -470,9 +477,9 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin, along_lines);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh,       &road.mesh, &body.mesh, &verge,
-                               &gravel,       &marking,          &kerb,      &structure, &rails,
-                               &buildings,    &tunnel_road.mesh, &tube};
+  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh,        &body.mesh, &verge,
+                               &gravel,       &asphalt,    &marking,          &kerb,      &structure,
+                               &rails,        &buildings,  &tunnel_road.mesh, &tube};
   for (TriMesh& mesh : along_lines) all.push_back(&mesh);
   for (TriMesh* mesh : all) {
     if (mesh->indices.empty()) continue;

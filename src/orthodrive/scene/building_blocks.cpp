@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/scene/building_mesh.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -18,7 +19,7 @@ PlacedBuilding block_of(const PlacedBuilding& building, const BlockOptions& opti
   const bool is_changed = block.footprint.outer.size() != building.footprint.outer.size() ||
                           block.footprint.holes.size() != building.footprint.holes.size();
   if (!is_changed && building.roof.shape == RoofShape::flat) return block;
-  block.roof = make_roof(block.footprint, RoofShape::flat, 0.0, 0.0);
+  block.roof = make_roof(block.footprint, {});
   block.eaves_z_m += sunk_m;
   error_m = std::max({error_m, sunk_m, is_changed ? options.outline_m : 0.0});
   return block;
@@ -33,12 +34,13 @@ Blocks building_blocks(std::span<const PlacedBuilding* const> buildings, Vec3 or
     if (height_m(*building) <= options.size_m) {
       result.error_m = std::max(result.error_m, height_m(*building));
     } else {
+      result.error_m = std::max(result.error_m, detail_reach_m(*building));
       blocks.push_back(block_of(*building, options, result.error_m));
     }
   }
   std::vector<const PlacedBuilding*> views;
   for (const PlacedBuilding& block : blocks) views.push_back(&block);
-  result.mesh = building_mesh(views, origin);
+  result.mesh = building_mesh(views, origin, BuildingDetail::blocks);
   result.mesh.features.clear();
   return result;
 }

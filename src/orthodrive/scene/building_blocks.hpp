@@ -14,7 +14,7 @@ struct BlockOptions {
 };
 
 struct Blocks {
-  TriMesh mesh;          ///< as building_mesh() makes it, without features
+  TriMesh mesh;          ///< as building_mesh() makes blocks, without features
   double error_m = 0.0;  ///< the largest distance that a silhouette has moved
 };
 

@@ -323,7 +323,7 @@ SceneTile ready_to_coarsen(SceneTile tile) {
     tile.geometric_error_m = std::max(tile.geometric_error_m, railing_height_m);
   tile.geometric_error_m = std::max(tile.geometric_error_m, close_openings(tile));
   std::erase_if(tile.meshes, [](const TriMesh& mesh) { return is_left_out(mesh.kind); });
-  std::erase_if(tile.instanced, [](const InstancedMesh& copied) { return copied.mesh.kind == MeshKind::lamp; });
+  std::erase_if(tile.instanced, [](const InstancedMesh& copied) { return copied.mesh.kind != MeshKind::tree; });
   tile.features = {};
   for (TriMesh& mesh : tile.meshes)
     if (is_ground(mesh.kind)) mesh.uv = {}, mesh.tile_uv = {}, mesh.colors = {};

@@ -36,19 +36,20 @@ FreeSpace::FreeSpace(const Obstacles& obstacles) : obstacles_(obstacles) {
   index_ = SpatialIndex(boxes);
 }
 
-double FreeSpace::around(Vec2 p, double radius_m, double below_z_m) const {
+double FreeSpace::around(Vec2 p, double radius_m, const FreeOf& but) const {
   if (!obstacles_.area.contains(p) || obstacles_.openings.contains(p)) return 0.0;
   double free_m = std::min(radius_m, obstacles_.openings.nearest(p).distance_m);
   for (const RoadLevel* level : obstacles_.levels) {
     const NearestBorder border = level->outline().nearest(p);
     if (level->outline().contains(p)) {
       const auto on = level->sample(p);
-      if (!on || on->z_m <= below_z_m) return 0.0;
-    } else if (border.distance_m < free_m && border.z_m <= below_z_m) {
+      if (!on || on->z_m <= but.below_z_m) return 0.0;
+    } else if (border.distance_m < free_m && border.z_m <= but.below_z_m) {
       free_m = border.distance_m;
     }
   }
   for (const std::uint32_t i : index_.near(p, free_m)) {
+    if (i == but.besides) continue;
     const PlacedBuilding& building = obstacles_.buildings[i];
     free_m = std::min(free_m, distance_to(p - building.middle, building.footprint));
   }

@@ -1,6 +1,7 @@
 #pragma once
 // Where nothing stands: beside roads, decks, openings of the ground and buildings, in the area.
 
+#include <limits>
 #include <span>
 
 #include "orthodrive/geo/spatial_index.hpp"
@@ -17,13 +18,17 @@ struct Obstacles {
   const Outline& openings;
 };
 
+/// What does not count.
+struct FreeOf {
+  double below_z_m = std::numeric_limits<double>::infinity();     ///< roads that lie higher where they are nearest
+  std::size_t besides = std::numeric_limits<std::size_t>::max();  ///< the building of that number
+};
+
 class FreeSpace {
  public:
   explicit FreeSpace(const Obstacles& obstacles);
-  /// The radius of the free disc around p, up to the one given; 0 outside the area and on what stands there. Roads that
-  /// lie higher than `below_z_m` where they are nearest do not count.
-  [[nodiscard]] double around(Vec2 p, double radius_m,
-                              double below_z_m = std::numeric_limits<double>::infinity()) const;
+  /// The radius of the free disc around p, up to the one given; 0 outside the area and on what stands there.
+  [[nodiscard]] double around(Vec2 p, double radius_m, const FreeOf& but = {}) const;
   [[nodiscard]] bool is_in_area(Vec2 p) const { return obstacles_.area.contains(p); }
 
  private:

@@ -81,7 +81,7 @@ class FreeRuns {
     const double half_m = options_.half_width_m;
     const double reach_m = std::hypot(0.5 * length_m + lean_ * half_m, half_m) + clearance_m;
     const double below_z_m = ground_.height_m(middle) + options_.room_m;
-    if (space_.around(middle, reach_m, below_z_m) >= reach_m) {
+    if (space_.around(middle, reach_m, {.below_z_m = below_z_m}) >= reach_m) {
       if (!is_open_) runs_.push_back({a});
       runs_.back().push_back(b);
       is_open_ = true;

@@ -79,6 +79,21 @@ std::vector<Polygon> strip_pieces(const roadquery::Road& road, const std::vector
   return pieces;
 }
 
+/// What the road query takes for road beyond the ends of a strip: 0.25 m.
+std::vector<Polygon> end_pieces(const roadquery::Road& road, const std::vector<CrossSection>& strip) {
+  constexpr double beyond_m = 0.26;
+  std::vector<Polygon> pieces;
+  if (strip.size() < 2) return pieces;
+  for (const auto& [end, outwards] : {std::pair(&strip.front(), -1.0), std::pair(&strip.back(), 1.0)}) {
+    const double hdg = roadquery::reference_point(road, end->s_m).hdg;
+    const Vec2 step = Vec2{std::cos(hdg), std::sin(hdg)} * (outwards * beyond_m);
+    Ring ring = convex_hull({snap_to_grid(plan(end->left)), snap_to_grid(plan(end->right)),
+                             snap_to_grid(plan(end->left) + step), snap_to_grid(plan(end->right) + step)});
+    if (ring.size() >= 3 && signed_area_m2(ring) > min_piece_area_m2) pieces.push_back({std::move(ring), {}});
+  }
+  return pieces;
+}
+
 /// The union of counter-clockwise pieces that meet in common edges: what is left of all edges once those that run in
 /// both directions are taken out. Where that is one simple ring it winds once around every place inside, and so each
 /// lies in one piece only. Nothing otherwise: pieces overlap, where an inner edge runs backwards.
@@ -157,6 +172,8 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
     all.push_back(area_of_junction);
     pieces_.push_back(std::move(area_of_junction));
   }
+  for (std::size_t i = 0; i < roads_.size(); ++i)
+    std::ranges::move(end_pieces(*roads_[i], strips_[i]), std::back_inserter(pieces_));
   std::vector<Box2> boxes;
   for (const Polygon& piece : pieces_) boxes.push_back(bounds_of(piece.outer));
   piece_index_ = SpatialIndex(boxes);

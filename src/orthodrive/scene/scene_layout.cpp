@@ -245,7 +245,7 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
 
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
-  buildings = place_buildings(known, levels, area, *ground, *photo, options.threads, findings);
+  buildings = place_buildings(known, {levels, area, *ground, *photo, options.threads}, findings);
   for (const PlacedBuilding& building : buildings) buildings_in[tile_at(building.middle)].push_back(&building);
   const FreeSpace space({levels, buildings, area, openings});
   trees = plant_trees(crowns, window.trees, space, *ground, *photo, options.threads);
@@ -262,6 +262,10 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   objects = by_tile(std::move(standing.small));
   tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
+  std::vector<const RoadLevel*> levels = {&roads};
+  for (const RoadLevel& deck : decks) levels.push_back(&deck);
+  parking = place_parking(surroundings.parking, {levels, buildings, waters, area, *photo, options.threads});
+  for (const PlacedParking& one : parking) parking_in[tile_at(one.middle)].push_back(&one);
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
 

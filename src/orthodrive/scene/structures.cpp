@@ -102,6 +102,48 @@ std::vector<BorderRun> runs_of(const RoadLevel& level, const Wanted& wanted) {
   return runs;
 }
 
+/// Whether a place lies on the surface of a road that cars drive, or not far over it. The road query knows more of
+/// roads than their meshes show: it goes on a little beyond their ends.
+bool is_driven(const StructureInput& input, const Vec3& p) {
+  constexpr double border_m = 0.01, below_m = 0.3, above_m = 4.5;
+  const auto is_over = [&](double dx, double dy) {
+    roadquery::Cursor cursor;
+    const auto z = input.query.find_height(p.x + dx, p.y + dy, p.z, cursor);
+    return z && p.z - *z > -below_m && p.z - *z < above_m;
+  };
+  return is_over(0.0, 0.0) && is_over(border_m, 0.0) && is_over(-border_m, 0.0) && is_over(0.0, border_m) &&
+         is_over(0.0, -border_m);
+}
+
+struct Strip {
+  double near_m = 0.0, far_m = 0.0;  ///< outwards
+};
+
+/// The parts of a run whose points have no road within the strip.
+std::vector<BorderRun> free_parts(const StructureInput& input, const BorderRun& run, const Strip& strip) {
+  std::vector<BorderRun> parts;
+  bool is_open = false;
+  const auto is_free = [&](std::size_t i) {
+    const Vec3 p = run.points[i];
+    const auto is_at = [&](double off_m) {
+      return is_driven(input, at(Vec2{p.x, p.y} + run.outwards[i] * off_m, p.z));
+    };
+    return !is_at(strip.near_m) && !is_at(0.5 * (strip.near_m + strip.far_m)) && !is_at(strip.far_m);
+  };
+  for (std::size_t i = 0; i < run.points.size(); ++i) {
+    if (!is_free(i)) {
+      is_open = false;
+      continue;
+    }
+    if (!is_open) parts.emplace_back();
+    is_open = true;
+    parts.back().points.push_back(run.points[i]);
+    parts.back().outwards.push_back(run.outwards[i]);
+  }
+  std::erase_if(parts, [](const BorderRun& part) { return part.points.size() < 2; });
+  return parts;
+}
+
 /// A bar of a rectangular profile along a run: from `near` to `far` m outwards and `low` to `high` m above the border.
 void add_bar(const BorderRun& run, double near_m, double far_m, double low_m, double high_m, const LinearColor& color,
              Faces& faces) {
@@ -159,6 +201,7 @@ void add_posts(const StructureInput& input, const BorderRun& run, const PostOpti
     const double low_s = s_a + std::min(0.0, s_per_share), high_s = s_a + std::max(0.0, s_per_share);
     for (double s = (std::ceil(low_s / options.step_m - 0.5) + 0.5) * options.step_m; s < high_s; s += options.step_m) {
       const Vec3 p = a + (b - a) * ((s - s_a) / s_per_share);
+      if (is_driven(input, at(Vec2{p.x, p.y} + out * options.off_m, p.z))) continue;
       faces.post(Vec2{p.x, p.y} + out * options.off_m, along * (0.5 * post_m), out * (-0.5 * post_m),
                  p.z + options.low_m, p.z + options.high_m, color);
     }
@@ -197,9 +240,7 @@ const roadquery::Road* road_along(const StructureInput& input, const BorderSegme
 }
 
 void add_deck_sides(const StructureInput& input, const RoadLevel& deck, Faces& faces) {
-  for (const BorderRun& run : runs_of(deck, [&](const BorderSegment&s, Vec2 outwards) {
-         return road_along(input, s, outwards) != nullptr && is_free_beside(input, s, outwards, beam_width_m);
-       })) {
+  const auto add_side = [&](const BorderRun& run) {
     add_beam(run, input.deck_thickness_m, faces);
     faces.are_rails = true;
     const double off_m = 0.5 * beam_width_m, top_m = beam_rise_m + railing_m;
@@ -207,7 +248,11 @@ void add_deck_sides(const StructureInput& input, const RoadLevel& deck, Faces& f
       add_bar(run, off_m - 0.5 * bar_m, off_m + 0.5 * bar_m, height_m, height_m + bar_m, steel, faces);
     add_posts(input, run, {off_m, post_step_m, beam_rise_m, top_m - bar_m}, steel, faces);
     faces.are_rails = false;
-  }
+  };
+  for (const BorderRun& run : runs_of(deck, [&](const BorderSegment&s, Vec2 outwards) {
+         return road_along(input, s, outwards) != nullptr && is_free_beside(input, s, outwards, beam_width_m);
+       }))
+    for (const BorderRun& part : free_parts(input, run, {0.0, beam_width_m})) add_side(part);
 }
 
 void add_guard_rails(const StructureInput& input, Faces& faces) {
@@ -217,9 +262,11 @@ void add_guard_rails(const StructureInput& input, Faces& faces) {
          return road != nullptr && (road->highway.starts_with("motorway") || road->highway.starts_with("trunk")) &&
                 is_free_beside(input, s, outwards, rail_off_m + 0.5);
        })) {
-    add_bar(run, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, steel, faces);
-    add_posts(input, run, {rail_off_m + rail_thick_m + 0.5 * post_m, rail_post_step_m, -0.5, rail_high_m - 0.05}, steel,
-              faces);
+    for (const BorderRun& part : free_parts(input, run, {rail_off_m, rail_off_m + rail_thick_m + post_m})) {
+      add_bar(part, rail_off_m, rail_off_m + rail_thick_m, rail_low_m, rail_high_m, steel, faces);
+      add_posts(input, part, {rail_off_m + rail_thick_m + 0.5 * post_m, rail_post_step_m, -0.5, rail_high_m - 0.05},
+                steel, faces);
+    }
   }
 }
 
@@ -300,7 +347,8 @@ void add_island_kerbs(const StructureInput& input, Faces& faces) {
       for (int halves = 0; halves < 3 && is_on_road(); ++halves) run.outwards[i] = run.outwards[i] * 0.5;
       if (is_on_road()) run.outwards[i] = {};
     }
-    add_bar(run, 0.0, island_stone_m, -kerb_foot_m, island_kerb_m, kerb_stone, faces);
+    for (const BorderRun& part : free_parts(input, run, {0.0, island_stone_m}))
+      add_bar(part, 0.0, island_stone_m, -kerb_foot_m, island_kerb_m, kerb_stone, faces);
   }
 }
 

@@ -4,9 +4,11 @@
 #include <cassert>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/scene/facade_picture.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -190,16 +192,162 @@ TexelAt paint() {
   };
 }
 
-/// One window in plaster: a storey high, a bay wide. v grows downwards.
-TexelAt facade() {
-  return [plaster = Fractal(64, 4, 101), stains = Fractal(4, 4, 102)](double u, double v) {
-    const double across = std::abs(u - 0.5), up = std::abs(v - 0.47);
-    const bool frame = across < 0.20 && up < 0.25, sill = across < 0.22 && v > 0.72 && v < 0.745;
-    const bool glass = across < 0.175 && across > 0.008 && up < 0.225;
-    if (glass) return Texel{.shade = -0.78 + 0.25 * (0.7 - v), .warmth = -0.2, .height_m = -0.03, .roughness = 0.1};
-    if (frame || sill) return Texel{.shade = 0.3, .height_m = sill ? 0.03 : 0.0, .roughness = 0.6};
-    const double p = plaster.at(u, v);
-    return Texel{.shade = 0.05 * p + 0.05 * stains.at(u, v), .warmth = 0.01, .height_m = 0.002 * p, .roughness = 0.92};
+// ---- facades: u across, v down
+
+bool is_between(double v, double low, double high) { return v >= low && v < high; }
+
+Texel pane(double darker, double v) {
+  return {.shade = -0.95 + darker + 0.12 * (0.7 - v), .warmth = -0.06, .height_m = -0.03, .roughness = 0.08};
+}
+
+/// A window in the middle of a bay and a storey (0..1 both); nothing beside it. `kind` tells windows apart.
+std::optional<Texel> window(double x, double y, double kind) {
+  const double across = std::abs(x - 0.5), wide = kind < 0.35 ? 0.15 : 0.20, top = 0.22, foot = 0.71;
+  if (across < wide + 0.02 && is_between(y, foot, foot + 0.03))
+    return Texel{.shade = 0.25, .height_m = 0.03, .roughness = 0.6};
+  if (across >= wide || !is_between(y, top, foot)) return std::nullopt;
+  const double rim = 0.022;
+  const bool mullion = kind < 0.35 ? false : across < 0.5 * rim;
+  const bool transom = kind > 0.7 && is_between(y, top + 0.14, top + 0.16);
+  if (across > wide - rim || y < top + rim || y > foot - rim || mullion || transom)
+    return Texel{.shade = 0.35, .height_m = -0.01, .roughness = 0.5};
+  const double blind = kind * 7.0 - std::floor(kind * 7.0);  // what hangs behind the panes
+  if (blind > 0.75 && y < top + 0.6 * (foot - top)) return pane(0.75, y);
+  if (is_between(blind, 0.35, 0.75) && across > wide - 0.07 - 0.05 * blind) return pane(0.5, y);
+  return pane(0.15 * blind, y);
+}
+
+/// A loggia: a slab, a parapet of panels, a dark room behind it with a door and a window.
+Texel loggia(double x, double y, double kind) {
+  const double across = std::abs(x - 0.5);
+  if (across > 0.47) return {.shade = 0.05};
+  if (y > 0.94 || y < 0.02) return {.shade = 0.2, .height_m = 0.03, .roughness = 0.8};
+  if (y > 0.62)
+    return {.shade = (kind < 0.5 ? 0.16 : -0.18) - 0.06 * (std::fmod(x * 12.0, 1.0) < 0.08 ? 1.0 : 0.0),
+            .warmth = 0.06 * (kind - 0.5),
+            .height_m = 0.03,
+            .roughness = 0.7};
+  if (y > 0.6) return {.shade = 0.1, .height_m = 0.03, .roughness = 0.5};
+  if (is_between(x, 0.15, 0.42) || (is_between(x, 0.5, 0.85) && y < 0.55)) {
+    const bool frame = x < 0.17 || is_between(x, 0.4, 0.42) || is_between(x, 0.5, 0.52) || x > 0.83 || y < 0.16;
+    return frame ? Texel{.shade = -0.2, .height_m = -0.03, .roughness = 0.6} : pane(kind > 0.6 ? 0.3 : 0.0, y);
+  }
+  return {.shade = -0.5 - 0.25 * (0.6 - y), .height_m = -0.03};
+}
+
+/// Four storeys of four bays in plaster; with_balconies: every second bay has a loggia.
+TexelAt facade(bool with_balconies) {
+  return [with_balconies, kinds = ValueNoise(facade_bays, 103), plaster = Fractal(64, 4, 101),
+          stains = Fractal(4, 4, 102)](double u, double v) {
+    const double across = u * facade_bays, down = v * facade_bays;
+    const int bay = static_cast<int>(across), storey = static_cast<int>(down);
+    const double kind = 0.5 + 0.499 * kinds.corner(bay, storey), x = across - bay, y = down - storey;
+    if (with_balconies && bay % 2 == 1) return loggia(x, y, kind);
+    if (const auto glazed = window(x, y, kind)) return *glazed;
+    const double p = plaster.at(u, v), joint = with_balconies && (x < 0.01 || y > 0.985) ? -0.15 : 0.0;
+    return Texel{
+        .shade = 0.05 * p + 0.05 * stains.at(u, v) + joint, .warmth = 0.01, .height_m = 0.002 * p, .roughness = 0.92};
+  };
+}
+
+/// Sheets with ribs of 0.25 m, joined every 2 m.
+TexelAt cladding() {
+  constexpr double ribs = 16.0, rows = 2.0;
+  return [dirt = Fractal(8, 4, 141), grain = Fractal(64, 2, 142)](double u, double v) {
+    const double x = u * ribs - std::floor(u * ribs), y = v * rows - std::floor(v * rows);
+    const double rib = std::clamp(4.0 * (0.35 - std::abs(x - 0.5)), 0.0, 1.0);
+    const double joint = y < 0.006 ? 1.0 : 0.0;
+    return Texel{.shade = 0.05 * rib - 0.12 * (x < 0.06 ? 1.0 : 0.0) - 0.2 * joint + 0.05 * dirt.at(u, v),
+                 .height_m = 0.02 * rib + 0.0005 * grain.at(u, v),
+                 .roughness = 0.55};
+  };
+}
+
+/// What doors, gates and frames are: bright, because the mesh's colours are their paint.
+Texel painted(double shade, double height_m = 0.0) {
+  return {.shade = 0.55 + shade, .height_m = height_m, .roughness = 0.55};
+}
+
+Texel ribbon(double x, double y) {
+  const bool frame = std::abs(x - 0.5) > 0.47 || y < 0.07 || y > 0.93;
+  return frame ? painted(0.0) : pane(0.1 * (x > 0.5 ? 1.0 : 0.0), y);
+}
+
+Texel shop_front(double x, double y) {
+  if (y < 0.17) return painted(y > 0.15 ? -0.4 : -0.1, 0.01);
+  if (y > 0.88) return painted(-0.5);
+  if (std::abs(x - 0.5) > 0.475) return painted(0.0, 0.01);
+  if (is_between(y, 0.30, 0.315)) return painted(0.0, 0.01);
+  return pane(0.25 * std::max(0.0, y - 0.5), y);
+}
+
+Texel garage_gate(double x, double y) {
+  if (std::abs(x - 0.5) > 0.455 || y < 0.05) return painted(-0.35, 0.02);
+  const double panel = y * 5.0 - std::floor(y * 5.0);
+  return painted(panel < 0.06 ? -0.3 : 0.02 * panel, panel < 0.06 ? -0.01 : 0.0);
+}
+
+Texel hall_gate(double x, double y) {
+  if (std::abs(x - 0.5) > 0.46 || y < 0.04) return painted(-0.4, 0.02);
+  if (is_between(y, 0.42, 0.5) && std::abs(x - 0.5) < 0.38 && std::fmod(x * 8.0, 1.0) > 0.12) return pane(0.1, y);
+  const double slat = y * 12.0 - std::floor(y * 12.0);
+  return painted(slat < 0.1 ? -0.25 : 0.0, slat < 0.1 ? -0.01 : 0.0);
+}
+
+Texel house_door(double x, double y, bool has_pane_beside) {
+  if (x < 0.06 || x > 0.94 || y < 0.05) return painted(0.05, 0.01);
+  if (y > 0.96) return painted(-0.6);  // the step
+  if (has_pane_beside && x > 0.66) return x < 0.70 ? painted(0.05, 0.01) : pane(0.1, y);
+  const double middle = has_pane_beside ? 0.36 : 0.5, half = has_pane_beside ? 0.3 : 0.42;
+  const double across = (x - middle) / half;
+  if (is_between(y, 0.12, 0.42) && std::abs(across) < 0.45) return pane(0.1, y);
+  if (is_between(y, 0.52, 0.56) && across > 0.7) return painted(-0.7, 0.01);
+  const bool groove = is_between(y, 0.6, 0.61) || std::abs(std::abs(across) - 0.97) < 0.03;
+  return painted(groove ? -0.4 : -0.12);
+}
+
+Texel entrance(double x, double y) {
+  if (y < 0.12) return painted(-0.25, 0.03);  // the canopy
+  if (std::abs(x - 0.5) > 0.46 || std::abs(x - 0.5) < 0.025 || y < 0.17 || y > 0.95 || is_between(y, 0.34, 0.36))
+    return painted(0.0, 0.01);
+  return pane(0.12, y);
+}
+
+Texel church_window(double x, double y) {
+  const double across = std::abs(x - 0.5), arch = 0.28;  // of the height
+  const double dy = y < arch ? (arch - y) / arch : 0.0, reach = std::hypot(across / 0.5, dy);
+  if (reach > 1.0) return painted(-0.1);
+  if (reach > 0.8 || y > 0.96) return painted(0.05, 0.02);
+  const bool bars = across < 0.02 || std::fmod(y * 8.0, 1.0) < 0.08;
+  return bars ? painted(-0.6) : pane(0.12, y);
+}
+
+/// The strips and cells of scene/facade_picture.
+TexelAt openings() {
+  return [grain = Fractal(64, 3, 151)](double u, double v) {
+    const int strip = static_cast<int>(v / opening_strip);
+    const double y = std::clamp(
+        (v / opening_strip - strip - opening_rim / opening_strip) / (1.0 - 2.0 * opening_rim / opening_strip), 0.0,
+        0.9999);
+    const auto part = [&](double count) { return u * count - std::floor(u * count); };
+    Texel texel;
+    if (strip == 0) {
+      texel = ribbon(part(8.0), y);
+    } else if (strip == 1) {
+      texel = shop_front(part(4.0), y);
+    } else if (strip == 2) {
+      texel = garage_gate(part(4.0), y);
+    } else {
+      const int cell = static_cast<int>(u * opening_cells);
+      const double x = std::clamp((u * opening_cells - cell - 0.04) / 0.92, 0.0, 0.9999);
+      texel = cell < 2    ? house_door(x, y, cell == 1)
+              : cell == 2 ? entrance(x, y)
+              : cell == 3 ? hall_gate(x, y)
+              : cell == 4 ? church_window(x, y)
+                          : painted(0.0);
+    }
+    texel.shade += 0.03 * grain.at(u, v);
+    return texel;
   };
 }
 
@@ -253,7 +401,13 @@ TexelAt texels_of(SurfaceMaterial material) {
     case SurfaceMaterial::paint:
       return paint();
     case SurfaceMaterial::facade:
-      return facade();
+      return facade(false);
+    case SurfaceMaterial::balconies:
+      return facade(true);
+    case SurfaceMaterial::cladding:
+      return cladding();
+    case SurfaceMaterial::openings:
+      return openings();
     case SurfaceMaterial::roof_tiles:
       return roof_tiles();
     case SurfaceMaterial::foliage:

@@ -1,0 +1,137 @@
+#include "orthodrive/evaluate/texture_position.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace orthodrive {
+namespace {
+
+constexpr double tile_m = 480.0;
+constexpr int window_px = 48, windows_a_side = 4;
+constexpr int samples_a_texel = 3;      // across: a texel is the mean over its square
+constexpr double least_gradient = 4.0;  // of brightness a texel, root of the mean square, in the weaker direction
+constexpr int steps = 8;                // of Gauss and Newton
+constexpr double found_px = 1e-3;       // the last step's length
+
+struct Window {
+  int col = 0, row = 0;  // of its north-western texel
+};
+
+/// Brightness of the photo on the texels of a window, moved by d texels (to the east and south), and on those around
+/// it; row by row, window_px + 2 a side. Nothing where it shows nothing.
+std::optional<std::vector<double>> photo_on(const SceneTile& tile, const Window& window, Vec2 d,
+                                            const BrightnessAt& photo) {
+  const double texel_m = tile_m / tile.texture_rgb.width;
+  const Vec2 north_west{tile.origin.x - 0.5 * tile_m, tile.origin.y + 0.5 * tile_m};
+  std::vector<double> values;
+  for (int row = -1; row <= window_px; ++row) {
+    for (int col = -1; col <= window_px; ++col) {
+      double sum = 0.0;
+      for (int j = 0; j < samples_a_texel; ++j) {
+        for (int i = 0; i < samples_a_texel; ++i) {
+          const Vec2 px{window.col + col + d.x + (i + 0.5) / samples_a_texel,
+                        window.row + row + d.y + (j + 0.5) / samples_a_texel};
+          const auto value = photo(north_west + Vec2{px.x, -px.y} * texel_m);
+          if (!value) return std::nullopt;
+          sum += *value;
+        }
+      }
+      values.push_back(sum / (samples_a_texel * samples_a_texel));
+    }
+  }
+  return values;
+}
+
+/// Where the tile's picture lies from the photo, in texels to the east and south. Nothing where a window shows too
+/// little, or no shift is found.
+std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const BrightnessAt& photo) {
+  const auto brightness = [&](int col, int row) {
+    double sum = 0.0;
+    for (int channel = 0; channel < 3; ++channel)
+      sum += tile.texture_rgb.at(window.col + col, window.row + row, channel);
+    return sum / 3.0;
+  };
+  Vec2 d;  // the picture at p shows what the photo has at p - d
+  for (int step = 0; step < steps; ++step) {
+    const auto values = photo_on(tile, window, d * -1.0, photo);
+    if (!values) return std::nullopt;
+    const auto value = [&](int col, int row) {
+      return (*values)[static_cast<std::size_t>((row + 1) * (window_px + 2) + col + 1)];
+    };
+    // Least squares for T - R = gain R + offset - g . d.
+    std::array<std::array<double, 5>, 4> normal{};
+    for (int row = 0; row < window_px; ++row) {
+      for (int col = 0; col < window_px; ++col) {
+        const double r = value(col, row);
+        const std::array<double, 4> terms = {-0.5 * (value(col + 1, row) - value(col - 1, row)),
+                                             -0.5 * (value(col, row + 1) - value(col, row - 1)), r / 255.0, 1.0};
+        const double left = brightness(col, row) - r;
+        for (std::size_t i = 0; i < 4; ++i) {
+          for (std::size_t k = 0; k < 4; ++k) normal[i][k] += terms[i] * terms[k];
+          normal[i][4] += terms[i] * left;
+        }
+      }
+    }
+    const double a = normal[0][0], b = normal[0][1], c = normal[1][1];
+    const double weaker = 0.5 * (a + c) - std::sqrt(0.25 * (a - c) * (a - c) + b * b);
+    if (weaker < least_gradient * least_gradient * window_px * window_px) return std::nullopt;
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (!(normal[i][i] > 1e-9)) return std::nullopt;
+      for (std::size_t k = i + 1; k < 4; ++k) {
+        const double factor = normal[k][i] / normal[i][i];
+        for (std::size_t m = i; m < 5; ++m) normal[k][m] -= factor * normal[i][m];
+      }
+    }
+    std::array<double, 4> x{};
+    for (std::size_t i = 4; i-- > 0;) {
+      double rest = normal[i][4];
+      for (std::size_t k = i + 1; k < 4; ++k) rest -= normal[i][k] * x[k];
+      x[i] = rest / normal[i][i];
+    }
+    d = d + Vec2{x[0], x[1]};
+    if (std::hypot(d.x, d.y) > 0.5 * window_px) return std::nullopt;
+    if (std::hypot(x[0], x[1]) < found_px) return d;
+  }
+  return d;
+}
+
+double error_of_coordinates_px(const SceneTile& tile) {
+  double worst = 0.0;
+  for (const TriMesh& mesh : tile.meshes) {
+    if (mesh.kind != MeshKind::terrain) continue;
+    for (std::size_t i = 0; i < std::min(mesh.uv.size(), mesh.positions.size()); ++i) {
+      const double u = static_cast<double>(mesh.positions[i][0]) / tile_m + 0.5,
+                   v = 0.5 - static_cast<double>(mesh.positions[i][1]) / tile_m;
+      worst = std::max(worst, tile.texture_rgb.width * std::hypot(static_cast<double>(mesh.uv[i][0]) - u,
+                                                                  static_cast<double>(mesh.uv[i][1]) - v));
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TexturePosition texture_position(const SceneTile& tile, const BrightnessAt& photo) {
+  TexturePosition position;
+  const int size = tile.texture_rgb.width;
+  if (tile.level != 0 || size < windows_a_side * (window_px + 2) || tile.texture_rgb.height != size) return position;
+  const double of_coordinates = error_of_coordinates_px(tile);
+  const double texel_m = tile_m / size;
+  for (int k = 0; k < windows_a_side * windows_a_side; ++k) {
+    const auto first = [&](int part) { return (2 * part + 1) * size / (2 * windows_a_side) - window_px / 2; };
+    const Window window{first(k % windows_a_side), first(k / windows_a_side)};
+    const auto shift = shift_of(tile, window, photo);
+    if (!shift) continue;
+    ++position.windows;
+    const double error = std::hypot(shift->x, shift->y) + of_coordinates;
+    if (error <= position.error_px) continue;
+    position.error_px = error;
+    position.at = Vec2{tile.origin.x - 0.5 * tile_m, tile.origin.y + 0.5 * tile_m} +
+                  Vec2{window.col + 0.5 * window_px, -(window.row + 0.5 * window_px)} * texel_m;
+  }
+  return position;
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,116 @@
+#include "orthodrive/scene/eaves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "orthodrive/scene/plan_grid.hpp"
+
+namespace orthodrive::scene {
+namespace {
+
+using Key = std::array<double, 2>;
+Key key_of(const Vec3& p) { return {p.x, p.y}; }
+
+Vec2 outwards_of(const Ring& ring, std::size_t edge) {
+  return left_normal(normalized(ring[(edge + 1) % ring.size()] - ring[edge])) * -1.0;
+}
+
+/// Where the lines beside two edges that meet in a corner meet, from there.
+Vec2 corner_step(Vec2 n, double n_m, Vec2 m, double m_m) {
+  constexpr double parallel = 0.1;  // sine
+  const double sine = cross(n, m);
+  if (std::abs(sine) < parallel) return (n + m) * (0.5 * std::min(n_m, m_m));
+  // d with dot(d, n) = n_m and dot(d, m) = m_m
+  return {(n_m * m.y - m_m * n.y) / sine, (m_m * n.x - n_m * m.x) / sine};
+}
+
+/// How the points of the slopes' border move in plan; nothing for those inside.
+class Steps {
+ public:
+  Steps(const Ring& outer, std::span<const double> out_m) : outer_(outer), out_m_(out_m) {
+    for (std::size_t i = 0; i < outer.size(); ++i) {
+      const std::size_t before = (i + outer.size() - 1) % outer.size();
+      corners_[{outer[i].x, outer[i].y}] =
+          corner_step(outwards_of(outer, before), out_m[before], outwards_of(outer, i), out_m[i]);
+    }
+  }
+  [[nodiscard]] Vec2 at(const Vec3& p) const {
+    if (const auto corner = corners_.find(key_of(p)); corner != corners_.end()) return corner->second;
+    constexpr double on_edge_m = 4.0 * plan_grid_m;
+    for (std::size_t i = 0; i < outer_.size(); ++i) {
+      const Vec2 a = outer_[i], b = outer_[(i + 1) % outer_.size()], u = normalized(b - a), d = Vec2{p.x, p.y} - a;
+      if (std::abs(cross(u, d)) < on_edge_m && dot(u, d) > 0.0 && dot(u, d) < distance(a, b))
+        return outwards_of(outer_, i) * out_m_[i];
+    }
+    return {};
+  }
+
+ private:
+  const Ring& outer_;
+  std::span<const double> out_m_;
+  std::map<Key, Vec2> corners_;
+};
+
+double height_on(const std::array<Vec3, 3>& t, Vec2 p) {
+  const Vec3 a = t[1] - t[0], b = t[2] - t[0];
+  const Vec2 d = p - Vec2{t[0].x, t[0].y};
+  const double det = a.x * b.y - a.y * b.x;
+  return t[0].z + a.z * (d.x * b.y - d.y * b.x) / det + b.z * (a.x * d.y - a.y * d.x) / det;
+}
+
+double plan_area(const std::array<Vec3, 3>& t) {
+  return (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
+}
+
+}  // namespace
+
+Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> out_m) {
+  const Eaves as_it_is{roof.slopes, {}};
+  if (std::ranges::all_of(out_m, [](double m) { return m == 0.0; })) return as_it_is;
+  const Steps steps(outer, out_m);
+  std::map<std::array<Key, 2>, std::array<Vec3, 2>> border;
+  for (const auto& slope : roof.slopes)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 a = slope[k], b = slope[(k + 1) % 3];
+      if (border.erase({key_of(b), key_of(a)}) == 0) border[{key_of(a), key_of(b)}] = {a, b};
+    }
+  struct Moved {
+    Vec3 at;
+    int planes = 0;
+  };
+  std::map<Key, Moved> moved;
+  for (const auto& [unused, edge] : border)
+    for (const Vec3& p : edge) {
+      const Vec2 q = snap_to_grid(Vec2{p.x, p.y} + steps.at(p));
+      moved[key_of(p)] = {{q.x, q.y, 0.0}};
+    }
+  for (const auto& slope : roof.slopes)
+    for (const Vec3& p : slope)
+      if (const auto found = moved.find(key_of(p)); found != moved.end()) {
+        found->second.at.z += height_on(slope, {found->second.at.x, found->second.at.y});
+        ++found->second.planes;
+      }
+  for (auto& [unused, m] : moved) m.at.z /= m.planes;
+  Eaves eaves;
+  constexpr double least_m2 = 1e-4;
+  for (auto slope : roof.slopes) {
+    for (Vec3& p : slope)
+      if (const auto found = moved.find(key_of(p)); found != moved.end()) p = found->second.at;
+    if (plan_area(slope) < least_m2) return as_it_is;
+    eaves.slopes.push_back(slope);
+  }
+  for (const auto& [unused, edge] : border) {
+    const Vec3 &a = edge[0], &b = edge[1], &a_out = moved.at(key_of(a)).at, &b_out = moved.at(key_of(b)).at;
+    const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
+    if (dot(Vec2{b.x - a.x, b.y - a.y}, Vec2{b_out.x - a_out.x, b_out.y - a_out.y}) <= 0.0) return as_it_is;
+    if (b_moves) eaves.soffits.push_back({a, b, b_out});
+    if (a_moves) eaves.soffits.push_back({a, b_out, a_out});
+  }
+  for (const auto& soffit : eaves.soffits)
+    if (plan_area(soffit) > -least_m2) return as_it_is;
+  return eaves;
+}
+
+}  // namespace orthodrive::scene

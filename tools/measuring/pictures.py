@@ -1,0 +1,37 @@
+"""Pictures of built sites, from the driver's seat and from the air, for docs/pictures.md; with --sheets twenty a site.
+
+    tools/measure pictures --sites kvarnbyn=out/kvarnbyn ring=out/ring
+    tools/measure pictures --sites kvarnbyn=out/kvarnbyn --sheets sheets    # sheets/kvarnbyn.jpg and a folder of its pictures
+
+Wants Chromium and the built viewer. The pictures "before" are of the commit that the page names; they are not made anew.
+"""
+from measuring.common import *
+
+# Where a site is looked at: seconds of its lap for the driver's seat, and an address of the viewer for the air.
+VIEWS = {
+    "village": (60, "camera=fly"),
+    "kvarnbyn": (60, "camera=fly"),
+    "pardubice": (20, "camera=fly"),
+    "ring": (40, "camera=fly"),
+}
+
+
+def add_arguments(parser):
+    add_tool(parser)
+    parser.add_argument("--sites", nargs="+", required=True, metavar="NAME=OUT", help=f"built sites; names: {', '.join(VIEWS)}")
+    parser.add_argument("--sheets", type=pathlib.Path, metavar="DIR", help="write contact sheets of twenty pictures into a folder instead")
+
+
+def run(args):
+    for pair in args.sites:
+        name, out = pair.split("=")
+        if name not in VIEWS:
+            sys.exit(f"no views are known of {name}; known are {', '.join(VIEWS)}")
+        script = lambda file, *words: run_program("node", ROOT / "viewer/scripts" / file, pathlib.Path(out).resolve(), args.tool.resolve(), *words)
+        if args.sheets:
+            args.sheets.mkdir(parents=True, exist_ok=True)
+            script("contact_sheet.mjs", args.sheets / f"{name}.jpg")
+            continue
+        t_s, air = VIEWS[name]
+        script("screenshot.mjs", IMAGES / f"{name}_seat.jpg", f"?camera=driver&t={t_s}")
+        script("screenshot.mjs", IMAGES / f"{name}_air.jpg", f"?{air}")

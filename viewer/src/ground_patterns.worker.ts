@@ -1,0 +1,4 @@
+import {paintGround} from './ground_patterns';
+
+const patterns = paintGround();
+(self as unknown as Worker).postMessage(patterns, [patterns.data.buffer]);
