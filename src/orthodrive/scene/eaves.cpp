@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "orthodrive/scene/plan_grid.hpp"
 
@@ -122,6 +123,10 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
     if (plan_area(slope) < least_m2) return as_it_is;
     eaves.slopes.push_back(slope);
   }
+  struct Quad {
+    Vec3 a, b, b_out, a_out;
+  };
+  std::vector<Quad> below;  // of the eaves
   for (const auto& [unused, edge] : border) {
     const Vec3 &a = edge[0], &b = edge[1], &a_out = moved.at(key_of(a)).at, &b_out = moved.at(key_of(b)).at;
     const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
@@ -135,6 +140,20 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
       if (a_moves) between.push_back(a);
       if (b_moves) between.push_back(b);
       split_edge(a_out, b_out, between, eaves.slopes);
+      continue;
+    }
+    below.push_back({a, b, b_out, a_out});
+  }
+  // A diagonal of the slope above would be an edge of four triangles: then the soffit has the other one.
+  std::set<std::array<Key, 2>> edges;
+  for (const auto& slope : eaves.slopes)
+    for (std::size_t k = 0; k < 3; ++k) edges.insert({key_of(slope[k]), key_of(slope[(k + 1) % 3])});
+  for (const auto& [a, b, b_out, a_out] : below) {
+    const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
+    const std::array<Key, 2> diagonal = {key_of(a), key_of(b_out)};
+    if (a_moves && b_moves && (edges.contains(diagonal) || edges.contains({diagonal[1], diagonal[0]}))) {
+      eaves.soffits.push_back({a, b, a_out});
+      eaves.soffits.push_back({b, b_out, a_out});
       continue;
     }
     if (b_moves) eaves.soffits.push_back({a, b, b_out});
