@@ -3,12 +3,16 @@
 import type {CameraMode} from './cameras';
 import type {CarState} from './lap';
 import type {LayerName} from './layer_switches';
+import type {HeldTile} from './tile_layers';
 
 export interface Api {
   readonly ready: boolean; // all tiles and layers of the present view are loaded and drawn
   readonly frame: number; // pictures drawn so far
   readonly tilesLoaded: number;
   readonly tilesVisible: number;
+  readonly covered: boolean; // tiles are drawn, coarse ones perhaps, wherever the present view shows the site
+  readonly held: HeldTile[]; // tiles in memory
+  readonly drawn: {triangles: number; calls: number}; // by the last picture and its shadows
   readonly failures: string[];
   readonly mode: CameraMode;
   readonly car: CarState | undefined; // x, y, z from the site's origin
@@ -24,6 +28,10 @@ export interface Api {
   describe(x: number, y: number): Promise<Record<string, string>>;
   /** Height of the first surface below a place 2 m above z_m: what wheels at z_m should stand on. */
   groundUnder(x_m: number, y_m: number, z_m: number): number | undefined;
+  /** The road drawn nearest to a place, and the error of its tile. */
+  roadNear(x_m: number, y_m: number, z_m: number): {z_m: number; error_m: number} | undefined;
+  /** A place in the picture: -1..1 to the right and up, and up to 1 ahead. */
+  pictured(x_m: number, y_m: number, z_m: number): [number, number, number];
   setCamera(mode: CameraMode): void;
   setLayer(layer: LayerName, on: boolean): void;
   setTime(t_s: number): void;

@@ -3,7 +3,7 @@
 import {PerspectiveCamera, Sphere, Vector3} from 'three';
 
 import type {Car} from './car';
-import {CameraMode, DriverCamera, FlyCamera, FollowCamera, OrbitCamera, View} from './cameras';
+import {CameraMode, DriverCamera, FlyCamera, FollowCamera, OrbitCamera, sight_m, View} from './cameras';
 import type {CarState} from './lap';
 
 /** Around which the sun's shadows are drawn. */
@@ -102,9 +102,11 @@ export class CameraSet {
     this.top.fitDepth(this.bounds);
   }
 
-  /** How far one looks over the site. */
-  get reach_m(): number {
-    return this.atCar || !this.bounds ? 1200 : this.active.position.distanceTo(this.bounds.center);
+  /** Where haze begins and where it has taken all. */
+  get haze_m(): [number, number] {
+    if (this.atCar || !this.bounds) return [sight_m / 6, sight_m];
+    const distance_m = this.active.position.distanceTo(this.bounds.center);
+    return [0.5 * distance_m, 4 * distance_m];
   }
 
   /** The road ahead of the car, or what the camera looks at. */

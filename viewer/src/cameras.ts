@@ -15,6 +15,9 @@ export interface View {
   target: [number, number, number];
 }
 
+/** At the car nothing is seen beyond: haze has taken it, and its tiles need not be loaded. */
+export const sight_m = 3600;
+
 const keyDirections: Record<string, [number, number, number]> = {
   KeyW: [0, 1, 0], KeyS: [0, -1, 0], KeyA: [-1, 0, 0], KeyD: [1, 0, 0], KeyQ: [0, 0, -1], KeyE: [0, 0, 1],
 };
@@ -101,7 +104,7 @@ export class FlyCamera {
 /** Behind and above the car. */
 export const followLag_s = 0.35;
 export class FollowCamera {
-  readonly camera = new PerspectiveCamera(55, 1, 0.4, 6000);
+  readonly camera = new PerspectiveCamera(55, 1, 0.4, sight_m);
   private readonly behind_m = 8.5;
   private readonly above_m = 2.5;
 
@@ -121,7 +124,7 @@ export class FollowCamera {
 
 /** Around the car at the distance and from the side that the mouse chose. */
 export class OrbitCamera {
-  readonly camera = new PerspectiveCamera(50, 1, 0.3, 6000);
+  readonly camera = new PerspectiveCamera(50, 1, 0.3, sight_m);
   onChange: () => void = () => {};
   private readonly controls: OrbitControls;
 
@@ -154,7 +157,7 @@ export class OrbitCamera {
 
 /** At the driver's eyes: moves with the body. */
 export class DriverCamera {
-  readonly camera = new PerspectiveCamera(50, 1, 0.25, 6000);
+  readonly camera = new PerspectiveCamera(50, 1, 0.25, sight_m);
 
   /** `eye_m`: ahead, left and up in the car's frame. */
   constructor(private readonly eye_m: readonly [number, number, number]) {

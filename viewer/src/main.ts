@@ -18,6 +18,7 @@ import {parseView, writeView} from './view_link';
 function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
   try {
     const renderer = new WebGLRenderer({canvas, antialias: true, stencil: true});
+    renderer.info.autoReset = false; // it would forget what the shadows took
     renderer.shadowMap.enabled = true;
     renderer.shadowMap.type = PCFShadowMap;
     return renderer;
@@ -28,10 +29,13 @@ function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
 
 /** One line of what was clicked on. */
 function textOf(what: Record<string, string>): string {
-  const {kind, id, name, type, osm_id: osm, class: label, role} = what;
-  const parts = [kind && `${kind}${id ? ` ${id}` : ''}`, name, type, osm && `OSM ${osm}`, label && `${label} (${role})`];
+  const {kind, id, name, type, osm_id: osm, lane_id: lane, lane_type: laneType, class: label, role} = what;
+  const parts = [kind && `${kind}${id ? ` ${id}` : ''}`, name, type, lane && `lane ${lane} (${laneType})`, osm && `OSM ${osm}`, label && `${label} (${role})`];
   return parts.filter(Boolean).join(' · ');
 }
+
+/** A picture that shows nothing but more detail takes time from loading it: there are so many seconds between two. */
+const betweenDetails_s = 0.5;
 
 class Viewer {
   private readonly wanted = parseView(location.search);
@@ -51,6 +55,8 @@ class Viewer {
   private bounds?: Sphere;
   private frame = 0;
   private stale = true; // the picture shows an earlier state
+  private coarse = false; // tiles have come or gone since the picture
+  private drawn_ms = 0;
   private ready = false; // no tile is missing in the picture
   private settled = 0; // pictures in which none was missing
   private ghostPending = false;
@@ -66,6 +72,10 @@ class Viewer {
     this.showDay = panel.setUpSun(zoneHours(site.localFromEcef), {setDay: (date, hour) => this.setDay(date, hour)});
     this.setUpPage();
     this.layers.onChange = this.cameras.onChange = () => this.invalidate();
+    this.layers.onDetail = () => {
+      this.coarse = true;
+      this.unsettle();
+    };
     this.setUpDrive();
     this.setDay(wanted.date, wanted.hour);
     for (const name of wanted.off) this.layers.switches.set(name, false);
@@ -78,6 +88,9 @@ class Viewer {
 
   private invalidate(): void {
     this.stale = true;
+    this.unsettle();
+  }
+  private unsettle(): void {
     this.ready = false;
     this.settled = 0;
   }
@@ -164,10 +177,13 @@ class Viewer {
   private draw(): void {
     const {cameras, sky} = this;
     cameras.fitDepth();
-    if (this.bounds) sky.setHazeRange(0.5 * cameras.reach_m, (cameras.atCar ? 3 : 4) * cameras.reach_m);
+    if (this.bounds) sky.setHazeRange(...cameras.haze_m);
     sky.focus(cameras.focus.middle, cameras.focus.radius_m);
+    this.renderer.info.reset();
     this.renderer.render(this.scene, cameras.active);
     ++this.frame;
+    this.drawn_ms = this.last_ms;
+    this.stale = this.coarse = false;
   }
 
   /** The tileset is there: its size is known. */
@@ -186,6 +202,13 @@ class Viewer {
     drive.tell(cameras.active);
   }
 
+  /** What is wanted of a view comes at once, but not before there is something; more detail comes in steps. */
+  private get isDue(): boolean {
+    const {complete, covered} = this.layers.tiles;
+    if (this.stale) return covered || complete;
+    return this.coarse && (complete || this.last_ms - this.drawn_ms > 1000 * betweenDetails_s);
+  }
+
   private tick(now_ms: number): void {
     const elapsed_s = Math.min(0.25, (now_ms - this.last_ms) / 1000); // a hidden page stands still
     this.last_ms = now_ms;
@@ -197,8 +220,7 @@ class Viewer {
       this.placeCars();
       this.cameras.active.updateMatrixWorld();
       this.layers.tiles.update(this.cameras.active, this.renderer); // tells of new tiles through onChange
-      if (this.stale) this.draw();
-      this.stale = false;
+      if (this.isDue) this.draw();
       this.settled = this.layers.complete && !this.ghostPending ? this.settled + 1 : 0;
       this.ready = this.settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
@@ -208,13 +230,16 @@ class Viewer {
 
   get api(): Api {
     const viewer = this;
-    const {cameras, drive} = this;
+    const {cameras, drive, renderer} = this;
     const {tiles, switches} = this.layers;
     return {
       get ready() { return viewer.ready; },
       get frame() { return viewer.frame; },
       get tilesLoaded() { return tiles.loaded; },
       get tilesVisible() { return tiles.visible; },
+      get covered() { return tiles.covered; },
+      get held() { return tiles.held; },
+      get drawn() { return {triangles: renderer.info.render.triangles, calls: renderer.info.render.calls}; },
       get failures() { return tiles.failures; },
       get mode() { return cameras.mode; },
       get car() { return drive?.state; },
@@ -228,6 +253,8 @@ class Viewer {
       get layers() { return switches.shown; },
       describe: (x, y) => tiles.describe(new Vector2(x, y), cameras.active),
       groundUnder: this.groundUnder,
+      roadNear: (x_m, y_m, z_m) => tiles.roadNear(x_m, y_m, z_m),
+      pictured: (x_m, y_m, z_m) => new Vector3(x_m, y_m, z_m).project(cameras.active).toArray() as [number, number, number],
       setCamera: (mode) => this.setCamera(mode),
       setLayer: (layer, on) => switches.set(layer, on),
       setTime: (t_s) => { if (drive) drive.t_s = t_s; },

@@ -22,6 +22,7 @@ export interface Site {
   attribution: string[];
   crs: string;
   origin: [number, number, number]; // of the scene, in the site CRS
+  tileset: object; // tileset.json
   localFromEcef: Matrix4;
   lap?: Lap;
   vehicle: VehicleShape;
@@ -54,21 +55,23 @@ export async function fetchOptional(url: string): Promise<Response | undefined> 
 }
 
 export async function loadSite(): Promise<Site> {
-  const tilesetResponse = await fetchOptional(tilesetUrl);
+  const [tilesetResponse, runResponse, lapResponse, scenarioResponse, findingsResponse] = await Promise.all(
+    [tilesetUrl, 'site/run.json', 'site/drive/lap.csv', 'site/drive/lap.xosc', 'site/findings.geojson'].map(fetchOptional));
   if (!tilesetResponse) throw new Error(`${tilesetUrl} is missing: build the site, then open it with "orthodrive view DIR"`);
   const tileset = (await tilesetResponse.json()) as TilesetJson;
   const frame = tileset.asset.extras?.orthodrive;
   if (!frame || !tileset.root.transform) throw new Error(`${tilesetUrl} was not written by orthodrive: it names no site CRS`);
 
-  const run = (await (await fetchOptional('site/run.json'))?.json()) as RunJson | undefined;
-  const lapText = await (await fetchOptional('site/drive/lap.csv'))?.text();
-  const scenario = lapText === undefined ? undefined : await (await fetchOptional('site/drive/lap.xosc'))?.text();
-  const findings = (await (await fetchOptional('site/findings.geojson'))?.json()) as FindingsJson | undefined;
+  const run = (await runResponse?.json()) as RunJson | undefined;
+  const lapText = await lapResponse?.text();
+  const scenario = await scenarioResponse?.text();
+  const findings = (await findingsResponse?.json()) as FindingsJson | undefined;
   return {
     name: run?.site?.name ?? '',
     attribution: run?.attribution ?? [],
     crs: frame.crs,
     origin: frame.origin,
+    tileset,
     localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert(),
     lap: lapText === undefined ? undefined : Lap.parse(lapText, frame.origin, 'drive/lap.csv'),
     vehicle: (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar,

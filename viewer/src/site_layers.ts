@@ -22,7 +22,7 @@ export class SiteLayers {
   private readonly late: Record<LateName, LateLayer>;
 
   constructor(scene: Scene, site: Site, private readonly sky: Sky, private readonly drive: Drive | undefined, anisotropy: number) {
-    this.tiles = new TileLayers(anisotropy);
+    this.tiles = new TileLayers(site.tileset, anisotropy);
     this.findings = new FindingsLayer(site);
     this.late = {
       'lanes': new LateLayer(() => loadLanes(site.origin)),
@@ -36,7 +36,12 @@ export class SiteLayers {
   }
 
   set onChange(onChange: () => void) {
-    for (const part of [this.tiles, this.switches, ...Object.values(this.late)]) part.onChange = onChange;
+    for (const part of [this.switches, ...Object.values(this.late)]) part.onChange = onChange;
+  }
+
+  /** A tile or a picture has come or gone. */
+  set onDetail(onDetail: () => void) {
+    this.tiles.onChange = onDetail;
   }
 
   /** Nothing more to load for the present view. */

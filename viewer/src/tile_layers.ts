@@ -4,8 +4,9 @@ import {type Tile, TilesRenderer} from '3d-tiles-renderer';
 import {Camera, Group, Mesh, MeshDepthMaterial, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
 import {tilesetUrl} from './site';
+import {graphicsBytes} from './tile_bytes';
 import {describeHit} from './tile_features';
-import {kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
+import {isRoadSurface, kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
 
 const alwaysRefined_m = 1e4;
 const tubeCasts_m = 0.4;
@@ -23,6 +24,34 @@ function tubeShadow(): MeshDepthMaterial {
     shader.vertexShader = shader.vertexShader.replace(place, `${place}\ngl_Position.z += ${tubeCasts_m} * projectionMatrix[2][2];`);
   };
   return material;
+}
+
+type LoadedTile = Tile & {engineData: {scene: Object3D | null}};
+
+/** A tile in memory. */
+export interface HeldTile {
+  file: string;
+  error_m: number; // of what is drawn; 0: level 0
+  bytes: number; // of the graphics card
+  visible: boolean;
+}
+
+/**
+ * Positive: `a` mends the picture more than `b`, by the error of what is shown as long as it is missing. All parts of a
+ * tile that the camera is in come first, coarse ones before fine ones: only all four together replace it. (The renderer's
+ * own order goes by a tile's own error, which is 0 for the finest: what lies under the wheels would come last.)
+ */
+function byGain(a: Tile, b: Tile): number {
+  const [gainA, gainB] = [a, b].map((tile) => tile.parent?.traversal.error ?? Infinity);
+  if (a.traversal.used !== b.traversal.used) return a.traversal.used ? 1 : -1;
+  if (gainA !== gainB) return gainA > gainB ? 1 : -1;
+  if (a.internal.depth !== b.internal.depth) return b.internal.depth - a.internal.depth;
+  return b.traversal.distanceFromCamera - a.traversal.distanceFromCamera || 0; // infinitely far both: NaN
+}
+/** Positive: `a` is dropped before `b`. */
+function byAge(a: Tile, b: Tile): number {
+  const [seenA, seenB] = [a, b].map(({traversal}) => (traversal as Tile['traversal'] & {lastFrameVisited: number}).lastFrameVisited);
+  return seenA !== seenB ? seenB - seenA : -byGain(a, b);
 }
 
 /** Every tile has a place of its own on the globe; here all lie on the flat map that the lap is in, where they meet. */
@@ -51,17 +80,23 @@ export class TileLayers {
   private readonly tiles = new TilesRenderer(tilesetUrl);
   private readonly looks: TileLooks;
   private readonly tubeShadow = tubeShadow();
+  private readonly bytes = new WeakMap<Object3D, number>(); // of the models of tiles
   private camera?: Camera;
 
-  constructor(anisotropy: number) {
+  /** `tileset`: what tileset.json says. */
+  constructor(tileset: object, anisotropy: number) {
     this.looks = new TileLooks(anisotropy);
     this.looks.onChange = () => this.onChange();
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
     this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
+    this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : null)});
+    this.tiles.autoDisableRendererCulling = false; // parts of a tile that picture or shadow map do not show are not drawn
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
-    this.tiles.lruCache.minBytesSize = 3e8;
-    this.tiles.lruCache.maxBytesSize = 4e8;
+    this.tiles.lruCache.minBytesSize = 2.8e8;
+    this.tiles.lruCache.maxBytesSize = 3.8e8; // one more tile may come in before it is seen to be full
+    this.tiles.lruCache.unloadPriorityCallback = byAge as (item: unknown) => number; // typed for an older way of calling it
+    this.tiles.downloadQueue.priorityCallback = this.tiles.parseQueue.priorityCallback = byGain;
     this.tiles.addEventListener('load-model', ({scene}) => this.adopt(scene));
     this.tiles.addEventListener('dispose-model', ({scene}) => this.release(scene));
     this.tiles.addEventListener('load-error', ({tile, error, url}) => {
@@ -76,6 +111,19 @@ export class TileLayers {
   get visible(): number {
     return this.tiles.visibleTiles.size;
   }
+  /** A tile, coarse as it may be, lies wherever the present view shows the site. */
+  get covered(): boolean {
+    const top = this.tiles.root?.children ?? [];
+    return this.visible > 0 && top.every((tile) => !tile.traversal.inFrustum || (tile as LoadedTile).engineData.scene !== null);
+  }
+  get held(): HeldTile[] {
+    const held: HeldTile[] = [];
+    this.tiles.forEachLoadedModel((model: Object3D, tile: Tile) => held.push({
+      file: tile.content!.uri!, error_m: tile.geometricError, bytes: this.bytes.get(model) ?? 0, visible: this.tiles.visibleTiles.has(tile),
+    }));
+    return held;
+  }
+
   /** Nothing more to load for the present view. */
   get complete(): boolean {
     return this.tiles.root !== null && this.tiles.loadProgress === 1 && !this.looks.pending;
@@ -106,6 +154,19 @@ export class TileLayers {
     return ray.intersectObject(this.group, true).find(({object}) => !stands(object as Mesh))?.point.z;
   }
 
+  /** The road that is drawn nearest to a height, and the error of its tile; undefined: none within 50 m. */
+  roadNear(x_m: number, y_m: number, z_m: number): {z_m: number; error_m: number} | undefined {
+    const reach_m = 50;
+    const ray = new Raycaster(new Vector3(x_m, y_m, z_m + reach_m), new Vector3(0, 0, -1), 0, 2 * reach_m);
+    let nearest: {z_m: number; error_m: number} | undefined;
+    this.tiles.visibleTiles.forEach((tile) => {
+      const meshes = meshesOf((tile as LoadedTile).engineData.scene!).filter((mesh) => mesh.visible && isRoadSurface(mesh));
+      for (const {point} of ray.intersectObjects(meshes, false))
+        if (!nearest || Math.abs(point.z - z_m) < Math.abs(nearest.z_m - z_m)) nearest = {z_m: point.z, error_m: tile.geometricError};
+    });
+    return nearest;
+  }
+
   /** Bounding sphere in the local frame, once the tileset is there. */
   bounds(): Sphere | undefined {
     const sphere = new Sphere();
@@ -133,6 +194,7 @@ export class TileLayers {
   private adopt(model: Object3D): void {
     ++this.loaded;
     const meshes = meshesOf(model);
+    this.bytes.set(model, graphicsBytes(meshes));
     this.looks.adopt(meshes);
     for (const mesh of meshes) {
       if (['tree', 'lamp'].includes(kindOf(mesh))) mesh.raycast = () => {}; // thousands of copies, and nothing stands on them

@@ -27,6 +27,11 @@ export function kindOf(mesh: Mesh): SurfaceKind {
   return kinds.find((kind) => mesh.name.startsWith(kind)) ?? 'terrain';
 }
 
+/** What cars drive on, and nothing of what belongs to it. */
+export function isRoadSurface(mesh: Mesh): boolean {
+  return /^road(_in_tunnel)?(_\d+)*$/.test(mesh.name);
+}
+
 /** What stands beside the roads throws shadows and has no photo of its own. */
 export function stands(mesh: Mesh): boolean {
   return ['building', 'tree', 'barrier', 'track', 'lamp', 'object'].includes(kindOf(mesh));

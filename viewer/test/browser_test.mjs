@@ -8,6 +8,7 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
 import {checkDashboard, checkDriving, checkGhost} from './drive_checks.mjs';
+import {checkGround} from './ground_checks.mjs';
 import {checkLayers} from './layer_checks.mjs';
 import {checkNarrow, checkTouch} from './narrow_checks.mjs';
 import {readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
@@ -199,6 +200,7 @@ try {
   await checkFlyCamera(page);
   await checkFollowCamera(page);
   await checkLayers(page, siteDir);
+  writeFileSync(join(siteDir, 'viewer_ground.png'), await checkGround(context, server.url));
   await checkPlaying(page);
   await checkDriving(page);
   await checkDashboard(context, page, server.url, siteDir);

@@ -52,3 +52,12 @@ export function meanColor(page, png, share) {
     return {red, green, blue};
   }`);
 }
+
+/** Mean difference of the green values of pixels side by side, in the lower half. */
+export function fineContrast(page, png) {
+  return decodeIn(page, [png], (pixels) => {
+    let sum = 0, count = 0;
+    for (let i = pixels.length >> 3 << 2; i + 5 < pixels.length; i += 4, ++count) sum += Math.abs(pixels[i + 5] - pixels[i + 1]);
+    return sum / count;
+  });
+}
