@@ -72,7 +72,8 @@ void expect_shell(TriMesh mesh, const scene::PlacedBuilding& building, double or
     for (std::size_t k = 0; k < 3; ++k) ++edges[{corner(k), corner((k + 1) % 3)}];
   }
   for (const auto& [edge, count] : edges) {
-    EXPECT_EQ(count, 1);
+    EXPECT_EQ(count, 1) << edge[0][0] << ' ' << edge[0][1] << ' ' << edge[0][2] << " to " << edge[1][0] << ' '
+                        << edge[1][1] << ' ' << edge[1][2];
     if (edges.contains({edge[1], edge[0]})) continue;
     EXPECT_FALSE(building.hovers);
     EXPECT_EQ(edge[0][2], edge[1][2]);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "orthodrive/scene/plan_grid.hpp"
 
@@ -70,22 +71,14 @@ bool is_on_line(const Vec3& p, const Vec3& a, const Vec3& b) {
   return std::abs(cross(normalized(plan(b) - plan(a)), plan(p) - plan(a))) < 2.0 * plan_grid_m;
 }
 
-bool is_at(const Vec3& p, const Vec3& q) { return p.x == q.x && p.y == q.y && p.z == q.z; }
-
-bool has_edge(const Vec3& a, const Vec3& b, const std::vector<std::array<Vec3, 3>>& triangles) {
-  return std::ranges::any_of(triangles, [&](const auto& t) {
-    const auto is_corner = [&](const Vec3& p) { return is_at(t[0], p) || is_at(t[1], p) || is_at(t[2], p); };
-    return is_corner(a) && is_corner(b);
-  });
-}
-
 /// Puts points into an edge of one of the triangles.
 void split_edge(const Vec3& from, const Vec3& to, const std::vector<Vec3>& between,
                 std::vector<std::array<Vec3, 3>>& triangles) {
+  const auto is = [](const Vec3& p, const Vec3& q) { return p.x == q.x && p.y == q.y && p.z == q.z; };
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 a = triangles[i][k], b = triangles[i][(k + 1) % 3], c = triangles[i][(k + 2) % 3];
-      if (!is_at(a, from) || !is_at(b, to)) continue;
+      if (!is(a, from) || !is(b, to)) continue;
       triangles[i] = {a, between.front(), c};
       for (std::size_t n = 0; n < between.size(); ++n)
         triangles.push_back({between[n], n + 1 < between.size() ? between[n + 1] : b, c});
@@ -130,7 +123,10 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
     if (plan_area(slope) < least_m2) return as_it_is;
     eaves.slopes.push_back(slope);
   }
-  std::vector<std::array<Vec3, 4>> beside;  // quads between walls and the slopes' border
+  struct Quad {
+    Vec3 a, b, b_out, a_out;
+  };
+  std::vector<Quad> below;  // of the eaves
   for (const auto& [unused, edge] : border) {
     const Vec3 &a = edge[0], &b = edge[1], &a_out = moved.at(key_of(a)).at, &b_out = moved.at(key_of(b)).at;
     const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
@@ -146,16 +142,22 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
       split_edge(a_out, b_out, between, eaves.slopes);
       continue;
     }
-    beside.push_back({a, b, b_out, a_out});
+    below.push_back({a, b, b_out, a_out});
   }
-  for (const auto& [a, b, b_out, a_out] : beside) {
-    // Of its two diagonals that which no slope has: else both would be one thin sheet there.
-    const bool from_a = !has_edge(a, b_out, eaves.slopes);
-    if (!is_at(b, b_out)) eaves.soffits.push_back({a, b, b_out});
-    if (!is_at(a, a_out)) eaves.soffits.push_back({a, b_out, a_out});
-    if (from_a || is_at(a, a_out) || is_at(b, b_out)) continue;
-    eaves.soffits.end()[-2] = {a, b, a_out};
-    eaves.soffits.back() = {b, b_out, a_out};
+  // A diagonal of the slope above would be an edge of four triangles: then the soffit has the other one.
+  std::set<std::array<Key, 2>> edges;
+  for (const auto& slope : eaves.slopes)
+    for (std::size_t k = 0; k < 3; ++k) edges.insert({key_of(slope[k]), key_of(slope[(k + 1) % 3])});
+  for (const auto& [a, b, b_out, a_out] : below) {
+    const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
+    const std::array<Key, 2> diagonal = {key_of(a), key_of(b_out)};
+    if (a_moves && b_moves && (edges.contains(diagonal) || edges.contains({diagonal[1], diagonal[0]}))) {
+      eaves.soffits.push_back({a, b, a_out});
+      eaves.soffits.push_back({b, b_out, a_out});
+      continue;
+    }
+    if (b_moves) eaves.soffits.push_back({a, b, b_out});
+    if (a_moves) eaves.soffits.push_back({a, b_out, a_out});
   }
   for (const auto& soffit : eaves.soffits)
     if (plan_area(soffit) > -least_m2) return as_it_is;

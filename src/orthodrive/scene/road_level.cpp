@@ -167,6 +167,7 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
     all.push_back(area_of_junction);
     pieces_.push_back(std::move(area_of_junction));
   }
+  paved_pieces_ = pieces_.size();
   for (std::size_t i = 0; i < roads_.size(); ++i)
     std::ranges::move(end_pieces(*roads_[i], strips_[i]), std::back_inserter(pieces_));
   std::vector<Box2> boxes;
@@ -185,6 +186,13 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
 }
 
 MultiPolygon RoadLevel::paved_near(const Box2& box, Vec2 from) const {
+  MultiPolygon near;
+  for (const std::uint32_t i : piece_index_.touching(box))
+    if (i < paved_pieces_) near.push_back(moved(pieces_[i], from * -1.0));
+  return near;
+}
+
+MultiPolygon RoadLevel::driven_near(const Box2& box, Vec2 from) const {
   MultiPolygon near;
   for (const std::uint32_t i : piece_index_.touching(box)) near.push_back(moved(pieces_[i], from * -1.0));
   return near;
