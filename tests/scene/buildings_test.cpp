@@ -72,7 +72,8 @@ void expect_shell(TriMesh mesh, const scene::PlacedBuilding& building, double or
     for (std::size_t k = 0; k < 3; ++k) ++edges[{corner(k), corner((k + 1) % 3)}];
   }
   for (const auto& [edge, count] : edges) {
-    EXPECT_EQ(count, 1);
+    EXPECT_EQ(count, 1) << edge[0][0] << ' ' << edge[0][1] << ' ' << edge[0][2] << " to " << edge[1][0] << ' '
+                        << edge[1][1] << ' ' << edge[1][2];
     if (edges.contains({edge[1], edge[0]})) continue;
     EXPECT_FALSE(building.hovers);
     EXPECT_EQ(edge[0][2], edge[1][2]);
@@ -328,6 +329,7 @@ TEST(Buildings, eaves_stand_out_but_not_over_roads_and_neighbours) {
     west = std::min(west, world(tile, p).x - west_m), south = std::min(south, world(tile, p).y - south_m);
   EXPECT_NEAR(west, 99.6, 1e-3);
   EXPECT_NEAR(south, 94.47, 1e-3) << "a door";
+  expect_shells(*layout);
 }
 
 // ---- parts
@@ -353,7 +355,7 @@ TEST(BuildingParts, stand_for_their_outline) {
     EXPECT_DOUBLE_EQ(layout->buildings[i].foot_z_m, low[i]);
     EXPECT_DOUBLE_EQ(layout->buildings[i].eaves_z_m, high[i]);
     EXPECT_EQ(layout->buildings[i].wall_color, (scene::LinearColor{0.1F, 0.2F, 0.3F})) << "the outline's";
-    EXPECT_NEAR(area_m2(layout->buildings[i].footprint), std::array{600.0, 200.0, 100.0}[i], 1e-9)
+    EXPECT_NEAR(area_m2(layout->buildings[i].footprint), (std::array{600.0, 200.0, 100.0}[i]), 1e-9)
         << "one over the other";
   }
   expect_shells(*layout);

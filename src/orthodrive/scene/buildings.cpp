@@ -27,7 +27,7 @@ constexpr double road_clearance_m = 0.1;
 constexpr double foot_depth_m = 0.5;  // of walls below the lowest ground
 constexpr double over_roads_m = 4.6;  // what begins higher may stand over a road (RStVO: trucks of 4 m)
 constexpr double roof_slab_m = 0.25;  // of roofs without walls
-constexpr double eaves_out_m = 0.4, eaves_free_m = 0.45;
+constexpr double eaves_out_m = 0.4;
 constexpr double most_storey_m = 3.0;
 
 /// Linear colours of plaster, brick and wood; one a building, by its place.
@@ -204,7 +204,7 @@ MultiPolygon paved_below(const Outlined& at, const BuildingSite& site) {
                        .grown(road_clearance_m);
   MultiPolygon paved;
   for (const RoadLevel* level : site.levels) {
-    for (Polygon& piece : level->paved_near(box, placed.middle)) {
+    for (Polygon& piece : level->driven_near(box, placed.middle)) {
       const auto is_far_below = [&](Vec2 p) {
         const auto on = level->sample(placed.middle + p);
         return on && placed.base_z_m + at.low_m - on->z_m >= over_roads_m;
@@ -411,20 +411,34 @@ bool has_eaves(const PlacedBuilding& placed) {
          placed.look != BuildingLook::hall && area_m2(placed.footprint) < most_m2;
 }
 
+/// Whether the strip outside of an edge is free, as wide as eaves and 0.1 m more: discs around places along the edge
+/// cover it. Most houses stand so free that a few large ones do; small ones see past a neighbour's wall in the corner.
+bool is_free_outside(Vec2 a, Vec2 b, std::size_t number, const FreeSpace& space) {
+  struct Discs {
+    double step_m, off_m;
+  };
+  constexpr double strip_m = eaves_out_m + road_clearance_m;
+  const Vec2 outwards = left_normal(normalized(b - a)) * -1.0;
+  const auto are_free = [&](const Discs& discs) {
+    const double radius_m = std::hypot(0.5 * discs.step_m, strip_m - discs.off_m);
+    const int parts = std::max(1, static_cast<int>(std::ceil(distance(a, b) / discs.step_m)));
+    for (int k = 0; k <= parts; ++k) {
+      const Vec2 p = a + (b - a) * (static_cast<double>(k) / parts) + outwards * discs.off_m;
+      if (space.around(p, radius_m, {.besides = number}) < radius_m) return false;
+    }
+    return true;
+  };
+  return are_free({1.0, 0.0}) || are_free({0.25, 0.27});
+}
+
 /// How far the roof may stand out over each outer edge.
 std::vector<double> eaves_of(const PlacedBuilding& placed, std::size_t number, const FreeSpace& space) {
-  constexpr double step_m = 1.0, least_edge_m = 1.0;
-  // Between two places that are that free nothing comes nearer to the edge than the eaves.
-  const double room_m = std::hypot(0.5 * step_m, 2.0 * eaves_free_m);
+  constexpr double least_edge_m = 1.0;
   const Ring& ring = placed.footprint.outer;
   std::vector<double> out_m;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vec2 a = placed.middle + ring[i], b = placed.middle + ring[(i + 1) % ring.size()];
-    const int parts = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step_m)));
-    bool is_free = distance(a, b) >= least_edge_m;
-    for (int k = 0; k <= parts && is_free; ++k)
-      is_free = space.around(a + (b - a) * (static_cast<double>(k) / parts), room_m, {.besides = number}) >= room_m;
-    out_m.push_back(is_free ? eaves_out_m : 0.0);
+    out_m.push_back(distance(a, b) >= least_edge_m && is_free_outside(a, b, number, space) ? eaves_out_m : 0.0);
   }
   if (std::ranges::all_of(out_m, [](double m) { return m == 0.0; })) out_m.clear();
   return out_m;

@@ -67,7 +67,7 @@ class Taken {
   [[nodiscard]] MultiPolygon near(const Box2& box, Vec2 from) const {
     MultiPolygon taken;
     for (const RoadLevel* level : site_.levels)
-      for (Polygon& piece : level->paved_near(box, from)) taken.push_back(std::move(piece));
+      for (Polygon& piece : level->driven_near(box, from)) taken.push_back(std::move(piece));
     for (const std::uint32_t i : buildings_.touching(box)) {
       const PlacedBuilding& building = site_.buildings[i];
       if (!building.hovers) taken.push_back(moved(building.footprint, building.middle - from));
