@@ -130,6 +130,23 @@ TEST(Photo, lossless_round_trip_keeps_pixels_and_validity) {
   EXPECT_EQ(back.valid.data, photo.valid.data);
 }
 
+TEST(Photo, windows_of_its_own_grid_are_cut_out_of_the_whole) {
+  const Scratch scratch;
+  Photo photo = noisy_photo(150);
+  photo.valid.at(10, 20) = photo.valid.at(149, 149) = 0;
+  io::write_photo(scratch / "photo.tif", photo);
+  const PhotoSource windows = io::open_photo_native(scratch / "photo.tif");
+  EXPECT_EQ(windows.frame, photo.frame);
+  EXPECT_EQ(windows.crs, photo.crs);
+  // Inside, all of it, over every edge, over a corner, beside it, and one pixel.
+  for (const PixelBox box : {PixelBox{20, 10, 40, 30}, PixelBox{0, 0, 150, 150}, PixelBox{-7, -5, 170, 160},
+                             PixelBox{140, 140, 30, 20}, PixelBox{150, 0, 10, 10}, PixelBox{10, 20, 1, 1}}) {
+    const PhotoWindow window = windows.read(box), expected = source_of(photo).read(box);
+    EXPECT_EQ(window.valid.data, expected.valid.data);
+    EXPECT_EQ(window.rgb.data, expected.rgb.data);
+  }
+}
+
 TEST(Photo, jpeg_keeps_validity_exactly_and_colours_nearly) {
   const Scratch scratch;
   Photo photo = painted_photo(300, 200, 0.5);

@@ -407,12 +407,12 @@ TEST(BuildScene, outline_of_a_photo_is_around_its_valid_pixels) {
   Photo photo = make_site(480.0, {}).photo;
   for (int row = 0; row < 480; ++row)
     for (int col = 0; col < row; ++col) photo.valid.at(col, row) = 0;  // the half below the diagonal is missing
-  const Polygon outline = photo_outline(photo);
+  const Polygon outline = photo_outline(source_of(photo));
   EXPECT_NEAR(area_m2(outline), 0.5 * 480.0 * 480.0 + 480.0, 500.0);
   EXPECT_TRUE(contains(outline, {west_m + 300.0, south_m + 300.0}));
   EXPECT_FALSE(contains(outline, {west_m + 100.0, south_m + 100.0}));
   std::fill(photo.valid.data.begin(), photo.valid.data.end(), 0);
-  EXPECT_TRUE(photo_outline(photo).outer.empty());
+  EXPECT_TRUE(photo_outline(source_of(photo)).outer.empty());
 }
 
 TEST(BuildScene, tile_outside_the_area_is_empty) {

@@ -198,6 +198,68 @@ class WarpedPhoto {
   int block_width_ = 0, block_height_ = 0;
   std::mutex mutex_;
 };
+
+/// The photo on its own grid.
+class NativePhoto {
+ public:
+  explicit NativePhoto(fs::path path)
+      : path_(std::move(path)),
+        source_(open_dataset(path_, GDAL_OF_RASTER)),
+        frame_(north_up_frame(path_, *source_)),
+        crs_(crs_of(*source_->GetSpatialRef())) {
+    require_complete(path_, *source_);
+    view_ = as_rgb(path_, *source_);
+    keep_rows_of_windows(*source_);
+  }
+  [[nodiscard]] const GridFrame& frame() const { return frame_; }
+  [[nodiscard]] const Crs& crs() const { return crs_; }
+
+  [[nodiscard]] PhotoWindow read(const PixelBox& box) {
+    PhotoWindow window{Raster<std::uint8_t>(box.width, box.height, 3), Raster<std::uint8_t>(box.width, box.height)};
+    const PixelBox wanted = intersection(box, pixels_of(frame_));
+    if (wanted.empty()) return window;
+    const int left = static_cast<int>(wanted.col - box.col), top = static_cast<int>(wanted.row - box.row);
+    const std::lock_guard lock(mutex_);  // a dataset is for one thread at a time
+    GdalErrors errors;
+    GDALDataset& rgb = view_ ? *view_ : *source_;
+    int bands[3] = {1, 2, 3};
+    const bool read = rgb.RasterIO(GF_Read, static_cast<int>(wanted.col), static_cast<int>(wanted.row), wanted.width,
+                                   wanted.height, &window.rgb.at(left, top), wanted.width, wanted.height, GDT_Byte, 3,
+                                   bands, 3, GSpacing{3} * box.width, 1, nullptr) == CE_None &&
+                      read_valid(rgb, wanted, left, top, window.valid);
+    if (!read)
+      throw InputError(path_.string(),
+                       fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
+    return window;
+  }
+
+ private:
+  /// A pixel is invalid only where every band says so: black in one band alone is a colour.
+  static bool read_valid(GDALDataset& rgb, const PixelBox& wanted, int left, int top, Raster<std::uint8_t>& valid) {
+    Raster<std::uint8_t> mask(wanted.width, wanted.height);
+    for (int b = 1; b <= 3; ++b) {
+      GDALRasterBand& band = *rgb.GetRasterBand(b);
+      if (band.GetMaskFlags() & GMF_ALL_VALID)
+        std::fill(mask.data.begin(), mask.data.end(), std::uint8_t{255});
+      else if (band.GetMaskBand()->RasterIO(GF_Read, static_cast<int>(wanted.col), static_cast<int>(wanted.row),
+                                            wanted.width, wanted.height, mask.data.data(), wanted.width, wanted.height,
+                                            GDT_Byte, 0, 0, nullptr) != CE_None)
+        return false;
+      for (int row = 0; row < wanted.height; ++row)
+        for (int col = 0; col < wanted.width; ++col)
+          valid.at(left + col, top + row) |= mask.at(col, row) >= 128 ? 1 : 0;
+      if (band.GetMaskFlags() & (GMF_ALL_VALID | GMF_PER_DATASET)) break;
+    }
+    return true;
+  }
+
+  fs::path path_;
+  DatasetPtr source_;
+  DatasetPtr view_;  ///< of the source, which it must not outlive; null: the source is as wanted
+  GridFrame frame_;
+  Crs crs_;
+  std::mutex mutex_;
+};
 }  // namespace
 
 PhotoSource open_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOptions& options) {
@@ -212,34 +274,15 @@ Photo read_photo(const fs::path& path, const SiteFrame& site, const ReadPhotoOpt
   return {site.crs, reader.frame(), std::move(whole.rgb), std::move(whole.valid)};
 }
 
+PhotoSource open_photo_native(const fs::path& path) {
+  const auto photo = std::make_shared<NativePhoto>(path);
+  return {photo->crs(), photo->frame(), [photo](const PixelBox& box) { return photo->read(box); }};
+}
+
 Photo read_photo_native(const fs::path& path) {
-  const DatasetPtr source = open_dataset(path, GDAL_OF_RASTER);
-  const GridFrame frame = north_up_frame(path, *source);
-  require_complete(path, *source);
-  const DatasetPtr view = as_rgb(path, *source);
-  GDALDataset& rgb = view ? *view : *source;
-  Photo photo{.crs = crs_of(*source->GetSpatialRef()), .frame = frame};
-  photo.rgb = Raster<std::uint8_t>(frame.width, frame.height, 3);
-  photo.valid = Raster<std::uint8_t>(frame.width, frame.height, 1, 1);
-  GdalErrors errors;
-  const GSpacing line = GSpacing{3} * frame.width;
-  int bands[3] = {1, 2, 3};
-  bool read = rgb.RasterIO(GF_Read, 0, 0, frame.width, frame.height, photo.rgb.data.data(), frame.width, frame.height,
-                           GDT_Byte, 3, bands, 3, line, 1, nullptr) == CE_None;
-  // A pixel is invalid only where every band says so: black in one band alone is a colour.
-  Raster<std::uint8_t> mask(frame.width, frame.height);
-  for (int b = 1; b <= 3 && read; ++b) {
-    GDALRasterBand& band = *rgb.GetRasterBand(b);
-    if (band.GetMaskFlags() & GMF_ALL_VALID) break;
-    if (b == 1) std::fill(photo.valid.data.begin(), photo.valid.data.end(), std::uint8_t{0});
-    read = band.GetMaskBand()->RasterIO(GF_Read, 0, 0, frame.width, frame.height, mask.data.data(), frame.width,
-                                        frame.height, GDT_Byte, 0, 0, nullptr) == CE_None;
-    for (std::size_t i = 0; i < mask.data.size(); ++i) photo.valid.data[i] |= mask.data[i] >= 128 ? 1 : 0;
-    if (band.GetMaskFlags() & GMF_PER_DATASET) break;
-  }
-  if (!read)
-    throw InputError(path.string(), fmt::format("cannot be read to its end ({}); get the file again", errors.text()));
-  return photo;
+  NativePhoto reader(path);
+  PhotoWindow whole = reader.read(pixels_of(reader.frame()));
+  return {reader.crs(), reader.frame(), std::move(whole.rgb), std::move(whole.valid)};
 }
 
 namespace {

@@ -39,6 +39,8 @@ struct ReadPhotoOptions {
                                      const ReadPhotoOptions& options = {});
 /// The photo as it is, on its own grid. It must be north-up in a metric CRS (as synth and read_photo make them).
 [[nodiscard]] Photo read_photo_native(const std::filesystem::path& path);
+/// The same window by window: memory does not grow with the photo.
+[[nodiscard]] PhotoSource open_photo_native(const std::filesystem::path& path);
 
 /// Heights over the box and a little more, NaN where the file has none. A terrain model whose CRS is the one asked for
 /// is read on its own grid without resampling; others are warped (cubic, exact coordinates) at their own GSD. Heights

@@ -48,12 +48,10 @@ PlacedPhoto open_placed_photo(const SceneFiles& files, const roadquery::RoadMap&
   const io::RasterInfo info = io::raster_info(files.photo);
   PlacedPhoto placed{.site = {site_crs(files.network.string(), roads, info.crs), {}}};
   if (placed.site.crs == info.crs) {
-    const auto own = std::make_shared<const Photo>(io::read_photo_native(files.photo));
-    placed.site.area = photo_outline(*own);
+    placed.photo = io::open_photo_native(files.photo);
+    placed.site.area = photo_outline(placed.photo);
     if (placed.site.area.outer.empty())
       throw InputError(files.photo.string(), "has no valid pixel, give a photo that shows the roads");
-    placed.photo = source_of(*own);
-    placed.photo.read = [own, read = placed.photo.read](const PixelBox& box) { return read(box); };
     return placed;
   }
   const CoordinateTransform to_geographic(placed.site.crs, Crs{"EPSG:4326"});

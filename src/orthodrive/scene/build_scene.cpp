@@ -391,15 +391,20 @@ std::shared_ptr<const SceneLayout> lay_out_scene(const SceneInput& input, const 
   return lay_out_block(frame, SceneWindows(source, *frame), block_around(frame->tiles));
 }
 
-Polygon photo_outline(const Photo& photo) {
+Polygon photo_outline(const PhotoSource& photo) {
+  constexpr int rows_at_a_time = 256;
   std::vector<Vec2> corners;
-  for (int row = 0; row < photo.frame.height; ++row) {
-    int first = 0, end = photo.frame.width;
-    while (first < end && !photo.valid.at(first, row)) ++first;
-    while (end > first && !photo.valid.at(end - 1, row)) --end;
-    if (first == end) continue;
-    for (const int r : {row, row + 1})
-      for (const int c : {first, end}) corners.push_back(photo.frame.world_from_pixel(c, r));
+  for (int top = 0; top < photo.frame.height; top += rows_at_a_time) {
+    const PhotoWindow strip =
+        photo.read({0, top, photo.frame.width, std::min(rows_at_a_time, photo.frame.height - top)});
+    for (int row = 0; row < strip.valid.height; ++row) {
+      int first = 0, end = photo.frame.width;
+      while (first < end && !strip.valid.at(first, row)) ++first;
+      while (end > first && !strip.valid.at(end - 1, row)) --end;
+      if (first == end) continue;
+      for (const int r : {top + row, top + row + 1})
+        for (const int c : {first, end}) corners.push_back(photo.frame.world_from_pixel(c, r));
+    }
   }
   return {convex_hull(std::move(corners)), {}};
 }

@@ -69,7 +69,7 @@ struct TileAddress {
 class SceneLayout;
 
 /// Convex hull of the photo's valid pixels: the area of who has no other. Empty for a photo without any.
-[[nodiscard]] Polygon photo_outline(const Photo& photo);
+[[nodiscard]] Polygon photo_outline(const PhotoSource& photo);
 
 /// One block for all of the area. Throws OptionError without an area and InputError when the terrain has no height at
 /// all.
