@@ -211,6 +211,13 @@ JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, doub
 
 double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }
 
+namespace {
+/// Sidewalks, kerbs, gores.
+bool is_beside_carriageway(LaneType type) {
+  return type == LaneType::sidewalk || type == LaneType::border || type == LaneType::none || type == LaneType::other;
+}
+}  // namespace
+
 Edges carriageway_edges(const Road& road, double s) {
   s = std::clamp(s, 0.0, road.length);
   const LaneSection& section = section_at(road, s);
@@ -218,7 +225,7 @@ Edges carriageway_edges(const Road& road, double s) {
   const auto width_m = [&](const std::vector<Lane>& lanes) {
     double width = 0.0;
     for (const Lane& lane : lanes) {
-      if (lane.type == LaneType::sidewalk || lane.type == LaneType::border || lane.type == LaneType::none) break;
+      if (is_beside_carriageway(lane.type)) break;
       width += lane_width(lane, s - section.s);
     }
     return width;

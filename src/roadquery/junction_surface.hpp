@@ -60,7 +60,7 @@ struct JunctionField {
 [[nodiscard]] JunctionHeight blend_arms(const JunctionHeight& field, std::span<const JunctionArm> arms, double x,
                                         double y);
 
-/// t of the edges of what cars use: lanes from the centre outwards up to a sidewalk.
+/// t of the edges of what cars use: lanes from the centre outwards up to a sidewalk, a border or one of type other.
 [[nodiscard]] Edges carriageway_edges(const Road& road, double s);
 
 /// The end of a road that a junction begins at. The cross section of its carriageway: edges, reference line and every

@@ -78,6 +78,19 @@ TEST(RaceKerbs, rise_to_their_outer_border_and_the_query_feels_them) {
   }
 }
 
+TEST(RaceKerbs, tracks_have_lines_along_their_edges_only) {
+  const roadquery::RoadMap map = map_of({make_path(corner_of(60.0), {1}, raceway())});
+  const roadquery::LaneSection& section = map.roads[0].sections[0];
+  EXPECT_EQ(section.center.marks.at(0).type, "solid");
+  std::vector<std::string> types;
+  for (const Lane& lane : section.right)
+    if (lane.type == LaneType::driving) types.push_back(lane.marks.at(0).type);
+  ASSERT_GT(types.size(), 1u) << "12 m hold three lanes";
+  EXPECT_EQ(types.back(), "solid");
+  types.pop_back();
+  for (const std::string& type : types) EXPECT_EQ(type, "none");
+}
+
 TEST(RaceKerbs, wide_bends_and_other_roads_have_none) {
   for (const Road& road : map_of({make_path(corner_of(300.0), {1}, raceway())}).roads)
     for (const bool left : {true, false}) EXPECT_EQ(kerb_of(road, left), nullptr);

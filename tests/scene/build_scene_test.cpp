@@ -366,6 +366,8 @@ TEST(BuildScene, every_triangle_of_roads_and_buildings_says_what_it_is) {
     EXPECT_EQ(feature.id, first ? "1" : "2");
     EXPECT_EQ(feature.osm_id, first ? "way/17" : "");
     EXPECT_EQ(feature.name, first ? "Hauptstraße" : "");
+    EXPECT_EQ(feature.lane_id, middle.y > south_m + 240.0 ? "1" : "-1");
+    EXPECT_EQ(feature.lane_type, "driving");
   });
   each(building, [&](const SceneFeature& feature, Vec3 middle) {
     EXPECT_EQ(feature.kind, "building");
@@ -535,8 +537,8 @@ TEST(BuildScene, road_has_the_material_of_its_lanes_and_the_photos_tint) {
   const TriMesh* road = find_mesh(tile, MeshKind::road);
   ASSERT_NE(road, nullptr);
   ASSERT_EQ(road->parts.size(), 2U);
-  EXPECT_EQ(road->parts[0].material, SurfaceMaterial::asphalt);
-  EXPECT_EQ(road->parts[1].material, SurfaceMaterial::setts);
+  EXPECT_EQ(road->parts[0].material, SurfaceMaterial::setts);
+  EXPECT_EQ(road->parts[1].material, SurfaceMaterial::lane);
   EXPECT_EQ(road->parts[1].first_index, road->parts[0].index_count);
   EXPECT_EQ(road->parts[1].first_index + road->parts[1].index_count, road->indices.size());
   for (const MeshPart& part : road->parts) {
@@ -548,9 +550,21 @@ TEST(BuildScene, road_has_the_material_of_its_lanes_and_the_photos_tint) {
   }
   // The photo is grey 90, linear 0.1022; textures have a mean of 0.6.
   for (const auto& color : road->colors) EXPECT_NEAR(color[1] / 65535.0 * 0.6, 0.1022, 1e-3);
-  // Textures go on from tile to tile: their sides divide a tile's.
-  for (std::size_t i = 0; i < road->positions.size(); ++i)
-    EXPECT_NEAR(road->tile_uv[i][0] * 4.0, road->positions[i][0], 1e-4);
+  // Setts go on from tile to tile: the texture's sides divide a tile's. Asphalt follows the lanes, 3 m wide.
+  for (const MeshPart& part : road->parts) {
+    for (std::size_t k = part.first_index; k < part.first_index + part.index_count; ++k) {
+      const std::uint32_t i = road->indices[k], first = road->indices[k - k % 3];
+      const auto &uv = road->tile_uv[i], &from = road->tile_uv[first];
+      const Vec3 p = world(tile, road->positions[i]), q = world(tile, road->positions[first]);
+      if (part.material == SurfaceMaterial::setts) {
+        EXPECT_NEAR(uv[0] * 4.0, road->positions[i][0], 1e-4);
+        continue;
+      }
+      const bool left = tile.features[road->features[i]].lane_id == "1";
+      EXPECT_NEAR(uv[0], ((left ? 3.0 : 0.0) - (p.y - south_m - 240.0)) / 3.0, 1e-3);
+      EXPECT_NEAR(uv[1] - from[1], -(p.x - q.x) / 14.0, 1e-4);
+    }
+  }
 }
 
 TEST(BuildScene, verge_lies_on_the_terrain_and_fades_away_from_the_road) {

@@ -72,7 +72,8 @@ void expect_shell(TriMesh mesh, const scene::PlacedBuilding& building, double or
     for (std::size_t k = 0; k < 3; ++k) ++edges[{corner(k), corner((k + 1) % 3)}];
   }
   for (const auto& [edge, count] : edges) {
-    EXPECT_EQ(count, 1);
+    EXPECT_EQ(count, 1) << edge[0][0] << ' ' << edge[0][1] << ' ' << edge[0][2] << " to " << edge[1][0] << ' '
+                        << edge[1][1] << ' ' << edge[1][2];
     if (edges.contains({edge[1], edge[0]})) continue;
     EXPECT_FALSE(building.hovers);
     EXPECT_EQ(edge[0][2], edge[1][2]);
@@ -328,6 +329,7 @@ TEST(Buildings, eaves_stand_out_but_not_over_roads_and_neighbours) {
     west = std::min(west, world(tile, p).x - west_m), south = std::min(south, world(tile, p).y - south_m);
   EXPECT_NEAR(west, 99.6, 1e-3);
   EXPECT_NEAR(south, 94.47, 1e-3) << "a door";
+  expect_shells(*layout);
 }
 
 // ---- parts

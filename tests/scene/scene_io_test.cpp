@@ -110,7 +110,9 @@ TEST(SceneIo, roads_and_buildings_are_rows_of_a_table) {
   SceneTile tile = small_tile();
   tile.labels = Raster<std::uint8_t>(16, 16, 1, 1);
   tile.classes = {"small", {{.name = "ground", .role = Role::ground}}};
-  tile.features = {{.kind = "road", .id = "7", .osm_id = "way/12", .name = "Straße"}, {.kind = "building"}};
+  tile.features = {
+      {.kind = "road", .id = "7", .osm_id = "way/12", .name = "Straße", .lane_id = "-2", .lane_type = "biking"},
+      {.kind = "building"}};
   tile.meshes[1].features = {0, 0, 1};
   const fs::path own = folder / "objects";
   const Glb glb = read_glb(own / io::write_tile_glb(own, tile, plain).uri);
@@ -122,8 +124,10 @@ TEST(SceneIo, roads_and_buildings_are_rows_of_a_table) {
   const Json& table =
       glb.json["extensions"]["EXT_structural_metadata"]["propertyTables"][ids[1]["propertyTable"].get<int>()];
   EXPECT_EQ(table["class"], "object");
-  const Json& names = glb.json["bufferViews"][table["properties"]["name"]["values"].get<int>()];
-  EXPECT_EQ(glb.bytes.substr(names["byteOffset"].get<std::size_t>(), names["byteLength"].get<std::size_t>()), "Straße");
+  for (const auto& [property, value] : {std::pair{"name", "Straße"}, {"lane_id", "-2"}, {"lane_type", "biking"}}) {
+    const Json& texts = glb.json["bufferViews"][table["properties"][property]["values"].get<int>()];
+    EXPECT_EQ(glb.bytes.substr(texts["byteOffset"].get<std::size_t>(), texts["byteLength"].get<std::size_t>()), value);
+  }
   const Json& accessor = glb.json["accessors"][primitive["attributes"]["_FEATURE_ID_0"].get<int>()];
   std::array<float, 3> rows{};
   std::memcpy(rows.data(),

@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(SurfaceTexture, EverySurfaceTexture,
                                          SurfaceMaterial::gravel, SurfaceMaterial::ground, SurfaceMaterial::verge,
                                          SurfaceMaterial::paint, SurfaceMaterial::facade, SurfaceMaterial::roof_tiles,
                                          SurfaceMaterial::foliage, SurfaceMaterial::balconies,
-                                         SurfaceMaterial::cladding, SurfaceMaterial::openings),
+                                         SurfaceMaterial::cladding, SurfaceMaterial::openings, SurfaceMaterial::lane),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST(SurfaceTexture, is_the_same_each_time) {

@@ -218,8 +218,9 @@ TEST(FromTrack, given_ways_are_kept_and_the_truth_has_their_ids_and_direction) {
     EXPECT_EQ(site.osm.ways[0].nodes, sources.osm.ways[0].nodes);
     EXPECT_EQ(site.osm.ways[1].tags.at("sport"), "motor");
     for (const OsmNode& node : site.osm.nodes)
-      if (node.id < 540)
+      if (node.id < 540) {
         EXPECT_LT(distance(node.p, sources.osm.nodes[static_cast<std::size_t>(node.id - 500)].p), 1e-6);
+      }
     ASSERT_EQ(site.roads.paths.size(), 2u);
     for (std::size_t i = 0; i < 2; ++i) {
       const RoadPath& path = site.roads.paths[i];

@@ -29,8 +29,8 @@ function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
 
 /** One line of what was clicked on. */
 function textOf(what: Record<string, string>): string {
-  const {kind, id, name, type, osm_id: osm, class: label, role} = what;
-  const parts = [kind && `${kind}${id ? ` ${id}` : ''}`, name, type, osm && `OSM ${osm}`, label && `${label} (${role})`];
+  const {kind, id, name, type, osm_id: osm, lane_id: lane, lane_type: laneType, class: label, role} = what;
+  const parts = [kind && `${kind}${id ? ` ${id}` : ''}`, name, type, lane && `lane ${lane} (${laneType})`, osm && `OSM ${osm}`, label && `${label} (${role})`];
   return parts.filter(Boolean).join(' · ');
 }
 

@@ -135,7 +135,7 @@ async function labelAt({labels, labelPicture}: TileFeatures, u: number, v: numbe
   return labels[pixel.getImageData(0, 0, 1, 1).data[0]];
 }
 
-/** What was hit: kind, id, osm_id, name, type of a road or building; class and role of the photo there. */
+/** What was hit: kind, id, osm_id, name, type of a road or building, lane_id and lane_type of a road; class and role of the photo there. */
 export async function describeHit(hit: Intersection): Promise<Row> {
   const mesh = hit.object as Mesh<BufferGeometry>;
   const features = featuresOf(mesh);

@@ -10,8 +10,8 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/geojson_support.hpp"
-#include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/ogr_support.hpp"
+#include "roadquery/lane_type_name.hpp"
 #include "roadquery/road_surface.hpp"
 
 namespace orthodrive::io {
@@ -164,7 +164,7 @@ void add_lanes(const Road& road, std::vector<Row>& rows) {
                         {{"road", OFTInteger, road.id},
                          {"section", OFTInteger, static_cast<int>(k)},
                          {"lane", OFTInteger, lane.id},
-                         {"type", OFTString, lane_type_name(lane.type)},
+                         {"type", OFTString, roadquery::lane_type_name(lane.type)},
                          {"junction", OFTInteger, road.junction},
                          {"osm_id", OFTString, road.osm_id},
                          {"surface", OFTString, surface_name(lane)},

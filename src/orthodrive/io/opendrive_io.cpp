@@ -11,11 +11,11 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/lane_type_name.hpp"
 #include "orthodrive/io/opendrive_junction.hpp"
 #include "roadquery/connecting_road.hpp"
 #include "roadquery/junction_surface.hpp"
 #include "roadquery/junction_surface_text.hpp"
+#include "roadquery/lane_type_name.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -152,7 +152,7 @@ const char* road_type(const std::string& highway) {
 /// "restricted" lanes no car drives.
 const char* written_lane_type(const Lane& lane) {
   if (lane.type == roadquery::LaneType::border && !lane.heights.empty()) return "curb";
-  return lane.type == roadquery::LaneType::other ? "restricted" : lane_type_name(lane.type);
+  return lane.type == roadquery::LaneType::other ? "restricted" : roadquery::lane_type_name(lane.type);
 }
 
 void add_speed(pugi::xml_node parent, double limit_mps) {

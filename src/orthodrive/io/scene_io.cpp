@@ -201,15 +201,22 @@ GltfJson add_labels(GlbFile& file, Materials& materials, const Raster<std::uint8
           {"propertyTable", add_table(file, "label", {{"name", names}, {"role", roles}, {"color", colors}})}};
 }
 
-/// Roads and buildings: ids of vertices, rows of a table of their own.
+/// Lanes of roads and buildings: ids of vertices, rows of a table of their own.
 GltfJson add_objects(GlbFile& file, const std::vector<SceneFeature>& features) {
-  std::vector<std::string> kinds, ids, osm_ids, names, types;
+  std::vector<std::string> kinds, ids, osm_ids, names, types, lane_ids, lane_types;
   for (const SceneFeature& f : features) {
     kinds.push_back(f.kind), ids.push_back(f.id), osm_ids.push_back(f.osm_id);
     names.push_back(f.name), types.push_back(f.type);
+    lane_ids.push_back(f.lane_id), lane_types.push_back(f.lane_type);
   }
-  const std::size_t table =
-      add_table(file, "object", {{"kind", kinds}, {"id", ids}, {"osm_id", osm_ids}, {"name", names}, {"type", types}});
+  const std::size_t table = add_table(file, "object",
+                                      {{"kind", kinds},
+                                       {"id", ids},
+                                       {"osm_id", osm_ids},
+                                       {"name", names},
+                                       {"type", types},
+                                       {"lane_id", lane_ids},
+                                       {"lane_type", lane_types}});
   return {{"featureCount", features.size()},
           {"nullFeatureId", features.size()},
           {"label", "object"},

@@ -22,9 +22,9 @@ struct Building {
   double levels = 0.0;        ///< storeys below the roof, counted from the ground; 0: not known
   std::string roof_shape;     ///< OSM's roof:shape; empty: not known
   double roof_height_m = 0.0, roof_levels = 0.0, roof_angle_rad = 0.0;  ///< 0: not known
-  std::optional<double> roof_direction_rad;  ///< down the slope, counter-clockwise from east
-  bool ridge_across = false;                 ///< roof:orientation=across: the ridge lies across the longer side
-  std::string material, roof_material;       ///< building:material, roof:material; empty: not known
+  std::optional<double> roof_direction_rad;                             ///< down the slope, counter-clockwise from east
+  bool ridge_across = false;            ///< roof:orientation=across: the ridge lies across the longer side
+  std::string material, roof_material;  ///< building:material, roof:material; empty: not known
   /// Linear red, green and blue of building:colour or else building:material, and of roof:colour or else roof:material;
   /// none: not known.
   std::optional<std::array<float, 3>> wall_color, roof_color;

@@ -92,13 +92,14 @@ enum class SurfaceMaterial : std::uint8_t {
   balconies,   ///< of flats: as facade, with balconies
   cladding,    ///< sheet metal, boards
   openings,    ///< doors, gates, shop windows: places in scene/facade_picture
+  lane,        ///< asphalt that follows a lane, from its left border to its right one
 };
-constexpr std::size_t surface_material_count = 15;
+constexpr std::size_t surface_material_count = 16;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
   constexpr std::array<std::string_view, surface_material_count> names = {
-      "photo",  "asphalt",    "concrete", "setts", "gravel",    "ground",   "verge",   "paint",
-      "facade", "roof_tiles", "foliage",  "water", "balconies", "cladding", "openings"};
+      "photo",  "asphalt",    "concrete", "setts", "gravel",    "ground",   "verge",    "paint",
+      "facade", "roof_tiles", "foliage",  "water", "balconies", "cladding", "openings", "asphalt_lane"};
   return names[static_cast<std::size_t>(material)];
 }
 
@@ -126,13 +127,15 @@ struct TriMesh {
 };
 constexpr std::uint32_t no_feature = std::numeric_limits<std::uint32_t>::max();
 
-/// A road or building, for those who click on it.
+/// A lane of a road or a building, for those who click on it.
 struct SceneFeature {
   std::string kind;    ///< "road" or "building"
   std::string id;      ///< of the OpenDRIVE road; empty: none
   std::string osm_id;  ///< "way/123", "relation/45"; empty: not of OSM
   std::string name;
-  std::string type;  ///< OSM's highway=* or building=*
+  std::string type;       ///< OSM's highway=* or building=*
+  std::string lane_id;    ///< of the OpenDRIVE lane; empty: no lane
+  std::string lane_type;  ///< as OpenDRIVE names it
 };
 
 /// A copy of a mesh: stretched, turned about z, then moved.

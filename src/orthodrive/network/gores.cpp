@@ -21,6 +21,7 @@ using roadquery::RoadMap;
 
 constexpr double step_m = 1.0, corner_step_m = 4.0;
 constexpr double side_by_side_cos = 0.866, apart_at_junction_m = 1.5;
+constexpr double least_mark_m = 0.3;  // narrower parts are paved only
 constexpr double least_width_m = 0.8, least_length_m = 6.0, same_height_m = 0.3;
 constexpr double nose_m = 3.0;      // over which the lanes end
 constexpr double opening = 0.5;     // m a metre, where the edges part at once
@@ -185,7 +186,9 @@ class GoreBuilder {
   void add_mark(const Road& of, const Arm& arm, const std::vector<double>& gaps, const Extent& extent) {
     std::vector<std::size_t> places;
     const auto every = static_cast<std::size_t>(corner_step_m / step_m);
-    for (std::size_t i = extent.first; i < extent.last; i += every) places.push_back(i);
+    std::size_t first = extent.first;
+    while (first < extent.last && gaps[first] < least_mark_m) ++first;
+    for (std::size_t i = first; i < extent.last; i += every) places.push_back(i);
     places.push_back(extent.last);
     roadquery::RoadObject mark{.type = "roadMark", .subtype = "hatchedArea", .name = gore_mark};
     double low_s = of.length, high_s = 0.0, low_t = 1e9, high_t = -1e9;

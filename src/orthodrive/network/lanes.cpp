@@ -123,7 +123,7 @@ Markings markings_of(const std::string& highway, const LaneLayout& layout, doubl
   const bool is_fast = is_one_of(highway, fast), is_major = is_fast || is_one_of(highway, major);
   const bool is_race = highway == "raceway";
   marks.edges = is_race || (is_major && width_m >= (layout.left > 0 && layout.right > 0 ? centre_line_from_m : 0.0));
-  marks.lanes = is_major || layout.left > 2 || layout.right > 2;
+  marks.lanes = !is_race && (is_major || layout.left > 2 || layout.right > 2);
   marks.centre = is_major && width_m >= centre_line_from_m;
   if (is_fast) marks.line_m = 0.15, marks.edge_m = 0.30;
   if (is_race) marks.edge_m = 0.15;  // FIA, International Sporting Code, appendix O: at least 0.10 m

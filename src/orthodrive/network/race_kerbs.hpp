@@ -12,8 +12,9 @@ inline constexpr double race_kerb_taper_m = 3.0;   ///< over which one begins an
 inline constexpr double race_bend_radius_m = 220;  ///< wider bends are driven flat out and have none
 inline constexpr double exit_kerb_m = 30.0;        ///< beyond the bend's end
 
-/// Borders with heights (written as lanes of type "curb") outside the carriageways of raceways outside junctions: inclined from the
-/// carriageway's edge to race_kerb_rise_m at their outer border, of concrete. By the curvature, as its mean over 40 m:
+/// Borders with heights (written as lanes of type "curb") outside the carriageways of raceways outside junctions:
+/// inclined from the carriageway's edge to race_kerb_rise_m at their outer border, of concrete. By the curvature, as
+/// its mean over 40 m:
 /// - on the inner side of a bend where it is at least half the bend's largest, and at least 1 / race_bend_radius_m;
 /// - on the outer side from there on to exit_kerb_m beyond the bend, in every direction in which one drives.
 /// Roads that are linked without a junction are one track. Where another carriageway or a junction lies there, there is

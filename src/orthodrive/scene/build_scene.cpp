@@ -29,11 +29,10 @@ namespace {
 using namespace scene;
 
 constexpr double border_clearance_m = 1.0;  // of raster points from lines that have points of their own
-constexpr double axis_clearance_m = 0.3;    // of points on reference lines from the road's border
 constexpr double point_distance_m = 2.0;    // of terrain points from each other
 constexpr double row_distance_m = 4.0;      // of those in a row beside roads
-constexpr double axis_distance_m = 0.5;
 constexpr double marking_lift_m = 0.006;
+constexpr double mesh_tolerance = 0.75;  // of triangles at the places where they are tested, of what is asked
 constexpr LinearColor deck_concrete = {0.33F, 0.32F, 0.30F}, white_paint = {0.62F, 0.62F, 0.60F};
 constexpr double jitter = 0.3;  // of raster points, in steps: a square raster has no unique triangulation
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
@@ -131,15 +130,6 @@ std::span<const Vec2> in_tile(const std::map<TileAddress, std::vector<Vec2>>& po
   return found == points.end() ? std::span<const Vec2>{} : found->second;
 }
 
-void add_axis_points(const RoadLevel& roads, const LevelLines& lines, TileAddress address, TilePoints& points) {
-  const Box2 inner = tile_box(address).grown(-axis_clearance_m);
-  std::vector<Vec2> inside;
-  for (const Vec2 p : in_tile(lines.axis_points, address))
-    if (inner.contains(p) && roads.outline().nearest(p).distance_m > axis_clearance_m && roads.outline().contains(p))
-      inside.push_back(p);
-  for (const Vec2 p : thinned(inside, axis_distance_m)) points.add(p);
-}
-
 void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoints& points) {
   const Box2 inner = tile_box(address).grown(-border_clearance_m);
   std::vector<Vec2> inside;
@@ -230,6 +220,26 @@ Vertex road_vertex(const SceneLayout& layout, const RoadLevel& roads, Vec2 p) {
   return on ? Vertex{on->z_m, on->normal} : ground_vertex(layout, p);
 }
 
+/// The surface of a level's roads around the tile's centre. Borders of tiles have their points already.
+SurfaceToKeep surface_of(const SceneLayout& layout, const RoadLevel& roads, Vec2 center) {
+  return {.is_kept =
+              [&, center](Vec2 local) {
+                return roads.outline().contains(center + local) && layout.area.contains(center + local);
+              },
+          .height_m = [&, center](Vec2 local) -> std::optional<double> {
+            const Vec2 p = center + local;
+            const auto joint = layout.joints.level_at(p);
+            const auto on = (joint ? layout.level(*joint) : roads).sample(p);
+            return on ? std::optional(on->z_m) : std::nullopt;
+          },
+          .may_split =
+              [](Vec2 a, Vec2 b) {
+                constexpr double half = 0.5 * scene_tile_m;
+                return !(a.x == b.x && std::abs(a.x) == half) && !(a.y == b.y && std::abs(a.y) == half);
+              },
+          .tolerance_m = mesh_tolerance* layout.options.road_tolerance_m};
+}
+
 /// The parts of a tile's ground.
 struct GroundMeshes {
   MeshBuilder &terrain, &water, &road, &lids;
@@ -239,9 +249,9 @@ void add_ground(const SceneLayout& layout, TileAddress address, const GroundMesh
   auto& [terrain, water, road, lids] = meshes;
   TilePoints points(terrain.world({}));
   const Constraints constraints = add_lines(layout.ground_lines, address, layout.options.terrain_step_m, points);
-  add_axis_points(layout.roads, layout.ground_lines, address, points);
   add_terrain_points(layout, address, points);
-  const Triangulation t = triangulate(points.points(), constraints);
+  const Triangulation t =
+      triangulate(points.points(), constraints, surface_of(layout, layout.roads, terrain.world({})));
   std::vector<bool> is_terrain, is_water, is_road, is_lid;
   for (const Vec2 local : t.region_points) {
     const Vec2 p = terrain.world(local);
@@ -263,13 +273,9 @@ void add_ground(const SceneLayout& layout, TileAddress address, const GroundMesh
         return Vertex{layout.ground->height_m(p), {0.0, 0.0, 1.0}};
       },
       water);
-  // The height is the ground's, which is the same function on both sides of the road's border.
+  // On the road's border the ground has the same height.
   add_regions(
-      t, is_road,
-      [&](Vec2 p) {
-        return Vertex{layout.ground->height_m(p), road_vertex(layout, layout.roads, p).normal};
-      },
-      road);
+      t, is_road, [&](Vec2 p) { return road_vertex(layout, layout.roads, p); }, road);
 }
 
 /// Underside and sides of the deck triangles from `first_index` on of the road mesh. No sides on the tile's border,
@@ -312,8 +318,7 @@ void add_level(const SceneLayout& layout, const RoadLevel& level, const LevelLin
                MeshBuilder& road) {
   TilePoints points(road.world({}));
   const Constraints constraints = add_lines(lines, address, 0.0, points);
-  add_axis_points(level, lines, address, points);
-  const Triangulation t = triangulate(points.points(), constraints);
+  const Triangulation t = triangulate(points.points(), constraints, surface_of(layout, level, road.world({})));
   std::vector<bool> is_road;
   for (const Vec2 local : t.region_points) is_road.push_back(level.outline().contains(road.world(local)));
   add_regions(
@@ -447,10 +452,8 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   if (const auto found = layout.parking_in.find(address); found != layout.parking_in.end())
     add_parking(terrain.mesh, found->second, center, asphalt, marking);
   add_material(SurfaceMaterial::asphalt, asphalt);
-  name_roads(*layout.query, tile, road.mesh);
-  name_roads(*layout.query, tile, tunnel_road.mesh);
-  add_road_materials(layout, center, road.mesh);
-  add_road_materials(layout, center, tunnel_road.mesh);
+  add_road_materials(layout, center, name_lanes(*layout.query, tile, road.mesh), road.mesh);
+  add_road_materials(layout, center, name_lanes(*layout.query, tile, tunnel_road.mesh), tunnel_road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
   add_plain_material(SurfaceMaterial::paint, white_paint, marking);
   add_material(SurfaceMaterial::concrete, kerb);

@@ -204,7 +204,7 @@ MultiPolygon paved_below(const Outlined& at, const BuildingSite& site) {
                        .grown(road_clearance_m);
   MultiPolygon paved;
   for (const RoadLevel* level : site.levels) {
-    for (Polygon& piece : level->paved_near(box, placed.middle)) {
+    for (Polygon& piece : level->driven_near(box, placed.middle)) {
       const auto is_far_below = [&](Vec2 p) {
         const auto on = level->sample(placed.middle + p);
         return on && placed.base_z_m + at.low_m - on->z_m >= over_roads_m;

@@ -1,8 +1,10 @@
 #include "orthodrive/scene/crossing_roads.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "orthodrive/core/disjoint_sets.hpp"
@@ -109,6 +111,80 @@ std::vector<std::vector<const roadquery::Road*>> told_apart(std::span<const road
     sets[at->second].push_back(roads[i]);
   }
   return sets;
+}
+
+namespace {
+
+/// Between two cross sections; corners: left and right one of both.
+struct Stretch {
+  std::size_t road;
+  std::array<Vec3, 4> corners;
+};
+
+bool is_finite(const Vec3& p) { return std::isfinite(p.x + p.y + p.z); }
+
+/// Height of a stretch at p, of one of its two triangles; nothing: p lies beside it.
+std::optional<double> height_of(const Stretch& stretch, Vec2 p) {
+  const auto& c = stretch.corners;
+  for (const auto& [a, b, d] : {std::array{c[0], c[1], c[3]}, {c[0], c[3], c[2]}}) {
+    const Vec2 pa{a.x, a.y}, pb{b.x, b.y}, pd{d.x, d.y};
+    const double area = cross(pb - pa, pd - pa);
+    if (area == 0.0) continue;
+    const double v = cross(p - pa, pd - pa) / area, w = cross(pb - pa, p - pa) / area;
+    if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) return a.z + v * (b.z - a.z) + w * (d.z - a.z);
+  }
+  return std::nullopt;
+}
+
+std::vector<Stretch> stretches_of(const roadquery::Road& road, std::size_t index) {
+  std::vector<Stretch> stretches;
+  const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
+  const auto cut = [&](int i) {
+    const double s = road.length * i / steps;
+    const roadquery::Edges edges = roadquery::road_edges(road, s);
+    const auto left = roadquery::surface_point(road, s, edges.left_t),
+               right = roadquery::surface_point(road, s, edges.right_t);
+    return std::array{Vec3{left.x, left.y, left.z}, Vec3{right.x, right.y, right.z}};
+  };
+  auto last = cut(0);
+  for (int i = 1; i <= steps; ++i) {
+    const auto next = cut(i);
+    const Stretch stretch{index, {last[0], last[1], next[0], next[1]}};
+    if (std::ranges::all_of(stretch.corners, is_finite)) stretches.push_back(stretch);
+    last = next;
+  }
+  return stretches;
+}
+
+}  // namespace
+
+std::vector<bool> lying_over(std::span<const roadquery::Road> roads) {
+  std::vector<Stretch> all;
+  std::vector<Box2> boxes;
+  for (std::size_t i = 0; i < roads.size(); ++i) {
+    const roadquery::Road& road = roads[i];
+    if (road.bridge || road.tunnel || road.layer > 0 || road.junction >= 0 || !(road.length > 0.0) ||
+        road.plan.empty() || road.sections.empty() || road.elevation.empty())
+      continue;
+    for (const Stretch& stretch : stretches_of(road, i)) {
+      const auto& c = stretch.corners;
+      all.push_back(stretch);
+      boxes.push_back(bounds_of({{c[0].x, c[0].y}, {c[1].x, c[1].y}, {c[2].x, c[2].y}, {c[3].x, c[3].y}}));
+    }
+  }
+  std::vector<bool> result(roads.size(), false);
+  const SpatialIndex index(boxes);
+  for (const Stretch& stretch : all) {
+    const auto& c = stretch.corners;
+    for (const Vec3& p : {c[0], c[1], (c[0] + c[1]) * 0.5}) {
+      for (const std::uint32_t k : index.touching({p.x, p.y, p.x, p.y})) {
+        if (all[k].road == stretch.road) continue;
+        const auto z = height_of(all[k], {p.x, p.y});
+        if (z && std::abs(p.z - *z) > apart_m) result[p.z > *z ? stretch.road : all[k].road] = true;
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace orthodrive::scene

@@ -1,5 +1,5 @@
 #pragma once
-// Roads that one OSM layer holds but that cross each other at different heights.
+// Roads that one OSM layer holds but that lie over each other.
 
 #include <span>
 #include <vector>
@@ -13,5 +13,9 @@ namespace orthodrive::scene {
 /// unless they cross themselves so. Roads and sets are in the order given, and never empty.
 [[nodiscard]] std::vector<std::vector<const roadquery::Road*>> told_apart(
     std::span<const roadquery::Road* const> roads);
+
+/// Of roads on the ground those that somewhere lie more than 1.5 m over another one, one flag a road: a map may lack a
+/// bridge, and on a slope roads stand closer than they are wide. Not roads of junctions, which share a surface.
+[[nodiscard]] std::vector<bool> lying_over(std::span<const roadquery::Road> roads);
 
 }  // namespace orthodrive::scene

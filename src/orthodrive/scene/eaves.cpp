@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "orthodrive/scene/plan_grid.hpp"
 
@@ -64,6 +65,27 @@ double plan_area(const std::array<Vec3, 3>& t) {
   return (t[1].x - t[0].x) * (t[2].y - t[0].y) - (t[1].y - t[0].y) * (t[2].x - t[0].x);
 }
 
+Vec2 plan(const Vec3& p) { return {p.x, p.y}; }
+
+bool is_on_line(const Vec3& p, const Vec3& a, const Vec3& b) {
+  return std::abs(cross(normalized(plan(b) - plan(a)), plan(p) - plan(a))) < 2.0 * plan_grid_m;
+}
+
+/// Puts points into an edge of one of the triangles.
+void split_edge(const Vec3& from, const Vec3& to, const std::vector<Vec3>& between,
+                std::vector<std::array<Vec3, 3>>& triangles) {
+  const auto is = [](const Vec3& p, const Vec3& q) { return p.x == q.x && p.y == q.y && p.z == q.z; };
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 a = triangles[i][k], b = triangles[i][(k + 1) % 3], c = triangles[i][(k + 2) % 3];
+      if (!is(a, from) || !is(b, to)) continue;
+      triangles[i] = {a, between.front(), c};
+      for (std::size_t n = 0; n < between.size(); ++n)
+        triangles.push_back({between[n], n + 1 < between.size() ? between[n + 1] : b, c});
+      return;
+    }
+}
+
 }  // namespace
 
 Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> out_m) {
@@ -101,10 +123,39 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
     if (plan_area(slope) < least_m2) return as_it_is;
     eaves.slopes.push_back(slope);
   }
+  struct Quad {
+    Vec3 a, b, b_out, a_out;
+  };
+  std::vector<Quad> below;  // of the eaves
   for (const auto& [unused, edge] : border) {
     const Vec3 &a = edge[0], &b = edge[1], &a_out = moved.at(key_of(a)).at, &b_out = moved.at(key_of(b)).at;
     const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
-    if (dot(Vec2{b.x - a.x, b.y - a.y}, Vec2{b_out.x - a_out.x, b_out.y - a_out.y}) <= 0.0) return as_it_is;
+    if (!a_moves && !b_moves) continue;
+    if (dot(plan(b) - plan(a), plan(b_out) - plan(a_out)) <= 0.0) return as_it_is;
+    if (is_on_line(a_out, a, b) && is_on_line(b_out, a, b)) {
+      // Eaves beside this edge have made the slope's border longer, along the wall that goes on below a part of it.
+      const Vec2 along = plan(b) - plan(a);
+      if (dot(plan(a_out) - plan(a), along) > 0.0 || dot(plan(b_out) - plan(b), along) < 0.0) return as_it_is;
+      std::vector<Vec3> between;
+      if (a_moves) between.push_back(a);
+      if (b_moves) between.push_back(b);
+      split_edge(a_out, b_out, between, eaves.slopes);
+      continue;
+    }
+    below.push_back({a, b, b_out, a_out});
+  }
+  // A diagonal of the slope above would be an edge of four triangles: then the soffit has the other one.
+  std::set<std::array<Key, 2>> edges;
+  for (const auto& slope : eaves.slopes)
+    for (std::size_t k = 0; k < 3; ++k) edges.insert({key_of(slope[k]), key_of(slope[(k + 1) % 3])});
+  for (const auto& [a, b, b_out, a_out] : below) {
+    const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
+    const std::array<Key, 2> diagonal = {key_of(a), key_of(b_out)};
+    if (a_moves && b_moves && (edges.contains(diagonal) || edges.contains({diagonal[1], diagonal[0]}))) {
+      eaves.soffits.push_back({a, b, a_out});
+      eaves.soffits.push_back({b, b_out, a_out});
+      continue;
+    }
     if (b_moves) eaves.soffits.push_back({a, b, b_out});
     if (a_moves) eaves.soffits.push_back({a, b_out, a_out});
   }

@@ -15,7 +15,8 @@ struct Eaves {
 };
 
 /// The roof's slopes go on beyond the outer edge i of the footprint by out_m[i] (plan), in their own planes. Nothing
-/// changes where an edge would turn round or a slope fold over: then `soffits` are empty.
+/// changes where an edge would turn round, a slope fold over or an edge without eaves begin at an inner corner: then
+/// `soffits` are empty.
 [[nodiscard]] Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> out_m);
 
 }  // namespace orthodrive::scene

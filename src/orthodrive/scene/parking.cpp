@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/narrowest_rectangle.hpp"
@@ -67,7 +69,7 @@ class Taken {
   [[nodiscard]] MultiPolygon near(const Box2& box, Vec2 from) const {
     MultiPolygon taken;
     for (const RoadLevel* level : site_.levels)
-      for (Polygon& piece : level->paved_near(box, from)) taken.push_back(std::move(piece));
+      for (Polygon& piece : level->driven_near(box, from)) taken.push_back(std::move(piece));
     for (const std::uint32_t i : buildings_.touching(box)) {
       const PlacedBuilding& building = site_.buildings[i];
       if (!building.hovers) taken.push_back(moved(building.footprint, building.middle - from));
@@ -150,19 +152,27 @@ void add_parking(const TriMesh& terrain, std::span<const PlacedParking* const> p
   };
   const auto f = [](double v) { return static_cast<float>(v); };
   for (const PlacedParking* one : parking) {
+    std::map<std::array<std::int64_t, 2>, std::uint32_t> known;  // parts share their corners
     cut_at_mesh(terrain, 0, local(one->asphalt), [&](std::size_t, std::span<const DrapedCorner> part) {
-      const auto first = static_cast<std::uint32_t>(asphalt.positions.size());
-      std::uint32_t count = 0;
-      for (std::size_t i = 0; i < part.size(); ++i) {
-        const DrapedCorner& c = part[i];
-        if (distance(c.p, part[(i + 1) % part.size()].p) < plan_grid_m) continue;
-        asphalt.positions.push_back({f(c.p.x), f(c.p.y), f(c.z + asphalt_lift_m)});
-        asphalt.normals.push_back({f(c.normal[0]), f(c.normal[1]), f(c.normal[2])});
-        asphalt.colors.push_back(mesh_color(one->color));
-        ++count;
+      std::vector<std::uint32_t> corners;
+      for (const DrapedCorner& c : part) {
+        const std::array<std::int64_t, 2> key = {std::llround(c.p.x / plan_grid_m), std::llround(c.p.y / plan_grid_m)};
+        const auto [found, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(asphalt.positions.size()));
+        if (is_new) {
+          asphalt.positions.push_back({f(c.p.x), f(c.p.y), f(c.z + asphalt_lift_m)});
+          asphalt.normals.push_back({f(c.normal[0]), f(c.normal[1]), f(c.normal[2])});
+          asphalt.colors.push_back(mesh_color(one->color));
+        }
+        if (corners.empty() || (corners.back() != found->second && corners.front() != found->second))
+          corners.push_back(found->second);
       }
-      for (std::uint32_t k = 2; k < count; ++k)
-        asphalt.indices.insert(asphalt.indices.end(), {first, first + k - 1, first + k});
+      const auto at = [&](std::size_t k) {
+        const auto& p = asphalt.positions[corners[k]];
+        return Vec2{double{p[0]}, double{p[1]}};
+      };
+      for (std::size_t k = 2; k < corners.size(); ++k)
+        if (cross(at(k - 1) - at(0), at(k) - at(0)) > 0.0)
+          asphalt.indices.insert(asphalt.indices.end(), {corners[0], corners[k - 1], corners[k]});
     });
     drape(terrain, 0, local(one->lines), line_lift_m, marking);
   }

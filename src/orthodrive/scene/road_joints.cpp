@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "orthodrive/scene/lane_cuts.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -27,9 +29,24 @@ struct RoadJoints::End {
   std::size_t road = 0;
   bool at_end = false;
   int level = 0;
-  Vec2 right, left, reference;
-  bool has_ridge = false;
+  Vec2 right, left;
+  std::vector<Vec2> between;  // where the surface or the lanes change
 };
+
+namespace {
+
+std::vector<Vec2> places_between(const roadquery::Road& road, bool at_end, Vec2 reference) {
+  std::vector<Vec2> places;
+  const double s = at_end ? road.length : 0.0;
+  for (const double t : lane_borders_at(road, at_end)) {
+    const auto p = roadquery::surface_point(road, s, t);
+    places.push_back({p.x, p.y});
+  }
+  if (!road.shape.empty()) places.push_back(reference);
+  return places;
+}
+
+}  // namespace
 
 RoadJoints::RoadJoints(const roadquery::RoadQuery& query, std::span<const int> level_of) {
   const std::vector<roadquery::Road>& roads = query.map().roads;
@@ -60,8 +77,8 @@ RoadJoints::RoadJoints(const roadquery::RoadQuery& query, std::span<const int> l
     const bool at_end = e % 2 == 1;
     const auto cut = query.section(i, at_end ? roads[i].length : 0.0);
     if (!cut) continue;
-    meeting[root(e)].push_back(
-        {i, at_end, level_of[i], plan(cut->right), plan(cut->left), plan(cut->reference), !roads[i].shape.empty()});
+    meeting[root(e)].push_back({i, at_end, level_of[i], plan(cut->right), plan(cut->left),
+                                places_between(roads[i], at_end, plan(cut->reference))});
   }
   for (const auto& [unused, ends] : meeting)
     if (ends.size() > 1) join(ends);
@@ -96,7 +113,7 @@ void RoadJoints::join(std::span<const End> ends) {
   };
   for (const End* end : joined) add(end->right), add(end->left);
   for (const End* end : joined)
-    if (end->has_ridge) add(end->reference);
+    for (const Vec2 p : end->between) add(p);
   std::ranges::sort(places, {}, &Place::across_m);
   const int lowest = (*std::ranges::min_element(joined, by_level))->level;
   for (std::size_t k = 1; k < places.size(); ++k) edges_.push_back({places[k - 1].p, places[k].p, lowest});

@@ -16,6 +16,12 @@
 
 namespace orthodrive::scene {
 
+/// Points across both ends of a road where roads of other levels go on, from the right edge to the left one; empty:
+/// none do.
+struct EndPoints {
+  std::span<const Vec2> start, end;
+};
+
 class RoadJoints {
  public:
   RoadJoints() = default;
@@ -23,9 +29,9 @@ class RoadJoints {
   /// more than 2 cm apart along the road are no joint.
   RoadJoints(const roadquery::RoadQuery& query, std::span<const int> level_of);
 
-  /// Points across the road's end on the plan grid, from its right edge to its left one seen along the road: its own
-  /// corners, and those of the other roads and ridges of crowns in between. Empty: no joint.
-  [[nodiscard]] std::span<const Vec2> across(std::size_t road, bool at_end) const;
+  /// On the plan grid, seen along the road: its own corners, and those of the other roads, borders of lanes and ridges
+  /// of crowns in between.
+  [[nodiscard]] EndPoints across(std::size_t road) const { return {across(road, false), across(road, true)}; }
   /// The level whose height counts at p: the lowest of those that meet there. Nothing: p lies on no joint.
   [[nodiscard]] std::optional<int> level_at(Vec2 p) const;
 
@@ -35,6 +41,7 @@ class RoadJoints {
     int level = 0;
   };
   struct End;
+  [[nodiscard]] std::span<const Vec2> across(std::size_t road, bool at_end) const;
   void join(std::span<const End> ends);
 
   std::map<std::pair<std::size_t, bool>, std::vector<Vec2>> across_;

@@ -39,11 +39,6 @@ void bulge(Ring& ring, const roadquery::Road& road, const CrossSection& end, dou
   ring = convex_hull(std::move(ring));
 }
 
-/// Points across both ends where roads of other levels go on, from the right edge to the left one; empty: none do.
-struct EndPoints {
-  std::span<const Vec2> start, end;
-};
-
 /// The corners of a strip's ends are those of its joints.
 void move_to_joints(const EndPoints& joints, std::vector<CrossSection>& strip) {
   const auto move = [](std::span<const Vec2> points, CrossSection& section) {
@@ -155,7 +150,7 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
     const std::size_t index = options.query ? static_cast<std::size_t>(roads_[i] - query_->map().roads.data()) : i;
     strips_[i] = cross_sections(*query_, index, options.strip);
     EndPoints joints;
-    if (options.joints) joints = {options.joints->across(index, false), options.joints->across(index, true)};
+    if (options.joints) joints = options.joints->across(index);
     move_to_joints(joints, strips_[i]);
     pieces[i] = strip_pieces(*roads_[i], strips_[i], joints);
     if (pieces[i].empty()) return;
@@ -172,6 +167,7 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
     all.push_back(area_of_junction);
     pieces_.push_back(std::move(area_of_junction));
   }
+  paved_pieces_ = pieces_.size();
   for (std::size_t i = 0; i < roads_.size(); ++i)
     std::ranges::move(end_pieces(*roads_[i], strips_[i]), std::back_inserter(pieces_));
   std::vector<Box2> boxes;
@@ -190,6 +186,13 @@ RoadLevel::RoadLevel(std::vector<const roadquery::Road*> roads, const Polygon& a
 }
 
 MultiPolygon RoadLevel::paved_near(const Box2& box, Vec2 from) const {
+  MultiPolygon near;
+  for (const std::uint32_t i : piece_index_.touching(box))
+    if (i < paved_pieces_) near.push_back(moved(pieces_[i], from * -1.0));
+  return near;
+}
+
+MultiPolygon RoadLevel::driven_near(const Box2& box, Vec2 from) const {
   MultiPolygon near;
   for (const std::uint32_t i : piece_index_.touching(box)) near.push_back(moved(pieces_[i], from * -1.0));
   return near;
@@ -216,7 +219,14 @@ MultiPolygon RoadLevel::junction_areas() {
 }
 
 std::optional<SurfaceSample> RoadLevel::sample(Vec2 p, double reach_m) const {
-  const auto on = query_->sample(p.x, p.y, reach_m, is_on_level_);
+  // A corner of the mesh may lie beside all surfaces by a chord. At a junction's boundary the junction goes on, not the
+  // roads that lie in it: their own surfaces are others.
+  constexpr double chord_m = 0.03;
+  auto on = query_->sample(p.x, p.y, 0.0, is_on_level_);
+  if (!on && reach_m > 0.0) {
+    if (const auto beside = beside_junction(p, std::min(chord_m, reach_m))) return beside;
+    on = query_->sample(p.x, p.y, reach_m, is_on_level_);
+  }
   if (!on) return reach_m > 0.0 ? beside_junction(p, reach_m) : std::nullopt;
   return SurfaceSample{on->z, {on->normal[0], on->normal[1], on->normal[2]}, on->inside_m};
 }

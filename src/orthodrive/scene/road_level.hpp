@@ -45,9 +45,11 @@ class RoadLevel {
   [[nodiscard]] std::optional<SurfaceSample> sample(Vec2 p, double reach_m) const;
   [[nodiscard]] const std::vector<const roadquery::Road*>& roads() const { return roads_; }
   [[nodiscard]] const MultiPolygon& polygons() const { return polygons_; }  ///< union of the carriageways, in the area
-  /// The pieces of carriageways and junctions whose boxes touch the given one, also outside the area, and what the road
-  /// query adds beyond their ends; relative to `from`. They may overlap.
+  /// The pieces of carriageways and junctions whose boxes touch the given one, also outside the area; relative to
+  /// `from`. They may overlap.
   [[nodiscard]] MultiPolygon paved_near(const Box2& box, Vec2 from) const;
+  /// With what the road query adds beyond the ends of roads: what stands keeps clear of it.
+  [[nodiscard]] MultiPolygon driven_near(const Box2& box, Vec2 from) const;
   [[nodiscard]] const Outline& outline() const { return outline_; }  ///< of polygons(), heights of the surface
   [[nodiscard]] const std::vector<std::vector<CrossSection>>& strips() const { return strips_; }  ///< one a road
 
@@ -63,7 +65,8 @@ class RoadLevel {
   std::vector<std::vector<CrossSection>> strips_;
   std::vector<const roadquery::Junction*> junctions_;  // with a surface of their own, on this level
   SpatialIndex junction_index_;
-  std::vector<Polygon> pieces_;  // between two sections of a road, junctions, and beyond ends
+  std::vector<Polygon> pieces_;   // between two sections of a road, junctions; then those beyond ends
+  std::size_t paved_pieces_ = 0;  // of them: before those beyond ends
   SpatialIndex piece_index_;
   MultiPolygon polygons_;
   Outline outline_;

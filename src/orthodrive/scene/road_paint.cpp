@@ -145,14 +145,28 @@ class Hatching {
     const std::size_t count = outline.size();
     for (std::size_t i = 0; i + 1 < count / 2; ++i) {
       const Place &a = outline[i], &b = outline[i + 1], &c = outline[count - 2 - i], &d = outline[count - 1 - i];
-      add_line(a, b, c, d);
-      add_line(c, d, a, b);
       add_strokes({a, b, c, d});
+      // The lines become narrower only where both would meet.
+      const double first_m = width_m(a, d) - 2.0 * hatch_border_m, last_m = width_m(b, c) - 2.0 * hatch_border_m;
+      if (first_m * last_m >= 0.0) {
+        add_lines(a, b, c, d);
+        continue;
+      }
+      const double share = first_m / (first_m - last_m);
+      const Place ab = between(a, b, share), dc = between(d, c, share);
+      add_lines(a, ab, dc, d);
+      add_lines(ab, b, c, dc);
     }
   }
 
  private:
   using Quad = std::array<Place, 4>;
+
+  static double width_m(const Place& from, const Place& to) { return std::abs(to[1] - from[1]); }
+  void add_lines(const Place& a, const Place& b, const Place& c, const Place& d) {
+    add_line(a, b, c, d);
+    add_line(c, d, a, b);
+  }
 
   void add_quad(Quad quad) {
     double twice_m2 = 0.0;
@@ -166,7 +180,7 @@ class Hatching {
   /// Beside a - b, inside a quadrangle a, b, c, d.
   void add_line(const Place& a, const Place& b, const Place& c, const Place& d) {
     const auto inwards = [](const Place& from, const Place& to) {
-      const double width = std::abs(to[1] - from[1]);
+      const double width = width_m(from, to);
       return between(from, to, width > 0.0 ? std::min(0.5, hatch_border_m / width) : 0.0);
     };
     add_quad({a, b, inwards(b, c), inwards(a, d)});

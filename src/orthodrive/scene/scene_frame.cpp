@@ -6,6 +6,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
+#include "orthodrive/scene/crossing_roads.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/tile_address.hpp"
 
@@ -99,6 +100,9 @@ SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_opti
       for (const Vec2 p : line.line) ground_m.push_back(outline.contains(p) ? terrain->height_m(p) : 0.0);
     }
   }
+  const std::vector<bool> is_over = lying_over(source.roads.roads);
+  for (std::size_t i = 0; i < is_over.size(); ++i)
+    if (is_over[i]) roads_over.insert(source.roads.roads[i].id);
   const Vec2 middle{std::round(0.5 * (bounds.min_x + bounds.max_x)), std::round(0.5 * (bounds.min_y + bounds.max_y))};
   origin = {middle.x, middle.y, std::floor(terrain->height_m(middle))};
 }

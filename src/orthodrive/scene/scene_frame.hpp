@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "orthodrive/scene/build_scene.hpp"
@@ -27,6 +28,7 @@ struct SceneFrame {
   std::optional<TerrainWindows> terrain;
   std::vector<std::optional<WaterLevel>> water_levels;  ///< one for each polygon of the surroundings' water
   std::vector<std::vector<double>> power_ground_m;  ///< terrain at the points of each of the surroundings' power lines
+  std::set<int> roads_over;                         ///< ids of roads on the ground that lie over others: drawn as decks
   Vec3 origin;                                      ///< middle of the area at a height of the terrain, whole metres
 };
 

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/scene/crossing_roads.hpp"
 #include "orthodrive/scene/label_footprints.hpp"
+#include "orthodrive/scene/lane_cuts.hpp"
 #include "orthodrive/scene/road_paint.hpp"
 #include "orthodrive/scene/tile_crossings.hpp"
 #include "roadquery/road_surface.hpp"
@@ -22,8 +24,7 @@ namespace {
 /// Around a block: what lies further away changes nothing in it. Buildings that only the photo shows reach furthest.
 constexpr double margin_m = 160.0;
 constexpr double verge_point_step_m = 5.0;
-constexpr double deck_gap_m = 0.3;        // between the underside of a deck and the terrain
-constexpr double min_ridge_edge_m = 1.0;  // shorter edges of a crown's ridge are not worth their triangles
+constexpr double deck_gap_m = 0.3;  // between the underside of a deck and the terrain
 
 /// The parts of the rings whose segments touch the box.
 void append_rings(const MultiPolygon& polygons, const Box2& box, std::vector<Polyline>& lines) {
@@ -40,6 +41,17 @@ void append_rings(const MultiPolygon& polygons, const Box2& box, std::vector<Pol
   for (const Polygon& polygon : polygons) {
     add(polygon.outer);
     for (const Ring& hole : polygon.holes) add(hole);
+  }
+}
+
+/// The lines along and across the roads of a level whose boxes touch the given one.
+void append_lane_cuts(const RoadLevel& level, const roadquery::RoadQuery& query, const RoadJoints& joints,
+                      const Box2& box, std::vector<Polyline>& lines) {
+  for (std::size_t i = 0; i < level.roads().size(); ++i) {
+    const roadquery::Road& road = *level.roads()[i];
+    const auto index = static_cast<std::size_t>(&road - query.map().roads.data());
+    for (Polyline& line : lane_cuts(road, level.strips()[i], joints.across(index)))
+      if (bounds_of(line).overlaps(box)) lines.push_back(std::move(line));
   }
 }
 
@@ -75,39 +87,6 @@ LevelLines cut_at_tiles(std::vector<Polyline> lines, const Box2& bounds) {
     }
   }
   return result;
-}
-
-/// From the reference line to the nearer edge.
-double free_beside_m(const CrossSection& section) {
-  const Vec2 middle{section.reference.x, section.reference.y};
-  return std::min(distance(middle, {section.left.x, section.left.y}),
-                  distance(middle, {section.right.x, section.right.y}));
-}
-
-void add_axis_points(const RoadLevel& level, LevelLines& lines) {
-  const auto add = [&](Vec2 p) {
-    p = snap_to_grid(p);
-    lines.axis_points[tile_at(p)].push_back(p);
-  };
-  for (std::size_t i = 0; i < level.strips().size(); ++i) {
-    const roadquery::Road& road = *level.roads()[i];
-    const std::vector<CrossSection>& strip = level.strips()[i];
-    for (std::size_t k = 0; k < strip.size(); ++k) {
-      if (k > 0 && !road.shape.empty()) {
-        // A crown has its ridge on the reference line, which must be edges of the mesh: they are in any Delaunay
-        // triangulation when the circles over them are empty (Gabriel and Sokal 1969), so they are no longer than the
-        // way to the road's edges.
-        const double free_m = std::min(free_beside_m(strip[k - 1]), free_beside_m(strip[k]));
-        const double length_m = strip[k].s_m - strip[k - 1].s_m;
-        const int parts = free_m > min_ridge_edge_m ? static_cast<int>(std::ceil(length_m / free_m)) : 1;
-        for (int j = 1; j < parts; ++j) {
-          const auto q = roadquery::reference_point(road, strip[k - 1].s_m + length_m * j / parts);
-          add({q.x, q.y});
-        }
-      }
-      add({strip[k].reference.x, strip[k].reference.y});
-    }
-  }
 }
 
 /// Calls visit(address) for the tiles that a polygon's box touches.
@@ -192,7 +171,7 @@ struct SortedRoads {
   std::vector<std::vector<const roadquery::Road*>> decks, tunnels;
 };
 
-SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
+SortedRoads sort_roads(const roadquery::RoadQuery& query, const std::set<int>& over, Findings& findings) {
   SortedRoads sorted;
   std::map<int, std::vector<const roadquery::Road*>> decks, tunnels;  // by layer
   for (std::size_t i = 0; i < query.map().roads.size(); ++i) {
@@ -208,7 +187,7 @@ SortedRoads sort_roads(const roadquery::RoadQuery& query, Findings& findings) {
     if (road.tunnel) {
       tunnels[std::min(-1, road.layer)].push_back(&road);
     } else {
-      const bool is_deck = road.bridge || road.layer > 0;
+      const bool is_deck = road.bridge || road.layer > 0 || over.contains(road.id);
       (is_deck ? decks[std::max(1, road.layer)] : sorted.ground).push_back(&road);
     }
   }
@@ -279,7 +258,7 @@ void SceneLayout::lay_levels() {
   roadquery::RoadMap flat = window.roads;
   roadquery::remove_lane_heights(flat);
   query = std::make_shared<const roadquery::RoadQuery>(std::move(flat));
-  const SortedRoads sorted = sort_roads(*query, findings);
+  const SortedRoads sorted = sort_roads(*query, frame->roads_over, findings);
   std::vector<int> level_of(query->map().roads.size(), -1);
   int levels = 0;
   const auto number = [&](const std::vector<const roadquery::Road*>& of_level) {
@@ -323,20 +302,20 @@ void SceneLayout::lay_roads() {
   std::vector<Polyline> lines;
   append_rings(frame->dense_area, window.box, lines);
   append_rings(roads.polygons(), window.box, lines);
+  append_lane_cuts(roads, *query, joints, window.box, lines);
   for (const WaterBody& body : waters.bodies()) append_rings(body.shores, window.box, lines);
   lay_tunnels(lines);
   ground_lines = cut_at_tiles(std::move(lines), window.box);
   const double chord_m = 0.5 * options.road_tolerance_m;
   add_road_crossings(roads, chord_m, ground_lines.on_west, ground_lines.on_south);
-  add_axis_points(roads, ground_lines);
   add_markings(roads, ground_lines);
   add_kerbs(roads, *query, window.roads, ground_lines);
   const auto add_lines = [&](const RoadLevel& level, std::vector<LevelLines>& of_levels) {
     lines.clear();
     append_rings(level.polygons(), window.box, lines);
+    append_lane_cuts(level, *query, joints, window.box, lines);
     LevelLines& own = of_levels.emplace_back(cut_at_tiles(std::move(lines), window.box));
     add_road_crossings(level, chord_m, own.on_west, own.on_south);
-    add_axis_points(level, own);
     add_markings(level, own);
     add_kerbs(level, *query, window.roads, own);
   };
@@ -364,8 +343,8 @@ void SceneLayout::add_terrain_points() {
       add_point(below_decks, p);
       add_point(below_decks, p + outwards * options.verge_m);
     });
-    for (const auto& [address, points] : deck_lines[d].axis_points)
-      for (const Vec2 p : points) add_point(below_decks, p);
+    for (const std::vector<CrossSection>& strip : decks[d].strips())
+      for (const CrossSection& section : strip) add_point(below_decks, {section.reference.x, section.reference.y});
   }
 }
 

@@ -38,7 +38,6 @@ struct LevelLines {
   std::map<TileAddress, std::vector<LineSegment>> inside;
   /// Where lines meet a tile border: northings on the west side of a column, eastings on the south side of a row.
   std::map<int, std::vector<double>> on_west, on_south;
-  std::map<TileAddress, std::vector<Vec2>> axis_points;  ///< on the reference lines of the roads
   /// Paint on the roads; pieces over a tile border stand in both tiles.
   std::map<TileAddress, std::vector<MarkingPiece>> markings;
   std::map<TileAddress, std::vector<KerbPiece>> kerbs;  ///< likewise

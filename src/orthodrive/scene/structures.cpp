@@ -505,6 +505,10 @@ std::vector<StructureFace> build_structures(const StructureInput& input) {
       for (const bool at_end : {false, true}) add_abutment(input, *road, at_end, faces);
     }
   }
+  // Girders, piers and abutments where another road runs just below the deck.
+  std::erase_if(faces.all, [&](const StructureFace& face) {
+    return std::ranges::any_of(face.corners, [&](const Vec3& p) { return is_driven(input, p); });
+  });
   add_island_kerbs(input, faces);
   add_guard_rails(input, faces);
   sort_by_place(faces.all);  // the borders' own order depends on where their rings begin

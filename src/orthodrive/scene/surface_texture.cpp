@@ -127,6 +127,36 @@ TexelAt asphalt() {
   };
 }
 
+/// Asphalt as traffic wears it: u from the left border of a lane to the right one, v against the driving direction.
+/// Tyres polish two tracks dark, oil drips between them; joints at the borders are sealed in places; two cracks and a
+/// patch.
+TexelAt lane_asphalt() {
+  return [below = asphalt(), wear = Fractal(8, 3, 141), wobble = Fractal(16, 3, 142)](double u, double v) {
+    constexpr double repeats = 4.0;  // of the grain along the lane
+    Texel texel = below(u, repeats * v - std::floor(repeats * v));
+    const auto ridge = [](double off, double width) { return std::exp(-0.5 * (off / width) * (off / width)); };
+    const double worn = wear.at(u, v), bent = wobble.at(u, v), bent_along = wobble.at(0.5, v);
+    const double tracks = ridge(u - 0.26, 0.06) + ridge(u - 0.74, 0.06);
+    texel.shade -= tracks * (0.09 + 0.04 * worn) + 0.05 * ridge(u - 0.5, 0.05) * (1.0 + worn);
+    texel.roughness -= 0.12 * tracks;
+    const double sealed = std::clamp(0.5 + 4.0 * bent_along, 0.0, 1.0);
+    if (std::min(u, 1.0 - u) < 0.006) texel.shade -= 0.3 * sealed, texel.roughness -= 0.2 * sealed;
+    const auto crack = [&](double off_m, double strength) {
+      if (std::abs(off_m) < 0.012) texel.shade -= 0.35 * strength, texel.height_m -= 0.002 * strength;
+    };
+    constexpr double width_m = 3.5;
+    const double fading = std::clamp(0.7 + 2.0 * worn, 0.0, 1.0);
+    crack((v - 0.18 - 0.008 * wobble.at(u, 0.3)) * lane_texture_m, fading);
+    if (v > 0.3 && v < 0.52) crack((u - 0.62 - 0.03 * bent_along) * width_m, fading);
+    if (u > 0.08 && u < 0.52 && v > 0.66 && v < 0.78) {
+      const double edge_m =
+          std::min(std::min(u - 0.08, 0.52 - u) * width_m, std::min(v - 0.66, 0.78 - v) * lane_texture_m);
+      texel.shade += edge_m < 0.025 ? -0.3 : -0.08 + 0.03 * bent;
+    }
+    return texel;
+  };
+}
+
 TexelAt concrete() {
   return [grain = Fractal(128, 3, 41), stains = Fractal(8, 5, 42)](double u, double v) {
     const double g = grain.at(u, v);
@@ -414,6 +444,8 @@ TexelAt texels_of(SurfaceMaterial material) {
       return foliage();
     case SurfaceMaterial::water:
       return water();
+    case SurfaceMaterial::lane:
+      return lane_asphalt();
     case SurfaceMaterial::photo:
     case SurfaceMaterial::asphalt:
       break;
@@ -454,6 +486,7 @@ SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
   SurfaceTexture texture{Raster<std::uint8_t>(size_px, size_px, 3), Raster<std::uint8_t>(size_px, size_px, 3),
                          Raster<std::uint8_t>(size_px, size_px, 3)};
   const double step_m = 2.0 * surface_texture_m / size_px;
+  const double along_m = material == SurfaceMaterial::lane ? 2.0 * lane_texture_m / size_px : step_m;
   const auto height_m = [&](int col, int row) {
     return texels.at(wrapped(col, size_px), wrapped(row, size_px)).height_m;
   };
@@ -466,7 +499,7 @@ SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
         texture.color_rgb.at(col, row, channel) = srgb_byte(value * hue);
       }
       const double slope_x = (height_m(col + 1, row) - height_m(col - 1, row)) / step_m;
-      const double slope_y = (height_m(col, row - 1) - height_m(col, row + 1)) / step_m;
+      const double slope_y = (height_m(col, row - 1) - height_m(col, row + 1)) / along_m;
       const double n = 1.0 / std::sqrt(1.0 + slope_x * slope_x + slope_y * slope_y);
       texture.normal_rgb.at(col, row, 0) = byte_of(0.5 * (1.0 - slope_x * n));
       texture.normal_rgb.at(col, row, 1) = byte_of(0.5 * (1.0 - slope_y * n));

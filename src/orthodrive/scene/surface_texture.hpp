@@ -7,6 +7,8 @@ namespace orthodrive::scene {
 
 /// Edge of a texture on the ground. Tiles of the scene are whole multiples of it, so that textures go on across them.
 constexpr double surface_texture_m = 4.0;
+/// Length of the texture along a lane (SurfaceMaterial::lane), which is as wide as the lane; its up is the road's s.
+constexpr double lane_texture_m = 14.0;
 /// Mean of the textures' linear values: colours of a mesh are divided by it.
 constexpr double surface_texture_mean = 0.6;
 

@@ -12,7 +12,7 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double shortest_m = 0.5;
+constexpr double shortest_m = 0.1;  // of pieces
 
 /// Along one border.
 class Crossing {

@@ -7,6 +7,7 @@
 
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -49,6 +50,38 @@ SurfaceMaterial material_of(roadquery::SurfaceClass surface) {
       break;
   }
   return SurfaceMaterial::asphalt;
+}
+
+/// Asphalt follows lanes for cars; the others, and junctions, lie flat.
+SurfaceMaterial material_of(const LaneUnder& lane) {
+  const SurfaceMaterial material = material_of(lane.surface);
+  const bool follows = lane.road >= 0 && !lane.in_junction && lane.type == roadquery::LaneType::driving;
+  return follows && material == SurfaceMaterial::asphalt ? SurfaceMaterial::lane : material;
+}
+
+/// Place of p in the texture of its lane, found from `near_s_m` on (Newton's method). Lanes side by side have their
+/// cracks and patches at different places.
+std::array<float, 2> lane_uv(const roadquery::Road& road, int lane_id, double near_s_m, Vec2 p) {
+  constexpr int steps = 5;
+  double s = near_s_m, left_m = 0.0;
+  for (int i = 0; i < steps; ++i) {
+    const roadquery::PlanPoint on = roadquery::reference_point(road, s);
+    const Vec2 along{std::cos(on.hdg), std::sin(on.hdg)}, off = p - Vec2{on.x, on.y};
+    left_m = cross(along, off);
+    s = std::clamp(s + dot(along, off) / std::max(0.2, 1.0 - on.curvature * left_m), 0.0, road.length);
+  }
+  const roadquery::LaneSection& section = roadquery::section_at(road, near_s_m);
+  const double sign = lane_id > 0 ? 1.0 : -1.0;
+  double inner = roadquery::evaluate(road.lane_offset, s), outer = inner;
+  for (const roadquery::Lane& lane : lane_id > 0 ? section.left : section.right) {
+    inner = outer;
+    outer += sign * roadquery::lane_width(lane, s - section.s);
+    if (lane.id == lane_id) break;
+  }
+  const double left_t = std::max(inner, outer), width_m = std::abs(outer - inner);
+  const double u = width_m > 0.0 ? std::clamp((left_t - left_m) / width_m, 0.0, 1.0) : 0.5;
+  const double shift = std::fmod(0.37 * std::abs(lane_id) + 0.61 * (road.id % 100), 1.0);
+  return {static_cast<float>(u), static_cast<float>(shift - s / lane_texture_m)};
 }
 
 }  // namespace
@@ -97,25 +130,24 @@ void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, T
   verge.parts = {{SurfaceMaterial::verge, 0, verge.indices.size()}};
 }
 
-void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road) {
+void add_road_materials(const SceneLayout& layout, Vec2 center, const MeshLanes& lanes, TriMesh& road) {
   PartedTriangles parts;
-  for (std::size_t i = 0; i < road.indices.size(); i += 3) {
-    const std::array<std::uint32_t, 3> triangle = {road.indices[i], road.indices[i + 1], road.indices[i + 2]};
-    Vec3 middle{center.x, center.y, layout.origin.z};
-    for (const std::uint32_t v : triangle) {
-      const auto& p = road.positions[v];
-      middle = middle + Vec3{p[0], p[1], p[2]} * (1.0 / 3.0);
-    }
-    roadquery::Cursor cursor;
-    const auto hit = layout.query->find(middle.x, middle.y, middle.z, cursor, roadquery::hit_material);
-    parts.add(hit ? material_of(hit->surface) : SurfaceMaterial::asphalt, triangle);
-  }
+  for (std::size_t i = 0; i < road.indices.size(); i += 3)
+    parts.add(material_of(lanes.by_feature.at(road.features[road.indices[i]])),
+              {road.indices[i], road.indices[i + 1], road.indices[i + 2]});
   parts.finish(road);
   for (std::size_t i = 0; i < road.positions.size(); ++i) {
-    const auto& p = road.positions[i];
-    add_tile_place(i, road);
+    const Vec2 p = center + Vec2{road.positions[i][0], road.positions[i][1]};
+    const auto under = lanes.by_feature.find(road.features[i]);
+    if (under != lanes.by_feature.end() && material_of(under->second) == SurfaceMaterial::lane) {
+      const LaneUnder& lane = under->second;
+      const auto& roads = layout.query->map().roads;
+      road.tile_uv.push_back(lane_uv(roads[static_cast<std::size_t>(lane.road)], lane.lane_id, lanes.near_s_m[i], p));
+    } else {
+      add_tile_place(i, road);
+    }
     const bool is_seen = road.kind != MeshKind::tunnel_road;  // by the photo
-    road.colors.push_back(mesh_color(is_seen ? layout.tint.at(center + Vec2{p[0], p[1]}) : tunnel_road_tint));
+    road.colors.push_back(mesh_color(is_seen ? layout.tint.at(p) : tunnel_road_tint));
   }
 }
 

@@ -4,6 +4,7 @@
 #include "orthodrive/model/scene.hpp"
 #include "orthodrive/scene/build_scene.hpp"
 #include "orthodrive/scene/road_tint.hpp"
+#include "orthodrive/scene/tile_features.hpp"
 
 namespace orthodrive::scene {
 
@@ -25,7 +26,9 @@ class PartedTriangles {
 void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, TriMesh& verge);
 
 /// Sorts the triangles by what the road is made of under their middle, and tints the vertices as the photo has it.
-void add_road_materials(const SceneLayout& layout, Vec2 center, TriMesh& road);
+/// Asphalt of lanes for cars follows them, outside of junctions: across the lane from its left border to its right one,
+/// along it by s.
+void add_road_materials(const SceneLayout& layout, Vec2 center, const MeshLanes& lanes, TriMesh& road);
 
 /// Water in the colour of its body.
 void add_water_material(const SceneLayout& layout, Vec2 center, TriMesh& water);

@@ -330,7 +330,7 @@ Tunnels build_tunnels(const TunnelInput& input, const MultiPolygon& area) {
       for (std::size_t i = 0; i + 1 < stations.size(); ++i) {
         const Piece piece{stations[i], stations[i + 1], i == 0, i + 2 == stations.size()};
         if (piece.is_open()) {
-          Polygon opening = opening_of(piece, input.joints.across(index, false), input.joints.across(index, true));
+          Polygon opening = opening_of(piece, input.joints.across(index).start, input.joints.across(index).end);
           if (opening.outer.size() >= 3) open.push_back(std::move(opening));
         }
         if (!input.area.contains(piece.middle())) {
