@@ -181,6 +181,7 @@ class Viewer {
     sky.focus(cameras.focus.middle, cameras.focus.radius_m);
     this.renderer.info.reset();
     this.renderer.render(this.scene, cameras.active);
+    this.drive?.tell(cameras.active); // with the picture: what changes on the page makes the browser put it together anew
     ++this.frame;
     this.drawn_ms = this.last_ms;
     this.stale = this.coarse = false;
@@ -199,7 +200,6 @@ class Viewer {
     if (!drive) return;
     drive.place(!cameras.atCar);
     cameras.goWith(drive.state, drive.headingBefore);
-    drive.tell(cameras.active);
   }
 
   /** What is wanted of a view comes at once, but not before there is something; more detail comes in steps. */
