@@ -57,7 +57,9 @@ inline std::size_t expect_arms_meet(const SitePlan& plan) {
   for (const PlannedJunction& junction : plan.junctions) {
     EXPECT_GE(junction.arms.size(), 2u);
     for (const PlannedJunction::Arm& arm : junction.arms) {
-      EXPECT_LT(distance(evaluate(plan.roads[arm.road].alignment, arm.s_m).p, junction.p), 1e-6);
+      EXPECT_LT(distance(evaluate(plan.roads[arm.road].alignment, arm.s_m).p, junction.p), 1e-6)
+          << plan.roads[arm.road].name << " at " << arm.s_m << " of " << plan.roads[arm.road].alignment.length_m
+          << " m, with " << plan.roads[junction.arms[0].road].name;
       const std::size_t from = group[arm.road], to = group[junction.arms[0].road];
       std::replace(group.begin(), group.end(), from, to);
     }

@@ -146,11 +146,12 @@ class CountryPlanner {
 
   /// From one spoke to the next, between the outer ring and the site's border.
   void add_lane(const Spoke& from, const Spoke& to) {
-    const auto place = [&](const Spoke& spoke) {
-      const double at_m = std::min(spoke.length_m - 80.0, 0.82 * spoke.length_m + random_.uniform(-40.0, 40.0));
+    // Lanes on both sides of a spoke meet it 30 m apart and more: nearer ones would be one junction.
+    const auto place = [&](const Spoke& spoke, double side) {
+      const double at_m = std::min(spoke.length_m - 120.0, 0.82 * spoke.length_m) + side * random_.uniform(15.0, 40.0);
       return evaluate(plan_.roads[spoke.road].alignment, at_m).p;
     };
-    const Vec2 a = place(from), b = place(to), bulge = normalized(a + b - middle_ * 2.0);
+    const Vec2 a = place(from, 1.0), b = place(to, -1.0), bulge = normalized(a + b - middle_ * 2.0);
     const double bow_m = 0.16 * distance(a, b);
     lanes_.push_back(add(
         "unclassified", fmt::format("Feldweg {}", lanes_.size() + 1),
