@@ -64,7 +64,7 @@ def table(numbers):
         yield "tiles, MB/km2", "6", lambda n: fixed(n["scores"]["mb_per_km2"])
         yield "pictures of materials, MB in all", "", lambda n: fixed(n["material_bytes"] / 1e6)
         yield "triangles and draw calls of level 0", "", lambda n: f"{n['scores']['triangles']:,}; {n['scores']['draw_calls']:,}"
-        yield "place of the photo, largest error, texels; windows", "0.1", lambda n: f"{fixed(n['scores']['texture']['error_px'], 3)}; {n['scores']['texture']['windows']:,}"
+        yield "place of the photo, largest error, texels; windows", "0.1", lambda n: f"{fixed(n['scores']['texture']['error_px'], 3)}; {n['scores']['texture']['windows']:,}" if "texture" in n["scores"] else ""
         yield "open edges", "0", lambda n: n["scores"]["open_edges"]
         yield "edges of more than two triangles", "0", lambda n: n["scores"]["crowded_edges"]
         yield "road mesh from the surface, largest, m", "0.02", lambda n: fixed(n["scores"]["road_error_m"], 3)
