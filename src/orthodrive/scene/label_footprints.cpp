@@ -63,9 +63,11 @@ double sharpness(const std::vector<Vec2>& points, Vec2 along, double bin_m) {
   for (const Vec2 p : points) low = std::min(low, dot(p, along)), high = std::max(high, dot(p, along));
   std::vector<double> counts(static_cast<std::size_t>((high - low) / bin_m) + 4);
   for (const Vec2 p : points) {  // shared between two bins: the pixels' own grid must not show
-    const double at = (dot(p, along) - low) / bin_m + 1.0, part = at - std::floor(at);
-    counts[static_cast<std::size_t>(at)] += 1.0 - part;
-    counts[static_cast<std::size_t>(at) + 1] += part;
+    const double at = (dot(p, along) - low) / bin_m + 1.0;
+    const auto bin = static_cast<std::size_t>(at);
+    const double part = at - static_cast<double>(bin);
+    counts[bin] += 1.0 - part;
+    counts[bin + 1] += part;
   }
   double sum = 0.0;
   for (std::size_t i = 1; i < counts.size(); ++i) sum += std::pow(counts[i] - counts[i - 1], 2);
@@ -105,6 +107,31 @@ std::array<double, 2> extent(const std::vector<Vec2>& points, double Vec2::*alon
   return {low + static_cast<double>(first) * bin_m, std::min(high, low + static_cast<double>(last) * bin_m)};
 }
 
+struct CellBlock {
+  int first_col, first_row, end_col, end_row;
+};
+
+/// The covered cells of a grid as few rectangles: runs of a row, joined with the same run of the row before.
+template <typename IsCovered>
+std::vector<CellBlock> blocks_of(int columns, int rows, const IsCovered& is_covered) {
+  std::vector<CellBlock> blocks;
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < columns; ++col) {
+      if (!is_covered(col, row)) continue;
+      const int first = col;
+      while (col < columns && is_covered(col, row)) ++col;
+      const auto goes_on = std::ranges::find_if(blocks, [&](const CellBlock& block) {
+        return block.end_row == row && block.first_col == first && block.end_col == col;
+      });
+      if (goes_on != blocks.end())
+        ++goes_on->end_row;
+      else
+        blocks.push_back({first, row, col, row + 1});
+    }
+  }
+  return blocks;
+}
+
 /// The cells of a grid along the rectangle that the patch covers by half, as one polygon; empty when it is no building.
 Polygon right_angled(const std::vector<Vec2>& patch, double pixel_m) {
   const Vec2 from = patch.front();
@@ -128,14 +155,14 @@ Polygon right_angled(const std::vector<Vec2>& patch, double pixel_m) {
   for (const Vec2 p : points)
     ++count.at(std::clamp(static_cast<int>((p.x - box.min_x) / width_m), 0, columns - 1),
                std::clamp(static_cast<int>((p.y - box.min_y) / height_m), 0, rows - 1));
+  const auto is_covered = [&](int col, int row) {
+    return filled >= all_filled || count.at(col, row) * pixel_m * pixel_m >= 0.5 * width_m * height_m;
+  };
   std::vector<Polygon> cells;
-  for (int row = 0; row < rows; ++row) {
-    for (int col = 0; col < columns; ++col) {
-      if (filled < all_filled && count.at(col, row) * pixel_m * pixel_m < 0.5 * width_m * height_m) continue;
-      const Vec2 low = snap_to_grid({box.min_x + col * width_m, box.min_y + row * height_m});
-      const Vec2 high = snap_to_grid({box.min_x + (col + 1) * width_m, box.min_y + (row + 1) * height_m});
-      cells.push_back({{low, {high.x, low.y}, high, {low.x, high.y}}, {}});
-    }
+  for (const CellBlock& block : blocks_of(columns, rows, is_covered)) {
+    const Vec2 low = snap_to_grid({box.min_x + block.first_col * width_m, box.min_y + block.first_row * height_m});
+    const Vec2 high = snap_to_grid({box.min_x + block.end_col * width_m, box.min_y + block.end_row * height_m});
+    cells.push_back({{low, {high.x, low.y}, high, {low.x, high.y}}, {}});
   }
   if (cells.empty()) return {};
   Polygon footprint = largest_without_small_holes(union_of(cells, plan_grid_m));

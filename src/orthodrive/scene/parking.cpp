@@ -103,6 +103,14 @@ std::vector<Cell> cells_of(const MultiPolygon& areas) {
   return cells;
 }
 
+/// Bounds of polygons that are relative to `from`.
+Box2 bounds_at(const MultiPolygon& polygons, Vec2 from) {
+  Ring corners;
+  for (const Polygon& polygon : polygons) corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
+  const Box2 box = bounds_of(corners);
+  return {box.min_x + from.x, box.min_y + from.y, box.max_x + from.x, box.max_y + from.y};
+}
+
 PlacedParking place(const Cell& cell, const Taken& taken, const ParkingSite& site) {
   PlacedParking parking{.middle = cell.middle};
   const Vec2 middle = cell.middle;
@@ -110,10 +118,9 @@ PlacedParking place(const Cell& cell, const Taken& taken, const ParkingSite& sit
   const Polygon local = moved(*cell.area, middle * -1.0);
   constexpr double half_m = 0.5 * cell_m;
   const Polygon square{{{-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}}, {}};
-  const Box2 box = Box2{middle.x, middle.y, middle.x, middle.y}.grown(half_m);
   MultiPolygon ground = intersection_of(union_of(std::span(&local, 1), plan_grid_m), {square}, plan_grid_m);
   if (ground.empty()) return parking;
-  if (const MultiPolygon others = taken.near(box, middle); !others.empty())
+  if (const MultiPolygon others = taken.near(bounds_at(ground, middle).grown(clearance_m), middle); !others.empty())
     ground = difference_of(ground, buffer_of(others, clearance_m, 2), plan_grid_m);
   const auto add = [&](const std::array<Vec2, 4>& piece, auto& pieces) {
     auto& added = pieces.emplace_back(piece);
@@ -145,37 +152,45 @@ std::vector<PlacedParking> place_parking(const MultiPolygon& areas, const Parkin
 
 void add_parking(const TriMesh& terrain, std::span<const PlacedParking* const> parking, Vec2 center, TriMesh& asphalt,
                  TriMesh& marking) {
-  const auto local = [&](std::vector<std::array<Vec2, 4>> pieces) {
-    for (auto& piece : pieces)
+  std::vector<std::array<Vec2, 4>> pieces, lines;
+  std::vector<std::size_t> owner;  // of a piece
+  const auto append = [&](const std::vector<std::array<Vec2, 4>>& added, std::vector<std::array<Vec2, 4>>& all) {
+    for (std::array<Vec2, 4> piece : added) {
       for (Vec2& p : piece) p = p - center;
-    return pieces;
+      all.push_back(piece);
+    }
   };
-  const auto f = [](double v) { return static_cast<float>(v); };
-  for (const PlacedParking* one : parking) {
-    std::map<std::array<std::int64_t, 2>, std::uint32_t> known;  // parts share their corners
-    cut_at_mesh(terrain, 0, local(one->asphalt), [&](std::size_t, std::span<const DrapedCorner> part) {
-      std::vector<std::uint32_t> corners;
-      for (const DrapedCorner& c : part) {
-        const std::array<std::int64_t, 2> key = {std::llround(c.p.x / plan_grid_m), std::llround(c.p.y / plan_grid_m)};
-        const auto [found, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(asphalt.positions.size()));
-        if (is_new) {
-          asphalt.positions.push_back({f(c.p.x), f(c.p.y), f(c.z + asphalt_lift_m)});
-          asphalt.normals.push_back({f(c.normal[0]), f(c.normal[1]), f(c.normal[2])});
-          asphalt.colors.push_back(mesh_color(one->color));
-        }
-        if (corners.empty() || (corners.back() != found->second && corners.front() != found->second))
-          corners.push_back(found->second);
-      }
-      const auto at = [&](std::size_t k) {
-        const auto& p = asphalt.positions[corners[k]];
-        return Vec2{double{p[0]}, double{p[1]}};
-      };
-      for (std::size_t k = 2; k < corners.size(); ++k)
-        if (cross(at(k - 1) - at(0), at(k) - at(0)) > 0.0)
-          asphalt.indices.insert(asphalt.indices.end(), {corners[0], corners[k - 1], corners[k]});
-    });
-    drape(terrain, 0, local(one->lines), line_lift_m, marking);
+  for (std::size_t i = 0; i < parking.size(); ++i) {
+    append(parking[i]->asphalt, pieces);
+    owner.resize(pieces.size(), i);
+    append(parking[i]->lines, lines);
   }
+  using Place = std::array<std::int64_t, 2>;
+  const auto f = [](double v) { return static_cast<float>(v); };
+  std::vector<std::map<Place, std::uint32_t>> known(parking.size());  // parts of one area share their corners
+  cut_at_mesh(terrain, 0, pieces, [&](std::size_t number, std::span<const DrapedCorner> part) {
+    std::vector<std::uint32_t> corners;
+    for (const DrapedCorner& c : part) {
+      const Place key = {std::llround(c.p.x / plan_grid_m), std::llround(c.p.y / plan_grid_m)};
+      const auto [found, is_new] =
+          known[owner[number]].try_emplace(key, static_cast<std::uint32_t>(asphalt.positions.size()));
+      if (is_new) {
+        asphalt.positions.push_back({f(c.p.x), f(c.p.y), f(c.z + asphalt_lift_m)});
+        asphalt.normals.push_back({f(c.normal[0]), f(c.normal[1]), f(c.normal[2])});
+        asphalt.colors.push_back(mesh_color(parking[owner[number]]->color));
+      }
+      if (corners.empty() || (corners.back() != found->second && corners.front() != found->second))
+        corners.push_back(found->second);
+    }
+    const auto at = [&](std::size_t k) {
+      const auto& p = asphalt.positions[corners[k]];
+      return Vec2{double{p[0]}, double{p[1]}};
+    };
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      if (cross(at(k - 1) - at(0), at(k) - at(0)) > 0.0)
+        asphalt.indices.insert(asphalt.indices.end(), {corners[0], corners[k - 1], corners[k]});
+  });
+  drape(terrain, 0, lines, line_lift_m, marking);
 }
 
 }  // namespace orthodrive::scene

@@ -113,18 +113,21 @@ bool is_peak(const Raster<float>& raster, int col, int row) {
   return true;
 }
 
-double cover_of_disc(const Canopy& canopy, int col, int row, double radius_m) {
+/// Cells of which most lies in a disc around the middle of cell (0, 0), as steps of columns and rows.
+std::vector<std::array<int, 2>> disc_of(double radius_m) {
   const int reach = static_cast<int>(radius_m / grid_m);
-  double sum = 0.0;
-  int count = 0;
-  for (int dr = -reach; dr <= reach; ++dr) {
-    for (int dc = -reach; dc <= reach; ++dc) {
-      if (std::hypot(dc, dr) * grid_m + 0.35 * grid_m > radius_m) continue;  // most of the cell lies in the disc
-      ++count;
-      if (canopy.cover.inside(col + dc, row + dr)) sum += canopy.cover.at(col + dc, row + dr);
-    }
-  }
-  return sum / (count * samples * samples);
+  std::vector<std::array<int, 2>> disc;
+  for (int dr = -reach; dr <= reach; ++dr)
+    for (int dc = -reach; dc <= reach; ++dc)
+      if (std::hypot(dc, dr) * grid_m + 0.35 * grid_m <= radius_m) disc.push_back({dc, dr});
+  return disc;
+}
+
+double cover_of(const Canopy& canopy, std::array<int, 2> at, const std::vector<std::array<int, 2>>& disc) {
+  int sum = 0;
+  for (const auto& [dc, dr] : disc)
+    if (canopy.cover.inside(at[0] + dc, at[1] + dr)) sum += canopy.cover.at(at[0] + dc, at[1] + dr);
+  return static_cast<double>(sum) / static_cast<double>(disc.size() * samples * samples);
 }
 
 /// Crowns by place: is there room for one more?
@@ -163,19 +166,21 @@ Raster<float> measure_of(const Canopy& canopy, int first, int count, int reach) 
   return measure;
 }
 
-/// Those of a band of rows: the blurred rasters of a whole town would take more memory than its photo.
-void add_crowns(const Canopy& canopy, int first, double radius_m, Crowns& crowns) {
-  const int reach = std::max(1, static_cast<int>(std::lround(0.35 * radius_m / grid_m)));
+int blur_reach(double radius_m) { return std::max(1, static_cast<int>(std::lround(0.35 * radius_m / grid_m))); }
+
+/// Columns and rows of the measure's peaks in vegetation. Band by band: the blurred rasters of a whole town would take
+/// more memory than its photo.
+std::vector<std::array<int, 2>> peaks_of(const Canopy& canopy, int reach) {
+  std::vector<std::array<int, 2>> peaks;
   const int beyond = 2 * reach + 1;  // what two filters and a look at the neighbours reach
-  const int count = std::min(band_rows, canopy.frame.height - first);
-  const Raster<float> measure = measure_of(canopy, first - beyond, count + 2 * beyond, reach);
-  for (int row = first; row < first + count; ++row) {
-    for (int col = 0; col < measure.width; ++col) {
-      if (canopy.cover.at(col, row) == 0 || !is_peak(measure, col, row - first + beyond)) continue;
-      const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
-      if (cover_of_disc(canopy, col, row, radius_m) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
-    }
+  for (int first = 0; first < canopy.frame.height; first += band_rows) {
+    const int count = std::min(band_rows, canopy.frame.height - first);
+    const Raster<float> measure = measure_of(canopy, first - beyond, count + 2 * beyond, reach);
+    for (int row = first; row < first + count; ++row)
+      for (int col = 0; col < measure.width; ++col)
+        if (canopy.cover.at(col, row) > 0 && is_peak(measure, col, row - first + beyond)) peaks.push_back({col, row});
   }
+  return peaks;
 }
 
 }  // namespace
@@ -183,8 +188,16 @@ void add_crowns(const Canopy& canopy, int first, double radius_m, Crowns& crowns
 std::vector<TreeCrown> find_crowns(const LabelMap& labels, const Photo& photo) {
   const Canopy canopy = canopy_of(labels, photo);
   Crowns crowns;
-  for (const double radius_m : radii_m)
-    for (int first = 0; first < canopy.frame.height; first += band_rows) add_crowns(canopy, first, radius_m, crowns);
+  std::vector<std::array<int, 2>> peaks;
+  int reach = 0;
+  for (const double radius_m : radii_m) {
+    if (blur_reach(radius_m) != reach) peaks = peaks_of(canopy, reach = blur_reach(radius_m));
+    const std::vector<std::array<int, 2>> disc = disc_of(radius_m);
+    for (const auto& [col, row] : peaks) {
+      const TreeCrown crown{canopy.frame.center_of(col, row), radius_m};
+      if (cover_of(canopy, {col, row}, disc) >= min_cover && crowns.has_room(crown)) crowns.add(crown);
+    }
+  }
   return crowns.all;
 }
 
