@@ -13,6 +13,7 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double step_m = 1.0, margin_m = 0.1;  // the second: widths are fitted within 5 cm, on both roads
+constexpr double widest_bank_m = 0.5;           // between roads of different heights, 45 degrees steep
 constexpr double side_by_side_sin = 0.5, deepest_m = 1.5;
 constexpr double taper = 0.06;  // the middle of a lane moves by a quarter of that: below 1 degree
 constexpr double taper_reach_m = 2.0 * deepest_m / taper;
@@ -73,7 +74,8 @@ double overlap_m(const Section& a, const Section& b) {
   const Vec2 d = b.p - a.p;
   if (a.stretch == b.stretch || std::abs(dot(d, a.direction)) > step_m) return 0.0;
   if (std::abs(cross(a.direction, b.direction)) > side_by_side_sin || !roadquery::is_same_level(a.z, b.z)) return 0.0;
-  const double overlap = a.half_m + b.half_m + margin_m - std::abs(cross(a.direction, d));
+  const double bank_m = std::min(std::abs(a.z - b.z), widest_bank_m);
+  const double overlap = a.half_m + b.half_m + margin_m + bank_m - std::abs(cross(a.direction, d));
   return overlap <= deepest_m ? overlap : 0.0;
 }
 
