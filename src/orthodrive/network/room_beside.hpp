@@ -10,7 +10,8 @@ namespace orthodrive::network {
 /// class (then the narrower one) gives way to the other up to its edge, but keeps what a car needs there
 /// (least_carriageway_m); what is missing the other gives. Between different heights a bank as wide as high, at most
 /// half a metre, stays free. Roads more than 1.5 m apart in height or 30 degrees in
-/// heading are left alone, and so is what lies on a road by more than 1.5 m. Widths change by 0.06 m per metre at most.
+/// heading are left alone, and so is what lies on a road by more than 1.5 m. Roads give way to what lies in a junction
+/// that is not theirs. Widths change by 0.05 m per metre at most.
 void leave_room_beside(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                        ChainGeometries& geometry);
 
