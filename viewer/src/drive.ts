@@ -13,7 +13,7 @@ import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
 import {SelfDrive} from './self_drive';
-import {fetchOptional, Site} from './site';
+import {fetchOptional, type Site, type SiteDetails} from './site';
 
 type HeightAt = (x_m: number, y_m: number, z_m: number) => number | undefined;
 
@@ -37,9 +37,9 @@ export class Drive {
   private takenOver = {t_s: 0, share: 0};
   private isPlaying = false;
 
-  constructor(scene: Scene, private readonly site: Site, private readonly lap: Lap, private time_s: number) {
-    this.car = new Car(site.vehicle);
-    this.ghost = new Ghost(scene, site.vehicle);
+  constructor(scene: Scene, private readonly site: Site, {vehicle}: SiteDetails, private readonly lap: Lap, private time_s: number) {
+    this.car = new Car(vehicle);
+    this.ghost = new Ghost(scene, vehicle);
     this.route = routeLine(lap);
     this.dashboard = new Dashboard(lap);
     this.map = new MapInset(lap);

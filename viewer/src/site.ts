@@ -1,4 +1,4 @@
-// Reads what `orthodrive build` left behind: /site/scene/tileset.json, run.json, drive/lap.csv and lap.xosc,
+// Reads what `orthodrive build` left behind: /site/scene/tileset.json, then run.json, drive/lap.csv and lap.xosc,
 // findings.geojson.
 // The scene's frame here is the site CRS less the site's origin: x east, y north, z up, metres.
 
@@ -17,13 +17,18 @@ export interface Finding {
   latitudeDeg: number;
 }
 
+/** What a picture from the air needs. */
 export interface Site {
-  name: string;
-  attribution: string[];
   crs: string;
   origin: [number, number, number]; // of the scene, in the site CRS
   tileset: object; // tileset.json
   localFromEcef: Matrix4;
+}
+
+/** What is on and beside the roads. */
+export interface SiteDetails {
+  name: string;
+  attribution: string[];
   lap?: Lap;
   vehicle: VehicleShape;
   findings: Finding[];
@@ -55,25 +60,27 @@ export async function fetchOptional(url: string): Promise<Response | undefined> 
 }
 
 export async function loadSite(): Promise<Site> {
-  const [tilesetResponse, runResponse, lapResponse, scenarioResponse, findingsResponse] = await Promise.all(
-    [tilesetUrl, 'site/run.json', 'site/drive/lap.csv', 'site/drive/lap.xosc', 'site/findings.geojson'].map(fetchOptional));
+  const tilesetResponse = await fetchOptional(tilesetUrl);
   if (!tilesetResponse) throw new Error(`${tilesetUrl} is missing: build the site, then open it with "orthodrive view DIR"`);
   const tileset = (await tilesetResponse.json()) as TilesetJson;
   const frame = tileset.asset.extras?.orthodrive;
   if (!frame || !tileset.root.transform) throw new Error(`${tilesetUrl} was not written by orthodrive: it names no site CRS`);
+  return {crs: frame.crs, origin: frame.origin, tileset, localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert()};
+}
 
+/** `site` may still be on its way. */
+export async function loadDetails(site: Promise<Site>): Promise<SiteDetails> {
+  const [runResponse, lapResponse, scenarioResponse, findingsResponse] = await Promise.all(
+    ['site/run.json', 'site/drive/lap.csv', 'site/drive/lap.xosc', 'site/findings.geojson'].map(fetchOptional));
   const run = (await runResponse?.json()) as RunJson | undefined;
   const lapText = await lapResponse?.text();
   const scenario = await scenarioResponse?.text();
   const findings = (await findingsResponse?.json()) as FindingsJson | undefined;
+  const {origin} = await site;
   return {
     name: run?.site?.name ?? '',
     attribution: run?.attribution ?? [],
-    crs: frame.crs,
-    origin: frame.origin,
-    tileset,
-    localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert(),
-    lap: lapText === undefined ? undefined : Lap.parse(lapText, frame.origin, 'drive/lap.csv'),
+    lap: lapText === undefined ? undefined : Lap.parse(lapText, origin, 'drive/lap.csv'),
     vehicle: (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar,
     findings: (findings?.features ?? []).map((feature) => ({
       ...feature.properties,

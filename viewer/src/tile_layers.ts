@@ -10,6 +10,7 @@ import {isRoadSurface, kindOf, Layers, stands, SurfaceKind, TileLooks} from './t
 
 const alwaysRefined_m = 1e4;
 const tubeCasts_m = 0.4;
+const topDepth = 2; // of the renderer's own counting: the root and its parts
 
 /**
  * A tube has inner faces only, which throw its shadow from where its floor begins. What lies nearer to a wall than the bias and a
@@ -91,6 +92,7 @@ export class TileLayers {
     this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
     this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : null)});
+    this.tiles.maxDepth = topDepth;
     this.tiles.autoDisableRendererCulling = false; // parts of a tile that picture or shadow map do not show are not drawn
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
     this.tiles.lruCache.minBytesSize = 2.8e8;
@@ -106,6 +108,11 @@ export class TileLayers {
     });
     for (const event of ['load-root-tileset', 'tile-visibility-change', 'needs-update'] as const)
       this.tiles.addEventListener(event, () => this.onChange());
+  }
+
+  /** From now on finer tiles than the coarsest are asked for. */
+  allowFine(): void {
+    this.tiles.maxDepth = Infinity;
   }
 
   get visible(): number {
@@ -126,7 +133,9 @@ export class TileLayers {
 
   /** Nothing more to load for the present view. */
   get complete(): boolean {
-    return this.tiles.root !== null && this.tiles.loadProgress === 1 && !this.looks.pending;
+    // The renderer's own loadProgress is 1 for a moment between loading and reading a tile, and before it has asked for any.
+    const {queued, downloading, parsing} = this.tiles.stats;
+    return this.tiles.root !== null && !this.tiles.processNodeQueue.running && queued + downloading + parsing === 0 && !this.looks.pending;
   }
 
   /** The renderer takes a tile that failed for a finished one and would leave a hole: its parent is shown, or its parts. */
