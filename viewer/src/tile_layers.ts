@@ -134,7 +134,7 @@ export class TileLayers {
   /** Nothing more to load for the present view. */
   get complete(): boolean {
     // The renderer's own loadProgress is 1 for a moment between loading and reading a tile, and before it has asked for any.
-    const {queued, downloading, parsing} = this.tiles.stats;
+    const {queued, downloading, parsing} = (this.tiles as typeof this.tiles & {stats: Record<'queued' | 'downloading' | 'parsing', number>}).stats;
     return this.tiles.root !== null && !this.tiles.processNodeQueue.running && queued + downloading + parsing === 0 && !this.looks.pending;
   }
 
