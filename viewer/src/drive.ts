@@ -19,7 +19,7 @@ type HeightAt = (x_m: number, y_m: number, z_m: number) => number | undefined;
 
 export class Drive {
   readonly car: Car;
-  readonly route;
+  route?: ReturnType<typeof routeLine>;
   readonly input = new DriverInput();
   onChange: () => void = () => {};
   /** Somebody has taken over, or given back. */
@@ -29,22 +29,27 @@ export class Drive {
   /** Address of the other lap below the site's folder; none of a file of the reader's own. */
   ghostFile?: string;
   private readonly ghost: Ghost;
-  private readonly dashboard: Dashboard;
-  private readonly map: MapInset;
+  private dashboard?: Dashboard;
+  private map?: MapInset;
   private other?: Lap;
   private self?: SelfDrive; // loaded once asked for
   private isDriven = false;
   private takenOver = {t_s: 0, share: 0};
   private isPlaying = false;
 
-  constructor(scene: Scene, private readonly site: Site, {vehicle}: SiteDetails, private readonly lap: Lap, private time_s: number) {
+  constructor(private readonly scene: Scene, private readonly site: Site, {vehicle}: SiteDetails, private readonly lap: Lap, private time_s: number) {
     this.car = new Car(vehicle);
     this.ghost = new Ghost(scene, vehicle);
-    this.route = routeLine(lap);
-    this.dashboard = new Dashboard(lap);
-    this.map = new MapInset(lap);
     this.car.place(lap.at(time_s));
-    scene.add(this.car.object, this.car.marker, this.route);
+    scene.add(this.car.object, this.car.marker);
+  }
+
+  /** What is drawn of the lap around the car. */
+  addLap(): void {
+    this.route = routeLine(this.lap);
+    this.scene.add(this.route);
+    this.dashboard = new Dashboard(this.lap);
+    this.map = new MapInset(this.lap);
   }
 
   /** Of the car that is shown. */
@@ -145,6 +150,7 @@ export class Drive {
 
   /** What the dashboard and the map show of the cars. */
   tell(camera: PerspectiveCamera): void {
+    if (!this.dashboard || !this.map) return;
     const {state} = this;
     panel.showDashboard(state, this.lap.originHeight_m);
     panel.showGap(this.ghost.state !== undefined, this.ghost.gap_s);

@@ -62,7 +62,8 @@ class Viewer {
   private drawn_ms = 0;
   private ready = false; // no tile is missing in the picture
   private settled = 0; // pictures in which none was missing
-  private hasDetails = false;
+  private hasCar = false; // or it is known that there is none
+  private hasAll = false;
   private ghostPending = false;
   private shownFailures = 0;
   private last_ms = performance.now();
@@ -83,19 +84,24 @@ class Viewer {
     requestAnimationFrame((now_ms) => this.tick(now_ms));
   }
 
-  /** What has come after the ground: cars, texts, findings. */
-  adopt(details: SiteDetails): void {
-    const {site, wanted, cameras} = this;
-    if (details.lap) {
-      this.drive = new Drive(this.scene, site, details, details.lap, wanted.t_s);
-      cameras.adoptCar(this.drive.car);
-      this.setUpDrive(details.lap);
-    }
-    this.layers.adopt(this.drive, details.findings);
-    this.showMode = panel.segments('cameras', cameras.modes, (mode) => this.setCamera(mode));
-    this.setUpPage(details);
-    this.hasDetails = true;
-    this.setCamera(this.frame > 0 ? cameras.mode : wanted.camera);
+  /** The car is known, where there is one, and so is where its cameras are. */
+  adoptCar(details: SiteDetails): void {
+    const {wanted, cameras} = this;
+    this.hasCar = true;
+    if (!details.lap) return;
+    this.drive = new Drive(this.scene, this.site, details, details.lap, wanted.t_s);
+    cameras.adoptCar(this.drive.car);
+    if (isAtCar(wanted.camera)) this.setCamera(wanted.camera);
+  }
+
+  /** The rest: what is drawn of the lap, findings, the page around the picture. */
+  adoptRest({name, attribution, lap, findings}: SiteDetails): void {
+    if (lap) this.setUpDrive(lap);
+    this.layers.adopt(this.drive, findings);
+    this.showMode = panel.segments('cameras', this.cameras.modes, (mode) => this.setCamera(mode));
+    this.setUpPage(name, attribution);
+    this.hasAll = true;
+    this.setCamera(this.cameras.mode);
   }
 
   private invalidate(): void {
@@ -107,7 +113,7 @@ class Viewer {
     this.settled = 0;
   }
 
-  private setUpPage({name, attribution}: SiteDetails): void {
+  private setUpPage(name: string, attribution: string[]): void {
     const ofCar = this.drive ? ['C camera', 'Space play', 'arrows or gamepad drive', 'drop a lap.csv to drive against it'] : [];
     const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...ofCar];
     panel.showTexts(name, attribution, keys.join(' · '));
@@ -117,6 +123,7 @@ class Viewer {
   private setUpDrive(lap: Lap): void {
     const {wanted} = this;
     const drive = this.drive!;
+    drive.addLap();
     drive.onChange = () => this.invalidate();
     drive.onDriving = () => {
       if (drive.driving && !this.cameras.atCar) this.setCamera('driver');
@@ -221,7 +228,7 @@ class Viewer {
 
   /** What is wanted of a view comes at once, but not before there is something; more detail comes in steps. */
   private get isDue(): boolean {
-    if (!this.bounds || (isAtCar(this.wanted.camera) && !this.hasDetails)) return false; // nobody knows where to look from
+    if (!this.bounds || (isAtCar(this.wanted.camera) && !this.hasCar)) return false; // nobody knows where to look from
     const {complete, covered} = this.layers.tiles;
     if (this.stale) return covered || complete;
     return this.coarse && (complete || this.last_ms - this.drawn_ms > 1000 * betweenDetails_s);
@@ -239,7 +246,7 @@ class Viewer {
       this.cameras.active.updateMatrixWorld();
       this.layers.tiles.update(this.cameras.active, this.renderer); // tells of new tiles through onChange
       if (this.isDue) this.draw();
-      this.settled = this.layers.complete && this.hasDetails && !this.ghostPending ? this.settled + 1 : 0;
+      this.settled = this.layers.complete && this.hasAll && !this.ghostPending ? this.settled + 1 : 0;
       this.ready = this.settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
     if (this.layers.tiles.failures.length > this.shownFailures) panel.showMessage(this.layers.tiles.failures[this.shownFailures++], true);
@@ -295,10 +302,12 @@ async function start(): Promise<void> {
   const early = isAtCar(wanted.camera) ? loadDetails(site) : undefined; // without them it is not known where the camera is
   const viewer = new Viewer(await site, wanted);
   window.orthodrive = viewer.api;
-  if (early) viewer.adopt(await early);
+  if (early) viewer.adoptCar(await early);
   await viewer.firstPicture;
   await shown();
-  if (!early) viewer.adopt(await loadDetails(site));
+  const details = await (early ?? loadDetails(site));
+  if (!early) viewer.adoptCar(details);
+  viewer.adoptRest(details);
   document.body.classList.remove('early');
 }
 

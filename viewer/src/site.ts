@@ -22,6 +22,7 @@ export interface Site {
   crs: string;
   origin: [number, number, number]; // of the scene, in the site CRS
   tileset: object; // tileset.json
+  coarsest: Map<string, Promise<Response>>; // tiles that any view needs, by address: on their way
   localFromEcef: Matrix4;
 }
 
@@ -36,7 +37,7 @@ export interface SiteDetails {
 
 interface TilesetJson {
   asset: {extras?: {orthodrive?: {crs: string; origin: [number, number, number]}}};
-  root: {transform?: number[]};
+  root: {transform?: number[]; children?: {content?: {uri: string}}[]};
 }
 
 interface RunJson {
@@ -65,7 +66,9 @@ export async function loadSite(): Promise<Site> {
   const tileset = (await tilesetResponse.json()) as TilesetJson;
   const frame = tileset.asset.extras?.orthodrive;
   if (!frame || !tileset.root.transform) throw new Error(`${tilesetUrl} was not written by orthodrive: it names no site CRS`);
-  return {crs: frame.crs, origin: frame.origin, tileset, localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert()};
+  const top = (tileset.root.children ?? []).flatMap(({content}) => content?.uri ?? []).map((uri) => new URL(uri, new URL(tilesetUrl, location.href)).href);
+  const coarsest = new Map(top.map((url) => [url, fetch(url)]));
+  return {crs: frame.crs, origin: frame.origin, tileset, coarsest, localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert()};
 }
 
 /** `site` may still be on its way. */

@@ -25,7 +25,7 @@ export class SiteLayers {
   /** `wanted`: layers that an address switches on and off. */
   constructor(private readonly scene: Scene, private readonly site: Site, private readonly sky: Sky, anisotropy: number, wanted: {on: string[]; off: string[]}) {
     this.switches = new LayerSwitches(wanted);
-    this.tiles = new TileLayers(site.tileset, anisotropy);
+    this.tiles = new TileLayers(site, anisotropy);
     this.late = {
       'lanes': new LateLayer(() => loadLanes(site.origin)),
       'map-roads': new LateLayer(() => loadGraph(site, 'before')),
@@ -45,7 +45,7 @@ export class SiteLayers {
     this.drive = drive;
     if (drive) {
       this.showShadows(switches.shown.shadows);
-      switches.add('route', 'Driven route', true, (on) => (drive.route.visible = on));
+      switches.add('route', 'Driven route', true, (on) => (drive.route!.visible = on));
       switches.add('ghost', 'Ghost car', true, (on) => (drive.showsGhost = on));
     }
     if (findings.findings.length > 0)

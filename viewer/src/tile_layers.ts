@@ -3,7 +3,7 @@
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
 import {Camera, Group, Mesh, MeshDepthMaterial, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
-import {tilesetUrl} from './site';
+import {type Site, tilesetUrl} from './site';
 import {graphicsBytes} from './tile_bytes';
 import {describeHit} from './tile_features';
 import {isRoadSurface, kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
@@ -84,14 +84,18 @@ export class TileLayers {
   private readonly bytes = new WeakMap<Object3D, number>(); // of the models of tiles
   private camera?: Camera;
 
-  /** `tileset`: what tileset.json says. */
-  constructor(tileset: object, anisotropy: number) {
+  constructor({tileset, coarsest}: Site, anisotropy: number) {
     this.looks = new TileLooks(anisotropy);
     this.looks.onChange = () => this.onChange();
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
     this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
-    this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : null)});
+    const fetched = (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : coarsest.get(new URL(url, location.href).href));
+    this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => {
+      const data = fetched(url);
+      coarsest.delete(new URL(url, location.href).href); // an answer can be read once
+      return data ?? null;
+    }});
     this.tiles.maxDepth = topDepth;
     this.tiles.autoDisableRendererCulling = false; // parts of a tile that picture or shadow map do not show are not drawn
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
