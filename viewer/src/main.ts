@@ -200,6 +200,7 @@ class Viewer {
     if (this.bounds) sky.setHazeRange(...cameras.haze_m);
     sky.focus(cameras.focus.middle, cameras.focus.radius_m);
     this.renderer.info.reset();
+    if (this.frame === 0) this.renderer.compile(this.scene, cameras.active); // all shaders side by side
     this.renderer.render(this.scene, cameras.active);
     this.drive?.tell(cameras.active); // with the picture: what changes on the page makes the browser put it together anew
     if (++this.frame === 1) {
