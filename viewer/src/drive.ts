@@ -13,7 +13,8 @@ import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
 import {SelfDrive} from './self_drive';
-import {fetchOptional, type Site, type SiteDetails} from './site';
+import {fetchOptional, type Site} from './site';
+import type {VehicleShape} from './vehicle_shape';
 
 type HeightAt = (x_m: number, y_m: number, z_m: number) => number | undefined;
 
@@ -37,19 +38,21 @@ export class Drive {
   private takenOver = {t_s: 0, share: 0};
   private isPlaying = false;
 
-  constructor(private readonly scene: Scene, private readonly site: Site, {vehicle}: SiteDetails, private readonly lap: Lap, private time_s: number) {
+  /** `lap`: as far as it is needed to place the car. */
+  constructor(private readonly scene: Scene, private readonly site: Site, vehicle: VehicleShape, private lap: Lap, private time_s: number) {
     this.car = new Car(vehicle);
     this.ghost = new Ghost(scene, vehicle);
     this.car.place(lap.at(time_s));
     scene.add(this.car.object, this.car.marker);
   }
 
-  /** What is drawn of the lap around the car. */
-  addLap(): void {
-    this.route = routeLine(this.lap);
+  /** All of the lap is there: what is drawn of it around the car. */
+  adoptLap(lap: Lap): void {
+    this.lap = lap;
+    this.route = routeLine(lap);
     this.scene.add(this.route);
-    this.dashboard = new Dashboard(this.lap);
-    this.map = new MapInset(this.lap);
+    this.dashboard = new Dashboard(lap);
+    this.map = new MapInset(lap);
   }
 
   /** Of the car that is shown. */

@@ -10,7 +10,7 @@ import {type CameraMode, isAtCar} from './cameras';
 import {Drive} from './drive';
 import type {Lap} from './lap';
 import * as panel from './panel';
-import {loadDetails, loadSite, Site, SiteDetails} from './site';
+import {loadCar, loadNotes, loadSite, type Site, type SiteCar, type SiteNotes} from './site';
 import {SiteLayers} from './site_layers';
 import {Sky} from './sky';
 import {sunDirection, zoneHours} from './sun';
@@ -85,17 +85,17 @@ class Viewer {
   }
 
   /** The car is known, where there is one, and so is where its cameras are. */
-  adoptCar(details: SiteDetails): void {
+  adoptCar({lap, vehicle}: SiteCar): void {
     const {wanted, cameras} = this;
     this.hasCar = true;
-    if (!details.lap) return;
-    this.drive = new Drive(this.scene, this.site, details, details.lap, wanted.t_s);
+    if (!lap) return;
+    this.drive = new Drive(this.scene, this.site, vehicle, lap, wanted.t_s);
     cameras.adoptCar(this.drive.car);
     if (isAtCar(wanted.camera)) this.setCamera(wanted.camera);
   }
 
   /** The rest: what is drawn of the lap, findings, the page around the picture. */
-  adoptRest({name, attribution, lap, findings}: SiteDetails): void {
+  adoptRest(lap: Lap | undefined, {name, attribution, findings}: SiteNotes): void {
     if (lap) this.setUpDrive(lap);
     this.layers.adopt(this.drive, findings);
     this.showMode = panel.segments('cameras', this.cameras.modes, (mode) => this.setCamera(mode));
@@ -123,7 +123,7 @@ class Viewer {
   private setUpDrive(lap: Lap): void {
     const {wanted} = this;
     const drive = this.drive!;
-    drive.addLap();
+    drive.adoptLap(lap);
     drive.onChange = () => this.invalidate();
     drive.onDriving = () => {
       if (drive.driving && !this.cameras.atCar) this.setCamera('driver');
@@ -300,15 +300,16 @@ function shown(): Promise<void> {
 async function start(): Promise<void> {
   const wanted = parseView(location.search);
   const site = loadSite();
-  const early = isAtCar(wanted.camera) ? loadDetails(site) : undefined; // without them it is not known where the camera is
+  const early = isAtCar(wanted.camera) ? loadCar(site, wanted.t_s) : undefined; // without it nobody knows where the camera is
   const viewer = new Viewer(await site, wanted);
   window.orthodrive = viewer.api;
   if (early) viewer.adoptCar(await early);
   await viewer.firstPicture;
   await shown();
-  const details = await (early ?? loadDetails(site));
-  if (!early) viewer.adoptCar(details);
-  viewer.adoptRest(details);
+  const car = await (early ?? loadCar(site, Infinity));
+  if (!early) viewer.adoptCar(car);
+  const [lap, notes] = await Promise.all([car.wholeLap(), loadNotes()]);
+  viewer.adoptRest(lap, notes);
   document.body.classList.remove('early');
 }
 

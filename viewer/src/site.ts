@@ -26,12 +26,17 @@ export interface Site {
   localFromEcef: Matrix4;
 }
 
-/** What is on and beside the roads. */
-export interface SiteDetails {
+/** The car that is driven and its lap, where there is one. */
+export interface SiteCar {
+  vehicle: VehicleShape;
+  lap?: Lap; // as far as it was asked for
+  wholeLap(): Promise<Lap | undefined>;
+}
+
+/** What is told of the site, and found in it. */
+export interface SiteNotes {
   name: string;
   attribution: string[];
-  lap?: Lap;
-  vehicle: VehicleShape;
   findings: Finding[];
 }
 
@@ -53,8 +58,8 @@ interface FindingsJson {
 }
 
 /** Undefined when the server has no such file: a site need not have a lap, findings or a run.json. */
-export async function fetchOptional(url: string): Promise<Response | undefined> {
-  const response = await fetch(url);
+export async function fetchOptional(url: string, headers: Record<string, string> = {}): Promise<Response | undefined> {
+  const response = await fetch(url, {headers});
   if (response.status === 404) return undefined;
   if (!response.ok) throw new Error(`${url}: the server answers ${response.status}`);
   return response;
@@ -71,20 +76,44 @@ export async function loadSite(): Promise<Site> {
   return {crs: frame.crs, origin: frame.origin, tileset, coarsest, localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert()};
 }
 
-/** `site` may still be on its way. */
-export async function loadDetails(site: Promise<Site>): Promise<SiteDetails> {
-  const [runResponse, lapResponse, scenarioResponse, findingsResponse] = await Promise.all(
-    ['site/run.json', 'site/drive/lap.csv', 'site/drive/lap.xosc', 'site/findings.geojson'].map(fetchOptional));
-  const run = (await runResponse?.json()) as RunJson | undefined;
-  const lapText = await lapResponse?.text();
-  const scenario = await scenarioResponse?.text();
-  const findings = (await findingsResponse?.json()) as FindingsJson | undefined;
+const lapUrl = 'site/drive/lap.csv', lapFile = 'drive/lap.csv';
+const lapHead_bytes = 1 << 20; // 25 s of a hundred rows a second
+
+/** A lap of 10 km has 13 MB, and only its beginning may be wanted yet: what there is, and the text of the rest where it is left for later. */
+async function fetchLap(onlyHead: boolean): Promise<{text: string; rest?: () => Promise<string>} | undefined> {
+  const response = await fetchOptional(lapUrl, onlyHead ? {Range: `bytes=0-${lapHead_bytes - 1}`} : {});
+  const text = await response?.text();
+  if (text === undefined) return undefined;
+  const bytes = Number(/\/(\d+)$/.exec(response!.headers.get('Content-Range') ?? '')?.[1] ?? 0); // of all, from servers that send parts
+  if (bytes <= lapHead_bytes) return {text};
+  return {text, rest: async () => (await fetchOptional(lapUrl, {Range: `bytes=${lapHead_bytes}-`}))!.text()};
+}
+
+/** With the lap as far as `t_s` at least; `site` may still be on its way. */
+export async function loadCar(site: Promise<Site>, t_s: number): Promise<SiteCar> {
+  const [fetched, scenario] = await Promise.all(
+    [fetchLap(t_s < Infinity), fetchOptional('site/drive/lap.xosc').then((response) => response?.text())] as const);
+  const vehicle = (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar;
+  if (!fetched) return {vehicle, wholeLap: () => Promise.resolve(undefined)};
+  const {text, rest} = fetched;
   const {origin} = await site;
+  const parse = (csv: string) => Lap.parse(csv, origin, lapFile);
+  const wholeLap = async () => (rest ? parse(text + (await rest())) : lap);
+  let lap = parse(rest ? text.slice(0, text.lastIndexOf('\n')) : text); // the last row may be half a row
+  if (rest && !(t_s >= 0 && t_s < lap.duration_s)) {
+    lap = (await wholeLap())!;
+    return {vehicle, lap, wholeLap: () => Promise.resolve(lap)};
+  }
+  return {vehicle, lap, wholeLap};
+}
+
+export async function loadNotes(): Promise<SiteNotes> {
+  const [runResponse, findingsResponse] = await Promise.all(['site/run.json', 'site/findings.geojson'].map((url) => fetchOptional(url)));
+  const run = (await runResponse?.json()) as RunJson | undefined;
+  const findings = (await findingsResponse?.json()) as FindingsJson | undefined;
   return {
     name: run?.site?.name ?? '',
     attribution: run?.attribution ?? [],
-    lap: lapText === undefined ? undefined : Lap.parse(lapText, origin, 'drive/lap.csv'),
-    vehicle: (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar,
     findings: (findings?.features ?? []).map((feature) => ({
       ...feature.properties,
       longitudeDeg: feature.geometry.coordinates[0],
