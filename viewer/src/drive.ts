@@ -73,7 +73,7 @@ export class Drive {
     return this.isDriven ? this.self!.wheelsOnRoad : 4;
   }
   get headingBefore(): number {
-    return this.isDriven ? this.self!.headingBefore : this.lap.at(this.time_s - followLag_s).heading_rad;
+    return this.isDriven ? this.self!.headingBefore : this.lap.at(Math.max(0, this.time_s - followLag_s)).heading_rad; // nothing was before the start
   }
   get t_s(): number {
     return this.time_s;
