@@ -64,9 +64,10 @@ std::optional<double> error_of_road(const roadquery::RoadQuery& roads, const Pla
   return least;
 }
 
-/// Takes edges that run in both directions out of a list, and counts those that more than two triangles share.
-template <typename Edge>
-std::vector<Edge> unpaired(std::vector<Edge> edges, std::size_t& crowded) {
+/// Takes edges that run in both directions out of a list. Calls crowded(edge, number) for those of more than two
+/// triangles.
+template <typename Edge, typename Crowded>
+std::vector<Edge> unpaired(std::vector<Edge> edges, const Crowded& crowded) {
   struct Turned {
     Edge edge;  // from the lesser end
     int sign = 1;
@@ -78,7 +79,7 @@ std::vector<Edge> unpaired(std::vector<Edge> edges, std::size_t& crowded) {
   for (std::size_t i = 0, end = 0; i < all.size(); i = end) {
     int sum = 0;
     for (end = i; end < all.size() && all[end].edge == all[i].edge; ++end) sum += all[end].sign;
-    crowded += static_cast<std::size_t>(end - i > 2);
+    if (end - i > 2) crowded(all[i].edge, end - i);
     for (int k = 0; k < std::abs(sum); ++k)
       open.push_back(sum > 0 ? all[i].edge : Edge{all[i].edge[1], all[i].edge[0]});
   }
@@ -127,7 +128,12 @@ void SceneScorer::add_edges(const SceneTile& tile) {
         edges.push_back({place_of(tile, mesh.positions[mesh.indices[i + k]]),
                          place_of(tile, mesh.positions[mesh.indices[i + (k + 1) % 3]])});
   }
-  std::ranges::copy(unpaired(std::move(edges), scores_.crowded_edges), std::back_inserter(open_));
+  const auto crowded = [&](const Edge& edge, std::size_t triangles) {
+    ++scores_.crowded_edges;
+    if (told_["crowded"]++ < static_cast<int>(most_told))
+      fault("scene.crowded_edge", fmt::format("{} triangles have an edge in common", triangles), edge[0]);
+  };
+  std::ranges::copy(unpaired(std::move(edges), crowded), std::back_inserter(open_));
 }
 
 void SceneScorer::add_roads(const SceneTile& tile) {
@@ -278,8 +284,7 @@ SceneScores SceneScorer::finish() {
                     (*first_place_)[2] + double{away[2]}};
       if (over_borders_.contain(p)) note_in_building(kind, p);
     }
-  std::size_t crowded = 0;
-  const std::vector<Edge> open = unpaired(std::move(open_), crowded);
+  const std::vector<Edge> open = unpaired(std::move(open_), [](const Edge&, std::size_t) {});
   std::multimap<Place, std::size_t> next;
   for (std::size_t i = 0; i < open.size(); ++i) next.emplace(open[i][0], i);
   // Loops around the ground run counter-clockwise, those around holes the other way; cracks have no area.

@@ -151,8 +151,8 @@ MultiPolygon difference_of(const MultiPolygon& a, const MultiPolygon& b, double 
 MultiPolygon buffer_of(const MultiPolygon& polygons, double distance_m, int arc_steps) {
   const Geos geos;
   const auto all = geos.collect(polygons);
-  // What grows may overlap, but then GEOS needs the square of the number of its parts.
-  const bool is_one = GEOSGetNumGeometries_r(geos.handle(), all.get()) == 1;
+  // What grows may overlap: GEOS joins it on the way.
+  const bool is_one = distance_m > 0.0 || GEOSGetNumGeometries_r(geos.handle(), all.get()) == 1;
   const auto joined =
       geos.own(is_one ? GEOSGeom_clone_r(geos.handle(), all.get()) : GEOSUnaryUnion_r(geos.handle(), all.get()));
   if (distance_m == 0.0) return geos.polygons(joined.get());

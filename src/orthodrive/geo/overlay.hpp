@@ -24,7 +24,7 @@ struct LineSegment {
 
 /// All points within the distance of the polygons (negative: all whose surroundings lie inside). Round corners are
 /// polygons of `arc_steps` sides a quarter turn, inside the arc by up to distance * (1 - cos(45 degrees / arc_steps)).
-/// The polygons may overlap.
+/// The polygons may overlap, but many that do take the square of their number: unite them first.
 [[nodiscard]] MultiPolygon buffer_of(const MultiPolygon& polygons, double distance_m, int arc_steps = 16);
 /// Fewer points: the border moves by up to the tolerance, rings stay simple and apart (Douglas and Peucker 1973).
 [[nodiscard]] MultiPolygon simplified(const MultiPolygon& polygons, double tolerance_m);

@@ -412,17 +412,41 @@ void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const G
   road.sections.push_back(std::move(section));
 }
 
+int level_of(const Road& road) { return road.layer != 0 ? road.layer : road.bridge ? 1 : road.tunnel ? -1 : 0; }
+
+/// All of a junction lies on one level, for it has one surface. Where some of its roads lie on the ground, a bridge (or
+/// tunnel) begins at the end of its own road, unless it goes on through the junction or much of it lies inside.
+int level_of_junction(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends) {
+  constexpr double most_inside_m = 6.0;
+  const auto level_at = [&](const JunctionEnd& end) { return level_of(map.roads[at(end.road)]); };
+  int level = 0;
+  bool is_beside_ground = false, goes_on_inside = false;
+  for (const JunctionEnd& end : ends) {
+    const int own = level_at(end);
+    if (std::abs(own) > std::abs(level)) level = own;
+    if (own == 0) {
+      is_beside_ground = true;
+      continue;
+    }
+    const Stretch& stretch = plan.junctions.stretches[end.stretch];
+    const double inside_m = end.at_begin ? end.chain_s - stretch.s0 : stretch.s1 - end.chain_s;
+    const bool goes_through = end.through >= 0 && level_at(ends[at(end.through)]) != 0;
+    goes_on_inside = goes_on_inside || goes_through || inside_m > most_inside_m;
+  }
+  return is_beside_ground && !goes_on_inside ? 0 : level;
+}
+
 Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vector<JunctionEnd>& ends,
-                     const Movement& m, Gate in, Gate out) {
+                     const Movement& m, int level, Gate in, Gate out) {
   const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
   const Road &incoming = map.roads[at(from.road)], &outgoing = map.roads[at(to.road)];
   Road road;
   road.driving_side = plan.options.driving_side;
   road.highway = road_rank(incoming.highway) <= road_rank(outgoing.highway) ? incoming.highway : outgoing.highway;
-  road.layer = std::abs(incoming.layer) >= std::abs(outgoing.layer) ? incoming.layer : outgoing.layer;
+  road.layer = level;
   road.speed_limit_mps = std::min(incoming.speed_limit_mps, outgoing.speed_limit_mps);
-  road.bridge = incoming.bridge && outgoing.bridge;
-  road.tunnel = incoming.tunnel && outgoing.tunnel;
+  road.bridge = level > 0 && incoming.bridge && outgoing.bridge;
+  road.tunnel = level < 0 && incoming.tunnel && outgoing.tunnel;
   if (incoming.osm_id == outgoing.osm_id) road.osm_id = incoming.osm_id;
   const bool through = m.to == from.through;
   Geometry geometry = through ? chain_through(plan, from, to) : turn_geometry(in, out);
@@ -512,8 +536,9 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     feed_all_lanes(ends[j], out, movements);
     roadquery::Junction junction{.id = static_cast<int>(j) + 1};
     std::vector<int> connecting;
+    const int level = level_of_junction(plan, map, ends[j]);
     for (const Movement& m : movements) {
-      Road road = connecting_road(plan, map, ends[j], m, in[at(m.from)], out[at(m.to)]);
+      Road road = connecting_road(plan, map, ends[j], m, level, in[at(m.from)], out[at(m.to)]);
       road.id = static_cast<int>(map.roads.size()) + 1;
       road.junction = junction.id;
       roadquery::Connection connection{static_cast<int>(junction.connections.size()), road.predecessor.id, road.id,

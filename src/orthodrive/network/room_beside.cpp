@@ -13,15 +13,17 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double step_m = 1.0, margin_m = 0.1;  // the second: widths are fitted within 5 cm, on both roads
+constexpr double widest_bank_m = 0.5;           // between roads of different heights, 45 degrees steep
 constexpr double side_by_side_sin = 0.5, deepest_m = 1.5;
-constexpr double taper = 0.06;  // the middle of a lane moves by a quarter of that: below 1 degree
+constexpr double taper = 0.05;  // the middle of an outer lane moves by 3/8 of that at most: about 1 degree
 constexpr double taper_reach_m = 2.0 * deepest_m / taper;
 constexpr double shortest_road_m = 4.0;  // shorter ones lie inside the surfaces of their junctions
 
-/// A cross section of a road outside junctions.
+/// A cross section of a road, or of a way inside a junction.
 struct Section {
   ChainIndex chain;
   std::size_t stretch = 0;
+  int junction = -1;  ///< that it lies in
   double s = 0.0, half_m = 0.0, least_half_m = 0.0, z = 0.0;
   int rank = 0;
   Vec2 p, direction;
@@ -39,26 +41,38 @@ double curvature_at(const std::vector<roadquery::PlanElement>& plan, double s) {
   return roadquery::evaluate(*(after - 1), s - (after - 1)->s).curvature;
 }
 
+int junction_at(const JunctionPlan& junctions, VertexIndex vertex) {
+  return vertex ? junctions.junction_of_vertex[vertex] : -1;
+}
+
 std::vector<Section> sections_of(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                                  const ChainGeometries& geometry) {
   std::vector<Section> sections;
   for (std::size_t i = 0; i < junctions.stretches.size(); ++i) {
     const Stretch& stretch = junctions.stretches[i];
-    if (stretch.inside) continue;
     const ChainGeometry& chain = geometry[stretch.chain];
-    const double from = stretch.s0 + stretch.trim0_m, to = stretch.s1 - stretch.trim1_m;
-    if (to - from < shortest_road_m) continue;
-    const int steps = static_cast<int>(std::ceil((to - from) / step_m));
-    for (int k = 0; k <= steps; ++k) {
-      const double s = from + (to - from) * k / steps;
-      const Pose pose = pose_at(chain.plan, s);
-      const DirectedPiece piece = topology.chains[stretch.chain].pieces[piece_at(chain, s)];
-      const RoadPath& path = roads.paths[topology.pieces[piece.piece].path];
-      const double half = 0.5 * width_at(chain, s);
-      const double least = 0.5 * least_carriageway_m(path.oneway, curvature_at(chain.plan, s));
-      sections.push_back({stretch.chain, i, s, half, std::min(half, least), height_at(chain, s),
-                          road_rank(path.highway), pose.p, pose.direction});
+    const auto add = [&](double from, double to, int junction) {
+      const int steps = static_cast<int>(std::ceil((to - from) / step_m));
+      for (int k = 0; k <= steps; ++k) {
+        const double s = from + (to - from) * k / steps;
+        const Pose pose = pose_at(chain.plan, s);
+        const DirectedPiece piece = topology.chains[stretch.chain].pieces[piece_at(chain, s)];
+        const RoadPath& path = roads.paths[topology.pieces[piece.piece].path];
+        const double half = 0.5 * width_at(chain, s);
+        const double least = 0.5 * least_carriageway_m(path.oneway, curvature_at(chain.plan, s));
+        sections.push_back({stretch.chain, i, junction, s, half, std::min(half, least), height_at(chain, s),
+                            road_rank(path.highway), pose.p, pose.direction});
+      }
+    };
+    const int before = junction_at(junctions, stretch.vertex0), after = junction_at(junctions, stretch.vertex1);
+    if (stretch.inside) {
+      if (before >= 0 && stretch.s1 > stretch.s0) add(stretch.s0, stretch.s1, before);
+      continue;
     }
+    const double from = stretch.s0 + stretch.trim0_m, to = stretch.s1 - stretch.trim1_m;
+    if (before >= 0 && stretch.trim0_m > 0.0) add(stretch.s0, from, before);
+    if (to - from >= shortest_road_m) add(from, to, -1);
+    if (after >= 0 && stretch.trim1_m > 0.0) add(to, stretch.s1, after);
   }
   return sections;
 }
@@ -68,17 +82,25 @@ bool gives_way(const Section& a, const Section& b) {
   return a.half_m != b.half_m ? a.half_m < b.half_m : a.stretch > b.stretch;
 }
 
+/// Whether the junction that `other` lies in is one of the road's own.
+bool is_own_junction(const Section& road, const Section& other, const JunctionPlan& junctions) {
+  const Stretch& stretch = junctions.stretches[road.stretch];
+  return other.junction >= 0 && (other.junction == junction_at(junctions, stretch.vertex0) ||
+                                 other.junction == junction_at(junctions, stretch.vertex1));
+}
+
 /// By how much the two lie on each other; not positive where they do not, or where they are no neighbours.
 double overlap_m(const Section& a, const Section& b) {
   const Vec2 d = b.p - a.p;
   if (a.stretch == b.stretch || std::abs(dot(d, a.direction)) > step_m) return 0.0;
   if (std::abs(cross(a.direction, b.direction)) > side_by_side_sin || !roadquery::is_same_level(a.z, b.z)) return 0.0;
+  const double bank_m = std::min(std::abs(a.z - b.z), widest_bank_m);
   const double overlap = a.half_m + b.half_m + margin_m - std::abs(cross(a.direction, d));
-  return overlap <= deepest_m ? overlap : 0.0;
+  return overlap <= deepest_m ? overlap + bank_m : 0.0;
 }
 
-/// Half widths that are left, by section.
-std::vector<double> room_of(const std::vector<Section>& sections) {
+/// Half widths that are left, by section. Those inside junctions keep theirs.
+std::vector<double> room_of(const std::vector<Section>& sections, const JunctionPlan& junctions) {
   double widest = 0.0;
   std::vector<Box2> boxes;
   for (const Section& q : sections) {
@@ -89,10 +111,18 @@ std::vector<double> room_of(const std::vector<Section>& sections) {
   std::vector<double> room;
   for (const Section& q : sections) {
     double half = q.half_m;
+    if (q.junction >= 0) {
+      room.push_back(half);
+      continue;
+    }
     for (const std::uint32_t k : index.near(q.p, q.half_m + widest + step_m)) {
       const Section& other = sections[k];
-      const double overlap = overlap_m(q, other);
+      const double overlap = is_own_junction(q, other, junctions) ? 0.0 : overlap_m(q, other);
       if (overlap <= margin_m) continue;
+      if (other.junction >= 0) {
+        half = std::min(half, q.half_m - overlap);
+        continue;
+      }
       // What the one that gives way has not got falls to the other.
       const bool yields = gives_way(q, other);
       const Section& lesser = yields ? q : other;
@@ -141,7 +171,7 @@ std::vector<ProfileSample> narrowed(const std::vector<ProfileSample>& widths, co
 void leave_room_beside(const RoadNetwork& roads, const Topology& topology, const JunctionPlan& junctions,
                        ChainGeometries& geometry) {
   const std::vector<Section> sections = sections_of(roads, topology, junctions, geometry);
-  const std::vector<double> room = room_of(sections);
+  const std::vector<double> room = room_of(sections, junctions);
   std::map<std::size_t, std::vector<Limit>> limits;  // by the stretch
   for (std::size_t i = 0; i < sections.size(); ++i)
     if (room[i] < sections[i].half_m) limits[sections[i].stretch].push_back({sections[i].s, 2.0 * room[i]});

@@ -212,6 +212,20 @@ Vertex ground_vertex(const SceneLayout& layout, Vec2 p) {
   return {layout.ground->height_m(p), layout.ground->normal(p)};
 }
 
+/// Where the road goes on as a deck, the ground below and the deck's end wall meet a little lower: at the height of the
+/// road four surfaces would have one edge in common.
+double below_joint_m(const SceneLayout& layout, Vec2 p) {
+  constexpr double drop_m = 0.05;
+  const auto levels = layout.joints.inside_at(p);
+  return levels && levels->lowest == 0 && layout.is_deck(levels->highest) ? drop_m : 0.0;
+}
+
+Vertex terrain_vertex(const SceneLayout& layout, Vec2 p) {
+  Vertex vertex = ground_vertex(layout, p);
+  vertex.z_m -= below_joint_m(layout, p);
+  return vertex;
+}
+
 /// On roads of the ground, on decks and in tunnels; where no road is near (corners that the plan grid moved) the ground
 /// itself. Where levels join, that of the lower one: both have the same vertex.
 Vertex road_vertex(const SceneLayout& layout, const RoadLevel& roads, Vec2 p) {
@@ -264,13 +278,13 @@ void add_ground(const SceneLayout& layout, TileAddress address, const GroundMesh
     is_road.push_back(inside && on_road);
   }
   add_regions(
-      t, is_terrain, [&](Vec2 p) { return ground_vertex(layout, p); }, terrain);
+      t, is_terrain, [&](Vec2 p) { return terrain_vertex(layout, p); }, terrain);
   add_regions(
       t, is_lid, [&](Vec2 p) { return ground_vertex(layout, p); }, lids);
   add_regions(
       t, is_water,
       [&](Vec2 p) {
-        return Vertex{layout.ground->height_m(p), {0.0, 0.0, 1.0}};
+        return Vertex{layout.ground->height_m(p) - below_joint_m(layout, p), {0.0, 0.0, 1.0}};
       },
       water);
   // On the road's border the ground has the same height.
@@ -278,9 +292,10 @@ void add_ground(const SceneLayout& layout, TileAddress address, const GroundMesh
       t, is_road, [&](Vec2 p) { return road_vertex(layout, layout.roads, p); }, road);
 }
 
-/// Underside and sides of the deck triangles from `first_index` on of the road mesh. No sides on the tile's border,
-/// where the deck goes on in the next tile.
-void add_deck_body(const TriMesh& deck, std::size_t first_index, double thickness_m, MeshBuilder& body) {
+/// Underside and sides of the deck triangles from `first_index` on of the road mesh. No sides where the deck goes on:
+/// on the tile's border, and where a deck of another level begins.
+void add_deck_body(const SceneLayout& layout, const TriMesh& deck, std::size_t first_index, MeshBuilder& body) {
+  const double thickness_m = layout.options.deck_thickness_m;
   const auto local = [&](std::uint32_t v) { return Vec2{deck.positions[v][0], deck.positions[v][1]}; };
   const auto vertex = [&](std::uint32_t v, double drop_m, Vec3 normal) {
     return body.add(local(v), {static_cast<double>(deck.positions[v][2]) - drop_m, normal});
@@ -304,9 +319,12 @@ void add_deck_body(const TriMesh& deck, std::size_t first_index, double thicknes
     if (edges.contains({b, a})) continue;
     const Vec2 pa = local(a), pb = local(b);
     if ((pa.x == pb.x && std::abs(pa.x) == half) || (pa.y == pb.y && std::abs(pa.y) == half)) continue;
+    const auto joint = layout.joints.inside_at(body.world((pa + pb) * 0.5));
+    if (joint && layout.is_deck(joint->lowest) && layout.is_deck(joint->highest)) continue;
     const Vec2 outwards = left_normal(normalized(pb - pa)) * -1.0;
     const Vec3 normal{outwards.x, outwards.y, 0.0};
-    const std::uint32_t a0 = vertex(a, 0.0, normal), b0 = vertex(b, 0.0, normal);
+    const std::uint32_t a0 = vertex(a, below_joint_m(layout, body.world(pa)), normal);
+    const std::uint32_t b0 = vertex(b, below_joint_m(layout, body.world(pb)), normal);
     const std::uint32_t a1 = vertex(a, thickness_m, normal), b1 = vertex(b, thickness_m, normal);
     body.triangle(a0, a1, b1);
     body.triangle(a0, b1, b0);
@@ -438,7 +456,7 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
     const std::size_t first_index = road.mesh.indices.size();
     add_level(layout, layout.decks[deck], layout.deck_lines[deck], address, road);
-    add_deck_body(road.mesh, first_index, layout.options.deck_thickness_m, body);
+    add_deck_body(layout, road.mesh, first_index, body);
     drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
     add_kerbs(road.mesh, first_index, kerbs_of(layout.deck_lines[deck], address, center), kerb);
   }

@@ -20,7 +20,7 @@ namespace orthodrive::scene {
 namespace {
 
 constexpr double min_area_m2 = 4.0;     // of a building
-constexpr double min_shared_m2 = 0.01;  // less is touching
+constexpr double min_shared_m2 = 0.001;  // less is touching
 constexpr double min_told_m2 = 1.0;     // smaller cuts are no finding: maps are drawn by hand
 constexpr double straight_m = 0.02;     // corners that are less than this off a straight wall are none
 constexpr double road_clearance_m = 0.1;

@@ -105,8 +105,24 @@ void add_border(const LaneBorder& border, const EndPoints& joints, const LaneCut
   }
 }
 
+/// From edge to edge, through the ends of the cuts there and the reference line: beside a point of the plan grid that
+/// lies a little off, a straight line would leave a triangle without height.
 void add_across(const CrossSection& section, std::vector<Polyline>& cuts) {
-  cuts.push_back({snap_to_grid({section.right.x, section.right.y}), snap_to_grid({section.left.x, section.left.y})});
+  constexpr double off_line_m = 3.0 * plan_grid_m;
+  const Vec2 right = snap_to_grid({section.right.x, section.right.y}),
+             left = snap_to_grid({section.left.x, section.left.y});
+  const Vec2 across = normalized(left - right);
+  Polyline line = {right, left};
+  const auto add = [&](Vec2 p) {
+    const double at_m = dot(across, p - right);
+    if (at_m > off_line_m && at_m < distance(right, left) - off_line_m &&
+        std::abs(cross(across, p - right)) < off_line_m && std::ranges::find(line, p) == line.end())
+      line.push_back(p);
+  };
+  for (const Polyline& cut : cuts) add(cut.front()), add(cut.back());
+  add(snap_to_grid({section.reference.x, section.reference.y}));
+  std::ranges::sort(line, {}, [&](Vec2 p) { return dot(across, p - right); });
+  cuts.push_back(std::move(line));
 }
 
 }  // namespace

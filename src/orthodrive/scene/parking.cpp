@@ -121,7 +121,7 @@ PlacedParking place(const Cell& cell, const Taken& taken, const ParkingSite& sit
   MultiPolygon ground = intersection_of(union_of(std::span(&local, 1), plan_grid_m), {square}, plan_grid_m);
   if (ground.empty()) return parking;
   if (const MultiPolygon others = taken.near(bounds_at(ground, middle).grown(clearance_m), middle); !others.empty())
-    ground = difference_of(ground, buffer_of(others, clearance_m, 2), plan_grid_m);
+    ground = difference_of(ground, buffer_of(union_of(others, plan_grid_m), clearance_m, 2), plan_grid_m);
   const auto add = [&](const std::array<Vec2, 4>& piece, auto& pieces) {
     auto& added = pieces.emplace_back(piece);
     for (Vec2& p : added) p = p + middle;

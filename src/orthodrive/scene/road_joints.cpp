@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "orthodrive/scene/lane_cuts.hpp"
@@ -24,6 +25,11 @@ double distance_to(Vec2 p, Vec2 a, Vec2 b) {
 }
 
 }  // namespace
+
+struct RoadJoints::Place {
+  double across_m;
+  Vec2 p;
+};
 
 struct RoadJoints::End {
   std::size_t road = 0;
@@ -85,6 +91,37 @@ RoadJoints::RoadJoints(const roadquery::RoadQuery& query, std::span<const int> l
   std::vector<Box2> boxes;
   for (const Edge& edge : edges_) boxes.push_back(bounds_of({edge.a, edge.b}));
   index_ = SpatialIndex(boxes);
+  boxes.clear();
+  for (const Run& run : runs_) boxes.push_back(bounds_of({run.a, run.b}));
+  run_index_ = SpatialIndex(boxes);
+}
+
+/// Runs of edges between places that roads of the same levels have in common. A run of one edge gets a place between.
+void RoadJoints::add_runs(std::span<const End* const> joined, Vec2 across, Vec2 from, std::vector<Place>& places) {
+  const auto levels_of = [&](double across_m) {
+    MeetingLevels levels{std::numeric_limits<int>::max(), std::numeric_limits<int>::min()};
+    for (const End* end : joined) {
+      const auto [low, high] = std::minmax({dot(across, end->right - from), dot(across, end->left - from)});
+      if (across_m <= low || across_m >= high) continue;
+      levels = {std::min(levels.lowest, end->level), std::max(levels.highest, end->level)};
+    }
+    return levels;
+  };
+  std::vector<Place> between;
+  for (std::size_t k = 1, end = 1; k < places.size(); k = end) {
+    const auto of_edge = [&](std::size_t e) { return levels_of(0.5 * (places[e - 1].across_m + places[e].across_m)); };
+    const MeetingLevels levels = of_edge(k);
+    const auto is_same = [&](const MeetingLevels& other) {
+      return other.lowest == levels.lowest && other.highest == levels.highest;
+    };
+    for (end = k + 1; end < places.size() && is_same(of_edge(end));) ++end;
+    if (levels.lowest >= levels.highest) continue;
+    const Place &a = places[k - 1], &b = places[end - 1];
+    runs_.push_back({a.p, b.p, levels});
+    if (end == k + 1) between.push_back({0.5 * (a.across_m + b.across_m), snap_to_grid((a.p + b.p) * 0.5)});
+  }
+  places.insert(places.end(), between.begin(), between.end());
+  std::ranges::sort(places, {}, &Place::across_m);
 }
 
 void RoadJoints::join(std::span<const End> ends) {
@@ -100,10 +137,6 @@ void RoadJoints::join(std::span<const End> ends) {
   if (joined.size() < 2 ||
       (*std::ranges::min_element(joined, by_level))->level == (*std::ranges::max_element(joined, by_level))->level)
     return;
-  struct Place {
-    double across_m;
-    Vec2 p;
-  };
   std::vector<Place> places;
   const auto across_m = [&](Vec2 p) { return dot(across, p - widest.right); };
   const auto add = [&](Vec2 p) {
@@ -115,6 +148,7 @@ void RoadJoints::join(std::span<const End> ends) {
   for (const End* end : joined)
     for (const Vec2 p : end->between) add(p);
   std::ranges::sort(places, {}, &Place::across_m);
+  add_runs(joined, across, widest.right, places);
   const int lowest = (*std::ranges::min_element(joined, by_level))->level;
   for (std::size_t k = 1; k < places.size(); ++k) edges_.push_back({places[k - 1].p, places[k].p, lowest});
   for (const End* end : joined) {
@@ -141,6 +175,15 @@ std::optional<int> RoadJoints::level_at(Vec2 p) const {
     if (distance_to(p, edge.a, edge.b) <= on_edge_m && (!lowest || edge.level < *lowest)) lowest = edge.level;
   }
   return lowest;
+}
+
+std::optional<MeetingLevels> RoadJoints::inside_at(Vec2 p) const {
+  for (const std::uint32_t i : run_index_.near(p, on_edge_m)) {
+    const Run& run = runs_[i];
+    if (distance_to(p, run.a, run.b) <= on_edge_m && distance(p, run.a) > on_edge_m && distance(p, run.b) > on_edge_m)
+      return run.levels;
+  }
+  return std::nullopt;
 }
 
 void insert_between(Ring& ring, Vec2 from, Vec2 to, const std::vector<Vec2>& between) {

@@ -22,6 +22,10 @@ struct EndPoints {
   std::span<const Vec2> start, end;
 };
 
+struct MeetingLevels {
+  int lowest = 0, highest = 0;
+};
+
 class RoadJoints {
  public:
   RoadJoints() = default;
@@ -34,19 +38,29 @@ class RoadJoints {
   [[nodiscard]] EndPoints across(std::size_t road) const { return {across(road, false), across(road, true)}; }
   /// The level whose height counts at p: the lowest of those that meet there. Nothing: p lies on no joint.
   [[nodiscard]] std::optional<int> level_at(Vec2 p) const;
+  /// The levels of the roads that meet at p, where p lies between the corners of the joint; nothing elsewhere. Every
+  /// joint has a point there.
+  [[nodiscard]] std::optional<MeetingLevels> inside_at(Vec2 p) const;
 
  private:
   struct Edge {
     Vec2 a, b;
     int level = 0;
   };
+  struct Run {  // from corner to corner: roads of two levels at least on all of it
+    Vec2 a, b;
+    MeetingLevels levels;
+  };
   struct End;
+  struct Place;
   [[nodiscard]] std::span<const Vec2> across(std::size_t road, bool at_end) const;
   void join(std::span<const End> ends);
+  void add_runs(std::span<const End* const> joined, Vec2 across, Vec2 from, std::vector<Place>& places);
 
   std::map<std::pair<std::size_t, bool>, std::vector<Vec2>> across_;
   std::vector<Edge> edges_;
-  SpatialIndex index_;
+  std::vector<Run> runs_;
+  SpatialIndex index_, run_index_;
 };
 
 /// A ring with the points between its corners `from` and `to`, which follow each other; as it was where it lacks them.

@@ -56,7 +56,7 @@ class RoadLevel {
   static constexpr double sample_reach_m = 1.0;
 
  private:
-  [[nodiscard]] MultiPolygon junction_areas();
+  [[nodiscard]] MultiPolygon junction_areas(const RoadJoints* joints);
   [[nodiscard]] std::optional<SurfaceSample> beside_junction(Vec2 p, double reach_m) const;
 
   std::vector<const roadquery::Road*> roads_;

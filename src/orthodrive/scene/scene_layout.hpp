@@ -97,6 +97,7 @@ class SceneLayout {
 
   /// By its number in `joints`.
   [[nodiscard]] const scene::RoadLevel& level(int number) const;
+  [[nodiscard]] bool is_deck(int number) const { return number > 0 && number <= static_cast<int>(decks.size()); }
 
  private:
   void lay_roads();

@@ -51,7 +51,8 @@ MultiPolygon beside_roads(const MultiPolygon& shores, const WaterInput& input, V
       const Box2 near = bounds_of_all(inside).grown(input.shore_m);
       const MultiPolygon paved = input.roads.paved_near(
           {near.min_x + from.x, near.min_y + from.y, near.max_x + from.x, near.max_y + from.y}, from);
-      if (!paved.empty()) inside = difference_of(inside, buffer_of(paved, input.shore_m, 4), plan_grid_m);
+      if (!paved.empty())
+        inside = difference_of(inside, buffer_of(union_of(paved, plan_grid_m), input.shore_m, 4), plan_grid_m);
       std::ranges::move(inside, std::back_inserter(parts));
     }
   }
