@@ -73,8 +73,10 @@ function watchFirst() {
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until the picture is drawn
       note('first', true);
     }
-    const {x_m, y_m, z_m} = orthodrive?.car ?? {};
-    if (times.first && !times.road) note('road', orthodrive.roadNear(x_m, y_m, z_m)?.error_m === 0);
+    if (times.first && !times.road && orthodrive.car) { // the car may come after the first picture
+      const {x_m, y_m, z_m} = orthodrive.car;
+      note('road', orthodrive.roadNear(x_m, y_m, z_m)?.error_m === 0);
+    }
     note('whole', orthodrive?.ready);
     if (!times.whole) requestAnimationFrame(look);
   };

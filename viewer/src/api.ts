@@ -10,7 +10,7 @@ export interface Api {
   readonly frame: number; // pictures drawn so far
   readonly tilesLoaded: number;
   readonly tilesVisible: number;
-  readonly covered: boolean; // tiles are drawn, coarse ones perhaps, wherever the present view shows the site
+  readonly covered: boolean; // the picture shows tiles, coarse ones perhaps, wherever the present view shows the site
   readonly held: HeldTile[]; // tiles in memory
   readonly drawn: {triangles: number; calls: number}; // by the last picture and its shadows
   readonly failures: string[];

@@ -3,7 +3,7 @@
 import {PerspectiveCamera, Sphere, Vector3} from 'three';
 
 import type {Car} from './car';
-import {CameraMode, DriverCamera, FlyCamera, FollowCamera, OrbitCamera, sight_m, View} from './cameras';
+import {CameraMode, DriverCamera, FlyCamera, FollowCamera, isAtCar, OrbitCamera, sight_m, View} from './cameras';
 import type {CarState} from './lap';
 
 /** Around which the sun's shadows are drawn. */
@@ -13,26 +13,34 @@ export interface Focus {
 }
 
 export class CameraSet {
-  readonly modes: Partial<Record<CameraMode, string>>;
   onChange: () => void = () => {};
   private chosen: CameraMode = 'fly';
   private readonly fly: FlyCamera;
   private readonly top: FlyCamera;
   private readonly follow = new FollowCamera();
-  private readonly orbit?: OrbitCamera;
-  private readonly driver?: DriverCamera;
+  private car?: Car;
+  private orbit?: OrbitCamera;
+  private driver?: DriverCamera;
   private bounds?: Sphere;
 
   /** Without a car only the cameras over the map. */
-  constructor(canvas: HTMLCanvasElement, private readonly car?: Car) {
+  constructor(private readonly canvas: HTMLCanvasElement) {
     this.fly = new FlyCamera(canvas);
     this.top = new FlyCamera(canvas, true);
-    this.modes = {fly: 'Fly', top: 'Top', ...(car ? {follow: 'Follow', orbit: 'Orbit', driver: 'Driver'} : {})};
     this.fly.onChange = this.top.onChange = () => this.onChange();
-    if (!car) return;
-    this.orbit = new OrbitCamera(canvas, car.object);
+  }
+
+  adoptCar(car: Car): void {
+    this.car = car;
+    this.orbit = new OrbitCamera(this.canvas, car.object);
+    this.orbit.enabled = false;
     this.orbit.onChange = () => this.onChange();
     this.driver = new DriverCamera(car.eye_m);
+    this.resize(this.fly.camera.aspect);
+  }
+
+  get modes(): Partial<Record<CameraMode, string>> {
+    return {fly: 'Fly', top: 'Top', ...(this.car ? {follow: 'Follow', orbit: 'Orbit', driver: 'Driver'} : {})};
   }
 
   get mode(): CameraMode {
@@ -58,7 +66,7 @@ export class CameraSet {
     }
   }
   get atCar(): boolean {
-    return this.chosen !== 'fly' && this.chosen !== 'top';
+    return isAtCar(this.chosen);
   }
   /** Of the cameras that the mouse moves over the map. */
   get view(): View | undefined {

@@ -9,6 +9,10 @@ import type {CarState} from './lap';
 export const cameraModes = ['fly', 'top', 'follow', 'orbit', 'driver'] as const;
 export type CameraMode = (typeof cameraModes)[number];
 
+export function isAtCar(mode: CameraMode): boolean {
+  return mode !== 'fly' && mode !== 'top';
+}
+
 /** Where a camera is and what it looks at, in the scene's frame. */
 export interface View {
   eye: [number, number, number];

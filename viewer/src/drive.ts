@@ -13,13 +13,14 @@ import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
 import {SelfDrive} from './self_drive';
-import {fetchOptional, Site} from './site';
+import {fetchOptional, type Site} from './site';
+import type {VehicleShape} from './vehicle_shape';
 
 type HeightAt = (x_m: number, y_m: number, z_m: number) => number | undefined;
 
 export class Drive {
   readonly car: Car;
-  readonly route;
+  route?: ReturnType<typeof routeLine>;
   readonly input = new DriverInput();
   onChange: () => void = () => {};
   /** Somebody has taken over, or given back. */
@@ -29,22 +30,29 @@ export class Drive {
   /** Address of the other lap below the site's folder; none of a file of the reader's own. */
   ghostFile?: string;
   private readonly ghost: Ghost;
-  private readonly dashboard: Dashboard;
-  private readonly map: MapInset;
+  private dashboard?: Dashboard;
+  private map?: MapInset;
   private other?: Lap;
   private self?: SelfDrive; // loaded once asked for
   private isDriven = false;
   private takenOver = {t_s: 0, share: 0};
   private isPlaying = false;
 
-  constructor(scene: Scene, private readonly site: Site, private readonly lap: Lap, private time_s: number) {
-    this.car = new Car(site.vehicle);
-    this.ghost = new Ghost(scene, site.vehicle);
+  /** `lap`: as far as it is needed to place the car. */
+  constructor(private readonly scene: Scene, private readonly site: Site, vehicle: VehicleShape, private lap: Lap, private time_s: number) {
+    this.car = new Car(vehicle);
+    this.ghost = new Ghost(scene, vehicle);
+    this.car.place(lap.at(time_s));
+    scene.add(this.car.object, this.car.marker);
+  }
+
+  /** All of the lap is there: what is drawn of it around the car. */
+  adoptLap(lap: Lap): void {
+    this.lap = lap;
     this.route = routeLine(lap);
+    this.scene.add(this.route);
     this.dashboard = new Dashboard(lap);
     this.map = new MapInset(lap);
-    this.car.place(lap.at(time_s));
-    scene.add(this.car.object, this.car.marker, this.route);
   }
 
   /** Of the car that is shown. */
@@ -65,7 +73,7 @@ export class Drive {
     return this.isDriven ? this.self!.wheelsOnRoad : 4;
   }
   get headingBefore(): number {
-    return this.isDriven ? this.self!.headingBefore : this.lap.at(this.time_s - followLag_s).heading_rad;
+    return this.isDriven ? this.self!.headingBefore : this.lap.at(Math.max(0, this.time_s - followLag_s)).heading_rad; // nothing was before the start
   }
   get t_s(): number {
     return this.time_s;
@@ -145,6 +153,7 @@ export class Drive {
 
   /** What the dashboard and the map show of the cars. */
   tell(camera: PerspectiveCamera): void {
+    if (!this.dashboard || !this.map) return;
     const {state} = this;
     panel.showDashboard(state, this.lap.originHeight_m);
     panel.showGap(this.ghost.state !== undefined, this.ghost.gap_s);

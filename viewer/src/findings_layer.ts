@@ -17,9 +17,9 @@ export class FindingsLayer {
   private readonly positions: BufferAttribute;
   private grounded = 0;
 
-  constructor(site: Site) {
+  constructor(site: Site, findings: Finding[]) {
     const zone = utmZone(site.crs);
-    this.findings = zone ? site.findings : [];
+    this.findings = zone ? findings : [];
     this.positions = new BufferAttribute(new Float32Array(3 * this.findings.length), 3);
     const tints = new BufferAttribute(new Float32Array(3 * this.findings.length), 3);
     this.findings.forEach((finding, i) => {

@@ -16,12 +16,9 @@ const nearest_m = 16, farthest_m = 50; // patterns alone up to here; from here o
 const clumps_m = 160; // so far the photo is a little uneven, as the ground is
 const colorSize_m = 4; // of the photo's means that give patterns their colours: cars and shadows of trees go under in them
 
-const empty = new DataTexture(new Uint8Array(4), 1, 1, RGBAFormat);
-empty.needsUpdate = true;
-
 interface Ground {
   lowLod: {value: number};
-  weights: {value: Texture};
+  weights?: Texture; // what lies where
   photo: MeshLambertMaterial;
   asked: boolean;
   plants?: GroundPlants; // once it is known what lies where
@@ -92,12 +89,16 @@ export class GroundDetail {
     const image = material.map?.image as {width: number} | undefined;
     if (!image) return;
     const ground: Ground = {
-      lowLod: {value: Math.max(0, Math.log2((colorSize_m * image.width) / photoSize_m(mesh)))}, weights: {value: empty}, photo: material, asked: false,
+      lowLod: {value: Math.max(0, Math.log2((colorSize_m * image.width) / photoSize_m(mesh)))}, photo: material, asked: false,
     };
     this.grounds.set(mesh, ground);
-    material.onBeforeCompile = (shader) => {
+  }
+
+  /** Changes the code of a ground's material. Ground that is far from the eye keeps the short one. */
+  private detail(ground: Ground): void {
+    ground.photo.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, {
-        groundShare: this.share, groundPatterns: this.patterns, groundMeans: this.means, groundLowLod: ground.lowLod, groundWeights: ground.weights,
+        groundShare: this.share, groundPatterns: this.patterns, groundMeans: this.means, groundLowLod: ground.lowLod, groundWeights: {value: ground.weights},
       });
       const replace = (stage: 'vertexShader' | 'fragmentShader', from: string, to: string) => {
         if (!shader[stage].includes(from)) throw new Error('three.js has changed the shader of its Lambert material');
@@ -109,6 +110,7 @@ export class GroundDetail {
       replace('fragmentShader', '#include <map_fragment>', colorCode);
       replace('fragmentShader', '#include <normal_fragment_maps>', normalCode);
     };
+    ground.photo.needsUpdate = true;
   }
 
   /** Asks for what the ground near the eye needs. */
@@ -133,7 +135,8 @@ export class GroundDetail {
         const texture = new DataTexture(data, width, height, RGBAFormat);
         texture.magFilter = texture.minFilter = LinearFilter;
         texture.needsUpdate = true;
-        ground.weights.value = texture;
+        ground.weights = texture;
+        this.detail(ground);
         const isGrass = (u: number, v: number) => {
           const at = 4 * (Math.floor(v * height) * width + Math.floor(u * width));
           return data[at] + data[at + 1] > 200; // open ground or plants; how green it is the graphics processor sees
@@ -147,7 +150,7 @@ export class GroundDetail {
 
   release(mesh: Mesh): void {
     const ground = this.grounds.get(mesh);
-    if (ground && ground.weights.value !== empty) ground.weights.value.dispose();
+    ground?.weights?.dispose();
     ground?.plants?.dispose();
     this.grounds.delete(mesh);
   }

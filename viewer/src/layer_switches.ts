@@ -16,10 +16,15 @@ export class LayerSwitches {
   onChange: () => void = () => {};
   private readonly layers = new Map<LayerName, Layer>();
 
+  /** Names of layers as an address wants them; those that the site does not have are let through. */
+  constructor(private readonly wanted: {on: string[]; off: string[]}) {}
+
   /** `color`: of its lines, as CSS has it. */
   add(name: LayerName, label: string, usual: boolean, apply: (on: boolean) => void, color?: string): void {
     const input = panel.addSwitch(name, label, usual, (on) => this.set(name, on), color);
     this.layers.set(name, {usual, input, apply});
+    if (this.wanted.off.includes(name)) this.set(name, false);
+    if (this.wanted.on.includes(name)) this.set(name, true);
   }
 
   /** Names of what the site does not have are let through: an address may be of another site. */

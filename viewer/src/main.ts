@@ -6,14 +6,15 @@ import {PCFShadowMap, Scene, Sphere, Vector2, Vector3, WebGLRenderer} from 'thre
 
 import type {Api} from './api';
 import {CameraSet} from './camera_set';
-import type {CameraMode} from './cameras';
+import {type CameraMode, isAtCar} from './cameras';
 import {Drive} from './drive';
+import type {Lap} from './lap';
 import * as panel from './panel';
-import {loadSite, Site} from './site';
+import {loadCar, loadNotes, loadSite, type Site, type SiteCar, type SiteNotes} from './site';
 import {SiteLayers} from './site_layers';
 import {Sky} from './sky';
 import {sunDirection, zoneHours} from './sun';
-import {parseView, writeView} from './view_link';
+import {parseView, type ViewState, writeView} from './view_link';
 
 function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
   try {
@@ -38,15 +39,14 @@ function textOf(what: Record<string, string>): string {
 const betweenDetails_s = 0.5;
 
 class Viewer {
-  private readonly wanted = parseView(location.search);
   private readonly canvas = document.getElementById('canvas') as HTMLCanvasElement;
   private readonly renderer = makeRenderer(this.canvas);
   private readonly scene = new Scene();
   private readonly sky = new Sky(this.scene);
   private readonly layers: SiteLayers;
-  private readonly drive?: Drive;
+  private drive?: Drive;
   private readonly cameras: CameraSet;
-  private readonly showMode: (mode: CameraMode) => void;
+  private showMode: (mode: CameraMode) => void = () => {};
   private readonly showDay: (date: string, hour: number) => void;
   private readonly viewport = new Vector2();
   private date = '';
@@ -54,36 +54,54 @@ class Viewer {
   private toSun = new Vector3();
   private bounds?: Sphere;
   private frame = 0;
+  private wasCovered = false; // by tiles, in the last picture
+  private isDrawn = () => {};
+  readonly firstPicture = new Promise<void>((resolve) => (this.isDrawn = resolve));
   private stale = true; // the picture shows an earlier state
   private coarse = false; // tiles have come or gone since the picture
   private drawn_ms = 0;
   private ready = false; // no tile is missing in the picture
   private settled = 0; // pictures in which none was missing
+  private hasCar = false; // or it is known that there is none
+  private hasAll = false;
   private ghostPending = false;
   private shownFailures = 0;
   private last_ms = performance.now();
 
-  constructor(private readonly site: Site) {
-    const {wanted} = this;
-    this.drive = site.lap && new Drive(this.scene, site, site.lap, wanted.t_s);
-    this.layers = new SiteLayers(this.scene, site, this.sky, this.drive, this.renderer.capabilities.getMaxAnisotropy());
-    this.cameras = new CameraSet(this.canvas, this.drive?.car);
-    this.showMode = panel.segments('cameras', this.cameras.modes, (mode) => this.setCamera(mode));
+  constructor(private readonly site: Site, private readonly wanted: ViewState) {
+    this.layers = new SiteLayers(this.scene, site, this.sky, this.renderer.capabilities.getMaxAnisotropy(), wanted);
+    this.cameras = new CameraSet(this.canvas);
     this.showDay = panel.setUpSun(zoneHours(site.localFromEcef), {setDay: (date, hour) => this.setDay(date, hour)});
-    this.setUpPage();
     this.layers.onChange = this.cameras.onChange = () => this.invalidate();
     this.layers.onDetail = () => {
       this.coarse = true;
       this.unsettle();
     };
-    this.setUpDrive();
     this.setDay(wanted.date, wanted.hour);
-    for (const name of wanted.off) this.layers.switches.set(name, false);
-    for (const name of wanted.on) this.layers.switches.set(name, true);
     this.setCamera(wanted.camera);
     this.listen();
     this.resize();
     requestAnimationFrame((now_ms) => this.tick(now_ms));
+  }
+
+  /** The car is known, where there is one, and so is where its cameras are. */
+  adoptCar({lap, vehicle}: SiteCar): void {
+    const {wanted, cameras} = this;
+    this.hasCar = true;
+    if (!lap) return;
+    this.drive = new Drive(this.scene, this.site, vehicle, lap, wanted.t_s);
+    cameras.adoptCar(this.drive.car);
+    if (isAtCar(wanted.camera)) this.setCamera(wanted.camera);
+  }
+
+  /** The rest: what is drawn of the lap, findings, the page around the picture. */
+  adoptRest(lap: Lap | undefined, {name, attribution, findings}: SiteNotes): void {
+    if (lap) this.setUpDrive(lap);
+    this.layers.adopt(this.drive, findings);
+    this.showMode = panel.segments('cameras', this.cameras.modes, (mode) => this.setCamera(mode));
+    this.setUpPage(name, attribution);
+    this.hasAll = true;
+    this.setCamera(this.cameras.mode);
   }
 
   private invalidate(): void {
@@ -95,22 +113,23 @@ class Viewer {
     this.settled = 0;
   }
 
-  private setUpPage(): void {
+  private setUpPage(name: string, attribution: string[]): void {
     const ofCar = this.drive ? ['C camera', 'Space play', 'arrows or gamepad drive', 'drop a lap.csv to drive against it'] : [];
     const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...ofCar];
-    panel.showTexts(this.site.name, this.site.attribution, keys.join(' · '));
+    panel.showTexts(name, attribution, keys.join(' · '));
     panel.setUpButtons(() => navigator.clipboard.writeText(this.link));
   }
 
-  private setUpDrive(): void {
-    const {drive, site, wanted} = this;
-    if (!drive) return;
+  private setUpDrive(lap: Lap): void {
+    const {wanted} = this;
+    const drive = this.drive!;
+    drive.adoptLap(lap);
     drive.onChange = () => this.invalidate();
     drive.onDriving = () => {
       if (drive.driving && !this.cameras.atCar) this.setCamera('driver');
     };
     panel.setUpDriving(() => void drive.setDriving(!drive.driving));
-    panel.setUpTimeline(site.lap!, {
+    panel.setUpTimeline(lap, {
       seek: (t_s) => (drive.t_s = t_s), togglePlay: () => (drive.playing = !drive.playing), setRate: (factor) => (drive.rate = factor),
     });
     panel.setUpGhost({open: (name, csv) => drive.setGhost(csv, name), remove: () => drive.removeGhost()});
@@ -135,9 +154,10 @@ class Viewer {
   }
 
   private listen(): void {
-    const {drive, cameras, canvas, viewport} = this;
+    const {cameras, canvas, viewport} = this;
     window.addEventListener('resize', () => this.resize());
     window.addEventListener('keydown', (event) => {
+      const {drive} = this;
       if (!drive || event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
       if (drive.driving && cameras.atCar && drive.input.key(event.code, true)) {
         event.preventDefault();
@@ -146,10 +166,10 @@ class Viewer {
       if (event.code === 'KeyC') this.setCamera(cameras.next);
       if (event.code === 'Space') drive.playing = !drive.playing, event.preventDefault();
     });
-    window.addEventListener('keyup', (event) => drive?.input.key(event.code, false));
+    window.addEventListener('keyup', (event) => this.drive?.input.key(event.code, false));
     canvas.addEventListener('click', (event) => {
       const place = new Vector2((2 * event.clientX) / viewport.x - 1, 1 - (2 * event.clientY) / viewport.y);
-      const finding = this.layers.findings.at(place, cameras.active, viewport);
+      const finding = this.layers.findings?.at(place, cameras.active, viewport);
       if (finding) panel.showMessage(`${finding.code}: ${finding.message}`, false);
       else void this.layers.tiles.describe(place, cameras.active).then((what) => panel.showMessage(textOf(what), false));
     });
@@ -180,10 +200,15 @@ class Viewer {
     if (this.bounds) sky.setHazeRange(...cameras.haze_m);
     sky.focus(cameras.focus.middle, cameras.focus.radius_m);
     this.renderer.info.reset();
+    if (this.frame === 0) this.renderer.compile(this.scene, cameras.active); // all shaders side by side
     this.renderer.render(this.scene, cameras.active);
     this.drive?.tell(cameras.active); // with the picture: what changes on the page makes the browser put it together anew
-    ++this.frame;
+    if (++this.frame === 1) {
+      this.layers.tiles.allowFine();
+      this.isDrawn();
+    }
     this.drawn_ms = this.last_ms;
+    this.wasCovered = this.layers.tiles.covered;
     this.stale = this.coarse = false;
   }
 
@@ -204,6 +229,7 @@ class Viewer {
 
   /** What is wanted of a view comes at once, but not before there is something; more detail comes in steps. */
   private get isDue(): boolean {
+    if (!this.bounds || (isAtCar(this.wanted.camera) && !this.hasCar)) return false; // nobody knows where to look from
     const {complete, covered} = this.layers.tiles;
     if (this.stale) return covered || complete;
     return this.coarse && (complete || this.last_ms - this.drawn_ms > 1000 * betweenDetails_s);
@@ -215,13 +241,13 @@ class Viewer {
     if (!this.bounds) this.adoptBounds();
     if (this.cameras.update(elapsed_s)) this.invalidate();
     if (this.drive?.advance(elapsed_s, this.groundUnder)) this.stale = true;
-    if (this.layers.findings.dropOnto(this.layers.tiles)) this.stale = true;
+    if (this.layers.findings?.dropOnto(this.layers.tiles)) this.stale = true;
     if (this.stale || !this.ready) {
       this.placeCars();
       this.cameras.active.updateMatrixWorld();
       this.layers.tiles.update(this.cameras.active, this.renderer); // tells of new tiles through onChange
       if (this.isDue) this.draw();
-      this.settled = this.layers.complete && !this.ghostPending ? this.settled + 1 : 0;
+      this.settled = this.layers.complete && this.hasAll && !this.ghostPending ? this.settled + 1 : 0;
       this.ready = this.settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
     if (this.layers.tiles.failures.length > this.shownFailures) panel.showMessage(this.layers.tiles.failures[this.shownFailures++], true);
@@ -230,23 +256,23 @@ class Viewer {
 
   get api(): Api {
     const viewer = this;
-    const {cameras, drive, renderer} = this;
+    const {cameras, renderer} = this;
     const {tiles, switches} = this.layers;
     return {
       get ready() { return viewer.ready; },
       get frame() { return viewer.frame; },
       get tilesLoaded() { return tiles.loaded; },
       get tilesVisible() { return tiles.visible; },
-      get covered() { return tiles.covered; },
+      get covered() { return viewer.wasCovered && tiles.covered; },
       get held() { return tiles.held; },
       get drawn() { return {triangles: renderer.info.render.triangles, calls: renderer.info.render.calls}; },
       get failures() { return tiles.failures; },
       get mode() { return cameras.mode; },
-      get car() { return drive?.state; },
-      get ghost() { return drive?.ghostState; },
-      get gap_s() { return drive?.gap_s; },
-      get driving() { return drive?.driving ?? false; },
-      get wheelsOnRoad() { return drive?.wheelsOnRoad ?? 0; },
+      get car() { return viewer.drive?.state; },
+      get ghost() { return viewer.drive?.ghostState; },
+      get gap_s() { return viewer.drive?.gap_s; },
+      get driving() { return viewer.drive?.driving ?? false; },
+      get wheelsOnRoad() { return viewer.drive?.wheelsOnRoad ?? 0; },
       get cameraPosition() { return cameras.active.position.toArray() as [number, number, number]; },
       get sun() { return viewer.toSun.toArray() as [number, number, number]; },
       get link() { return viewer.link; },
@@ -257,16 +283,38 @@ class Viewer {
       pictured: (x_m, y_m, z_m) => new Vector3(x_m, y_m, z_m).project(cameras.active).toArray() as [number, number, number],
       setCamera: (mode) => this.setCamera(mode),
       setLayer: (layer, on) => switches.set(layer, on),
-      setTime: (t_s) => { if (drive) drive.t_s = t_s; },
-      setPlaying: (on) => { if (drive) drive.playing = on; },
-      setDriving: async (on) => drive?.setDriving(on),
+      setTime: (t_s) => { if (this.drive) this.drive.t_s = t_s; },
+      setPlaying: (on) => { if (this.drive) this.drive.playing = on; },
+      setDriving: async (on) => this.drive?.setDriving(on),
       setDay: (date, hour) => this.setDay(date, hour),
     };
   }
 }
 
+/** Two of the browser's pictures later: what was drawn before is to be seen. */
+function shown(): Promise<void> {
+  return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve())));
+}
+
+/** First the ground, then the rest of the site and of the page: whoever waits sees something. */
+async function start(): Promise<void> {
+  const wanted = parseView(location.search);
+  const site = loadSite();
+  const early = isAtCar(wanted.camera) ? loadCar(site, wanted.t_s) : undefined; // without it nobody knows where the camera is
+  const viewer = new Viewer(await site, wanted);
+  window.orthodrive = viewer.api;
+  if (early) viewer.adoptCar(await early);
+  await viewer.firstPicture;
+  await shown();
+  const car = await (early ?? loadCar(site, Infinity));
+  if (!early) viewer.adoptCar(car);
+  const [lap, notes] = await Promise.all([car.wholeLap(), loadNotes()]);
+  viewer.adoptRest(lap, notes);
+  document.body.classList.remove('early');
+}
+
 try {
-  window.orthodrive = new Viewer(await loadSite()).api;
+  await start();
 } catch (error) {
   panel.showMessage((error as Error).message, true);
   throw error;

@@ -8,7 +8,7 @@ import {loadLanes} from './lanes_layer';
 import {LateLayer} from './late_layer';
 import {LayerSwitches} from './layer_switches';
 import {graphColors, loadErrorBars, loadGraph} from './road_graph_layer';
-import type {Site} from './site';
+import type {Finding, Site} from './site';
 import type {Sky} from './sky';
 import {TileLayers} from './tile_layers';
 import type {Layers} from './tile_looks';
@@ -16,23 +16,40 @@ import type {Layers} from './tile_looks';
 type LateName = 'lanes' | 'map-roads' | 'refined-roads' | 'error-bars';
 
 export class SiteLayers {
-  readonly switches = new LayerSwitches();
+  readonly switches: LayerSwitches;
   readonly tiles: TileLayers;
-  readonly findings: FindingsLayer;
+  findings?: FindingsLayer;
+  private drive?: Drive;
   private readonly late: Record<LateName, LateLayer>;
 
-  constructor(scene: Scene, site: Site, private readonly sky: Sky, private readonly drive: Drive | undefined, anisotropy: number) {
-    this.tiles = new TileLayers(site.tileset, anisotropy);
-    this.findings = new FindingsLayer(site);
+  /** `wanted`: layers that an address switches on and off. */
+  constructor(private readonly scene: Scene, private readonly site: Site, private readonly sky: Sky, anisotropy: number, wanted: {on: string[]; off: string[]}) {
+    this.switches = new LayerSwitches(wanted);
+    this.tiles = new TileLayers(site, anisotropy);
     this.late = {
       'lanes': new LateLayer(() => loadLanes(site.origin)),
       'map-roads': new LateLayer(() => loadGraph(site, 'before')),
       'refined-roads': new LateLayer(() => loadGraph(site, 'after')),
       'error-bars': new LateLayer(() => loadErrorBars(site)),
     };
-    scene.add(this.tiles.group, this.findings.object, ...Object.values(this.late).map((layer) => layer.object));
-    this.addSwitches();
+    scene.add(this.tiles.group, ...Object.values(this.late).map((layer) => layer.object));
     this.showShadows(true);
+    this.addSwitches();
+  }
+
+  /** What has come after the ground. */
+  adopt(drive: Drive | undefined, allFindings: Finding[]): void {
+    const {switches} = this;
+    const findings = (this.findings = new FindingsLayer(this.site, allFindings));
+    this.scene.add(findings.object);
+    this.drive = drive;
+    if (drive) {
+      this.showShadows(switches.shown.shadows);
+      switches.add('route', 'Driven route', true, (on) => (drive.route!.visible = on));
+      switches.add('ghost', 'Ghost car', true, (on) => (drive.showsGhost = on));
+    }
+    if (findings.findings.length > 0)
+      switches.add('findings', `Findings (${findings.findings.length})`, false, (on) => (findings.object.visible = on));
   }
 
   set onChange(onChange: () => void) {
@@ -50,7 +67,7 @@ export class SiteLayers {
   }
 
   private addSwitches(): void {
-    const {switches, tiles, late, drive, findings, sky} = this;
+    const {switches, tiles, late, sky} = this;
     const addTileLayer = (name: keyof Layers, label: string) => switches.add(name, label, tiles.layers[name], (on) => tiles.setLayer(name, on));
     switches.add('photo', 'Orthophoto', true, (on) => (tiles.setLayer('photo', on), sky.setRelief(!on)));
     addTileLayer('labels', 'Classes seen in it');
@@ -68,12 +85,6 @@ export class SiteLayers {
     addLate('map-roads', 'Roads of the map', graphColors.before);
     addLate('refined-roads', 'Roads as refined', graphColors.after);
     addLate('error-bars', 'Error bars (95 %)', graphColors.bars);
-    if (drive) {
-      switches.add('route', 'Driven route', true, (on) => (drive.route.visible = on));
-      switches.add('ghost', 'Ghost car', true, (on) => (drive.showsGhost = on));
-    }
-    if (findings.findings.length > 0)
-      switches.add('findings', `Findings (${findings.findings.length})`, false, (on) => (findings.object.visible = on));
   }
 
   private showShadows(on: boolean): void {

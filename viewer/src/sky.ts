@@ -53,7 +53,7 @@ export class Sky {
 
   constructor(scene: Scene) {
     const dome = new Mesh(new SphereGeometry(1, 32, 24), this.dome);
-    dome.renderOrder = -1;
+    dome.renderOrder = 1; // of what is not transparent the last: only where nothing else is
     dome.frustumCulled = false;
     scene.add(dome, this.sun, this.sun.target, this.ambient);
     scene.fog = this.fog;
@@ -132,11 +132,10 @@ function cloudNoise(): DataTexture {
   return texture;
 }
 
-/** Drawn around the camera behind everything else. The gradient follows the direction of view, not the distance. */
+/** Around the camera behind everything else. The gradient follows the direction of view, not the distance. */
 function domeMaterial(): ShaderMaterial {
   return new ShaderMaterial({
     side: BackSide,
-    depthTest: false,
     depthWrite: false,
     fog: false,
     uniforms: {...skyUniforms, below: {value: below}, noise: {value: cloudNoise()}, cloudShare: {value: 1}},
@@ -145,7 +144,7 @@ function domeMaterial(): ShaderMaterial {
       void main() {
         direction = position;
         gl_Position = projectionMatrix * vec4(mat3(viewMatrix) * position, 1.0);
-        gl_Position.z = 0.0;
+        gl_Position.z = gl_Position.w; // as far as can be
       }`,
     fragmentShader: `
       uniform vec3 zenith, horizon, below, toSun, sunColor;

@@ -3,13 +3,14 @@
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
 import {Camera, Group, Mesh, MeshDepthMaterial, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
-import {tilesetUrl} from './site';
+import {type Site, tilesetUrl} from './site';
 import {graphicsBytes} from './tile_bytes';
 import {describeHit} from './tile_features';
 import {isRoadSurface, kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
 
 const alwaysRefined_m = 1e4;
 const tubeCasts_m = 0.4;
+const topDepth = 2; // of the renderer's own counting: the root and its parts
 
 /**
  * A tube has inner faces only, which throw its shadow from where its floor begins. What lies nearer to a wall than the bias and a
@@ -83,14 +84,19 @@ export class TileLayers {
   private readonly bytes = new WeakMap<Object3D, number>(); // of the models of tiles
   private camera?: Camera;
 
-  /** `tileset`: what tileset.json says. */
-  constructor(tileset: object, anisotropy: number) {
+  constructor({tileset, coarsest}: Site, anisotropy: number) {
     this.looks = new TileLooks(anisotropy);
     this.looks.onChange = () => this.onChange();
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
     this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
-    this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : null)});
+    const fetched = (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : coarsest.get(new URL(url, location.href).href));
+    this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => {
+      const data = fetched(url);
+      coarsest.delete(new URL(url, location.href).href); // an answer can be read once
+      return data ?? null;
+    }});
+    this.tiles.maxDepth = topDepth;
     this.tiles.autoDisableRendererCulling = false; // parts of a tile that picture or shadow map do not show are not drawn
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
     this.tiles.lruCache.minBytesSize = 2.8e8;
@@ -106,6 +112,11 @@ export class TileLayers {
     });
     for (const event of ['load-root-tileset', 'tile-visibility-change', 'needs-update'] as const)
       this.tiles.addEventListener(event, () => this.onChange());
+  }
+
+  /** From now on finer tiles than the coarsest are asked for. */
+  allowFine(): void {
+    this.tiles.maxDepth = Infinity;
   }
 
   get visible(): number {
@@ -126,7 +137,9 @@ export class TileLayers {
 
   /** Nothing more to load for the present view. */
   get complete(): boolean {
-    return this.tiles.root !== null && this.tiles.loadProgress === 1 && !this.looks.pending;
+    // The renderer's own loadProgress is 1 for a moment between loading and reading a tile, and before it has asked for any.
+    const {queued, downloading, parsing} = (this.tiles as typeof this.tiles & {stats: Record<'queued' | 'downloading' | 'parsing', number>}).stats;
+    return this.tiles.root !== null && !this.tiles.processNodeQueue.running && queued + downloading + parsing === 0 && !this.looks.pending;
   }
 
   /** The renderer takes a tile that failed for a finished one and would leave a hole: its parent is shown, or its parts. */

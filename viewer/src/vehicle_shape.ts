@@ -20,7 +20,8 @@ export const ordinaryCar: VehicleShape = {
 
 /** Undefined when it does not describe a car with two axles. */
 export function parseVehicleShape(xosc: string): VehicleShape | undefined {
-  const vehicle = new DOMParser().parseFromString(xosc, 'text/xml').querySelector('Vehicle');
+  const text = /<Vehicle\s.*?<\/Vehicle>/s.exec(xosc)?.[0] ?? ''; // the rest, where it drives, is long
+  const vehicle = new DOMParser().parseFromString(text, 'text/xml').querySelector('Vehicle');
   const number = (path: string, attribute: string) => Number(vehicle?.querySelector(path)?.getAttribute(attribute) ?? NaN);
   const length_m = number('BoundingBox > Dimensions', 'length');
   const shape = {

@@ -21,6 +21,31 @@ if (!tool) {
   process.exit(2);
 }
 
+/** The first picture shows tiles wherever the site is seen, from where the address says; the page's controls come after it. */
+async function checkFirstPicture(context, url) {
+  for (const camera of ['fly', 'driver']) {
+    const page = await context.newPage();
+    await page.addInitScript(() => {
+      const look = () => {
+        const {orthodrive} = window;
+        const panel = document.getElementById('panel');
+        if (!orthodrive || orthodrive.frame === 0) window.earlyPanel ||= panel !== null && panel.getBoundingClientRect().width > 0;
+        else window.first ??= {covered: orthodrive.covered, mode: orthodrive.mode, tiles: orthodrive.tilesVisible};
+        if (!window.first) requestAnimationFrame(look);
+      };
+      requestAnimationFrame(look);
+    });
+    await page.goto(`${url}?play=0&camera=${camera}&t=8`);
+    await waitUntilDrawn(page);
+    const {first, earlyPanel} = await page.evaluate(() => ({first: window.first, earlyPanel: window.earlyPanel}));
+    assert.deepEqual([first.covered, first.mode], [true, camera], `the first picture of the camera ${camera} has gaps, or another camera`);
+    assert.ok(first.tiles > 0, 'the first picture shows no tiles');
+    assert.ok(!earlyPanel, 'the panel comes before the first picture');
+    assert.ok(await page.isVisible('#panel') && await page.isVisible('#map'), 'the page has no controls');
+    await page.close();
+  }
+}
+
 async function checkFlyCamera(page) {
   await waitUntilDrawn(page);
   const tilesVisible = await page.evaluate(() => window.orthodrive.tilesVisible);
@@ -196,6 +221,7 @@ try {
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
   page.on('pageerror', (error) => problems.push(error.message));
   page.on('response', (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`));
+  await checkFirstPicture(context, server.url);
   await page.goto(`${server.url}?play=0`);
   await checkFlyCamera(page);
   await checkFollowCamera(page);
