@@ -350,6 +350,42 @@ TEST(BuildNetwork, bridge_over_a_road_is_no_junction) {
   EXPECT_NEAR(roadquery::elevation(result.map.roads[1], 50.0), 16.0, 1e-9);
 }
 
+TEST(BuildNetwork, AllOfAJunctionLiesOnOneLevel) {
+  // Three ways meet in a node; those of the mask are bridges.
+  const auto levels = [](std::array<bool, 3> bridges) {
+    RoadNetwork roads = network_of({make_path({{-60, 0}, {0, 0}}, {1, 2}, {.osm_id = 1}),
+                                    make_path({{0, 0}, {60, 0}}, {2, 3}, {.osm_id = 2}),
+                                    make_path({{0, 0}, {0, 60}}, {2, 4}, {.osm_id = 3})});
+    for (std::size_t i = 0; i < bridges.size(); ++i)
+      roads.paths[i].bridge = bridges[i], roads.paths[i].layer = bridges[i] ? 1 : 0;
+    std::set<int> found;
+    for (const roadquery::Road& road : build_network(roads).map.roads)
+      if (road.junction >= 0) found.insert(road.layer);
+    return found;
+  };
+  EXPECT_EQ(levels({false, false, false}), std::set<int>{0});
+  EXPECT_EQ(levels({false, false, true}), std::set<int>{0}) << "the bridge begins behind the junction";
+  EXPECT_EQ(levels({true, true, false}), std::set<int>{1}) << "it goes through";
+  EXPECT_EQ(levels({true, true, true}), std::set<int>{1});
+}
+
+TEST(BuildNetwork, BesideAHigherRoadABankStaysFree) {
+  // 6 m wide and 6.2 m apart, at both ends the other way round.
+  for (const double higher_m : {0.0, 0.3, 1.0}) {
+    const roadquery::RoadMap map =
+        build_network(
+            network_of({make_path({{-100, 0}, {100, 0}}, {1, 2}, {.osm_id = 1, .height = [](Vec2) { return 10.0; }}),
+                        make_path({{-100, 6.2}, {100, 6.2}}, {3, 4},
+                                  {.osm_id = 2, .height = [&](Vec2) { return 10.0 + higher_m; }})}))
+            .map;
+    ASSERT_EQ(map.roads.size(), 2U);
+    const auto half_m = [&](std::size_t i) { return roadquery::road_edges(map.roads[i], 100.0).left_t; };
+    const double free_m = 6.2 - half_m(0) - half_m(1);
+    EXPECT_GE(free_m, 0.1 + std::min(higher_m, 0.5) - 0.1) << higher_m;
+    EXPECT_LE(free_m, 0.1 + std::min(higher_m, 0.5) + 0.15) << higher_m;
+  }
+}
+
 TEST(BuildNetwork, WaysThatCrossOnOneLevelWithoutANodeGetAJunctionWithoutTurns) {
   const auto across = [](double z, int layer, bool bridge) {
     RoadNetwork roads =

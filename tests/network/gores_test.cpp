@@ -64,7 +64,7 @@ TEST(Gores, lie_between_the_edges_that_part) {
       if (i <
           mark->outline.size() / 2) {  // 3 m beside the slip road's line, less where it leaves room to the main road
         EXPECT_LT(std::cos(0.09) * y + std::sin(0.09) * x, 3.1) << x;
-        EXPECT_GT(std::cos(0.09) * y + std::sin(0.09) * x, x < 125.0 ? 1.0 : 2.8) << x;
+        EXPECT_GT(std::cos(0.09) * y + std::sin(0.09) * x, x < 135.0 ? 1.0 : 2.8) << x;
         EXPECT_LT(y, -6.2);
         widest = std::max(widest, -6.0 - y);
       } else {

@@ -139,6 +139,28 @@ TEST(CoarseTile, stated_error_is_not_smaller_than_the_true_one) {
   }
 }
 
+TEST(CoarseTile, low_structures_go_and_high_ones_stay) {
+  SceneTile tile{.column = 0, .row = 0};
+  TriMesh mesh{.kind = MeshKind::structure};
+  // Walls of two triangles, 10 m long; the second and third hang together.
+  const auto add_wall = [&](float x, float height_m) {
+    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const auto& p : {std::array{x, 0.0F, 0.0F}, {x, 10.0F, 0.0F}, {x, 10.0F, height_m}, {x, 0.0F, height_m}}) {
+      mesh.positions.push_back(p), mesh.normals.push_back({1.0F, 0.0F, 0.0F});
+      mesh.tile_uv.push_back({}), mesh.colors.push_back({});
+    }
+    mesh.indices.insert(mesh.indices.end(), {base, base + 1, base + 2, base, base + 2, base + 3});
+  };
+  add_wall(0.0F, 0.15F), add_wall(5.0F, 0.3F), add_wall(5.0F, 3.0F);
+  mesh.parts = {{SurfaceMaterial::concrete, 0, mesh.indices.size()}};
+  tile.meshes.push_back(mesh);
+  const SceneTile coarse = scene::coarse_tile(std::vector<const SceneTile*>{&tile}, {});
+  const TriMesh* left = find_mesh(coarse, MeshKind::structure);
+  ASSERT_TRUE(left);
+  for (const auto& p : left->positions) EXPECT_NEAR(p[0] + static_cast<float>(coarse.origin.x), 5.0F, 1e-3F);
+  EXPECT_GE(coarse.geometric_error_m, 0.15 - 1e-6);
+}
+
 TEST(CoarseTile, photo_is_the_mean_of_four_pixels_and_labels_stay_labels) {
   std::array<SceneTile, 2> tiles;
   for (int k : {0, 1}) {

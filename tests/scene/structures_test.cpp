@@ -183,6 +183,34 @@ TEST(Structures, roads_of_one_layer_that_cross_are_told_apart) {
   EXPECT_EQ(told_apart(all).size(), 1U);
 }
 
+TEST(Structures, no_edge_at_the_joints_of_a_deck_has_more_than_two_triangles) {
+  Site site = valley_site();
+  std::vector<roadquery::Road>& roads = site.roads.roads;
+  for (std::size_t i = 0; i < 2; ++i) {
+    roads[i].successor = {roadquery::LinkKind::road, roads[i + 1].id, roadquery::ContactPoint::start};
+    roads[i + 1].predecessor = {roadquery::LinkKind::road, roads[i].id, roadquery::ContactPoint::end};
+  }
+  const SceneTile tile = build(site);
+  using Place = std::array<float, 3>;
+  std::map<std::pair<Place, Place>, int> triangles;
+  int across_joints = 0;
+  for (const MeshKind kind : {MeshKind::terrain, MeshKind::road, MeshKind::road_body}) {
+    const TriMesh* mesh = find_mesh(tile, kind);
+    ASSERT_TRUE(mesh);
+    for (std::size_t i = 0; i < mesh->indices.size(); ++i) {
+      const std::size_t next = i % 3 == 2 ? i - 2 : i + 1;
+      const auto edge = std::minmax({mesh->positions[mesh->indices[i]], mesh->positions[mesh->indices[next]]});
+      ++triangles[edge];
+    }
+  }
+  for (const auto& [edge, count] : triangles) {
+    EXPECT_LE(count, 2) << edge.first[0] << " " << edge.first[1] << " " << edge.first[2];
+    const bool is_across = edge.first[0] == edge.second[0] && std::abs(std::abs(edge.first[0]) - 60.0F) < 0.01F;
+    across_joints += static_cast<int>(is_across && count == 2);
+  }
+  EXPECT_GT(across_joints, 8) << "road and deck, ground and end wall, at both ends";
+}
+
 TEST(Structures, low_decks_have_no_piers) {
   const Site site = make_site(
       480.0, {{.start = {west_m + 40.0, south_m + 240.0}, .length_m = 140.0, .z_m = 12.0},

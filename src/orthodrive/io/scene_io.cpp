@@ -16,7 +16,7 @@ namespace orthodrive::io {
 namespace {
 
 constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
-constexpr int place_exponent = -12;     // of tileable textures: a texel of 4 mm in 4 m is 2^-10
+constexpr int place_exponent = -11;     // of tileable textures: half a texel of 4 mm in 4 m
 constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth
 // glTF 2.0: filters and wrap modes of samplers.
 constexpr int nearest = 9728, linear = 9729, linear_mipmap_linear = 9987, clamp_to_edge = 33071, repeat = 10497;

@@ -19,10 +19,10 @@
 namespace orthodrive::scene {
 namespace {
 
-constexpr double min_area_m2 = 4.0;     // of a building
+constexpr double min_area_m2 = 4.0;      // of a building
 constexpr double min_shared_m2 = 0.001;  // less is touching
-constexpr double min_told_m2 = 1.0;     // smaller cuts are no finding: maps are drawn by hand
-constexpr double straight_m = 0.02;     // corners that are less than this off a straight wall are none
+constexpr double min_told_m2 = 1.0;      // smaller cuts are no finding: maps are drawn by hand
+constexpr double straight_m = 0.02;      // corners that are less than this off a straight wall are none
 constexpr double road_clearance_m = 0.1;
 constexpr double foot_depth_m = 0.5;  // of walls below the lowest ground
 constexpr double over_roads_m = 4.6;  // what begins higher may stand over a road (RStVO: trucks of 4 m)
@@ -287,7 +287,7 @@ void cut_apart(std::vector<Outlined>& buildings) {
 
 /// Posts at the corners of a roof without walls and between them, where no road is.
 std::vector<Vec2> posts_of(const PlacedBuilding& placed, const BuildingSite& site) {
-  constexpr double in_m = 0.35, step_m = 7.0, room_m = 0.25;
+  constexpr double in_m = 0.35, step_m = 7.0, room_m = 0.45;  // beyond their ends roads are driven for 0.25 m
   const Ring& ring = placed.footprint.outer;
   const auto inwards = [&](std::size_t k) { return left_normal(normalized(ring[(k + 1) % ring.size()] - ring[k])); };
   std::vector<Vec2> posts;

@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "orthodrive/core/disjoint_sets.hpp"
 #include "orthodrive/scene/building_blocks.hpp"
 #include "orthodrive/scene/coarse_ground.hpp"
 #include "orthodrive/scene/structures.hpp"
@@ -152,6 +153,40 @@ TriMesh without_unused(const TriMesh& mesh) {
   }
   for (std::uint32_t& v : result.indices) v = slots.at(v);
   return result;
+}
+
+/// Takes out what hangs together and has no face as high as the tolerance: kerbs, low walls. Returns the height of the
+/// highest face that is gone.
+double leave_out_low(TriMesh& mesh, double tolerance_m) {
+  std::map<std::array<float, 3>, std::size_t> first_at;
+  DisjointSets together(mesh.positions.size());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    together.join(i, first_at.try_emplace(mesh.positions[i], i).first->second);
+  std::vector<double> height_m(mesh.positions.size(), 0.0);  // of the highest face, by the first vertex
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
+    for (std::size_t k = 1; k < 3; ++k) together.join(mesh.indices[i], mesh.indices[i + k]);
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const auto z = [&](std::size_t k) { return static_cast<double>(mesh.positions[mesh.indices[i + k]][2]); };
+    const auto [low, high] = std::minmax({z(0), z(1), z(2)});
+    double& highest = height_m[together.find(mesh.indices[i])];
+    highest = std::max(highest, high - low);
+  }
+  double gone_m = 0.0;
+  std::vector<std::uint32_t> indices;
+  for (MeshPart& part : mesh.parts) {
+    const std::size_t first = indices.size();
+    for (std::size_t i = part.first_index; i < part.first_index + part.index_count; i += 3) {
+      const double height = height_m[together.find(mesh.indices[i])];
+      if (height < tolerance_m)
+        gone_m = std::max(gone_m, height);
+      else
+        indices.insert(indices.end(), {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
+    }
+    part = {part.material, first, indices.size() - first};
+  }
+  std::erase_if(mesh.parts, [](const MeshPart& part) { return part.index_count == 0; });
+  mesh.indices = std::move(indices);
+  return gone_m;
 }
 
 /// Each material for itself. Returns the change in metres.
@@ -355,6 +390,7 @@ SceneTile coarse_tile(std::span<const SceneTile* const> tiles, std::span<const P
       if (!is_ground(mesh.kind) && !is_left_out(mesh.kind)) standing.insert(mesh.kind);
   for (const MeshKind kind : standing) {
     TriMesh mesh = joined(tiles, kind, coarse.origin);
+    change_m = std::max(change_m, leave_out_low(mesh, tolerance_m));
     change_m = std::max(change_m, simplify(mesh, tolerance_m));
     if (!mesh.indices.empty()) coarse.meshes.push_back(std::move(mesh));
   }

@@ -338,17 +338,24 @@ void add_island_kerbs(const StructureInput& input, Faces& faces) {
     });
   };
   for (BorderRun& run : runs_of(input.roads, wanted)) {
-    // In the tips of an island and where it is narrow the stone is narrower: the road opposite is free of it.
+    // Where an island is narrow the stone is narrower, in its tips there is none: the road opposite is free of it.
+    std::vector<BorderRun> with_room(1);
     for (std::size_t i = 0; i < run.points.size(); ++i) {
       const Vec3 p = run.points[i];
       const auto is_on_road = [&] {
         return is_paved(input, Vec2{p.x, p.y} + run.outwards[i] * (island_stone_m + kerb_gap_m), p.z);
       };
       for (int halves = 0; halves < 3 && is_on_road(); ++halves) run.outwards[i] = run.outwards[i] * 0.5;
-      if (is_on_road()) run.outwards[i] = {};
+      if (is_on_road()) {
+        with_room.emplace_back();
+        continue;
+      }
+      with_room.back().points.push_back(p);
+      with_room.back().outwards.push_back(run.outwards[i]);
     }
-    for (const BorderRun& part : free_parts(input, run, {0.0, island_stone_m}))
-      add_bar(part, 0.0, island_stone_m, -kerb_foot_m, island_kerb_m, kerb_stone, faces);
+    for (const BorderRun& wide : with_room)
+      for (const BorderRun& part : free_parts(input, wide, {0.0, island_stone_m}))
+        add_bar(part, 0.0, island_stone_m, -kerb_foot_m, island_kerb_m, kerb_stone, faces);
   }
 }
 

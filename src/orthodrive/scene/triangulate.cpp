@@ -124,7 +124,7 @@ class Refinement {
   using Face = Cdt::Face_handle;
   using Vertex = Cdt::Vertex_handle;
   static constexpr int most_passes = 24;
-  static constexpr double shortest_m = 0.1;  // of edges that are split
+  static constexpr double shortest_m = 0.04;  // of edges that are split
 
   /// The middle of an edge (the third corner is unset) or of a triangle.
   struct Candidate {
