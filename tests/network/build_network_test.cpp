@@ -370,7 +370,7 @@ TEST(BuildNetwork, AllOfAJunctionLiesOnOneLevel) {
 }
 
 TEST(BuildNetwork, BesideAHigherRoadABankStaysFree) {
-  // 6 m wide and 6.2 m apart, at both ends the other way round.
+  // 6 m wide and 6.2 m apart.
   for (const double higher_m : {0.0, 0.3, 1.0}) {
     const roadquery::RoadMap map =
         build_network(

@@ -56,6 +56,16 @@ Box2 bounds_of(const Ring& ring) {
   return box;
 }
 
+Box2 bounds_of_all(const MultiPolygon& polygons) {
+  Box2 box = bounds_of(polygons.front().outer);
+  for (const Polygon& part : polygons) {
+    const Box2 own = bounds_of(part.outer);
+    box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
+           std::max(box.max_y, own.max_y)};
+  }
+  return box;
+}
+
 void rasterize(const Polygon& polygon, const GridFrame& frame, const std::function<void(int, int, int)>& span) {
   struct Edge {
     double x0, y0, x1, y1;  // pixel coordinates, y0 < y1

@@ -125,11 +125,6 @@ Constraints add_lines(const LevelLines& lines, TileAddress address, double borde
   return constraints;
 }
 
-std::span<const Vec2> in_tile(const std::map<TileAddress, std::vector<Vec2>>& points, TileAddress address) {
-  const auto found = points.find(address);
-  return found == points.end() ? std::span<const Vec2>{} : found->second;
-}
-
 void add_terrain_points(const SceneLayout& layout, TileAddress address, TilePoints& points) {
   const Box2 inner = tile_box(address).grown(-border_clearance_m);
   std::vector<Vec2> inside;

@@ -103,14 +103,6 @@ std::vector<Cell> cells_of(const MultiPolygon& areas) {
   return cells;
 }
 
-/// Bounds of polygons that are relative to `from`.
-Box2 bounds_at(const MultiPolygon& polygons, Vec2 from) {
-  Ring corners;
-  for (const Polygon& polygon : polygons) corners.insert(corners.end(), polygon.outer.begin(), polygon.outer.end());
-  const Box2 box = bounds_of(corners);
-  return {box.min_x + from.x, box.min_y + from.y, box.max_x + from.x, box.max_y + from.y};
-}
-
 PlacedParking place(const Cell& cell, const Taken& taken, const ParkingSite& site) {
   PlacedParking parking{.middle = cell.middle};
   const Vec2 middle = cell.middle;
@@ -120,7 +112,10 @@ PlacedParking place(const Cell& cell, const Taken& taken, const ParkingSite& sit
   const Polygon square{{{-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}}, {}};
   MultiPolygon ground = intersection_of(union_of(std::span(&local, 1), plan_grid_m), {square}, plan_grid_m);
   if (ground.empty()) return parking;
-  if (const MultiPolygon others = taken.near(bounds_at(ground, middle).grown(clearance_m), middle); !others.empty())
+  const Box2 local_box = bounds_of_all(ground);
+  const Box2 box{local_box.min_x + middle.x, local_box.min_y + middle.y, local_box.max_x + middle.x,
+                 local_box.max_y + middle.y};
+  if (const MultiPolygon others = taken.near(box.grown(clearance_m), middle); !others.empty())
     ground = difference_of(ground, buffer_of(union_of(others, plan_grid_m), clearance_m, 2), plan_grid_m);
   const auto add = [&](const std::array<Vec2, 4>& piece, auto& pieces) {
     auto& added = pieces.emplace_back(piece);

@@ -92,10 +92,11 @@ std::vector<Polygon> end_pieces(const roadquery::Road& road, const std::vector<C
 /// What a road of another level covers up to its joint with a junction, at most half of it: no junction lies there.
 /// Wider away from the joint: nothing of the junction touches the side of that road.
 Ring before_joint(const roadquery::Road& road, bool at_end, std::span<const Vec2> across) {
-  const double reach_m = std::min(3.0, 0.5 * road.length + 0.05) * (at_end ? -1.0 : 1.0);
+  constexpr double furthest_m = 3.0, overlap_m = 0.05, spread = 0.1;
+  const double reach_m = std::min(furthest_m, 0.5 * road.length + overlap_m);
   const double hdg = roadquery::reference_point(road, at_end ? road.length : 0.0).hdg;
-  const Vec2 step = Vec2{std::cos(hdg), std::sin(hdg)} * reach_m;
-  const Vec2 aside = left_normal({std::cos(hdg), std::sin(hdg)}) * (0.1 * std::abs(reach_m));
+  const Vec2 along{std::cos(hdg), std::sin(hdg)};
+  const Vec2 step = along * (at_end ? -reach_m : reach_m), aside = left_normal(along) * (spread * reach_m);
   Ring ring(across.begin(), across.end());  // from the right edge to the left one
   ring.push_back(snap_to_grid(across.back() + step + aside));
   ring.push_back(snap_to_grid(across.front() + step - aside));
@@ -216,21 +217,21 @@ MultiPolygon RoadLevel::junction_areas(const RoadJoints* joints) {
   MultiPolygon areas;
   std::vector<Box2> boxes;
   const roadquery::RoadMap& map = query_->map();
-  MultiPolygon arms_elsewhere;
+  std::map<int, MultiPolygon> arms_elsewhere;  // what arms of other levels cover, by junction
   for (std::size_t i = 0; joints != nullptr && i < map.roads.size(); ++i) {
     if (is_on_level_[i]) continue;
+    const roadquery::Road& road = map.roads[i];
+    MultiPolygon covered;
     for (const bool at_end : {false, true}) {
-      const roadquery::Road& road = map.roads[i];
-      const roadquery::RoadLink& link = at_end ? road.successor : road.predecessor;
       const std::span<const Vec2> across = at_end ? joints->across(i).end : joints->across(i).start;
-      if (link.kind != roadquery::LinkKind::junction || across.size() < 2) continue;
+      if (across.size() < 2) continue;
       if (Ring ring = before_joint(road, at_end, across); signed_area_m2(ring) > min_piece_area_m2)
-        arms_elsewhere.push_back({std::move(ring), {}});
+        covered.push_back({std::move(ring), {}});
     }
+    for (const roadquery::RoadLink& link : {road.predecessor, road.successor})
+      if (link.kind == roadquery::LinkKind::junction)
+        std::ranges::copy(covered, std::back_inserter(arms_elsewhere[link.id]));
   }
-  std::vector<Box2> boxes_elsewhere;
-  for (const Polygon& arm : arms_elsewhere) boxes_elsewhere.push_back(bounds_of(arm.outer));
-  const SpatialIndex index_elsewhere(boxes_elsewhere);
   for (const roadquery::Junction& junction : map.junctions) {
     const auto is_on_level = [&](const roadquery::Road& road) {
       return road.junction == junction.id && is_on_level_[static_cast<std::size_t>(&road - map.roads.data())];
@@ -241,12 +242,11 @@ MultiPolygon RoadLevel::junction_areas(const RoadJoints* joints) {
     if (paved.outer.size() < 3 || !(signed_area_m2(paved.outer) > min_piece_area_m2)) continue;
     junctions_.push_back(&junction);
     boxes.push_back(bounds_of(paved.outer));
-    MultiPolygon beside;
-    for (const std::uint32_t i : index_elsewhere.touching(boxes.back())) beside.push_back(arms_elsewhere[i]);
-    if (beside.empty())
+    const MultiPolygon& arms = arms_elsewhere[junction.id];
+    if (arms.empty())
       areas.push_back(std::move(paved));
     else  // its border lies a little beyond the ends of arms
-      std::ranges::move(difference_of({paved}, union_of(beside, plan_grid_m), plan_grid_m), std::back_inserter(areas));
+      std::ranges::move(difference_of({paved}, union_of(arms, plan_grid_m), plan_grid_m), std::back_inserter(areas));
   }
   junction_index_ = SpatialIndex(boxes);
   return areas;

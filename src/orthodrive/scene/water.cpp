@@ -24,16 +24,6 @@ Polygon polygon_of(const Box2& box) {
   return {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}, {}};
 }
 
-Box2 bounds_of_all(const MultiPolygon& polygons) {
-  Box2 box = bounds_of(polygons.front().outer);
-  for (const Polygon& part : polygons) {
-    const Box2 own = bounds_of(part.outer);
-    box = {std::min(box.min_x, own.min_x), std::min(box.min_y, own.min_y), std::max(box.max_x, own.max_x),
-           std::max(box.max_y, own.max_y)};
-  }
-  return box;
-}
-
 /// `shores`, relative to `from`, less what roads take, where they are needed. In cells, so that a river through a town
 /// meets few roads at a time.
 MultiPolygon beside_roads(const MultiPolygon& shores, const WaterInput& input, Vec2 from) {
