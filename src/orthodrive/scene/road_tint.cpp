@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "orthodrive/scene/srgb.hpp"
+
 namespace orthodrive::scene {
 namespace {
 
@@ -14,19 +16,6 @@ using Cell = std::array<int, 2>;
 
 Cell cell_of(Vec2 p) {
   return {static_cast<int>(std::floor(p.x / cell_m)), static_cast<int>(std::floor(p.y / cell_m))};
-}
-
-/// sRGB (IEC 61966-2-1) to linear.
-const std::array<float, 256>& linear_values() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const double v = static_cast<double>(i) / 255.0;
-      values[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
-    return values;
-  }();
-  return table;
 }
 
 int brightness(const Rgb& c) { return 2 * c[0] + 5 * c[1] + c[2]; }

@@ -7,6 +7,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
 #include "orthodrive/scene/crossing_roads.hpp"
+#include "orthodrive/scene/photo_shadows.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/tile_address.hpp"
 
@@ -87,6 +88,10 @@ std::vector<TileAddress> tiles_of(const Outline& outline, const Box2& bounds) {
 
 SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_options) : options(scene_options) {
   check(source, options);
+  photo = source.photo;
+  if (source.labels)
+    if (auto shadows = find_shadows(photo, *source.labels))
+      photo = without_shadows(source.photo, *source.labels, std::move(*shadows));
   area = on_grid(source.area);
   dense_area = densified(area, options.terrain_step_m);
   bounds = bounds_of(area.outer);
@@ -94,7 +99,7 @@ SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_opti
   tiles = tiles_of(outline, bounds);
   terrain.emplace(source.terrain, outline, findings);
   if (source.surroundings) {
-    water_levels = scene::water_levels(source.surroundings->water, outline, *terrain, source.photo, findings);
+    water_levels = scene::water_levels(source.surroundings->water, outline, *terrain, photo, findings);
     for (const MapPowerLine& line : source.surroundings->power_lines) {
       std::vector<double>& ground_m = power_ground_m.emplace_back();
       for (const Vec2 p : line.line) ground_m.push_back(outline.contains(p) ? terrain->height_m(p) : 0.0);

@@ -19,6 +19,7 @@ struct SceneFrame {
   SceneFrame(const SceneFrame&) = delete;
 
   SceneOptions options;
+  PhotoSource photo;               ///< without shadows where there are labels
   Polygon area;                    ///< on the plan grid
   MultiPolygon dense_area;         ///< its rings with points at most a terrain step apart, oriented and clean
   Box2 bounds;                     ///< of the area

@@ -82,7 +82,7 @@ roadquery::RoadMap SceneWindows::roads_in(const Box2& box) const {
 SceneWindow SceneWindows::window(const Box2& box) const {
   SceneWindow window{.box = box, .roads = roads_in(box)};
   window.terrain = frame_->terrain->window(box);
-  window.photo = window_of(source_->photo, box);
+  window.photo = window_of(frame_->photo, box);
   if (source_->labels) window.labels = window_of(*source_->labels, box);
   for (const Building& building : source_->buildings)
     if (reaches(building.footprint.outer, box)) window.buildings.push_back(building);

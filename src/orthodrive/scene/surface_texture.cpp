@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/scene/facade_picture.hpp"
+#include "orthodrive/scene/srgb.hpp"
 
 namespace orthodrive::scene {
 namespace {
@@ -454,20 +455,6 @@ TexelAt texels_of(SurfaceMaterial material) {
 }
 
 std::uint8_t byte_of(double unit) { return static_cast<std::uint8_t>(255.0 * std::clamp(unit, 0.0, 1.0) + 0.5); }
-
-/// sRGB of linear values in 65536 steps: eight of them a byte where it is darkest.
-std::uint8_t srgb_byte(double linear) {
-  constexpr double steps = 65535.0;
-  static const std::vector<std::uint8_t> table = [] {
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(steps) + 1);
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-      const double v = static_cast<double>(i) / steps;
-      bytes[i] = byte_of(v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055);
-    }
-    return bytes;
-  }();
-  return table[static_cast<std::size_t>(steps * std::clamp(linear, 0.0, 1.0) + 0.5)];
-}
 
 }  // namespace
 

@@ -1,0 +1,14 @@
+#pragma once
+// sRGB (IEC 61966-2-1) and linear light.
+
+#include <array>
+#include <cstdint>
+
+namespace orthodrive::scene {
+
+/// Linear light of a byte, 0 to 1.
+[[nodiscard]] const std::array<float, 256>& linear_values();
+/// The nearest byte to linear light, which is cut to 0 to 1.
+[[nodiscard]] std::uint8_t srgb_byte(double linear);
+
+}  // namespace orthodrive::scene
