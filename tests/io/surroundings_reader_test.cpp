@@ -57,6 +57,22 @@ TEST(SurroundingsReader, takes_water_and_polygons_without_tags) {
   EXPECT_EQ(got.water.size(), 4U);
 }
 
+TEST(SurroundingsReader, takes_paths_with_widths_and_surfaces) {
+  const MapSurroundings got =
+      read({line({{"highway", "footway"}}), line({{"highway", "cycleway"}, {"width", "3.5"}}),
+            line({{"highway", "path"}}), line({{"highway", "path"}, {"surface", "setts"}}),
+            line({{"highway", "footway"}, {"footway", "crossing"}}), line({{"highway", "footway"}, {"bridge", "yes"}}),
+            line({{"highway", "footway"}, {"layer", "-1"}}), line({{"highway", "residential"}}),
+            line({{"highway", "steps"}, {"width", "wide"}}), line({{"highway", "footway"}}, {-5000, 0})});
+  ASSERT_EQ(got.paths.size(), 5U);
+  EXPECT_EQ(got.paths[0].width_m, 2.0);
+  EXPECT_EQ(got.paths[0].surface, roadquery::SurfaceClass::asphalt);
+  EXPECT_EQ(got.paths[1].width_m, 3.5);
+  EXPECT_EQ(got.paths[2].surface, roadquery::SurfaceClass::ground);
+  EXPECT_EQ(got.paths[3].surface, roadquery::SurfaceClass::setts);
+  EXPECT_EQ(got.paths[4].width_m, 1.5);
+}
+
 TEST(SurroundingsReader, takes_car_parks_on_the_ground) {
   const MapSurroundings got =
       read({area({{"amenity", "parking"}}), area({{"amenity", "parking"}, {"parking", "surface"}}),

@@ -15,6 +15,7 @@
 namespace orthodrive::io {
 namespace {
 
+constexpr int photo_jpeg_quality = 80;  // photos come as JPEG or WebP mostly: 85 keeps no more of them
 constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
 constexpr int place_exponent = -11;     // of tileable textures: half a texel of 4 mm in 4 m
 constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth
@@ -123,7 +124,7 @@ class Materials {
     }
     if (!rgb.empty()) {
       const bool webp = format_ == PhotoFormat::webp;
-      const auto bytes = webp ? encode_webp(rgb) : encode_jpeg(rgb);
+      const auto bytes = webp ? encode_webp(rgb) : encode_jpeg(rgb, photo_jpeg_quality);
       material["pbrMetallicRoughness"]["baseColorTexture"]["index"] =
           add_picture(bytes, webp ? "image/webp" : "image/jpeg", linear_mipmap_linear, linear);
     }

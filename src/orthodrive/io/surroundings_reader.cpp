@@ -13,6 +13,7 @@
 #include "orthodrive/io/object_kind.hpp"
 #include "orthodrive/io/osm_tags.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/model/road_material.hpp"
 
 namespace orthodrive::io {
 namespace {
@@ -73,6 +74,22 @@ bool is_track(const Tags& tags) {
   return is_one_of(tag(tags, "railway"), kinds) || tag(tags, "t") == "rail";
 }
 
+/// Metres, of ways for people on foot or bicycles that tell no width; 0 for other ways. The middle of what EFA (FGSV
+/// 2002) and ERA (FGSV 2010) ask and what paths in parks have.
+double path_width_m(const Tags& tags) {
+  constexpr std::array<std::pair<std::string_view, double>, 6> usual = {
+      {{"footway", 2.0}, {"cycleway", 2.5}, {"pedestrian", 4.0}, {"path", 1.2}, {"bridleway", 1.5}, {"steps", 1.5}}};
+  constexpr double least_m = 0.5, most_m = 15.0;
+  const std::string highway = tag(tags, "highway"), layer = tag(tags, "layer");
+  if (is_set(tag(tags, "indoor")) || layer.starts_with('-') || tag(tags, "footway") == "crossing" ||
+      tag(tags, "cycleway") == "crossing" || tag(tags, "path") == "crossing")
+    return 0.0;
+  const auto found = std::ranges::find(usual, std::string_view(highway), &std::pair<std::string_view, double>::first);
+  if (found == usual.end()) return 0.0;
+  const double told_m = parse_width_m(tag(tags, "width"));
+  return told_m > 0.0 ? std::clamp(told_m, least_m, most_m) : found->second;
+}
+
 class Collector {
  public:
   Collector(const SiteFrame& site, Findings* findings) : area_(bounds_of(site.area.outer)), findings_(findings) {}
@@ -85,6 +102,7 @@ class Collector {
     if (const auto kind = barrier_kind(tag(tags, "barrier"))) return add_barrier(*kind, feature);
     if (is_track(tags)) return add_lines(feature.lines);
     if (tag(tags, "highway") == "street_lamp") return add_lamps(feature.points);
+    if (const double width_m = path_width_m(tags); width_m > 0.0) return add_paths(feature, width_m);
     const std::string power = tag(tags, "power");
     if (power == "line" || power == "minor_line") return add_power_lines(feature.lines, power == "minor_line");
     if (const auto kind = object_kind(tags)) return add_objects(*kind, feature);
@@ -120,6 +138,12 @@ class Collector {
   void add_lines(std::vector<Polyline>& lines) {
     for (Polyline& line : lines)
       if (line.size() >= 2 && is_near(line)) result.tracks.push_back(std::move(line));
+  }
+  void add_paths(Feature& feature, double width_m) {
+    const Tags& tags = feature.tags;
+    const KnownSurface known = surface_of_tags(tag(tags, "highway"), tag(tags, "surface"), tag(tags, "tracktype"));
+    for (Polyline& line : feature.lines)
+      if (line.size() >= 2 && is_near(line)) result.paths.push_back({std::move(line), width_m, known.surface});
   }
   void add_lamps(const std::vector<Vec2>& points) {
     for (const Vec2 p : points)

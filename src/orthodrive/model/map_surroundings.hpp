@@ -6,6 +6,7 @@
 
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/polyline.hpp"
+#include "roadquery/surface_class.hpp"
 
 namespace orthodrive {
 
@@ -57,11 +58,19 @@ struct MapPowerLine {
   bool is_minor = false;  ///< on poles
 };
 
+/// For people on foot or bicycles, on the ground.
+struct MapPath {
+  Polyline line;
+  double width_m = 0.0;
+  roadquery::SurfaceClass surface = roadquery::SurfaceClass::asphalt;
+};
+
 struct MapSurroundings {
   std::vector<MapBarrier> barriers;
   MultiPolygon water;
-  MultiPolygon gravel;           ///< ground of gravel or sand: traps of race tracks and the like
-  MultiPolygon parking;          ///< car parks on the ground
+  MultiPolygon gravel;   ///< ground of gravel or sand: traps of race tracks and the like
+  MultiPolygon parking;  ///< car parks on the ground
+  std::vector<MapPath> paths;
   std::vector<Polyline> tracks;  ///< of railways on the ground: the middle of a pair of rails
   std::vector<Vec2> lamps;       ///< of streets
   std::vector<MapObject> objects;

@@ -14,7 +14,6 @@
 #include "orthodrive/geo/spatial_index.hpp"
 #include "orthodrive/scene/building_mesh.hpp"
 #include "orthodrive/scene/drape.hpp"
-#include "orthodrive/scene/gravel_areas.hpp"
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_features.hpp"
@@ -438,14 +437,12 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
       water(MeshKind::water, center, layout.origin.z), lids(MeshKind::terrain, center, layout.origin.z),
       tunnel_road(MeshKind::tunnel_road, center, layout.origin.z);
   MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
-  TriMesh verge{.kind = MeshKind::verge}, gravel{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking},
-      kerb{.kind = MeshKind::kerb}, structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails},
-      tube{.kind = MeshKind::tunnel};
+  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
+      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails}, tube{.kind = MeshKind::tunnel};
   add_ground(layout, address, {terrain, water, road, lids});
   tile.lids = std::move(lids.mesh);
   add_water_material(layout, center, water.mesh);
   add_verge(layout, terrain.mesh, center, verge);
-  add_gravel(layout, terrain.mesh, center, gravel);
   drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
   add_kerbs(road.mesh, 0, kerbs_of(layout.ground_lines, address, center), kerb);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
@@ -461,10 +458,9 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     drape(tunnel_road.mesh, first_index, markings_of(layout.tunnel_lines[i], address, center), marking_lift_m, marking);
     add_kerbs(tunnel_road.mesh, first_index, kerbs_of(layout.tunnel_lines[i], address, center), kerb);
   }
-  TriMesh asphalt{.kind = MeshKind::verge};
-  if (const auto found = layout.parking_in.find(address); found != layout.parking_in.end())
-    add_parking(terrain.mesh, found->second, center, asphalt, marking);
-  add_material(SurfaceMaterial::asphalt, asphalt);
+  std::vector<TriMesh> covers;
+  if (const auto found = layout.covers_in.find(address); found != layout.covers_in.end())
+    covers = cover_meshes(terrain.mesh, found->second, center, marking);
   add_road_materials(layout, center, name_lanes(*layout.query, tile, road.mesh), road.mesh);
   add_road_materials(layout, center, name_lanes(*layout.query, tile, tunnel_road.mesh), tunnel_road.mesh);
   add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
@@ -498,9 +494,9 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
   add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin, along_lines);
 
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh,        &body.mesh, &verge,
-                               &gravel,       &asphalt,    &marking,          &kerb,      &structure,
-                               &rails,        &buildings,  &tunnel_road.mesh, &tube};
+  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh, &body.mesh,        &verge, &marking, &kerb,
+                               &structure,    &rails,      &buildings, &tunnel_road.mesh, &tube};
+  for (TriMesh& mesh : covers) all.push_back(&mesh);
   for (TriMesh& mesh : along_lines) all.push_back(&mesh);
   for (TriMesh* mesh : all) {
     if (mesh->indices.empty()) continue;

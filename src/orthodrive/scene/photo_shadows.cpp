@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/scene/srgb.hpp"
 
 namespace orthodrive::scene {
@@ -79,18 +80,20 @@ struct Sample {
   Raster<std::uint8_t> labels;
 };
 
-std::vector<Sample> samples_of(const PhotoSource& photo, const LabelSource& labels) {
+std::vector<Sample> samples_of(const PhotoSource& photo, const LabelSource& labels, int threads) {
   constexpr int a_side = 8, size_px = 256;
-  std::vector<Sample> samples;
+  std::vector<Sample> samples(a_side * a_side);
   const int width = std::min(size_px, photo.frame.width), height = std::min(size_px, photo.frame.height);
-  for (int i = 0; i < a_side * a_side; ++i) {
+  if (width == 0 || height == 0) return {};
+  parallel_for(samples.size(), threads, [&](std::size_t number) {
+    const int i = static_cast<int>(number);
     const auto place = [&](int k, int length, int part) {
       return static_cast<std::int64_t>(length - part) * k / (a_side - 1);
     };
     const PixelBox box{place(i % a_side, photo.frame.width, width), place(i / a_side, photo.frame.height, height),
                        width, height};
-    if (!box.empty()) samples.push_back({photo.read(box), labels_in(labels, photo.frame, box)});
-  }
+    samples[number] = {photo.read(box), labels_in(labels, photo.frame, box)};
+  });
   return samples;
 }
 
@@ -175,14 +178,14 @@ struct Histogram {
 
 }  // namespace
 
-std::optional<PhotoShadows> find_shadows(const PhotoSource& photo, const LabelSource& labels) {
+std::optional<PhotoShadows> find_shadows(const PhotoSource& photo, const LabelSource& labels, int threads) {
   constexpr std::size_t least_tones = 1000, most_tones = 200000;
   constexpr double least_share = 0.01, least_separation = 3.0;  // of the shaded; in standard deviations
   constexpr float least_bluer = 0.4F, least_darker = 1.5F;      // log2
   constexpr float least_gain = 0.4F, most_gain = 1.25F, haze_share = 0.9F;
   constexpr std::uint64_t least_of_class = 500;
 
-  const std::vector<Sample> samples = samples_of(photo, labels);
+  const std::vector<Sample> samples = samples_of(photo, labels, threads);
   const std::vector<ClassInfo>& classes = labels.classes.classes;
   const auto role_of = [&](std::uint8_t label) { return label < classes.size() ? classes[label].role : Role::other; };
   std::vector<Tone> tones;

@@ -30,7 +30,8 @@ struct PhotoShadows {
 /// From 64 windows spread over the photo. Road pixels fall into two groups (Lloyd's algorithm) where there are shadows;
 /// empty where there are not two, or the darker one is not bluer. Tones and gain of another class are of the medians of
 /// its own pixels that are like roads in the sun and in the shadow; those of roads where it has few.
-[[nodiscard]] std::optional<PhotoShadows> find_shadows(const PhotoSource& photo, const LabelSource& labels);
+[[nodiscard]] std::optional<PhotoShadows> find_shadows(const PhotoSource& photo, const LabelSource& labels,
+                                                       int threads = 0);
 
 /// Lifts what is as dark and as blue as its class in the shadow to the light that it would have in the sun, by degrees
 /// over the half-shadow (as the ratio method of Tsai 2006, IEEE TGRS 44(6), with gains by class). A pixel is the same

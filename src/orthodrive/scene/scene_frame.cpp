@@ -90,7 +90,7 @@ SceneFrame::SceneFrame(const SceneSource& source, const SceneOptions& scene_opti
   check(source, options);
   photo = source.photo;
   if (source.labels)
-    if (auto shadows = find_shadows(photo, *source.labels))
+    if (auto shadows = find_shadows(photo, *source.labels, options.threads))
       photo = without_shadows(source.photo, *source.labels, std::move(*shadows));
   area = on_grid(source.area);
   dense_area = densified(area, options.terrain_step_m);

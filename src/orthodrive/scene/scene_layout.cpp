@@ -243,8 +243,8 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
   std::vector<const RoadLevel*> levels = {&roads};
   for (const RoadLevel& deck : decks) levels.push_back(&deck);
-  parking = place_parking(surroundings.parking, {levels, buildings, waters, area, *photo, options.threads});
-  for (const PlacedParking& one : parking) parking_in[tile_at(one.middle)].push_back(&one);
+  covers = place_covers(surroundings, {levels, buildings, waters, area, *photo, labels, options.threads});
+  for (const PlacedCover& cover : covers) covers_in[tile_at(cover.middle)].push_back(&cover);
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
 

@@ -11,10 +11,10 @@
 #include "orthodrive/scene/build_scene.hpp"
 #include "orthodrive/scene/buildings.hpp"
 #include "orthodrive/scene/ground.hpp"
+#include "orthodrive/scene/ground_cover.hpp"
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/line_objects.hpp"
 #include "orthodrive/scene/map_objects.hpp"
-#include "orthodrive/scene/parking.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/road_joints.hpp"
 #include "orthodrive/scene/road_level.hpp"
@@ -88,8 +88,8 @@ class SceneLayout {
   std::map<TileAddress, std::vector<scene::StructureFace>> structures, tubes, barriers, tracks,
       objects;  ///< by their middles
   scene::Waters waters;
-  std::vector<scene::PlacedParking> parking;
-  std::map<TileAddress, std::vector<const scene::PlacedParking*>> parking_in;
+  std::vector<scene::PlacedCover> covers;
+  std::map<TileAddress, std::vector<const scene::PlacedCover*>> covers_in;
   std::vector<scene::PlacedLamp> lamps;
   std::map<TileAddress, std::vector<const scene::PlacedLamp*>> lamps_in;
   /// Terrain vertices besides the raster, by rows: beside roads at three distances, below bridges, over tunnels.

@@ -102,6 +102,8 @@ SceneWindow SceneWindows::window(const Box2& box) const {
     if (reaches(gravel.outer, box)) near.gravel.push_back(gravel);
   for (const Polygon& area : all.parking)
     if (reaches(area.outer, box)) near.parking.push_back(area);
+  for (const MapPath& path : all.paths)
+    if (reaches(path.line, box)) near.paths.push_back(path);
   for (const Polyline& track : all.tracks)
     if (reaches(track, box)) near.tracks.push_back(track);
   for (const Vec2 lamp : all.lamps)

@@ -36,24 +36,8 @@ void add_tile_place(std::size_t vertex, TriMesh& mesh) {
   mesh.tile_uv.push_back(tile_uv((n[0] * p[1] - n[1] * p[0]) / length, p[2]));
 }
 
-SurfaceMaterial material_of(roadquery::SurfaceClass surface) {
-  switch (surface) {
-    case roadquery::SurfaceClass::concrete:
-      return SurfaceMaterial::concrete;
-    case roadquery::SurfaceClass::setts:
-      return SurfaceMaterial::setts;
-    case roadquery::SurfaceClass::gravel:
-      return SurfaceMaterial::gravel;
-    case roadquery::SurfaceClass::ground:
-      return SurfaceMaterial::ground;
-    case roadquery::SurfaceClass::asphalt:
-      break;
-  }
-  return SurfaceMaterial::asphalt;
-}
-
 /// Asphalt follows lanes for cars; the others, and junctions, lie flat.
-SurfaceMaterial material_of(const LaneUnder& lane) {
+SurfaceMaterial material_under(const LaneUnder& lane) {
   const SurfaceMaterial material = material_of(lane.surface);
   const bool follows = lane.road >= 0 && !lane.in_junction && lane.type == roadquery::LaneType::driving;
   return follows && material == SurfaceMaterial::asphalt ? SurfaceMaterial::lane : material;
@@ -85,6 +69,22 @@ std::array<float, 2> lane_uv(const roadquery::Road& road, int lane_id, double ne
 }
 
 }  // namespace
+
+SurfaceMaterial material_of(roadquery::SurfaceClass surface) {
+  switch (surface) {
+    case roadquery::SurfaceClass::concrete:
+      return SurfaceMaterial::concrete;
+    case roadquery::SurfaceClass::setts:
+      return SurfaceMaterial::setts;
+    case roadquery::SurfaceClass::gravel:
+      return SurfaceMaterial::gravel;
+    case roadquery::SurfaceClass::ground:
+      return SurfaceMaterial::ground;
+    case roadquery::SurfaceClass::asphalt:
+      break;
+  }
+  return SurfaceMaterial::asphalt;
+}
 
 std::array<std::uint16_t, 4> mesh_color(const LinearColor& color, double opacity) {
   const auto word = [](double v) { return static_cast<std::uint16_t>(std::lround(65535.0 * std::clamp(v, 0.0, 1.0))); };
@@ -133,13 +133,13 @@ void add_verge(const SceneLayout& layout, const TriMesh& terrain, Vec2 center, T
 void add_road_materials(const SceneLayout& layout, Vec2 center, const MeshLanes& lanes, TriMesh& road) {
   PartedTriangles parts;
   for (std::size_t i = 0; i < road.indices.size(); i += 3)
-    parts.add(material_of(lanes.by_feature.at(road.features[road.indices[i]])),
+    parts.add(material_under(lanes.by_feature.at(road.features[road.indices[i]])),
               {road.indices[i], road.indices[i + 1], road.indices[i + 2]});
   parts.finish(road);
   for (std::size_t i = 0; i < road.positions.size(); ++i) {
     const Vec2 p = center + Vec2{road.positions[i][0], road.positions[i][1]};
     const auto under = lanes.by_feature.find(road.features[i]);
-    if (under != lanes.by_feature.end() && material_of(under->second) == SurfaceMaterial::lane) {
+    if (under != lanes.by_feature.end() && material_under(under->second) == SurfaceMaterial::lane) {
       const LaneUnder& lane = under->second;
       const auto& roads = layout.query->map().roads;
       road.tile_uv.push_back(lane_uv(roads[static_cast<std::size_t>(lane.road)], lane.lane_id, lanes.near_s_m[i], p));

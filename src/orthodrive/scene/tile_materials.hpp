@@ -8,6 +8,8 @@
 
 namespace orthodrive::scene {
 
+[[nodiscard]] SurfaceMaterial material_of(roadquery::SurfaceClass surface);
+
 /// Colour of a vertex for a tileable texture of that material; linear.
 [[nodiscard]] std::array<std::uint16_t, 4> mesh_color(const LinearColor& color, double opacity = 1.0);
 
