@@ -54,6 +54,12 @@ class Geos {
       if (hole.size() >= 3) holes.push_back(ring(hole));
     return own(GEOSGeom_createPolygon_r(handle_, ring(p.outer), holes.data(), static_cast<unsigned>(holes.size())));
   }
+  [[nodiscard]] Geometry lines(std::span<const Polyline> lines) const {
+    std::vector<GEOSGeometry*> parts;
+    for (const Polyline& line : lines) parts.push_back(GEOSGeom_createLineString_r(handle_, coordinates(line, false)));
+    return own(
+        GEOSGeom_createCollection_r(handle_, GEOS_MULTILINESTRING, parts.data(), static_cast<unsigned>(parts.size())));
+  }
   [[nodiscard]] bool is_valid(const Geometry& g) const { return GEOSisValid_r(handle_, g.get()) == 1; }
   /// Of polygons alone: beside them, an overlay refuses the lines and points that make-valid may leave.
   [[nodiscard]] Geometry collect(std::span<const Polygon> polygons) const {
@@ -159,6 +165,16 @@ MultiPolygon buffer_of(const MultiPolygon& polygons, double distance_m, int arc_
   return geos.polygons(geos.own(GEOSBuffer_r(geos.handle(), joined.get(), distance_m, arc_steps)).get());
 }
 
+MultiPolygon buffer_of_lines(std::span<const Polyline> lines, double distance_m) {
+  constexpr double mitre_limit = 1.5;  // over the distance: 1.41 at a right angle
+  constexpr int arc_steps = 2;         // not used: corners are mitres
+  const Geos geos;
+  const auto all = geos.lines(lines);
+  return geos.polygons(geos.own(GEOSBufferWithStyle_r(geos.handle(), all.get(), distance_m, arc_steps, GEOSBUF_CAP_FLAT,
+                                                      GEOSBUF_JOIN_MITRE, mitre_limit))
+                           .get());
+}
+
 MultiPolygon simplified(const MultiPolygon& polygons, double tolerance_m) {
   const Geos geos;
   const auto all = geos.collect(polygons);
@@ -167,11 +183,7 @@ MultiPolygon simplified(const MultiPolygon& polygons, double tolerance_m) {
 
 std::vector<LineSegment> node_lines(std::span<const Polyline> lines, double grid_m) {
   const Geos geos;
-  std::vector<GEOSGeometry*> parts;
-  for (const Polyline& line : lines)
-    parts.push_back(GEOSGeom_createLineString_r(geos.handle(), geos.coordinates(line, false)));
-  const auto all = geos.own(GEOSGeom_createCollection_r(geos.handle(), GEOS_MULTILINESTRING, parts.data(),
-                                                        static_cast<unsigned>(parts.size())));
+  const auto all = geos.lines(lines);
   const auto noded = geos.own(GEOSUnaryUnionPrec_r(geos.handle(), all.get(), grid_m));
   std::vector<LineSegment> segments;
   geos.for_each_part(noded.get(), GEOS_LINESTRING, [&](const GEOSGeometry* part) {

@@ -26,6 +26,9 @@ struct LineSegment {
 /// polygons of `arc_steps` sides a quarter turn, inside the arc by up to distance * (1 - cos(45 degrees / arc_steps)).
 /// The polygons may overlap, but many that do take the square of their number: unite them first.
 [[nodiscard]] MultiPolygon buffer_of(const MultiPolygon& polygons, double distance_m, int arc_steps = 16);
+/// All points within the distance beside lines: they end flat, and corners of more than about 90 degrees are cut. Lines
+/// of a single place have none.
+[[nodiscard]] MultiPolygon buffer_of_lines(std::span<const Polyline> lines, double distance_m);
 /// Fewer points: the border moves by up to the tolerance, rings stay simple and apart (Douglas and Peucker 1973).
 [[nodiscard]] MultiPolygon simplified(const MultiPolygon& polygons, double tolerance_m);
 

@@ -21,7 +21,6 @@ namespace orthodrive::scene {
 namespace {
 
 constexpr double cell_m = 96.0;  // a tile has whole ones: parts of large areas depend on what is near alone
-constexpr double clearance_m = 0.05;
 constexpr double bay_width_m = 2.5, bay_depth_m = 5.0, aisle_m = 6.0, line_m = 0.1, line_gap_m = 0.15;
 constexpr double flat_m = 0.008;       // a cover may leave the terrain's triangles by that: less than it lies over them
 constexpr double line_over_m = 0.006;  // of what it is painted on
@@ -37,14 +36,66 @@ std::vector<double> rows_across(double width_m) {
   return rows;
 }
 
-/// Lines between the bays of the whole area that lie on the ground.
-std::vector<std::array<Vec2, 4>> lines_of(const Polygon& area, const Polygon& ground) {
+/// Areas of one kind, or paths of one material. Those before others take their place.
+struct Layer {
+  SurfaceMaterial material = SurfaceMaterial::asphalt;
+  double lift_m = 0.0, least_m2 = 0.0;  ///< smaller parts are left out
+  bool has_bays = false;                ///< each area by itself; those of other layers are one
+  std::vector<const Polygon*> areas;
+  std::vector<const MapPath*> paths;
+};
+
+std::vector<Layer> layers_of(const MapSurroundings& surroundings) {
+  constexpr double gravel_lift_m = 0.01, path_lift_m = 0.02, parking_lift_m = 0.03;
+  std::vector<Layer> layers;
+  const auto add_areas = [&](Layer layer, const MultiPolygon& areas) {
+    for (const Polygon& area : areas)
+      if (area.outer.size() >= 3) layer.areas.push_back(&area);
+    layers.push_back(std::move(layer));
+  };
+  add_areas({SurfaceMaterial::asphalt, parking_lift_m, 20.0, true, {}, {}}, surroundings.parking);
+  std::map<SurfaceMaterial, std::vector<const MapPath*>> paths;
+  for (const MapPath& path : surroundings.paths)
+    if (path.line.size() >= 2) paths[material_of(path.surface)].push_back(&path);
+  for (auto& [material, of_material] : paths)
+    layers.push_back({material, path_lift_m, 1.0, false, {}, std::move(of_material)});
+  add_areas({SurfaceMaterial::gravel, gravel_lift_m, 1.0, false, {}, {}}, surroundings.gravel);
+  return layers;
+}
+
+/// Where cars may stand: no road of the ground, building or water.
+class FreeGround {
+ public:
+  explicit FreeGround(const CoverSite& site) : site_(site) {
+    std::vector<Box2> boxes;
+    for (const PlacedBuilding& building : site.buildings)
+      boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer));
+    buildings_ = SpatialIndex(boxes);
+  }
+  [[nodiscard]] bool contains(Vec2 p) const {
+    const auto is_in = [&](std::uint32_t i) {
+      const PlacedBuilding& building = site_.buildings[i];
+      return !building.hovers && orthodrive::contains(building.footprint, p - building.middle);
+    };
+    return !site_.roads.outline().contains(p) && site_.waters.at(p) == nullptr &&
+           std::ranges::none_of(buildings_.near(p, 0.0), is_in);
+  }
+
+ private:
+  const CoverSite& site_;
+  SpatialIndex buildings_;
+};
+
+/// Lines between the bays of the whole area that lie on the part of it and on free ground; relative to `middle`.
+std::vector<std::array<Vec2, 4>> lines_of(const Polygon& area, const Polygon& part, const FreeGround& free,
+                                          Vec2 middle) {
   std::vector<std::array<Vec2, 4>> lines;
   Ring frame = narrowest_rectangle(area.outer);
   if (frame.size() != 4) return lines;
   if (distance(frame[0], frame[1]) < distance(frame[1], frame[2])) std::ranges::rotate(frame, frame.begin() + 1);
   const Vec2 along = normalized(frame[1] - frame[0]), across = left_normal(along);
   const double length_m = distance(frame[0], frame[1]), width_m = distance(frame[1], frame[2]);
+  const auto is_on = [&](Vec2 p) { return contains(part, p) && free.contains(p + middle); };
   for (const double row_m : rows_across(width_m)) {
     for (int k = 1; k * bay_width_m < length_m - 0.5 * bay_width_m; ++k) {
       const auto at = [&](double x_m, double y_m) {
@@ -53,123 +104,22 @@ std::vector<std::array<Vec2, 4>> lines_of(const Polygon& area, const Polygon& gr
       const double low_m = line_gap_m, high_m = bay_depth_m - line_gap_m;
       const std::array<Vec2, 4> line = {at(-0.5 * line_m, low_m), at(0.5 * line_m, low_m), at(0.5 * line_m, high_m),
                                         at(-0.5 * line_m, high_m)};
-      const std::array<Vec2, 3> middle = {at(0.0, 0.25 * bay_depth_m), at(0.0, 0.5 * bay_depth_m),
-                                          at(0.0, 0.75 * bay_depth_m)};
-      const auto is_on = [&](Vec2 p) { return contains(ground, p); };
-      if (std::ranges::all_of(line, is_on) && std::ranges::all_of(middle, is_on)) lines.push_back(line);
+      const std::array<Vec2, 3> between = {at(0.0, 0.25 * bay_depth_m), at(0.0, 0.5 * bay_depth_m),
+                                           at(0.0, 0.75 * bay_depth_m)};
+      if (std::ranges::all_of(line, is_on) && std::ranges::all_of(between, is_on)) lines.push_back(line);
     }
   }
   return lines;
 }
 
-/// Areas of one kind. Those before others take their place.
-struct Layer {
-  SurfaceMaterial material = SurfaceMaterial::asphalt;
-  double lift_m = 0.0, least_m2 = 0.0;  ///< smaller parts are left out
-  bool has_bays = false;                ///< each area by itself; those of other layers are one
-  MultiPolygon areas;
-};
+/// Parts of paths relative to the middle of a square, by half their width.
+using Strips = std::map<double, std::vector<Polyline>>;
 
-Polygon octagon_at(Vec2 p, double radius_m) {
-  constexpr double share = 0.41421356;  // tan(pi / 8): half a side over the inner radius
-  const double r = radius_m, c = share * radius_m;
-  Polygon octagon;
-  for (const Vec2 corner : {Vec2{r, -c}, {r, c}, {c, r}, {-c, r}, {-r, c}, {-r, -c}, {-c, -r}, {c, -r}})
-    octagon.outer.push_back(p + corner);
-  return octagon;
-}
-
-/// The ground within half the width of a line, in pieces of up to 50 m: sides meet in mitres, in octagons where the
-/// line bends by more than 60 degrees.
-MultiPolygon strip_of(const MapPath& path) {
-  constexpr double longest_m = 50.0, least_cos = 0.5;
-  const double half_m = 0.5 * path.width_m;
-  Polyline line;
-  for (const Vec2 p : path.line)
-    if (line.empty() || distance(line.back(), p) > plan_grid_m) line.push_back(p);
-  MultiPolygon pieces;
-  if (line.size() < 2) return pieces;
-  const auto normal_after = [&](std::size_t i) { return left_normal(normalized(line[i + 1] - line[i])); };
-  Ring left, right;  // of the piece that is being made
-  const auto add = [&](Vec2 p, Vec2 offset) { left.push_back(p + offset), right.push_back(p - offset); };
-  const auto finish = [&] {
-    std::ranges::reverse(left);
-    right.insert(right.end(), left.begin(), left.end());
-    pieces.push_back({std::move(right), {}});
-    left.clear(), right.clear();
-  };
-  add(line[0], normal_after(0) * half_m);
-  double length_m = 0.0;
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    const Vec2 before = normal_after(i - 1);
-    length_m += distance(line[i - 1], line[i]);
-    const bool is_last = i + 1 == line.size();
-    const Vec2 after = is_last ? before : normal_after(i);
-    if (dot(before, after) < least_cos) {
-      add(line[i], before * half_m);
-      finish();
-      pieces.push_back(octagon_at(line[i], half_m));
-      add(line[i], after * half_m);
-      length_m = 0.0;
-      continue;
-    }
-    const Vec2 mitre = (before + after) * (half_m / (1.0 + dot(before, after)));
-    add(line[i], mitre);
-    if (!is_last && length_m < longest_m) continue;
-    finish();
-    add(line[i], mitre);
-    length_m = 0.0;
-  }
-  return pieces;
-}
-
-std::vector<Layer> layers_of(const MapSurroundings& surroundings) {
-  constexpr double gravel_lift_m = 0.01, path_lift_m = 0.02, parking_lift_m = 0.03;
-  std::vector<Layer> layers;
-  layers.push_back({SurfaceMaterial::asphalt, parking_lift_m, 20.0, true, surroundings.parking});
-  std::map<SurfaceMaterial, MultiPolygon> paths;
-  for (const MapPath& path : surroundings.paths) {
-    MultiPolygon& strips = paths[material_of(path.surface)];
-    std::ranges::move(strip_of(path), std::back_inserter(strips));
-  }
-  for (auto& [material, strips] : paths) layers.push_back({material, path_lift_m, 1.0, false, std::move(strips)});
-  layers.push_back({SurfaceMaterial::gravel, gravel_lift_m, 1.0, false, surroundings.gravel});
-  for (Layer& layer : layers) std::erase_if(layer.areas, [](const Polygon& area) { return area.outer.size() < 3; });
-  return layers;
-}
-
-/// All that takes the place of a cover.
-class Taken {
- public:
-  explicit Taken(const CoverSite& site) : site_(site) {
-    std::vector<Box2> boxes;
-    for (const PlacedBuilding& building : site.buildings)
-      boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer));
-    buildings_ = SpatialIndex(boxes);
-  }
-  [[nodiscard]] MultiPolygon near(const Box2& box, Vec2 from) const {
-    MultiPolygon taken;
-    for (const RoadLevel* level : site_.levels)
-      for (Polygon& piece : level->driven_near(box, from)) taken.push_back(std::move(piece));
-    for (const std::uint32_t i : buildings_.touching(box)) {
-      const PlacedBuilding& building = site_.buildings[i];
-      if (!building.hovers) taken.push_back(moved(building.footprint, building.middle - from));
-    }
-    for (const WaterBody& body : site_.waters.bodies())
-      if (body.box.overlaps(box))
-        for (const Polygon& shore : body.shores) taken.push_back(moved(shore, from * -1.0));
-    return taken;
-  }
-
- private:
-  const CoverSite& site_;
-  SpatialIndex buildings_;
-};
-
-/// Areas of a layer that touch a square.
+/// What of a layer touches a square.
 struct Piece {
   std::size_t layer = 0;
   std::vector<const Polygon*> areas;
+  Strips strips;
 };
 
 /// A square of the plan, and what touches it.
@@ -178,26 +128,68 @@ struct Cell {
   std::vector<Piece> pieces;
 };
 
-std::vector<Cell> cells_of(const std::vector<Layer>& layers) {
-  std::map<std::array<double, 2>, Cell> cells;
-  for (std::size_t k = 0; k < layers.size(); ++k) {
-    for (const Polygon& area : layers[k].areas) {
-      const Box2 box = bounds_of(area.outer);
-      for (double x = std::floor(box.min_x / cell_m); x * cell_m < box.max_x; ++x) {
-        for (double y = std::floor(box.min_y / cell_m); y * cell_m < box.max_y; ++y) {
-          Cell& cell = cells[{x, y}];
-          cell.middle = {(x + 0.5) * cell_m, (y + 0.5) * cell_m};
-          if (layers[k].has_bays || cell.pieces.empty() || cell.pieces.back().layer != k)
-            cell.pieces.push_back({k, {}});
-          cell.pieces.back().areas.push_back(&area);
-        }
+/// By the place of their squares.
+class Cells {
+ public:
+  explicit Cells(const CoverSite& site) : site_(site) {}
+  void add(const Layer& layer, std::size_t number) {
+    for (const Polygon* area : layer.areas)
+      for_each_cell(bounds_of(area->outer),
+                    [&](Cell& cell) { piece_of(cell, number, layer.has_bays).areas.push_back(area); });
+    for (const MapPath* path : layer.paths) add_path(*path, number);
+  }
+  [[nodiscard]] std::vector<Cell> take() {
+    std::vector<Cell> result;
+    for (auto& [unused, cell] : cells_) result.push_back(std::move(cell));
+    return result;
+  }
+
+ private:
+  template <typename Visit>
+  void for_each_cell(const Box2& own, const Visit& visit) {
+    const Box2 box{std::max(own.min_x, site_.box.min_x), std::max(own.min_y, site_.box.min_y),
+                   std::min(own.max_x, site_.box.max_x), std::min(own.max_y, site_.box.max_y)};
+    for (double x = std::floor(box.min_x / cell_m); x * cell_m <= box.max_x; ++x) {
+      for (double y = std::floor(box.min_y / cell_m); y * cell_m <= box.max_y; ++y) {
+        const Vec2 middle{(x + 0.5) * cell_m, (y + 0.5) * cell_m};
+        if (!site_.box.contains(middle) || !site_.area.contains(middle)) continue;
+        Cell& cell = cells_[{x, y}];
+        cell.middle = middle;
+        visit(cell);
       }
     }
   }
-  std::vector<Cell> result;
-  for (auto& [unused, cell] : cells) result.push_back(std::move(cell));
-  return result;
-}
+  static Piece& piece_of(Cell& cell, std::size_t layer, bool alone) {
+    if (alone || cell.pieces.empty() || cell.pieces.back().layer != layer) cell.pieces.push_back({layer, {}, {}});
+    return cell.pieces.back();
+  }
+  /// Its whole segments, those that follow each other as one line. One more at each end: corners are mitred by it.
+  void add_path(const MapPath& path, std::size_t number) {
+    const double half_m = 0.5 * path.width_m;
+    Polyline line;
+    for (const Vec2 p : path.line)
+      if (line.empty() || distance(line.back(), p) > plan_grid_m) line.push_back(p);
+    std::map<std::array<double, 2>, std::size_t> last;  // segment that a cell has got, by its middle
+    for (std::size_t i = 1; i < line.size(); ++i) {
+      const Box2 box{std::min(line[i - 1].x, line[i].x), std::min(line[i - 1].y, line[i].y),
+                     std::max(line[i - 1].x, line[i].x), std::max(line[i - 1].y, line[i].y)};
+      for_each_cell(box.grown(2.0 * half_m), [&](Cell& cell) {
+        std::vector<Polyline>& parts = piece_of(cell, number, false).strips[half_m];
+        const auto [found, is_new] = last.try_emplace({cell.middle.x, cell.middle.y}, i);
+        if (is_new || found->second + 1 != i) {
+          parts.emplace_back();
+          if (i >= 2) parts.back().push_back(line[i - 2] - cell.middle);
+          parts.back().push_back(line[i - 1] - cell.middle);
+        }
+        parts.back().push_back(line[i] - cell.middle);
+        found->second = i;
+      });
+    }
+  }
+
+  const CoverSite& site_;
+  std::map<std::array<double, 2>, Cell> cells_;
+};
 
 /// As polygons of three different corners.
 void add_triangles(const Polygon& polygon, Vec2 shift, std::vector<std::array<Vec2, 4>>& triangles) {
@@ -249,33 +241,37 @@ std::optional<LinearColor> color_of(const CoverSite& site, const Polygon& polygo
   return median_color(pixels);
 }
 
-/// Around the middle of a cell: a square, what is taken of it, and what those before have of it.
+/// Around the middle of a cell: a square, and what the covers before have of it.
 struct Room {
   Vec2 middle;
   Polygon square;
-  MultiPolygon taken, before;
+  MultiPolygon before;
 };
 
-PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const CoverSite& site) {
+PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const FreeGround& free, const CoverSite& site) {
   constexpr LinearColor under_trees = {0.2F, 0.2F, 0.19F};
   PlacedCover cover{.middle = room.middle, .material = layer.material, .lift_m = layer.lift_m, .color = under_trees};
   MultiPolygon local;
   for (const Polygon* area : piece.areas) local.push_back(moved(*area, room.middle * -1.0));
-  const MultiPolygon whole = intersection_of(union_of(local, plan_grid_m), {room.square}, plan_grid_m);
-  MultiPolygon ground = whole;
-  for (const MultiPolygon* others : {&room.taken, &room.before})
-    if (!ground.empty() && !others->empty()) ground = difference_of(ground, *others, plan_grid_m);
-  if (!whole.empty()) {
-    room.before.insert(room.before.end(), whole.begin(), whole.end());
-    room.before = union_of(room.before, plan_grid_m);
+  for (const auto& [half_m, lines] : piece.strips) {
+    const MultiPolygon strips = buffer_of_lines(lines, half_m);  // free of overlaps
+    local.insert(local.end(), strips.begin(), strips.end());
   }
+  const bool is_clean = piece.areas.empty() && piece.strips.size() == 1;
+  if (!is_clean) local = union_of(local, plan_grid_m);
+  MultiPolygon ground = intersection_of(local, {room.square}, plan_grid_m);
+  const MultiPolygon whole = ground;
+  if (!ground.empty() && !room.before.empty())
+    ground = difference_of(ground, union_of(room.before, plan_grid_m), plan_grid_m);
+  room.before.insert(room.before.end(), whole.begin(), whole.end());
   double largest_m2 = 0.0;
   for (const Polygon& part : ground) {
     const double part_m2 = area_m2(part);
     if (part_m2 < layer.least_m2) continue;
     add_triangles(part, room.middle, cover.faces);
     if (layer.has_bays) {
-      for (std::array<Vec2, 4> line : lines_of(local.front(), part)) {
+      const Polygon area = moved(*piece.areas.front(), room.middle * -1.0);
+      for (std::array<Vec2, 4> line : lines_of(area, part, free, room.middle)) {
         for (Vec2& p : line) p = p + room.middle;
         cover.lines.push_back(line);
       }
@@ -287,18 +283,14 @@ PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const Cove
   return cover;
 }
 
-std::vector<PlacedCover> place(const Cell& cell, const std::vector<Layer>& layers, const Taken& taken,
+std::vector<PlacedCover> place(const Cell& cell, const std::vector<Layer>& layers, const FreeGround& free,
                                const CoverSite& site) {
   std::vector<PlacedCover> covers;
-  if (!site.area.contains(cell.middle)) return covers;
   constexpr double half_m = 0.5 * cell_m;
   Room room{.middle = cell.middle,
             .square = {{{-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}}, {}}};
-  const Box2 box{cell.middle.x - half_m, cell.middle.y - half_m, cell.middle.x + half_m, cell.middle.y + half_m};
-  if (const MultiPolygon others = taken.near(box.grown(clearance_m), cell.middle); !others.empty())
-    room.taken = buffer_of(union_of(others, plan_grid_m), clearance_m, 2);
   for (const Piece& piece : cell.pieces) {
-    PlacedCover cover = place(piece, layers[piece.layer], room, site);
+    PlacedCover cover = place(piece, layers[piece.layer], room, free, site);
     if (!cover.faces.empty()) covers.push_back(std::move(cover));
   }
   return covers;
@@ -307,11 +299,13 @@ std::vector<PlacedCover> place(const Cell& cell, const std::vector<Layer>& layer
 }  // namespace
 
 std::vector<PlacedCover> place_covers(const MapSurroundings& surroundings, const CoverSite& site) {
-  const Taken taken(site);
+  const FreeGround free(site);
   const std::vector<Layer> layers = layers_of(surroundings);
-  const std::vector<Cell> cells = cells_of(layers);
+  Cells found(site);
+  for (std::size_t i = 0; i < layers.size(); ++i) found.add(layers[i], i);
+  const std::vector<Cell> cells = found.take();
   std::vector<std::vector<PlacedCover>> by_cell(cells.size());
-  parallel_for(cells.size(), site.threads, [&](std::size_t i) { by_cell[i] = place(cells[i], layers, taken, site); });
+  parallel_for(cells.size(), site.threads, [&](std::size_t i) { by_cell[i] = place(cells[i], layers, free, site); });
   std::vector<PlacedCover> placed;
   for (std::vector<PlacedCover>& covers : by_cell) std::ranges::move(covers, std::back_inserter(placed));
   return placed;

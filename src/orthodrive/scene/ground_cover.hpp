@@ -25,19 +25,21 @@ struct PlacedCover {
 
 /// All is borrowed.
 struct CoverSite {
-  std::span<const RoadLevel* const> levels;
+  const RoadLevel& roads;  ///< on the ground
   std::span<const PlacedBuilding> buildings;
   const Waters& waters;
   const Outline& area;
   const Photo& photo;
   const LabelMap* labels;  ///< none: nullptr
+  Box2 box;                ///< squares whose middle lies elsewhere are left out
   int threads = 0;
 };
 
-/// Car parks, paths and gravel, in this order: what roads, buildings, water and those before leave of each, in squares
-/// of 96 m whose middle lies in the scene's area. Bays of 2.5 x 5 m lie along the longer side of the narrowest
-/// rectangle around a car park, in rows with aisles of 6 m between them (FGSV, EAR 05); a line is drawn where all of it
-/// lies on the asphalt. The colour is the photo's median, without what its labels call vegetation.
+/// Car parks, paths and gravel, in this order: what those before leave of each, in squares of 96 m whose middle lies in
+/// the scene's area. Roads and water cut them off because no terrain lies there. Bays of 2.5 x 5 m lie along the longer
+/// side of the narrowest rectangle around a car park, in rows with aisles of 6 m between them (FGSV, EAR 05); a line is
+/// drawn where all of it lies on the car park, beside roads, buildings and water. The colour is the photo's median,
+/// without what its labels call vegetation.
 [[nodiscard]] std::vector<PlacedCover> place_covers(const MapSurroundings& surroundings, const CoverSite& site);
 
 /// Meshes of a tile: one for each material, laid on the terrain's triangles. Lines between bays are added to the

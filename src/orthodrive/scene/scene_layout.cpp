@@ -229,11 +229,11 @@ SceneLayout::SceneLayout(std::shared_ptr<const SceneFrame> scene_frame, SceneWin
   const FreeSpace space({levels, buildings, area, openings});
   trees = plant_trees(crowns, window.trees, space, *ground, *photo, options.threads);
   for (const PlacedTree& tree : trees) trees_in[tile_at({tree.foot.x, tree.foot.y})].push_back(&tree);
-  if (window.surroundings) add_surroundings(*window.surroundings, space);
+  if (window.surroundings) add_surroundings(*window.surroundings, space, block);
   add_terrain_points();
 }
 
-void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space) {
+void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const FreeSpace& space, const Box2& block) {
   ObjectFaces standing = object_faces(surroundings, {roads, *query, space, *ground, window.power_ground_m});
   std::vector<StructureFace> lasting = barrier_faces(surroundings.barriers, space, *ground);
   std::ranges::move(standing.large, std::back_inserter(lasting));
@@ -241,9 +241,7 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   objects = by_tile(std::move(standing.small));
   tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
-  std::vector<const RoadLevel*> levels = {&roads};
-  for (const RoadLevel& deck : decks) levels.push_back(&deck);
-  covers = place_covers(surroundings, {levels, buildings, waters, area, *photo, labels, options.threads});
+  covers = place_covers(surroundings, {roads, buildings, waters, area, *photo, labels, block, options.threads});
   for (const PlacedCover& cover : covers) covers_in[tile_at(cover.middle)].push_back(&cover);
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }

@@ -103,7 +103,7 @@ class SceneLayout {
   void lay_roads();
   void lay_levels();
   void lay_tunnels(std::vector<Polyline>& lines);
-  void add_surroundings(const MapSurroundings& surroundings, const scene::FreeSpace& space);
+  void add_surroundings(const MapSurroundings& surroundings, const scene::FreeSpace& space, const Box2& block);
   void add_terrain_points();
 };
 
