@@ -15,11 +15,11 @@ STORE, PAGE = "scene_parts.json", PAGES / "scene.md"
 
 # In this order: the first part that has a function on the stack counts it.
 PARTS = {
-    "textures: photo read and warped, tiles' pictures, JPEG": ["tile_texture", "tile_labels", "PhotoWindow", "WarpedPhoto", "encode_jpeg", "encode_png", "half_size"],
+    "textures: photo read and warped, tiles' pictures, JPEG": ["tile_texture", "tile_labels", "find_shadows", "without_shadows", "PhotoWindow", "WarpedPhoto", "encode_jpeg", "encode_png", "half_size"],
     "coarse levels": ["make_coarse_tile", "coarse_tile", "coarse_ground", "TileLevels::finish"],
     "files: compression, JSON": ["write_tile_glb", "write_tileset", "write_material", "make_surface_texture"],
     "meshes: ground, roads, decks": ["add_ground", "add_level", "triangulate", "add_road_materials", "name_roads", "drape", "add_verge", "add_kerbs"],
-    "surroundings": ["place_buildings", "building_mesh", "plant_trees", "find_crowns", "footprints_of_labels", "add_surroundings", "tree_instances", "object_faces", "barrier_faces", "track_faces", "place_lamps"],
+    "surroundings": ["place_buildings", "building_mesh", "plant_trees", "find_crowns", "footprints_of_labels", "add_surroundings", "tree_instances", "object_faces", "barrier_faces", "track_faces", "place_lamps", "place_covers", "cover_meshes"],
     "layout: road surface, noding, terrain": ["lay_roads", "SceneLayout", "lay_out_block", "SceneFrame"],
 }
 OTHER = "rest: reading roads and maps"

@@ -28,7 +28,7 @@ let context;
 try {
   context = await openBrowser(profile);
   const page = context.pages()[0] ?? (await context.newPage());
-  await page.goto(`${server.url}?camera=driver&t=0&play=0`);
+  await page.goto(`${server.url}?camera=driver&t=0&play=0&off=route`);
   const cells = [];
   for (let i = 0; i < count; ++i) {
     const t_s = ((i + 0.5) / count) * (last - first);

@@ -23,6 +23,7 @@ constexpr double step_m = 1.0, corner_step_m = 4.0;
 constexpr double side_by_side_cos = 0.866, apart_at_junction_m = 1.5;
 constexpr double least_mark_m = 0.3;  // narrower parts are paved only
 constexpr double least_width_m = 0.8, least_length_m = 6.0, same_height_m = 0.3;
+constexpr double flush_m = 0.02;    // higher steps between both surfaces are left to a bank
 constexpr double nose_m = 3.0;      // over which the lanes end
 constexpr double opening = 0.5;     // m a metre, where the edges part at once
 constexpr double nearest_m = 30.0;  // between the ends of both roads
@@ -47,10 +48,16 @@ double edge_t(const Road& road, bool left, double s) {
   return left ? edges.left_t : edges.right_t;
 }
 
-/// Widths between both facing edges at places step_m apart from the junction outwards, as long as both roads are there
-/// at one height. Negative where the roads lie on each other.
-std::vector<double> gaps_of(const Road& own, const Arm& own_arm, const Road& other, const Arm& other_arm) {
-  std::vector<double> gaps;
+/// Between both facing edges.
+struct Gap {
+  double width_m = 0.0;  ///< negative where the roads lie on each other
+  double step_m = 0.0;   ///< at the other road's edge between its surface and the own one, carried on
+};
+
+/// At places step_m apart from the junction outwards, as long as both roads are there at one height. Where the other
+/// road ends on the way, the last ones are left out: lanes have ended before.
+std::vector<Gap> gaps_of(const Road& own, const Arm& own_arm, const Road& other, const Arm& other_arm) {
+  std::vector<Gap> gaps;
   double other_s = other_arm.s_at(other, 0.0);
   const double most_m = std::min(own.length, longest_gore_m + nose_m);
   for (double out_m = 0.0; out_m <= most_m; out_m += step_m) {
@@ -68,14 +75,18 @@ std::vector<double> gaps_of(const Road& own, const Arm& own_arm, const Road& oth
     }
     if (beyond_m > step_m) {
       if (gaps.empty()) continue;  // the other road begins further out
+      gaps.resize(gaps.size() - std::min(gaps.size(), static_cast<std::size_t>(nose_m / step_m)));
       break;
     }
     const double left_m = std::cos(foot.hdg) * (edge.y - foot.y) - std::sin(foot.hdg) * (edge.x - foot.x);
     const double other_t = edge_t(other, other_arm.left, other_s);
-    if (std::abs(roadquery::surface_height(other, other_s, other_t) - edge.z) > same_height_m) break;
-    while (static_cast<double>(gaps.size()) * step_m < out_m - 0.5 * step_m) gaps.push_back(-1.0);
-    gaps.push_back(other_arm.left ? left_m - other_t : other_t - left_m);
-    if (gaps.back() > widest_gore_m + 1.0) break;
+    const double other_z = roadquery::surface_height(other, other_s, other_t);
+    if (std::abs(other_z - edge.z) > same_height_m) break;
+    while (static_cast<double>(gaps.size()) * step_m < out_m - 0.5 * step_m) gaps.push_back({-1.0, 0.0});
+    const double width_m = other_arm.left ? left_m - other_t : other_t - left_m;
+    const double beyond_t = edge_t(own, own_arm.left, s) + (own_arm.left ? width_m : -width_m);
+    gaps.push_back({width_m, std::abs(other_z - roadquery::surface_height(own, s, beyond_t))});
+    if (width_m > widest_gore_m + 1.0) break;
   }
   return gaps;
 }
@@ -85,15 +96,16 @@ struct Extent {
   std::size_t first = 0, last = 0;
 };
 
-std::optional<Extent> extent_of(const std::vector<double>& gaps) {
-  if (gaps.empty() || gaps.front() > apart_at_junction_m) return std::nullopt;
+std::optional<Extent> extent_of(const std::vector<Gap>& gaps) {
+  if (gaps.empty() || gaps.front().width_m > apart_at_junction_m) return std::nullopt;
   std::size_t last = 0;
-  while (last + 1 < gaps.size() && gaps[last + 1] <= widest_gore_m &&
+  while (last + 1 < gaps.size() && gaps[last + 1].width_m <= widest_gore_m &&
          static_cast<double>(last + 1) * step_m <= longest_gore_m)
     ++last;
   std::size_t first = last;
-  while (first > 0 && gaps[first - 1] > 0.0) --first;
-  if (gaps[last] < least_width_m || static_cast<double>(last - first) * step_m < least_length_m) return std::nullopt;
+  while (first > 0 && gaps[first - 1].width_m > 0.0) --first;
+  if (gaps[last].width_m < least_width_m || static_cast<double>(last - first) * step_m < least_length_m)
+    return std::nullopt;
   return Extent{first, last};
 }
 
@@ -154,9 +166,9 @@ class GoreBuilder {
     const bool is_left = std::cos(p.hdg) * (far.y - p.y) - std::sin(p.hdg) * (far.x - p.x) > 0.0;
     main_arm.left = is_left != main_arm.at_end, slip_arm.left = is_left == slip_arm.at_end;
     if (has_sidewalk(main, main_arm.left) || has_sidewalk(slip, slip_arm.left)) return;
-    const std::vector<double> beside_slip = gaps_of(slip, slip_arm, main, main_arm);
+    const std::vector<Gap> beside_slip = gaps_of(slip, slip_arm, main, main_arm);
     const auto extent = extent_of(beside_slip);
-    const std::vector<double> beside_main = gaps_of(main, main_arm, slip, slip_arm);
+    const std::vector<Gap> beside_main = gaps_of(main, main_arm, slip, slip_arm);
     const auto main_extent = extent_of(beside_main);
     if (!extent || !main_extent) return;
     add_widths(slip, slip_arm, beside_slip, *extent);
@@ -164,7 +176,7 @@ class GoreBuilder {
     add_mark(slip, slip_arm, beside_slip, *extent);
   }
 
-  void add_widths(const Road& road, const Arm& arm, const std::vector<double>& gaps, const Extent& extent) {
+  void add_widths(const Road& road, const Arm& arm, const std::vector<Gap>& gaps, const Extent& extent) {
     std::vector<double>& widths = widths_[{arm.road, arm.left}];
     const int steps = std::max(1, static_cast<int>(std::ceil(road.length / step_m)));
     widths.resize(static_cast<std::size_t>(steps) + 1, 0.0);
@@ -175,19 +187,21 @@ class GoreBuilder {
       if (out_m < first_m || out_m > last_m + nose_m) continue;
       const double at = std::min(out_m, last_m) / step_m;
       const auto k = std::min(static_cast<std::size_t>(at), gaps.size() - 2);
-      const double gap = gaps[k] + (at - static_cast<double>(k)) * (gaps[k + 1] - gaps[k]);
-      double width = std::max(0.0, gap) + gore_overlap_m;
+      const double share = at - static_cast<double>(k);
+      const double gap = std::max(0.0, gaps[k].width_m + share * (gaps[k + 1].width_m - gaps[k].width_m));
+      const double height_m = gaps[k].step_m + share * (gaps[k + 1].step_m - gaps[k].step_m);
+      double width = height_m < flush_m ? gap + gore_overlap_m : std::max(0.0, 0.5 * gap - height_m);
       if (extent.first > 0) width = std::min(width, opening * (out_m - first_m));
       width *= std::clamp((last_m + nose_m - out_m) / nose_m, 0.0, 1.0);
       widths[static_cast<std::size_t>(i)] = std::max(widths[static_cast<std::size_t>(i)], width);
     }
   }
 
-  void add_mark(const Road& of, const Arm& arm, const std::vector<double>& gaps, const Extent& extent) {
+  void add_mark(const Road& of, const Arm& arm, const std::vector<Gap>& gaps, const Extent& extent) {
     std::vector<std::size_t> places;
     const auto every = static_cast<std::size_t>(corner_step_m / step_m);
     std::size_t first = extent.first;
-    while (first < extent.last && gaps[first] < least_mark_m) ++first;
+    while (first < extent.last && gaps[first].width_m < least_mark_m) ++first;
     for (std::size_t i = first; i < extent.last; i += every) places.push_back(i);
     places.push_back(extent.last);
     roadquery::RoadObject mark{.type = "roadMark", .subtype = "hatchedArea", .name = gore_mark};
@@ -200,7 +214,7 @@ class GoreBuilder {
       mark.outline.push_back({s, t});
     };
     for (const std::size_t i : places) add_corner(i, 0.0);
-    for (auto i = places.rbegin(); i != places.rend(); ++i) add_corner(*i, std::max(0.0, gaps[*i]));
+    for (auto i = places.rbegin(); i != places.rend(); ++i) add_corner(*i, std::max(0.0, gaps[*i].width_m));
     mark.s = 0.5 * (low_s + high_s), mark.t = 0.5 * (low_t + high_t);
     mark.length = high_s - low_s, mark.width = high_t - low_t;
     marks_[arm.road].push_back(std::move(mark));
