@@ -108,6 +108,22 @@ TEST(PhotoShadows, none_where_the_photo_has_none) {
   EXPECT_FALSE(Site(250, {0.02F, 0.02F, 0.02F}).shadows());
 }
 
+TEST(PhotoShadows, dark_crops_in_the_sun_stay) {
+  Site site(250);
+  for (int row = 420; row < 480; ++row) {
+    for (int col = 300; col < 500; ++col) {
+      const LinearColor crop = {0.012F, 0.040F, 0.017F};  // as dark as ground in the shadow, and as little red
+      for (std::size_t c = 0; c < 3; ++c)
+        site.photo.rgb.at(col, row, static_cast<int>(c)) = srgb_byte(static_cast<double>(crop[c]));
+    }
+  }
+  const Photo photo = site.lifted();
+  for (int row = 425; row < 475; ++row)
+    for (int col = 305; col < 495; ++col)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_EQ(photo.rgb.at(col, row, c), site.photo.rgb.at(col, row, c)) << col << " " << row;
+}
+
 TEST(PhotoShadows, a_pixel_is_the_same_in_every_box) {
   const Site site(250);
   const PhotoSource source = without_shadows(source_of(site.photo), source_of(site.labels), *site.shadows());

@@ -23,7 +23,7 @@ try {
   await page.waitForFunction(() => window.orthodrive?.ready, null, {timeout: 120_000});
   if (picture.endsWith('.jpg')) {
     await hideCards(page);
-    await page.screenshot({path: picture, type: 'jpeg', quality: 80});
+    await page.screenshot({path: picture, type: 'jpeg', quality: 70});
   } else {
     await page.screenshot({path: picture});
   }

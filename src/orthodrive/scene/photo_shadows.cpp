@@ -32,18 +32,22 @@ const std::array<float, 256>& log_values() {
   return table;
 }
 
-float log_blue_over_red(const std::uint8_t* rgb) { return log_values()[rgb[2]] - log_values()[rgb[0]]; }
+float log_ratio(const std::uint8_t* rgb, std::size_t over) { return log_values()[rgb[2]] - log_values()[rgb[over]]; }
 float log_luminance(const LinearColor& color) { return std::log2(luminance(color) + least_light); }
 
 Tone tone_of(const LinearColor& c) {
-  return {std::log2((c[2] + least_light) / (c[0] + least_light)), log_luminance(c)};
+  const auto blue_over = [&](std::size_t k) { return std::log2((c[2] + least_light) / (c[k] + least_light)); };
+  return {blue_over(0), log_luminance(c), blue_over(1)};
 }
 
-/// How far a pixel is on the way from sunlit to shaded: 0 and 1 at the two. The lesser of both signs.
+/// How far a pixel is on the way from sunlit to shaded: 0 and 1 at the two. The least of all signs. Dark crops are dark
+/// and have little red, but as much green over blue as in the sun; that ratio changes less, so it counts less.
 float shade(const Tone& sunlit, const Tone& shaded, const std::uint8_t* rgb) {
-  const float by_color = (log_blue_over_red(rgb) - sunlit[0]) / (shaded[0] - sunlit[0]);
-  if (by_color <= weak) return by_color;  // most pixels
-  return std::min(by_color, (log_luminance(linear_of(rgb)) - sunlit[1]) / (shaded[1] - sunlit[1]));
+  constexpr float noise = 0.25F;
+  const auto part = [&](float value, std::size_t k) { return (value - sunlit[k]) / (shaded[k] - sunlit[k]); };
+  const float by_red = part(log_ratio(rgb, 0), 0);
+  if (by_red <= weak) return by_red;  // most pixels
+  return std::min({by_red, part(log_luminance(linear_of(rgb)), 1), part(log_ratio(rgb, 1), 2) + noise});
 }
 
 bool is_lifted(Role role) { return role != Role::water && role != Role::vegetation; }
@@ -109,6 +113,7 @@ void for_each_pixel(const std::vector<Sample>& samples, const Visit& visit) {
 struct Groups {
   std::array<Tone, 2> middle{};
   std::array<double, 2> count{};
+  double apart = 0.0;   ///< both middles
   double spread = 0.0;  ///< standard deviation from the own middle along the line through both
 };
 
@@ -121,33 +126,41 @@ Groups two_groups(const std::vector<Tone>& tones) {
     return *at;
   };
   Groups groups;
-  groups.middle = {Tone{at_share(0, 0.3), at_share(1, 0.7)}, Tone{at_share(0, 0.99), at_share(1, 0.01)}};
+  groups.middle = {Tone{at_share(0, 0.3), at_share(1, 0.7), at_share(2, 0.3)},
+                   Tone{at_share(0, 0.99), at_share(1, 0.01), at_share(2, 0.99)}};
   const auto group_of = [&](const Tone& tone) -> std::size_t {
     const auto squared = [&](const Tone& m) {
-      return (tone[0] - m[0]) * (tone[0] - m[0]) + (tone[1] - m[1]) * (tone[1] - m[1]);
+      float sum = 0.0F;
+      for (std::size_t k = 0; k < tone.size(); ++k) sum += (tone[k] - m[k]) * (tone[k] - m[k]);
+      return sum;
     };
     return squared(groups.middle[1]) < squared(groups.middle[0]) ? 1 : 0;
   };
   constexpr int rounds = 20;
   for (int round = 0; round < rounds; ++round) {
-    std::array<std::array<double, 2>, 2> sum{};
+    std::array<std::array<double, 3>, 2> sum{};
     groups.count = {};
     for (const Tone& tone : tones) {
       const std::size_t g = group_of(tone);
-      for (std::size_t channel = 0; channel < 2; ++channel) sum[g][channel] += static_cast<double>(tone[channel]);
+      for (std::size_t k = 0; k < tone.size(); ++k) sum[g][k] += static_cast<double>(tone[k]);
       groups.count[g] += 1.0;
     }
     for (std::size_t g = 0; g < 2; ++g)
-      for (std::size_t channel = 0; channel < 2 && groups.count[g] > 0.0; ++channel)
-        groups.middle[g][channel] = static_cast<float>(sum[g][channel] / groups.count[g]);
+      for (std::size_t k = 0; k < sum[g].size() && groups.count[g] > 0.0; ++k)
+        groups.middle[g][k] = static_cast<float>(sum[g][k] / groups.count[g]);
   }
-  const double dx = static_cast<double>(groups.middle[1][0] - groups.middle[0][0]);
-  const double dy = static_cast<double>(groups.middle[1][1] - groups.middle[0][1]), length = std::hypot(dx, dy);
+  std::array<double, 3> line{};
+  double squared = 0.0;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    line[k] = static_cast<double>(groups.middle[1][k] - groups.middle[0][k]);
+    squared += line[k] * line[k];
+  }
+  groups.apart = std::sqrt(squared);
   for (const Tone& tone : tones) {
     const Tone& m = groups.middle[group_of(tone)];
-    const double along =
-        (static_cast<double>(tone[0] - m[0]) * dx + static_cast<double>(tone[1] - m[1]) * dy) / std::max(length, 1e-9);
-    groups.spread += along * along;
+    double along = 0.0;
+    for (std::size_t k = 0; k < line.size(); ++k) along += static_cast<double>(tone[k] - m[k]) * line[k];
+    groups.spread += along * along / std::max(squared, 1e-9);
   }
   groups.spread = std::sqrt(groups.spread / static_cast<double>(tones.size()));
   return groups;
@@ -202,7 +215,7 @@ std::optional<PhotoShadows> find_shadows(const PhotoSource& photo, const LabelSo
   const auto [sunlit, shaded] = groups.middle;
   const float bluer = shaded[0] - sunlit[0], darker = sunlit[1] - shaded[1];
   if (groups.count[1] < least_share * static_cast<double>(tones.size()) || bluer < least_bluer ||
-      darker < least_darker || static_cast<double>(std::hypot(bluer, darker)) < least_separation * groups.spread)
+      darker < least_darker || shaded[2] <= sunlit[2] || groups.apart < least_separation * groups.spread)
     return std::nullopt;
 
   std::vector<std::array<Histogram, 2>> of_class(classes.size());
@@ -230,7 +243,9 @@ std::optional<PhotoShadows> find_shadows(const PhotoSource& photo, const LabelSo
     if (std::min(of_class[k][0].total, of_class[k][1].total) < least_of_class) continue;
     const LinearColor lit = of_class[k][0].at_share(0.5), dark = of_class[k][1].at_share(0.5);
     const Tone in_sun = tone_of(lit), in_shade = tone_of(dark);
-    if (in_shade[0] - in_sun[0] < 0.5F * bluer || in_sun[1] - in_shade[1] < 0.5F * darker) continue;
+    if (in_shade[0] - in_sun[0] < 0.5F * bluer || in_sun[1] - in_shade[1] < 0.5F * darker ||
+        in_shade[2] - in_sun[2] < 0.5F * (shaded[2] - sunlit[2]))
+      continue;
     own = {in_sun, in_shade, gain_of(lit, dark)};
     for (std::size_t c = 0; c < 3; ++c)
       own.gain[c] = std::clamp(own.gain[c], least_gain * roads.gain[c], most_gain * roads.gain[c]);

@@ -12,8 +12,8 @@ namespace orthodrive::scene {
 
 /// How a photo shows ground in the sun and in the shadow, where the sky alone lights it: darker and bluer.
 struct PhotoShadows {
-  /// log2 of blue / red and of the luminance, both linear.
-  using Tone = std::array<float, 2>;
+  /// log2 of blue / red, of the luminance and of blue / green, all linear.
+  using Tone = std::array<float, 3>;
   /// Of one class.
   struct Class {
     Tone sunlit{}, shaded{};
