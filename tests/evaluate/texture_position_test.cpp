@@ -47,6 +47,18 @@ TEST(TexturePosition, shifts_are_measured_whatever_the_contrast) {
       EXPECT_NEAR(texture_position(tile_with(shift, gain), brightness).error_px, std::hypot(shift.x, shift.y), 0.02);
 }
 
+TEST(TexturePosition, lifted_shadows_do_not_count_but_shifts_do) {
+  for (const Vec2 shift : {Vec2{0.0, 0.0}, Vec2{0.3, -0.4}}) {
+    SceneTile tile = tile_with(shift);
+    // The photo has stripes of shadow, 4 m wide and 60 m apart; the picture has none.
+    const auto shaded = [&](Vec2 p) {
+      const double share = std::fmod(p.x - west_m, 60.0) < 4.0 ? 0.3 : 1.0;
+      return std::optional(share * brightness(p));
+    };
+    EXPECT_NEAR(texture_position(tile, shaded).error_px, std::hypot(shift.x, shift.y), 0.05);
+  }
+}
+
 TEST(TexturePosition, wrong_coordinates_of_a_vertex_count) {
   SceneTile tile = tile_with({0.0, 0.0});
   tile.meshes[0].uv[2] = {0.5F + 0.25F / size_px, 0.0F};

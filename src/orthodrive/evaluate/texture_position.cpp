@@ -14,6 +14,9 @@ constexpr int samples_a_texel = 3;      // across: a texel is the mean over its 
 constexpr double least_gradient = 4.0;  // of brightness a texel, root of the mean square, in the weaker direction
 constexpr int steps = 8;                // of Gauss and Newton
 constexpr double found_px = 1e-3;       // the last step's length
+constexpr double other_light = 12.0;    // of brightness, that no rounding or compression adds
+constexpr int fewest_lifted = 3;        // texels
+constexpr int lift_reach_px = 4;        // around them the light may be another one, too
 
 struct Window {
   int col = 0, row = 0;  // of its north-western texel
@@ -44,6 +47,24 @@ std::optional<std::vector<double>> photo_on(const SceneTile& tile, const Window&
   return values;
 }
 
+/// Texels of a window whose light the scene has not changed. Lifted shadows make texels brighter and none darker; where
+/// a picture is shifted as many are either, and all count.
+std::vector<bool> same_light(const std::vector<double>& change) {
+  const auto count = [&](const auto& is) { return static_cast<int>(std::ranges::count_if(change, is)); };
+  const int brighter = count([](double v) { return v > other_light; });
+  const int darker = count([](double v) { return v < -other_light; });
+  std::vector<bool> same(change.size(), true);
+  if (brighter - darker < fewest_lifted) return same;
+  for (int i = 0; i < window_px * window_px; ++i) {
+    if (!(change[static_cast<std::size_t>(i)] > other_light)) continue;
+    const int col = i % window_px, row = i / window_px;
+    for (int r = std::max(0, row - lift_reach_px); r <= std::min(window_px - 1, row + lift_reach_px); ++r)
+      for (int c = std::max(0, col - lift_reach_px); c <= std::min(window_px - 1, col + lift_reach_px); ++c)
+        same[static_cast<std::size_t>(r * window_px + c)] = false;
+  }
+  return same;
+}
+
 /// Where the tile's picture lies from the photo, in texels to the east and south. Nothing where a window shows too
 /// little, or no shift is found.
 std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const BrightnessAt& photo) {
@@ -53,17 +74,25 @@ std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const 
       sum += tile.texture_rgb.at(window.col + col, window.row + row, channel);
     return sum / 3.0;
   };
-  Vec2 d;  // the picture at p shows what the photo has at p - d
+  Vec2 d;                    // the picture at p shows what the photo has at p - d
+  std::vector<bool> counts;  // by texel
   for (int step = 0; step < steps; ++step) {
     const auto values = photo_on(tile, window, d * -1.0, photo);
     if (!values) return std::nullopt;
     const auto value = [&](int col, int row) {
       return (*values)[static_cast<std::size_t>((row + 1) * (window_px + 2) + col + 1)];
     };
+    if (step == 0) {
+      std::vector<double> change;
+      for (int row = 0; row < window_px; ++row)
+        for (int col = 0; col < window_px; ++col) change.push_back(brightness(col, row) - value(col, row));
+      counts = same_light(change);
+    }
     // Least squares for T - R = gain R + offset - g . d.
     std::array<std::array<double, 5>, 4> normal{};
     for (int row = 0; row < window_px; ++row) {
       for (int col = 0; col < window_px; ++col) {
+        if (!counts[static_cast<std::size_t>(row * window_px + col)]) continue;
         const double r = value(col, row);
         const std::array<double, 4> terms = {-0.5 * (value(col + 1, row) - value(col - 1, row)),
                                              -0.5 * (value(col, row + 1) - value(col, row - 1)), r / 255.0, 1.0};

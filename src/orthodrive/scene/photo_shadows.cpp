@@ -311,7 +311,9 @@ LinearColor smoothed(const PhotoWindow& photo, int col, int row) {
 std::array<std::uint8_t, 3> lifted(const LinearColor& dark, const LinearColor& haze, const LinearColor& gain,
                                    float strength) {
   LinearColor light{};
-  for (std::size_t c = 0; c < 3; ++c) light[c] = std::max(0.0F, dark[c] - strength * haze[c]) * gain[c];
+  constexpr float least_share = 0.3F;  // of what is darker than the haze
+  for (std::size_t c = 0; c < 3; ++c)
+    light[c] = std::max((1.0F - strength * (1.0F - least_share)) * dark[c], dark[c] - strength * haze[c]) * gain[c];
   // In the darkest corners the haze is more than what is left of red: they would turn blue.
   light[2] = std::min(light[2], std::max({light[0], light[1], dark[2]}));
   return {srgb_byte(static_cast<double>(light[0])), srgb_byte(static_cast<double>(light[1])),
