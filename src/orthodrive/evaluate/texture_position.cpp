@@ -10,13 +10,12 @@ namespace {
 
 constexpr double tile_m = 480.0;
 constexpr int window_px = 48, windows_a_side = 4;
-constexpr int samples_a_texel = 3;      // across: a texel is the mean over its square
-constexpr double least_gradient = 4.0;  // of brightness a texel, root of the mean square, in the weaker direction
-constexpr int steps = 8;                // of Gauss and Newton
-constexpr double found_px = 1e-3;       // the last step's length
-constexpr double other_light = 12.0;    // of brightness, that no rounding or compression adds
-constexpr int fewest_lifted = 3;        // texels
-constexpr int lift_reach_px = 4;        // around them the light may be another one, too
+constexpr int samples_a_texel = 3;          // across: a texel is the mean over its square
+constexpr double least_gradient = 4.0;      // of brightness a texel, root of the mean square, in the weaker direction
+constexpr double least_counted = 0.5;       // of a window's texels
+constexpr int whole_steps = 7, steps = 16;  // of Gauss and Newton: with all texels; in all
+constexpr double found_px = 1e-3;           // the last step's length
+constexpr int near_px = 2;                  // around texels that are not explained
 
 struct Window {
   int col = 0, row = 0;  // of its north-western texel
@@ -47,22 +46,50 @@ std::optional<std::vector<double>> photo_on(const SceneTile& tile, const Window&
   return values;
 }
 
-/// Texels of a window whose light the scene has not changed. Lifted shadows make texels brighter and none darker; where
-/// a picture is shifted as many are either, and all count.
+template <typename Visit>
+void for_each_near(int i, int reach, const Visit& visit) {
+  const int col = i % window_px, row = i / window_px;
+  for (int r = std::max(0, row - reach); r <= std::min(window_px - 1, row + reach); ++r)
+    for (int c = std::max(0, col - reach); c <= std::min(window_px - 1, col + reach); ++c)
+      visit(static_cast<std::size_t>(r * window_px + c));
+}
+
+/// Texels of a window whose light the scene has not changed much. Where it lifts shadows places are brighter and none
+/// are darker; where a picture is shifted as many are either, and all texels count.
 std::vector<bool> same_light(const std::vector<double>& change) {
-  const auto count = [&](const auto& is) { return static_cast<int>(std::ranges::count_if(change, is)); };
-  const int brighter = count([](double v) { return v > other_light; });
-  const int darker = count([](double v) { return v < -other_light; });
-  std::vector<bool> same(change.size(), true);
-  if (brighter - darker < fewest_lifted) return same;
+  constexpr double other_light = 3.0, sigmas = 3.0;
+  constexpr int mean_px = 2, lift_px = 5;  // reach of the mean, which compression does not change; around lifted places
+  std::vector<double> mean(change.size());
+  int brighter = 0, darker = 0;
   for (int i = 0; i < window_px * window_px; ++i) {
-    if (!(change[static_cast<std::size_t>(i)] > other_light)) continue;
-    const int col = i % window_px, row = i / window_px;
-    for (int r = std::max(0, row - lift_reach_px); r <= std::min(window_px - 1, row + lift_reach_px); ++r)
-      for (int c = std::max(0, col - lift_reach_px); c <= std::min(window_px - 1, col + lift_reach_px); ++c)
-        same[static_cast<std::size_t>(r * window_px + c)] = false;
+    double& m = mean[static_cast<std::size_t>(i)];
+    int count = 0;
+    for_each_near(i, mean_px, [&](std::size_t k) { m += change[k], ++count; });
+    m /= count;
+    brighter += m > other_light ? 1 : 0, darker += m < -other_light ? 1 : 0;
   }
+  std::vector<bool> same(change.size(), true);
+  if (brighter - 2 * darker < sigmas * std::sqrt(brighter + darker)) return same;
+  for (int i = 0; i < window_px * window_px; ++i)
+    if (mean[static_cast<std::size_t>(i)] > other_light)
+      for_each_near(i, lift_px, [&](std::size_t k) { same[k] = false; });
   return same;
+}
+
+/// Texels of a window that the others explain: no error is over four standard deviations (of the median) in or near
+/// them. What the scene has changed, such as the light of shadows that it lifts, falls out.
+std::vector<bool> explained(const std::vector<double>& errors) {
+  std::vector<double> sizes;
+  for (const double e : errors) sizes.push_back(std::abs(e));
+  std::ranges::nth_element(sizes, sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2));
+  constexpr double of_median = 1.4826, least_sigma = 1.0, most_sigmas = 4.0;
+  const double most = most_sigmas * std::max(least_sigma, of_median * sizes[sizes.size() / 2]);
+  std::vector<bool> result(errors.size(), true);
+  for (int i = 0; i < window_px * window_px; ++i) {
+    if (std::abs(errors[static_cast<std::size_t>(i)]) <= most) continue;
+    for_each_near(i, near_px, [&](std::size_t k) { result[k] = false; });
+  }
+  return result;
 }
 
 /// Where the tile's picture lies from the photo, in texels to the east and south. Nothing where a window shows too
@@ -74,19 +101,19 @@ std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const 
       sum += tile.texture_rgb.at(window.col + col, window.row + row, channel);
     return sum / 3.0;
   };
-  Vec2 d;                    // the picture at p shows what the photo has at p - d
-  std::vector<bool> counts;  // by texel
+  Vec2 d;                                  // the picture at p shows what the photo has at p - d
+  std::vector<bool> light_counts, counts;  // by texel
   for (int step = 0; step < steps; ++step) {
     const auto values = photo_on(tile, window, d * -1.0, photo);
     if (!values) return std::nullopt;
     const auto value = [&](int col, int row) {
       return (*values)[static_cast<std::size_t>((row + 1) * (window_px + 2) + col + 1)];
     };
-    if (step == 0) {
+    if (light_counts.empty()) {
       std::vector<double> change;
       for (int row = 0; row < window_px; ++row)
         for (int col = 0; col < window_px; ++col) change.push_back(brightness(col, row) - value(col, row));
-      counts = same_light(change);
+      light_counts = counts = same_light(change);
     }
     // Least squares for T - R = gain R + offset - g . d.
     std::array<std::array<double, 5>, 4> normal{};
@@ -105,7 +132,9 @@ std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const 
     }
     const double a = normal[0][0], b = normal[0][1], c = normal[1][1];
     const double weaker = 0.5 * (a + c) - std::sqrt(0.25 * (a - c) * (a - c) + b * b);
-    if (weaker < least_gradient * least_gradient * window_px * window_px) return std::nullopt;
+    const auto counted = static_cast<double>(std::ranges::count(counts, true));
+    if (counted < least_counted * window_px * window_px || weaker < least_gradient * least_gradient * counted)
+      return std::nullopt;
     for (std::size_t i = 0; i < 4; ++i) {
       if (!(normal[i][i] > 1e-9)) return std::nullopt;
       for (std::size_t k = i + 1; k < 4; ++k) {
@@ -121,7 +150,19 @@ std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const 
     }
     d = d + Vec2{x[0], x[1]};
     if (std::hypot(d.x, d.y) > 0.5 * window_px) return std::nullopt;
-    if (std::hypot(x[0], x[1]) < found_px) return d;
+    const bool is_found = std::hypot(x[0], x[1]) < found_px;
+    if (is_found && step > whole_steps) return d;
+    if (step < whole_steps && !is_found) continue;
+    step = std::max(step, whole_steps);
+    std::vector<double> errors;
+    for (int row = 0; row < window_px; ++row)
+      for (int col = 0; col < window_px; ++col) {
+        const double r = value(col, row);
+        errors.push_back(brightness(col, row) - r + 0.5 * x[0] * (value(col + 1, row) - value(col - 1, row)) +
+                         0.5 * x[1] * (value(col, row + 1) - value(col, row - 1)) - x[2] * r / 255.0 - x[3]);
+      }
+    counts = explained(errors);
+    for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts[i] && light_counts[i];
   }
   return d;
 }

@@ -19,11 +19,12 @@ struct TexturePosition {
   Vec2 at;                  ///< middle of that window, site CRS
 };
 
-/// Measures a tile of level 0. Texels whose light the scene has changed do not count: where it lifts shadows
-/// (scene/photo_shadows) some are brighter and none are darker, where a picture is shifted as many are either.
-/// Windows of 48 x 48 texels, 16 a tile, are registered on the photo by least squares (Lucas and Kanade 1981, sec. 4,
-/// with a gain and an offset of brightness), exact for shifts of up to about two texels. To the worst of them comes the
-/// worst difference between a vertex's place and its texture coordinate.
+/// Measures a tile of level 0. Windows of 48 x 48 texels, 16 a tile, are registered on the photo by least squares
+/// (Lucas and Kanade 1981, sec. 4, with a gain and an offset of brightness), exact for shifts of up to about two
+/// texels. Where the scene has lifted shadows (scene/photo_shadows) texels do not count: places that are brighter where
+/// hardly any is darker, and then what is over four standard deviations off. Windows that are left with less than half
+/// of their texels are not measured. To the worst of them comes the worst difference between a vertex's place and its
+/// texture coordinate.
 [[nodiscard]] TexturePosition texture_position(const SceneTile& tile, const BrightnessAt& photo);
 
 }  // namespace orthodrive
