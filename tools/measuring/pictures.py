@@ -8,7 +8,7 @@ Wants Chromium and the built viewer. The pictures "before" are of the commit tha
 from measuring.common import *
 
 # Where a site is looked at: the driver's seat at a time of its lap; the air over another time, in s.
-VIEWS = {"village": (5, 5), "kvarnbyn": (60, 32), "pardubice": (20, 20), "ring": (40, 40)}
+VIEWS = {"village": (5, 5), "kvarnbyn": (11, 32), "pardubice": (20, 20), "ring": (40, 40)}
 HIDDEN = "off=route"  # the line that shows the lap
 
 
