@@ -55,7 +55,7 @@ TEST(TexturePosition, lifted_shadows_do_not_count_but_shifts_do) {
       const double share = std::fmod(p.x - west_m, 60.0) < 4.0 ? 0.3 : 1.0;
       return std::optional(share * brightness(p));
     };
-    EXPECT_NEAR(texture_position(tile, shaded).error_px, std::hypot(shift.x, shift.y), 0.1);
+    EXPECT_NEAR(texture_position(tile, shaded).error_px, std::hypot(shift.x, shift.y), 0.05);
   }
 }
 

@@ -96,6 +96,30 @@ TEST(Gores, are_paved_and_even) {
   EXPECT_GT(asked, 20);
 }
 
+TEST(Gores, leave_a_bank_where_the_slip_road_falls_away) {
+  RoadNetwork falling = fork({});
+  for (RoadPath& path : falling.paths)
+    for (RoadNode& node : path.nodes) {
+      const double x = node.p.x - site_origin.x;
+      node.z_m = path.osm_id == 3 ? -0.004 * std::max(0.0, x - 60.0) : 0.0;
+    }
+  const roadquery::RoadMap map = build_network(falling).map;
+  // Where the slip road is lower than the main road by more than 3 cm it ends before the main road's edge.
+  int lower = 0, with_gore = 0;
+  for (const Road& road : map.roads) {
+    if (road.osm_id != "3" || road.junction >= 0) continue;
+    for (double s = 0.0; s < std::min(road.length, 60.0); s += 0.5) {
+      const auto edge = roadquery::surface_point(road, s, roadquery::road_edges(road, s).left_t);
+      with_gore += roadquery::road_edges(road, s).left_t > 3.5 ? 1 : 0;
+      if (edge.z > -0.03) continue;
+      EXPECT_LT(edge.y - site_origin.y, -6.0) << s;
+      ++lower;
+    }
+  }
+  EXPECT_GT(lower, 20);
+  EXPECT_GT(with_gore, 5);
+}
+
 TEST(Gores, none_at_wide_forks_on_small_roads_on_bridges_and_beside_two_way_roads) {
   EXPECT_TRUE(gores_of(build_network(fork({.angle_rad = 0.7})).map).empty());
   EXPECT_TRUE(gores_of(build_network(fork({.main = "residential", .slip = "residential"})).map).empty());

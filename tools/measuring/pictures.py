@@ -7,8 +7,7 @@ Wants Chromium and the built viewer. The pictures "before" are of the commit tha
 """
 from measuring.common import *
 
-# Where a site is looked at: the driver's seat at a time of its lap; the air over another time, in s.
-VIEWS = {"village": (5, 5), "kvarnbyn": (11, 32), "pardubice": (20, 20), "ring": (40, 40)}
+VIEWS = {"village": 5, "kvarnbyn": 11, "pardubice": 20, "ring": 40}  # seconds of the lap at which a site is looked at
 HIDDEN = "off=route"  # the line that shows the lap
 
 
@@ -28,6 +27,5 @@ def run(args):
             args.sheets.mkdir(parents=True, exist_ok=True)
             script("contact_sheet.mjs", args.sheets / f"{name}.jpg")
             continue
-        seat_s, air_s = VIEWS[name]
-        script("screenshot.mjs", IMAGES / f"{name}_seat.jpg", f"?camera=driver&t={seat_s}&{HIDDEN}")
-        script("screenshot.mjs", IMAGES / f"{name}_air.jpg", f"?camera=fly&t={air_s}&{HIDDEN}")
+        for view, camera in {"seat": "driver", "air": "fly"}.items():
+            script("screenshot.mjs", IMAGES / f"{name}_{view}.jpg", f"?camera={camera}&t={VIEWS[name]}&{HIDDEN}")

@@ -15,7 +15,7 @@
 namespace orthodrive::io {
 namespace {
 
-constexpr int photo_jpeg_quality = 80;  // photos come as JPEG or WebP mostly: 85 keeps no more of them
+constexpr int photo_jpeg_quality = 80;  // the photo is about a third of all bytes
 constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
 constexpr int place_exponent = -11;     // of tileable textures: half a texel of 4 mm in 4 m
 constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth

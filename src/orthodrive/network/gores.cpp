@@ -52,6 +52,11 @@ double edge_t(const Road& road, bool left, double s) {
 struct Gap {
   double width_m = 0.0;  ///< negative where the roads lie on each other
   double step_m = 0.0;   ///< at the other road's edge between its surface and the own one, carried on
+  [[nodiscard]] bool is_flush() const { return step_m < flush_m; }
+  /// How much of it the own road paves: all of it, or as much as leaves a bank.
+  [[nodiscard]] double paved_m() const {
+    return is_flush() ? std::max(0.0, width_m) : std::max(0.0, 0.5 * width_m - step_m);
+  }
 };
 
 /// At places step_m apart from the junction outwards, as long as both roads are there at one height. Where the other
@@ -188,9 +193,9 @@ class GoreBuilder {
       const double at = std::min(out_m, last_m) / step_m;
       const auto k = std::min(static_cast<std::size_t>(at), gaps.size() - 2);
       const double share = at - static_cast<double>(k);
-      const double gap = std::max(0.0, gaps[k].width_m + share * (gaps[k + 1].width_m - gaps[k].width_m));
-      const double height_m = gaps[k].step_m + share * (gaps[k + 1].step_m - gaps[k].step_m);
-      double width = height_m < flush_m ? gap + gore_overlap_m : std::max(0.0, 0.5 * gap - height_m);
+      const Gap gap{gaps[k].width_m + share * (gaps[k + 1].width_m - gaps[k].width_m),
+                    gaps[k].step_m + share * (gaps[k + 1].step_m - gaps[k].step_m)};
+      double width = gap.paved_m() + (gap.is_flush() ? gore_overlap_m : 0.0);
       if (extent.first > 0) width = std::min(width, opening * (out_m - first_m));
       width *= std::clamp((last_m + nose_m - out_m) / nose_m, 0.0, 1.0);
       widths[static_cast<std::size_t>(i)] = std::max(widths[static_cast<std::size_t>(i)], width);
@@ -214,7 +219,7 @@ class GoreBuilder {
       mark.outline.push_back({s, t});
     };
     for (const std::size_t i : places) add_corner(i, 0.0);
-    for (auto i = places.rbegin(); i != places.rend(); ++i) add_corner(*i, std::max(0.0, gaps[*i].width_m));
+    for (auto i = places.rbegin(); i != places.rend(); ++i) add_corner(*i, gaps[*i].paved_m());
     mark.s = 0.5 * (low_s + high_s), mark.t = 0.5 * (low_t + high_t);
     mark.length = high_s - low_s, mark.width = high_t - low_t;
     marks_[arm.road].push_back(std::move(mark));

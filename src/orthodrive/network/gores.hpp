@@ -17,7 +17,8 @@ inline constexpr double gore_overlap_m = 0.3;   ///< of its lanes with the other
 /// of type "other" (written "restricted", OpenDRIVE 1.7, 11.7) that reaches over the other's edge, so that the surface
 /// goes smoothly from the one road to the other; where the surfaces carried on meet with a step of over 2 cm, half of
 /// the gap less the step instead, so that a bank lies between. The road of the lower class gets a road mark
-/// "hatchedArea" named "gore" with the gore's outline: along its own edge, and back along the other road's. Gores less
+/// "hatchedArea" named "gore" with the gore's outline: along its own edge, and back along the other road's, or its own
+/// lane's where a bank follows. Gores less
 /// than 0.8 m wide or less than 6 m long are none, nor is there one between roads more than 0.3 m apart in height,
 /// beside a sidewalk or on a bridge or in a tunnel. Before junctions get their surfaces.
 void add_gores(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, roadquery::RoadMap& map);

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double cell_m = 96.0;  // a tile has whole ones: parts of large areas depend on what is near alone
 constexpr double bay_width_m = 2.5, bay_depth_m = 5.0, aisle_m = 6.0, line_m = 0.1, line_gap_m = 0.15;
+constexpr double gravel_lift_m = 0.01, path_lift_m = 0.02, parking_lift_m = 0.03;
 constexpr double flat_m = 0.008;       // a cover may leave the terrain's triangles by that: less than it lies over them
 constexpr double line_over_m = 0.006;  // of what it is painted on
 
@@ -46,7 +47,6 @@ struct Layer {
 };
 
 std::vector<Layer> layers_of(const MapSurroundings& surroundings) {
-  constexpr double gravel_lift_m = 0.01, path_lift_m = 0.02, parking_lift_m = 0.03;
   std::vector<Layer> layers;
   const auto add_areas = [&](Layer layer, const MultiPolygon& areas) {
     for (const Polygon& area : areas)
@@ -63,39 +63,18 @@ std::vector<Layer> layers_of(const MapSurroundings& surroundings) {
   return layers;
 }
 
-/// Where cars may stand: no road of the ground, building or water.
-class FreeGround {
- public:
-  explicit FreeGround(const CoverSite& site) : site_(site) {
-    std::vector<Box2> boxes;
-    for (const PlacedBuilding& building : site.buildings)
-      boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer));
-    buildings_ = SpatialIndex(boxes);
-  }
-  [[nodiscard]] bool contains(Vec2 p) const {
-    const auto is_in = [&](std::uint32_t i) {
-      const PlacedBuilding& building = site_.buildings[i];
-      return !building.hovers && orthodrive::contains(building.footprint, p - building.middle);
-    };
-    return !site_.roads.outline().contains(p) && site_.waters.at(p) == nullptr &&
-           std::ranges::none_of(buildings_.near(p, 0.0), is_in);
-  }
-
- private:
-  const CoverSite& site_;
-  SpatialIndex buildings_;
-};
-
 /// Lines between the bays of the whole area that lie on the part of it and on free ground; relative to `middle`.
-std::vector<std::array<Vec2, 4>> lines_of(const Polygon& area, const Polygon& part, const FreeGround& free,
-                                          Vec2 middle) {
+std::vector<std::array<Vec2, 4>> lines_of(const Polygon& area, const Polygon& part, Vec2 middle,
+                                          const CoverSite& site) {
   std::vector<std::array<Vec2, 4>> lines;
   Ring frame = narrowest_rectangle(area.outer);
   if (frame.size() != 4) return lines;
   if (distance(frame[0], frame[1]) < distance(frame[1], frame[2])) std::ranges::rotate(frame, frame.begin() + 1);
   const Vec2 along = normalized(frame[1] - frame[0]), across = left_normal(along);
   const double length_m = distance(frame[0], frame[1]), width_m = distance(frame[1], frame[2]);
-  const auto is_on = [&](Vec2 p) { return contains(part, p) && free.contains(p + middle); };
+  const auto is_on = [&](Vec2 p) {
+    return contains(part, p) && site.waters.at(p + middle) == nullptr && site.space.around(p + middle, line_m) > 0.0;
+  };
   for (const double row_m : rows_across(width_m)) {
     for (int k = 1; k * bay_width_m < length_m - 0.5 * bay_width_m; ++k) {
       const auto at = [&](double x_m, double y_m) {
@@ -152,7 +131,7 @@ class Cells {
     for (double x = std::floor(box.min_x / cell_m); x * cell_m <= box.max_x; ++x) {
       for (double y = std::floor(box.min_y / cell_m); y * cell_m <= box.max_y; ++y) {
         const Vec2 middle{(x + 0.5) * cell_m, (y + 0.5) * cell_m};
-        if (!site_.box.contains(middle) || !site_.area.contains(middle)) continue;
+        if (!site_.box.contains(middle) || !site_.space.is_in_area(middle)) continue;
         Cell& cell = cells_[{x, y}];
         cell.middle = middle;
         visit(cell);
@@ -217,11 +196,9 @@ void add_triangles(const Polygon& polygon, Vec2 shift, std::vector<std::array<Ve
   }
 }
 
-/// The pixel of median brightness of those at points 1 m apart inside the polygon that no tree covers; empty where
-/// there is none.
+/// The photo's median where the labels show no trees; empty where they are everywhere.
 std::optional<LinearColor> color_of(const CoverSite& site, const Polygon& polygon) {
-  constexpr double step_m = 1.0;
-  const auto is_open = [&](Vec2 p) {
+  return photo_median(site.photo, polygon, [&](Vec2 p) {
     if (site.labels == nullptr) return true;
     const Vec2 at = site.labels->frame.pixel_from_world(p);
     const int col = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));
@@ -229,16 +206,7 @@ std::optional<LinearColor> color_of(const CoverSite& site, const Polygon& polygo
     const std::uint8_t label = site.labels->labels.at(col, row);
     const auto& classes = site.labels->classes.classes;
     return label >= classes.size() || classes[label].role != Role::vegetation;
-  };
-  std::vector<Rgb> pixels;
-  const GridFrame frame = covering_grid(bounds_of(polygon.outer), step_m);
-  rasterize(polygon, frame, [&](int row, int begin, int end) {
-    for (int col = begin; col < end; ++col)
-      if (const Vec2 p = frame.center_of(col, row); is_open(p))
-        if (const auto pixel = pixel_at(site.photo, p)) pixels.push_back(*pixel);
   });
-  if (pixels.empty()) return std::nullopt;
-  return median_color(pixels);
 }
 
 /// Around the middle of a cell: a square, and what the covers before have of it.
@@ -248,7 +216,7 @@ struct Room {
   MultiPolygon before;
 };
 
-PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const FreeGround& free, const CoverSite& site) {
+PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const CoverSite& site) {
   constexpr LinearColor under_trees = {0.2F, 0.2F, 0.19F};
   PlacedCover cover{.middle = room.middle, .material = layer.material, .lift_m = layer.lift_m, .color = under_trees};
   MultiPolygon local;
@@ -271,7 +239,7 @@ PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const Free
     add_triangles(part, room.middle, cover.faces);
     if (layer.has_bays) {
       const Polygon area = moved(*piece.areas.front(), room.middle * -1.0);
-      for (std::array<Vec2, 4> line : lines_of(area, part, free, room.middle)) {
+      for (std::array<Vec2, 4> line : lines_of(area, part, room.middle, site)) {
         for (Vec2& p : line) p = p + room.middle;
         cover.lines.push_back(line);
       }
@@ -283,14 +251,13 @@ PlacedCover place(const Piece& piece, const Layer& layer, Room& room, const Free
   return cover;
 }
 
-std::vector<PlacedCover> place(const Cell& cell, const std::vector<Layer>& layers, const FreeGround& free,
-                               const CoverSite& site) {
+std::vector<PlacedCover> place(const Cell& cell, const std::vector<Layer>& layers, const CoverSite& site) {
   std::vector<PlacedCover> covers;
   constexpr double half_m = 0.5 * cell_m;
   Room room{.middle = cell.middle,
             .square = {{{-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}}, {}}};
   for (const Piece& piece : cell.pieces) {
-    PlacedCover cover = place(piece, layers[piece.layer], room, free, site);
+    PlacedCover cover = place(piece, layers[piece.layer], room, site);
     if (!cover.faces.empty()) covers.push_back(std::move(cover));
   }
   return covers;
@@ -299,13 +266,12 @@ std::vector<PlacedCover> place(const Cell& cell, const std::vector<Layer>& layer
 }  // namespace
 
 std::vector<PlacedCover> place_covers(const MapSurroundings& surroundings, const CoverSite& site) {
-  const FreeGround free(site);
   const std::vector<Layer> layers = layers_of(surroundings);
   Cells found(site);
   for (std::size_t i = 0; i < layers.size(); ++i) found.add(layers[i], i);
   const std::vector<Cell> cells = found.take();
   std::vector<std::vector<PlacedCover>> by_cell(cells.size());
-  parallel_for(cells.size(), site.threads, [&](std::size_t i) { by_cell[i] = place(cells[i], layers, free, site); });
+  parallel_for(cells.size(), site.threads, [&](std::size_t i) { by_cell[i] = place(cells[i], layers, site); });
   std::vector<PlacedCover> placed;
   for (std::vector<PlacedCover>& covers : by_cell) std::ranges::move(covers, std::back_inserter(placed));
   return placed;
@@ -313,7 +279,7 @@ std::vector<PlacedCover> place_covers(const MapSurroundings& surroundings, const
 
 namespace {
 
-/// Covers of one material and height.
+/// Covers of one material.
 void add_covers(const TriMesh& terrain, std::span<const PlacedCover* const> covers, Vec2 center, TriMesh& mesh) {
   std::vector<std::array<Vec2, 4>> pieces;
   std::vector<std::size_t> owner;  // of a piece
@@ -372,16 +338,14 @@ std::vector<TriMesh> cover_meshes(const TriMesh& terrain, std::span<const Placed
                                   TriMesh& marking) {
   std::map<SurfaceMaterial, std::vector<const PlacedCover*>> by_material;
   std::vector<std::array<Vec2, 4>> lines;
-  double lift_m = 0.0;
   for (const PlacedCover* cover : covers) {
     by_material[cover->material].push_back(cover);
     for (std::array<Vec2, 4> line : cover->lines) {
       for (Vec2& p : line) p = p - center;
       lines.push_back(line);
-      lift_m = cover->lift_m + line_over_m;
     }
   }
-  drape(terrain, 0, lines, lift_m, marking);
+  drape(terrain, 0, lines, parking_lift_m + line_over_m, marking);
   std::vector<TriMesh> meshes;
   for (const auto& [material, of_material] : by_material) {
     TriMesh mesh{.kind = MeshKind::verge};

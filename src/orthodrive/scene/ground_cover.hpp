@@ -8,7 +8,8 @@
 
 #include "orthodrive/model/map_surroundings.hpp"
 #include "orthodrive/model/scene.hpp"
-#include "orthodrive/scene/buildings.hpp"
+#include "orthodrive/scene/free_space.hpp"
+#include "orthodrive/scene/road_tint.hpp"
 #include "orthodrive/scene/water.hpp"
 
 namespace orthodrive::scene {
@@ -25,10 +26,8 @@ struct PlacedCover {
 
 /// All is borrowed.
 struct CoverSite {
-  const RoadLevel& roads;  ///< on the ground
-  std::span<const PlacedBuilding> buildings;
+  const FreeSpace& space;
   const Waters& waters;
-  const Outline& area;
   const Photo& photo;
   const LabelMap* labels;  ///< none: nullptr
   Box2 box;                ///< squares whose middle lies elsewhere are left out

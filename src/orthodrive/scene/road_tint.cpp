@@ -114,12 +114,19 @@ LinearColor photo_mean(const Photo& photo, Vec2 p, double size_m) {
 }
 
 LinearColor photo_median(const Photo& photo, const Polygon& polygon) {
+  return photo_median(photo, polygon, [](Vec2) { return true; }).value_or(no_photo);
+}
+
+std::optional<LinearColor> photo_median(const Photo& photo, const Polygon& polygon,
+                                        const std::function<bool(Vec2)>& counts) {
   std::vector<Rgb> pixels;
   const GridFrame frame = covering_grid(bounds_of(polygon.outer), 1.0);
   rasterize(polygon, frame, [&](int row, int begin, int end) {
     for (int col = begin; col < end; ++col)
-      if (const auto pixel = pixel_at(photo, frame.center_of(col, row))) pixels.push_back(*pixel);
+      if (const Vec2 p = frame.center_of(col, row); counts(p))
+        if (const auto pixel = pixel_at(photo, p)) pixels.push_back(*pixel);
   });
+  if (pixels.empty()) return std::nullopt;
   return median_color(pixels);
 }
 

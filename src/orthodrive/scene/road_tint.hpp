@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -42,5 +43,8 @@ using Rgb = std::array<std::uint8_t, 3>;
 
 /// The pixel of median brightness of those at points 1 m apart inside the polygon; the dark grey where there is none.
 [[nodiscard]] LinearColor photo_median(const Photo& photo, const Polygon& polygon);
+/// The same of the points that count; empty where there is none.
+[[nodiscard]] std::optional<LinearColor> photo_median(const Photo& photo, const Polygon& polygon,
+                                                      const std::function<bool(Vec2)>& counts);
 
 }  // namespace orthodrive::scene

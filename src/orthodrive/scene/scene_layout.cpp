@@ -241,7 +241,7 @@ void SceneLayout::add_surroundings(const MapSurroundings& surroundings, const Fr
   objects = by_tile(std::move(standing.small));
   tracks = by_tile(track_faces(surroundings.tracks, space, *ground));
   lamps = place_lamps(surroundings.lamps, roads, space, *ground);
-  covers = place_covers(surroundings, {roads, buildings, waters, area, *photo, labels, block, options.threads});
+  covers = place_covers(surroundings, {space, waters, *photo, labels, block, options.threads});
   for (const PlacedCover& cover : covers) covers_in[tile_at(cover.middle)].push_back(&cover);
   for (const PlacedLamp& lamp : lamps) lamps_in[tile_at({lamp.foot.x, lamp.foot.y})].push_back(&lamp);
 }
