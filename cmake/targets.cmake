@@ -47,7 +47,8 @@ function(orthodrive_test NAME)
   list(TRANSFORM A_DEPS PREPEND orthodrive::)
   add_executable(test_${NAME} ${SOURCES})
   target_include_directories(test_${NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-  target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
+  # What a test does itself is little: -O1 takes a quarter less time to compile than -O3.
+  target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS} $<$<CONFIG:Release>:-O1>)
   target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} orthodrive_test_paths
     GTest::gtest GTest::gmock GTest::gtest_main)
   if(NOT NAME STREQUAL core)  # gtest costs seconds a file: one precompiled header serves all tests

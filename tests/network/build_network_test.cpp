@@ -686,6 +686,48 @@ TEST(BuildNetwork, CarriagewaysDoNotLieOnEachOther) {
     }
 }
 
+TEST(BuildNetwork, DeadEndsStopBeforeASurfaceOfAnotherHeight) {
+  // A service road runs against the edge of a main road that it is not linked to, 3.5 m beside the axis.
+  const auto end_of = [](double above_m) {
+    const auto height = [](double z) { return [z](Vec2) { return z; }; };
+    const PathOptions main{.highway = "tertiary", .width_m = 7.0, .height = height(10.0)},
+        side{.osm_id = 2, .highway = "service", .width_m = 4.0, .height = height(10.0 + above_m)};
+    const roadquery::RoadMap map = build_network(network_of({make_path({{0, 0}, {200, 0}}, {1, 2}, main),
+                                                             make_path({{100, 60}, {100, 3}}, {3, 4}, side)}))
+                                       .map;
+    for (const roadquery::Road& road : map.roads)
+      if (road.osm_id == "2") return roadquery::reference_point(road, road.length).y - site_origin.y;
+    return 0.0;
+  };
+  EXPECT_NEAR(end_of(0.0), 3.0, 0.01) << "flush: goes on into it";
+  EXPECT_NEAR(end_of(0.2), 3.5 + 0.2 + 0.1, 0.26) << "a bank as wide as high, in steps of 25 cm";
+  EXPECT_NEAR(end_of(5.0), 3.0, 0.01) << "another level";
+}
+
+TEST(BuildNetwork, ABankStaysFreeBetweenRoadsWhoseEdgesDifferInHeight) {
+  // Side by side, edge at edge. What counts is where they meet, not their axes.
+  const auto width_of = [](double z, double banking) {
+    const PathOptions main{.highway = "tertiary",
+                           .width_m = 7.0,
+                           .height = [](Vec2) { return 10.0; },
+                           .banking = [banking](double) { return banking; }},
+        side{.osm_id = 2, .highway = "service", .width_m = 5.0, .height = [z](Vec2) { return z; }};
+    const roadquery::RoadMap map = build_network(network_of({make_path({{0, 0}, {200, 0}}, {1, 2}, main),
+                                                             make_path({{20, 6}, {180, 6}}, {3, 4}, side)}))
+                                       .map;
+    for (const roadquery::Road& road : map.roads)
+      if (road.osm_id == "2") {
+        const roadquery::Edges edges = roadquery::road_edges(road, 80.0);
+        return edges.left_t - edges.right_t;
+      }
+    return 0.0;
+  };
+  EXPECT_NEAR(width_of(10.0, 0.0), 5.0, 0.01);
+  EXPECT_NEAR(width_of(10.3, 0.0), 5.0 - 2.0 * (0.3 + 0.1), 0.06);
+  EXPECT_NEAR(width_of(10.0 + 3.5 * std::tan(0.06), 0.06), 5.0, 0.01) << "flush where they meet";
+  EXPECT_NEAR(width_of(10.0, 0.06), 5.0 - 2.0 * (3.5 * std::tan(0.06) + 0.1), 0.06);
+}
+
 TEST(BuildNetwork, OneWayRoadsBesideOthersKeepWhatACarNeeds) {
   // A service road of one direction, measured too wide, 4.3 m beside a main road: 3.5 + 2 m of half widths.
   const auto width_of = [](const roadquery::RoadMap& map, double along_m) {

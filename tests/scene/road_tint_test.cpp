@@ -53,6 +53,15 @@ TEST(RoadTint, goes_from_one_surface_to_the_next_without_a_step) {
     EXPECT_NEAR(tint.at({west_m + x, south_m + 100.0})[1], tint.at({west_m + x + 0.5, south_m + 100.0})[1], 0.02) << x;
 }
 
+TEST(RoadTint, asphalt_is_grey_where_the_photo_shows_sand_and_keeps_a_slight_hue) {
+  const LinearColor sand = {0.46F, 0.33F, 0.20F}, reddish = {0.22F, 0.20F, 0.18F};
+  const LinearColor grey = as_asphalt(sand);
+  EXPECT_NEAR(grey[0] + grey[1] + grey[2], sand[0] + sand[1] + sand[2], 1e-5);
+  EXPECT_NEAR((grey[0] - grey[2]) / grey[1], asphalt_chroma, 0.01);
+  EXPECT_EQ(as_asphalt(reddish), reddish);
+  EXPECT_EQ(as_asphalt({}), LinearColor{});
+}
+
 TEST(RoadTint, grey_where_nothing_is_known) {
   EXPECT_GT(tint_of(site_with_road()).at({west_m + 200.0, south_m + 400.0})[1], 0.0F);
   scene_test::Site site = site_with_road();

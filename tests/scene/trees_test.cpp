@@ -63,8 +63,12 @@ void expect_clear(const SceneLayout& layout) {
   std::vector<const MultiPolygon*> paved = {&layout.roads.polygons()};
   for (const scene::RoadLevel& deck : layout.decks) paved.push_back(&deck.polygons());
   MultiPolygon footprints;
-  for (const auto& building : layout.buildings) footprints.push_back(moved(building.footprint, building.middle));
-  paved.push_back(&footprints);
+  std::vector<double> roofs_m;
+  for (const auto& building : layout.buildings) {
+    footprints.push_back(moved(building.footprint, building.middle));
+    roofs_m.push_back(building.eaves_m.empty() ? 0.0 : std::ranges::max(building.eaves_m));
+  }
+  EXPECT_GT(std::ranges::max(roofs_m), 0.3);
   for (const PlacedTree& tree : layout.trees) {
     const Vec2 p{tree.foot.x, tree.foot.y};
     EXPECT_TRUE(layout.area.contains(p));
@@ -73,6 +77,10 @@ void expect_clear(const SceneLayout& layout) {
         ASSERT_FALSE(contains(polygon, p));
         ASSERT_GE(border_distance_m(p, polygon), tree.crown_radius_m + 0.29);
       }
+    }
+    for (std::size_t i = 0; i < footprints.size(); ++i) {
+      ASSERT_FALSE(contains(footprints[i], p));
+      ASSERT_GE(border_distance_m(p, footprints[i]), tree.crown_radius_m + roofs_m[i] + 0.29);
     }
   }
 }

@@ -109,9 +109,10 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   }
 
   const JunctionPlan junctions = plan_junctions(topology, geometry);
-  leave_room_beside(roads, topology, junctions, geometry);
-  const std::vector<std::vector<double>> cuts = cut_roads(roads, topology, geometry, junctions, options.driving_side);
+  std::vector<std::vector<double>> cuts = cut_roads(roads, topology, geometry, junctions, options.driving_side);
   ease_arms(roads, topology, junctions, cuts, geometry);
+  end_before_roads(roads, topology, junctions, geometry, cuts);
+  leave_room_beside(roads, topology, junctions, cuts, geometry);
   progress(0.9);
   result.map.name = options.name;
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);

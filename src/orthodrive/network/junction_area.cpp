@@ -11,8 +11,7 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double grid_m = 1e-3;
-constexpr double join_m = 1e-4;       // pieces that grow by so little join, several times as fast as by a union
-constexpr double arm_reach_m = 25.0;  // of the arms beside which a kerb begins: more than the largest radius
+constexpr double join_m = 1e-4;  // pieces that grow by so little join, several times as fast as by a union
 constexpr double overlap_m = 0.015, simplify_m = 0.005;  // the first holds the second and the millimetres of files
 constexpr double sliver_m = 0.05;                        // tips of corners narrower than twice this are left out
 constexpr double other_width_m = 15.0;                   // half the width of other roads, at most

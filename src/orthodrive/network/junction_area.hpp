@@ -9,6 +9,9 @@
 
 namespace orthodrive::network {
 
+/// Of the arms, outwards from the junction, beside which an area can lie: more than the largest kerb radius.
+constexpr double arm_reach_m = 25.0;
+
 /// A road as its junction sees it.
 struct JunctionRoads {
   std::vector<const roadquery::Road*> connecting;

@@ -153,7 +153,7 @@ FieldRoad under_connecting_roads(const FieldRoad& beside, const std::vector<Fiel
 std::vector<FieldRoad> field_roads(const RoadMap& map, const JunctionMembers& members, const std::vector<int>& straight,
                                    const FieldGrid& grid, const std::vector<char>& asked, Vec2 origin) {
   std::vector<FieldRoad> roads;
-  constexpr double reach_m = 20.0;
+  constexpr double reach_m = arm_reach_m + 2.0 * margin_m;  // nodes beyond the end of the area are asked for, too
   for (std::size_t k = 0; k < members.arms.size(); ++k) {
     const Road& road = map.roads[members.arms[k]];
     const double reach = std::min(reach_m, road.length), s0 = members.at_end[k] ? road.length - reach : 0.0;

@@ -27,12 +27,17 @@ double distance_to(Vec2 p, const Polygon& polygon) {
   return nearest;
 }
 
+/// How far a roof stands out over its walls.
+double roof_reach_m(const PlacedBuilding& building) {
+  return building.eaves_m.empty() ? 0.0 : std::ranges::max(building.eaves_m);
+}
+
 }  // namespace
 
 FreeSpace::FreeSpace(const Obstacles& obstacles) : obstacles_(obstacles) {
   std::vector<Box2> boxes;
   for (const PlacedBuilding& building : obstacles.buildings)
-    boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer));
+    boxes.push_back(bounds_of(moved(building.footprint, building.middle).outer).grown(roof_reach_m(building)));
   index_ = SpatialIndex(boxes);
 }
 
@@ -51,7 +56,8 @@ double FreeSpace::around(Vec2 p, double radius_m, const FreeOf& but) const {
   for (const std::uint32_t i : index_.near(p, free_m)) {
     if (i == but.besides) continue;
     const PlacedBuilding& building = obstacles_.buildings[i];
-    free_m = std::min(free_m, distance_to(p - building.middle, building.footprint));
+    const double away_m = distance_to(p - building.middle, building.footprint);
+    free_m = std::min(free_m, std::max(0.0, away_m - roof_reach_m(building)));
   }
   return free_m;
 }

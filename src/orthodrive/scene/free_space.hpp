@@ -1,5 +1,5 @@
 #pragma once
-// Where nothing stands: beside roads, decks, openings of the ground and buildings, in the area.
+// Where nothing stands: beside roads, decks, openings of the ground and buildings with their roofs, in the area.
 
 #include <limits>
 #include <span>

@@ -45,6 +45,15 @@ void sample_strip(const std::vector<CrossSection>& strip, const Photo& photo, Sa
 
 }  // namespace
 
+LinearColor as_asphalt(const LinearColor& color) {
+  const auto [low, high] = std::ranges::minmax(color);
+  const float mean = (color[0] + color[1] + color[2]) / 3.0F;
+  const float share = high > low ? std::min(1.0F, asphalt_chroma * mean / (high - low)) : 1.0F;
+  LinearColor grey{};
+  for (std::size_t c = 0; c < 3; ++c) grey[c] = mean + share * (color[c] - mean);
+  return grey;
+}
+
 std::optional<Rgb> pixel_at(const Photo& photo, Vec2 p) {
   const Vec2 at = photo.frame.pixel_from_world(p);
   const int col = static_cast<int>(std::floor(at.x)), row = static_cast<int>(std::floor(at.y));

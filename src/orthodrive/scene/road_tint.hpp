@@ -32,6 +32,11 @@ class RoadTint {
   std::map<std::array<int, 2>, LinearColor> cells_;
 };
 
+/// The colour of asphalt in a photo that shows something else there, for instance ground beside a road that the map has
+/// moved: as bright (mean of the channels), but channels differ by `asphalt_chroma` of the mean at most.
+[[nodiscard]] LinearColor as_asphalt(const LinearColor& color);
+constexpr float asphalt_chroma = 0.35F;
+
 using Rgb = std::array<std::uint8_t, 3>;
 /// Nothing beyond the photo and where it is not valid.
 [[nodiscard]] std::optional<Rgb> pixel_at(const Photo& photo, Vec2 p);

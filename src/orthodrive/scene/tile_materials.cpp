@@ -147,7 +147,10 @@ void add_road_materials(const SceneLayout& layout, Vec2 center, const MeshLanes&
       add_tile_place(i, road);
     }
     const bool is_seen = road.kind != MeshKind::tunnel_road;  // by the photo
-    road.colors.push_back(mesh_color(is_seen ? layout.tint.at(p) : tunnel_road_tint));
+    LinearColor tint = is_seen ? layout.tint.at(p) : tunnel_road_tint;
+    if (under != lanes.by_feature.end() && material_of(under->second.surface) == SurfaceMaterial::asphalt)
+      tint = as_asphalt(tint);
+    road.colors.push_back(mesh_color(tint));
   }
 }
 
