@@ -24,22 +24,39 @@ TEST_P(EveryTreeShape, has_height_and_crown_radius_of_1) {
   EXPECT_GE(low, -0.1F);
 }
 
-TEST_P(EveryTreeShape, is_a_small_mesh_of_triangles_that_look_outwards) {
+TEST_P(EveryTreeShape, is_a_small_mesh_of_triangles_with_an_area) {
   EXPECT_EQ(mesh.kind, MeshKind::tree);
   EXPECT_GE(mesh.indices.size() / 3, 60U);
   EXPECT_LE(mesh.indices.size() / 3, 330U);
-  double volume = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
     const auto at = [&](std::size_t k) {
       const auto& p = mesh.positions.at(mesh.indices[i + k]);
       return Vec3{p[0], p[1], p[2]};
     };
     const Vec3 a = at(0), u = at(1) - a, v = at(2) - a;
-    const Vec3 n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-    EXPECT_GT(std::hypot(n.x, n.y, n.z), 1e-5) << "a triangle without area";
-    volume += (a.x * n.x + a.y * n.y + a.z * n.z) / 6.0;
+    EXPECT_GT(std::hypot(u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x), 1e-5);
   }
-  EXPECT_GT(volume, 0.1);
+}
+
+/// Cards are lit as balls: normals look away from the trunk, whichever side of a card is seen.
+TEST_P(EveryTreeShape, is_lit_as_a_round_crown) {
+  int outwards = 0, far_from_trunk = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const auto &p = mesh.positions[i], &n = mesh.normals[i];
+    if (std::hypot(p[0], p[1]) < 0.75F) continue;
+    ++far_from_trunk;
+    if (p[0] * n[0] + p[1] * n[1] > 0.0F) ++outwards;
+  }
+  EXPECT_GT(far_from_trunk, 10);
+  EXPECT_GT(outwards, 0.9 * far_from_trunk);
+}
+
+TEST_P(EveryTreeShape, shows_parts_of_the_picture_of_leaves) {
+  ASSERT_EQ(mesh.parts.size(), 1U);
+  EXPECT_EQ(mesh.parts[0].material, SurfaceMaterial::leaves);
+  for (const auto& [u, v] : mesh.tile_uv) {
+    EXPECT_TRUE(u >= 0.0F && u <= 1.0F && v >= 0.0F && v <= 1.0F);
+  }
 }
 
 TEST_P(EveryTreeShape, has_all_that_a_vertex_needs) {

@@ -1,7 +1,7 @@
-// Trees are lumps of few triangles. Here they get leaves: the rim of a lump dissolves into the leaves of its texture, light
-// comes through, and the inside is dark.
+// Hedges and trees from afar are lumps of few triangles. Here they get leaves: the rim of a lump dissolves into the leaves of
+// its texture, light comes through, and the inside is dark. Trees near by have cards with leaves: they are lit likewise.
 
-import {CustomBlending, MeshLambertMaterial, OneFactor, type WebGLProgramParametersWithUniforms, ZeroFactor} from 'three';
+import {CustomBlending, DoubleSide, MeshLambertMaterial, OneFactor, type WebGLProgramParametersWithUniforms, ZeroFactor} from 'three';
 
 const fluff = 0.15; // lumps are drawn so much wider, because their rims are full of holes
 
@@ -31,7 +31,11 @@ function addLeaves(shader: WebGLProgramParametersWithUniforms): void {
     } else {
       diffuseColor.a = 1.0;
     }`);
-  // Leaves let light through, and face all ways.
+  lightThrough(shader);
+}
+
+/** Leaves let light through, and face all ways. */
+function lightThrough(shader: WebGLProgramParametersWithUniforms): void {
   replace(shader, 'fragmentShader', '#include <lights_lambert_pars_fragment>', `#include <lights_lambert_pars_fragment>
     void lightLeaves(const in IncidentLight light, const in vec3 position, const in vec3 n, const in vec3 view, const in vec3 coat,
                      const in LambertMaterial material, inout ReflectedLight reflectedLight) {
@@ -44,12 +48,32 @@ function addLeaves(shader: WebGLProgramParametersWithUniforms): void {
     #define RE_Direct lightLeaves`);
 }
 
+// The opacity decides how many samples of a pixel are drawn, and stays out of the picture: the page would shine through.
+const covered = {
+  alphaToCoverage: true,
+  blending: CustomBlending, blendSrc: OneFactor, blendDst: ZeroFactor, blendSrcAlpha: ZeroFactor, blendDstAlpha: OneFactor,
+} as const;
+
 export function foliageMaterial(): MeshLambertMaterial {
-  const material = new MeshLambertMaterial({
-    name: 'foliage', vertexColors: true, alphaToCoverage: true,
-    // The opacity decides how many samples of a pixel are drawn, and stays out of the picture: the page would shine through.
-    blending: CustomBlending, blendSrc: OneFactor, blendDst: ZeroFactor, blendSrcAlpha: ZeroFactor, blendDstAlpha: OneFactor,
-  });
+  const material = new MeshLambertMaterial({name: 'foliage', vertexColors: true, ...covered});
   material.onBeforeCompile = addLeaves;
+  return material;
+}
+
+/** Cards show both sides; both are lit as the crown that they belong to. */
+function addCards(shader: WebGLProgramParametersWithUniforms): void {
+  replace(shader, 'vertexShader', '#include <common>', '#include <common>\nvarying float leafy;');
+  replace(shader, 'vertexShader', '#include <begin_vertex>', '#include <begin_vertex>\nleafy = step(color.r, color.g);');
+  replace(shader, 'fragmentShader', '#include <common>', '#include <common>\nvarying float leafy;');
+  replace(shader, 'fragmentShader', '#include <normal_fragment_begin>', `
+    vec3 normal = normalize(vNormal);
+    vec3 nonPerturbedNormal = normal;`);
+  lightThrough(shader);
+}
+
+/** `alphaTest` is glTF's: what has less opacity is a hole. From afar the smaller pictures mix leaves and holes. */
+export function leavesMaterial(): MeshLambertMaterial {
+  const material = new MeshLambertMaterial({name: 'leaves', vertexColors: true, side: DoubleSide, alphaTest: 0.5, ...covered});
+  material.onBeforeCompile = addCards;
   return material;
 }

@@ -6,7 +6,7 @@ import {
   LoadingManager, Material, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
 } from 'three';
 
-import {foliageMaterial} from './foliage';
+import {foliageMaterial, leavesMaterial} from './foliage';
 import {tilesetUrl} from './site';
 import {withSky} from './sky_light';
 import {tileFeaturesPlugin} from './tile_features';
@@ -49,8 +49,9 @@ export class SurfaceMaterials {
   }
 
   private make(name: string): SurfaceMaterial {
-    const color = this.texture(`${name}_color.jpg`);
+    const color = this.texture(`${name}_color.${name === 'leaves' ? 'png' : 'jpg'}`);
     color.colorSpace = SRGBColorSpace;
+    if (name === 'leaves') return Object.assign(leavesMaterial(), {map: color});
     const normalMap = this.texture(`${name}_normal.jpg`);
     if (name === 'foliage') {
       for (const texture of [color, normalMap]) texture.repeat.setScalar(0.5);

@@ -136,13 +136,22 @@ class Materials {
     const SurfaceTexture inside = texture_of_ ? texture_of_(of) : SurfaceTexture{};
     const auto texture = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
       GltfJson image = {{"uri", material_file(of, picture)}};
-      if (texture_of_) image = {{"mimeType", "image/jpeg"}, {"bufferView", file_.add_bytes(encode_jpeg(rgb))}};
+      const bool png = of == SurfaceMaterial::leaves;
+      if (texture_of_)
+        image = {{"mimeType", png ? "image/png" : "image/jpeg"},
+                 {"bufferView", file_.add_bytes(png ? encode_png(rgb) : encode_jpeg(rgb))}};
       const int index = add_texture(std::move(image), linear_mipmap_linear, linear, repeat);
       return GltfJson{{"index", index}, {"texCoord", 1}};
     };
+    if (of == SurfaceMaterial::leaves)
+      return add(
+          {{"name", to_string(of)},
+           {"pbrMetallicRoughness", {{"baseColorTexture", texture("color", inside.color)}, {"metallicFactor", 0.0}}},
+           {"alphaMode", "MASK"},
+           {"doubleSided", true}});
     GltfJson material = {{"name", to_string(of)},
                          {"pbrMetallicRoughness",
-                          {{"baseColorTexture", texture("color", inside.color_rgb)},
+                          {{"baseColorTexture", texture("color", inside.color)},
                            {"metallicFactor", 0.0},
                            {"metallicRoughnessTexture", texture("roughness", inside.roughness)}}},
                          {"normalTexture", texture("normal", inside.normal_rgb)}};
@@ -439,17 +448,19 @@ void write_area_glb(const std::filesystem::path& path, std::span<const SceneTile
 }
 
 std::string material_file(SurfaceMaterial material, std::string_view picture) {
-  return fmt::format("materials/{}_{}.jpg", to_string(material), picture);
+  return fmt::format("materials/{}_{}.{}", to_string(material), picture,
+                     material == SurfaceMaterial::leaves ? "png" : "jpg");
 }
 
 void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const SurfaceTexture& texture) {
   const auto write = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
     const std::filesystem::path file = folder / material_file(material, picture);
     std::filesystem::create_directories(file.parent_path());
-    const auto bytes = encode_jpeg(rgb);
+    const auto bytes = material == SurfaceMaterial::leaves ? encode_png(rgb) : encode_jpeg(rgb);
     write_text_file(file, std::string(bytes.begin(), bytes.end()));
   };
-  write("color", texture.color_rgb);
+  write("color", texture.color);
+  if (material == SurfaceMaterial::leaves) return;
   write("normal", texture.normal_rgb);
   write("roughness", texture.roughness);
 }

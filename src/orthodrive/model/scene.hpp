@@ -93,13 +93,14 @@ enum class SurfaceMaterial : std::uint8_t {
   cladding,    ///< sheet metal, boards
   openings,    ///< doors, gates, shop windows: places in scene/facade_picture
   lane,        ///< asphalt that follows a lane, from its left border to its right one
+  leaves,      ///< trees: bark, and clusters of leaves with holes; places in scene/leaf_picture
 };
-constexpr std::size_t surface_material_count = 16;
+constexpr std::size_t surface_material_count = 17;
 /// The name of the glTF material and of its pictures.
 [[nodiscard]] constexpr std::string_view to_string(SurfaceMaterial material) {
   constexpr std::array<std::string_view, surface_material_count> names = {
-      "photo",  "asphalt",    "concrete", "setts", "gravel",    "ground",   "verge",    "paint",
-      "facade", "roof_tiles", "foliage",  "water", "balconies", "cladding", "openings", "asphalt_lane"};
+      "photo",      "asphalt", "concrete", "setts",     "gravel",   "ground",   "verge",        "paint", "facade",
+      "roof_tiles", "foliage", "water",    "balconies", "cladding", "openings", "asphalt_lane", "leaves"};
   return names[static_cast<std::size_t>(material)];
 }
 
@@ -150,9 +151,10 @@ struct InstancedMesh {
   std::vector<MeshInstance> instances;
 };
 
-/// Tileable pictures of a material, all of one size: x to the east, rows from the north.
+/// Pictures of a material, all of one size, tileable but for those that have places: x to the east, rows from the
+/// north. Leaves have their colour alone.
 struct SurfaceTexture {
-  Raster<std::uint8_t> color_rgb;   ///< sRGB
+  Raster<std::uint8_t> color;       ///< sRGB; of leaves with opacity, 0 or 255, as fourth channel
   Raster<std::uint8_t> normal_rgb;  ///< glTF: 0.5 (n + 1) of the unit normal, y to the north
   Raster<std::uint8_t> roughness;   ///< 3 channels as glTF wants them: roughness in the green one, blue (metal) is 0
 };

@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/scene/facade_picture.hpp"
+#include "orthodrive/scene/leaf_picture.hpp"
 #include "orthodrive/scene/srgb.hpp"
 
 namespace orthodrive::scene {
@@ -448,6 +449,7 @@ TexelAt texels_of(SurfaceMaterial material) {
     case SurfaceMaterial::lane:
       return lane_asphalt();
     case SurfaceMaterial::photo:
+    case SurfaceMaterial::leaves:
     case SurfaceMaterial::asphalt:
       break;
   }
@@ -460,6 +462,7 @@ std::uint8_t byte_of(double unit) { return static_cast<std::uint8_t>(255.0 * std
 
 SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
   assert(material != SurfaceMaterial::photo && size_px >= 64);
+  if (material == SurfaceMaterial::leaves) return {leaf_picture(size_px / 2), {}, {}};
   const TexelAt texel_at = texels_of(material);
   Raster<Texel> texels(size_px, size_px);
   double sum = 0.0;
@@ -483,7 +486,7 @@ SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px) {
       const double value = surface_texture_mean * (1.0 + texel.shade - mean);
       for (int channel = 0; channel < 3; ++channel) {
         const double hue = 1.0 + (1 - channel) * texel.warmth;
-        texture.color_rgb.at(col, row, channel) = srgb_byte(value * hue);
+        texture.color.at(col, row, channel) = srgb_byte(value * hue);
       }
       const double slope_x = (height_m(col + 1, row) - height_m(col - 1, row)) / step_m;
       const double slope_y = (height_m(col, row - 1) - height_m(col, row + 1)) / along_m;

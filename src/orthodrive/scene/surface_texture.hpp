@@ -13,8 +13,8 @@ constexpr double lane_texture_m = 14.0;
 constexpr double surface_texture_mean = 0.6;
 
 /// A picture of size_px (a power of two, at least 64) a side, the same for the same material and size. Grey but for a
-/// slight change of hue between stones; the mean of each linear channel is surface_texture_mean within 0.01. Not for
-/// SurfaceMaterial::photo.
+/// slight change of hue between stones; the mean of each linear channel is surface_texture_mean within 0.01. That of
+/// leaves (leaf_picture) has half as many pixels a side. Not for SurfaceMaterial::photo.
 [[nodiscard]] SurfaceTexture make_surface_texture(SurfaceMaterial material, int size_px = 1024);
 
 }  // namespace orthodrive::scene

@@ -10,8 +10,9 @@ namespace orthodrive::scene {
 enum class TreeShape : std::uint8_t { round, oval, spreading, birch, spruce, pine, cypress, shrub };
 constexpr std::size_t tree_shape_count = 8;
 
-/// A tree of height 1 and crown radius 1, with its foot in (0, 0, 0): a trunk and lumps of foliage with smooth normals,
-/// 60 to 330 triangles. Colours are those of a mean green and of bark; instances tint them.
+/// A tree of height 1 and crown radius 1, with its foot in (0, 0, 0): a trunk, and cards with leaves around dark lumps
+/// of foliage, lit as balls are; 60 to 330 triangles. Colours are those of a mean green and of bark; instances tint
+/// them.
 [[nodiscard]] const TriMesh& tree_mesh(TreeShape shape);
 
 /// Linear colour of the foliage in tree_mesh: what a tint of 1 shows.
