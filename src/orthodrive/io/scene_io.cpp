@@ -15,7 +15,7 @@
 namespace orthodrive::io {
 namespace {
 
-constexpr int photo_jpeg_quality = 80;  // the photo is about a third of all bytes
+constexpr int photo_jpeg_quality = 79;  // the photo is about a third of all bytes
 constexpr int position_exponent = -10;  // the scene's plan grid: 1/1024 m
 constexpr int place_exponent = -11;     // of tileable textures: half a texel of 4 mm in 4 m
 constexpr int instance_exponent = -7;   // of copies: 8 mm, in turns half a degree, in colours a hundredth
@@ -283,7 +283,10 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   if (!mesh.uv.empty()) attributes["TEXCOORD_0"] = file.add_shares(mesh.uv);
   if (!mesh.tile_uv.empty()) attributes["TEXCOORD_1"] = file.add_numbers(mesh.tile_uv, place_exponent);
   if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
-  if (!mesh.tile_uv.empty()) {
+  const auto has_normal_map = [](const MeshPart& part) {
+    return part.material != SurfaceMaterial::photo && part.material != SurfaceMaterial::leaves;
+  };
+  if (!mesh.tile_uv.empty() && std::ranges::any_of(mesh.parts, has_normal_map)) {
     std::vector<std::array<float, 4>> tangents = tangents_of(mesh);
     for (auto& t : tangents) t = {t[0], t[2], -t[1], t[3]};
     attributes["TANGENT"] = file.add_tangents(tangents);

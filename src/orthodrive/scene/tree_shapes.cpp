@@ -32,7 +32,7 @@ struct Row {
 /// Where a body stands, how uneven it is and what it shows.
 struct Body {
   Vec2 at;
-  int columns = 6;
+  int columns = 5;
   double bumps = 0.0;  ///< of the radius
   LinearColor color = mean_foliage;
   PictureBox picture = dense_leaves_box;
@@ -42,7 +42,7 @@ struct Body {
 struct Lump {
   Vec3 middle;
   double radius = 1.0, half_height = 0.5;
-  int cards = 14;
+  int cards = 10;
   PictureBox picture = broad_leaves_box;
 };
 
@@ -79,7 +79,7 @@ class TreeBuilder {
       const auto askew = [&] { return random_.uniform(-0.45, 0.45); };
       const Vec3 normal = unit(outwards + Vec3{askew(), askew(), askew()});
       const Vec3 u = unit(cross3(normal, unit({askew(), askew(), 1.0}))), v = cross3(normal, u);
-      const double half_m = random_.uniform(0.62, 0.78) * std::min(size.x, 1.25 * size.z);
+      const double half_m = random_.uniform(0.72, 0.86) * std::min(size.x, 1.25 * size.z);
       const double inside = random_.uniform(0.66, 0.82);
       const Vec3 middle = in_metres(lump.middle) + Vec3{way.x * size.x, way.y * size.y, way.z * size.z} * inside;
       const double shade = 0.86 + 0.26 * up + random_.uniform(-0.08, 0.08);
@@ -189,58 +189,58 @@ TriMesh make_tree(TreeShape shape) {
   switch (shape) {
     case TreeShape::round:
       tree.add_trunk(0.5, 0.07);
-      tree.add_lump({{0.1, -0.15, 0.7}, 0.75, 0.28, 16});
+      tree.add_lump({{0.1, -0.15, 0.7}, 0.75, 0.28, 11});
       tree.add_lump({{0.4, 0.25, 0.52}, 0.6, 0.22});
       tree.add_lump({{-0.42, 0.12, 0.54}, 0.6, 0.23});
       tree.add_lump({{0.0, -0.4, 0.48}, 0.58, 0.2});
       break;
     case TreeShape::oval:
       tree.add_trunk(0.4, 0.06);
-      tree.add_lump({{0.1, 0.05, 0.4}, 0.82, 0.2, 18});
-      tree.add_lump({{-0.12, 0.1, 0.6}, 0.8, 0.22, 18});
-      tree.add_lump({{0.05, -0.1, 0.8}, 0.58, 0.18, 16});
+      tree.add_lump({{0.1, 0.05, 0.4}, 0.82, 0.2, 13});
+      tree.add_lump({{-0.12, 0.1, 0.6}, 0.8, 0.22, 13});
+      tree.add_lump({{0.05, -0.1, 0.8}, 0.58, 0.18, 11});
       break;
     case TreeShape::spreading:
       tree.add_trunk(0.55, 0.09);
       tree.add_lump({{0.42, 0.1, 0.58}, 0.58, 0.24});
       tree.add_lump({{-0.38, 0.3, 0.63}, 0.58, 0.26});
       tree.add_lump({{-0.1, -0.42, 0.56}, 0.57, 0.24});
-      tree.add_lump({{0.0, 0.0, 0.77}, 0.6, 0.21, 16});
+      tree.add_lump({{0.0, 0.0, 0.77}, 0.6, 0.21, 11});
       break;
     case TreeShape::birch:
       tree.add_trunk(0.7, 0.045, birch_bark);
-      tree.add_lump({{0.12, -0.1, 0.42}, 0.78, 0.18, 16, small_leaves_box});
-      tree.add_lump({{-0.15, 0.12, 0.6}, 0.75, 0.19, 16, small_leaves_box});
-      tree.add_lump({{0.05, 0.0, 0.8}, 0.52, 0.18, 14, small_leaves_box});
+      tree.add_lump({{0.12, -0.1, 0.42}, 0.78, 0.18, 11, small_leaves_box});
+      tree.add_lump({{-0.15, 0.12, 0.6}, 0.75, 0.19, 11, small_leaves_box});
+      tree.add_lump({{0.05, 0.0, 0.8}, 0.52, 0.18, 10, small_leaves_box});
       break;
     case TreeShape::spruce: {
       tree.add_trunk(0.9, 0.07);
-      tree.add_body({{0.0, 0.05, 0.35}, {0.42, 0.16, 0.45}, {0.0, 0.97, 0.75}}, {.columns = 7});
-      constexpr int rings = 9;
+      tree.add_body({{0.0, 0.05, 0.35}, {0.42, 0.16, 0.45}, {0.0, 0.97, 0.75}}, {.columns = 6});
+      constexpr int rings = 8;
       for (int i = 0; i < rings; ++i) {
         const double share = static_cast<double>(i) / rings;
-        tree.add_twigs(0.16 + 0.8 * share, 1.0 - 0.9 * share, 0.075 * (1.0 - 0.6 * share), 8);
+        tree.add_twigs(0.16 + 0.8 * share, 1.0 - 0.9 * share, 0.075 * (1.0 - 0.6 * share), 7);
       }
       break;
     }
     case TreeShape::pine:
       tree.add_trunk(0.8, 0.08);
-      tree.add_lump({{0.12, -0.1, 0.82}, 0.78, 0.16, 18, small_leaves_box});
-      tree.add_lump({{-0.22, 0.2, 0.68}, 0.7, 0.12, 16, small_leaves_box});
-      tree.add_lump({{0.35, 0.1, 0.56}, 0.5, 0.09, 12, small_leaves_box});
+      tree.add_lump({{0.12, -0.1, 0.82}, 0.78, 0.16, 13, small_leaves_box});
+      tree.add_lump({{-0.22, 0.2, 0.68}, 0.7, 0.12, 11, small_leaves_box});
+      tree.add_lump({{0.35, 0.1, 0.56}, 0.5, 0.09, 9, small_leaves_box});
       break;
     case TreeShape::cypress:
       tree.add_trunk(0.15, 0.1);
-      tree.add_lump({{0.0, 0.0, 0.26}, 0.9, 0.22, 16, small_leaves_box});
-      tree.add_lump({{0.05, 0.03, 0.48}, 0.82, 0.22, 16, small_leaves_box});
-      tree.add_lump({{-0.03, 0.0, 0.68}, 0.6, 0.2, 14, small_leaves_box});
-      tree.add_lump({{0.0, 0.0, 0.86}, 0.35, 0.14, 10, small_leaves_box});
+      tree.add_lump({{0.0, 0.0, 0.26}, 0.9, 0.22, 11, small_leaves_box});
+      tree.add_lump({{0.05, 0.03, 0.48}, 0.82, 0.22, 11, small_leaves_box});
+      tree.add_lump({{-0.03, 0.0, 0.68}, 0.6, 0.2, 10, small_leaves_box});
+      tree.add_lump({{0.0, 0.0, 0.86}, 0.35, 0.14, 8, small_leaves_box});
       break;
     case TreeShape::shrub:
       tree.add_trunk(0.2, 0.06);
-      tree.add_lump({{0.0, 0.0, 0.45}, 0.8, 0.45, 18, small_leaves_box});
-      tree.add_lump({{0.35, 0.3, 0.32}, 0.55, 0.34, 12, small_leaves_box});
-      tree.add_lump({{-0.35, -0.2, 0.3}, 0.5, 0.32, 12, small_leaves_box});
+      tree.add_lump({{0.0, 0.0, 0.45}, 0.8, 0.45, 13, small_leaves_box});
+      tree.add_lump({{0.35, 0.3, 0.32}, 0.55, 0.34, 9, small_leaves_box});
+      tree.add_lump({{-0.35, -0.2, 0.3}, 0.5, 0.32, 9, small_leaves_box});
       break;
   }
   return tree.finish();
