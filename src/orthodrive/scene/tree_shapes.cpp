@@ -82,7 +82,7 @@ class TreeBuilder {
       const double half_m = random_.uniform(0.72, 0.86) * std::min(size.x, 1.25 * size.z);
       const double inside = random_.uniform(0.66, 0.82);
       const Vec3 middle = in_metres(lump.middle) + Vec3{way.x * size.x, way.y * size.y, way.z * size.z} * inside;
-      const double shade = 0.86 + 0.26 * up + random_.uniform(-0.08, 0.08);
+      const double shade = 0.98 + 0.26 * up + random_.uniform(-0.08, 0.08);
       add_card({middle - u * half_m - v * half_m, middle + u * half_m - v * half_m, middle + u * half_m + v * half_m,
                 middle - u * half_m + v * half_m},
                in_metres(lump.middle), shade, lump.picture);
@@ -98,9 +98,9 @@ class TreeBuilder {
       const Vec3 out{std::cos(turn), std::sin(turn), 0.0}, across{-out.y, out.x, 0.0};
       const Vec3 root = in_metres({0.0, 0.0, z + lift}),
                  tip = in_metres(out * reach + Vec3{0.0, 0.0, z + lift - droop});
-      const Vec3 half = across * (0.42 * meant_radius_m * reach);
+      const Vec3 half = across * (0.56 * meant_radius_m * reach);
       add_card({root - half, tip - half, tip + half, root + half}, in_metres({0.0, 0.0, z - 0.25}),
-               0.85 + 0.25 * z + random_.uniform(-0.08, 0.08), needles_box);
+               0.95 + 0.25 * z + random_.uniform(-0.08, 0.08), needles_box);
     }
   }
 
@@ -215,11 +215,11 @@ TriMesh make_tree(TreeShape shape) {
       break;
     case TreeShape::spruce: {
       tree.add_trunk(0.9, 0.07);
-      tree.add_body({{0.0, 0.05, 0.35}, {0.42, 0.16, 0.45}, {0.0, 0.97, 0.75}}, {.columns = 6});
-      constexpr int rings = 8;
+      tree.add_body({{0.0, 0.05, 0.35}, {0.4, 0.14, 0.5}, {0.0, 0.97, 0.75}}, {.columns = 6});
+      constexpr int rings = 9;
       for (int i = 0; i < rings; ++i) {
         const double share = static_cast<double>(i) / rings;
-        tree.add_twigs(0.16 + 0.8 * share, 1.0 - 0.9 * share, 0.075 * (1.0 - 0.6 * share), 7);
+        tree.add_twigs(0.16 + 0.8 * share, 1.0 - 0.9 * share, 0.11 * (1.0 - 0.5 * share), 6);
       }
       break;
     }
