@@ -61,6 +61,15 @@ TriMesh in_drawing_order(const TriMesh& mesh) {
   return ordered;
 }
 
+/// Leaves have holes, which JPEG cannot hold, and their colour alone.
+bool has_color_alone(SurfaceMaterial material) { return material == SurfaceMaterial::leaves; }
+bool has_normal_map(SurfaceMaterial material) {
+  return material != SurfaceMaterial::photo && !has_color_alone(material);
+}
+std::vector<std::uint8_t> encode_picture(const Raster<std::uint8_t>& picture) {
+  return picture.channels == 4 ? encode_png(picture) : encode_jpeg(picture);
+}
+
 using TextureOf = std::function<SurfaceTexture(SurfaceMaterial)>;
 
 /// The indices of all materials and pictures of a file.
@@ -136,14 +145,13 @@ class Materials {
     const SurfaceTexture inside = texture_of_ ? texture_of_(of) : SurfaceTexture{};
     const auto texture = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
       GltfJson image = {{"uri", material_file(of, picture)}};
-      const bool png = of == SurfaceMaterial::leaves;
       if (texture_of_)
-        image = {{"mimeType", png ? "image/png" : "image/jpeg"},
-                 {"bufferView", file_.add_bytes(png ? encode_png(rgb) : encode_jpeg(rgb))}};
+        image = {{"mimeType", has_color_alone(of) ? "image/png" : "image/jpeg"},
+                 {"bufferView", file_.add_bytes(encode_picture(rgb))}};
       const int index = add_texture(std::move(image), linear_mipmap_linear, linear, repeat);
       return GltfJson{{"index", index}, {"texCoord", 1}};
     };
-    if (of == SurfaceMaterial::leaves)
+    if (has_color_alone(of))
       return add(
           {{"name", to_string(of)},
            {"pbrMetallicRoughness", {{"baseColorTexture", texture("color", inside.color)}, {"metallicFactor", 0.0}}},
@@ -283,10 +291,7 @@ GltfJson add_vertices(GlbFile& file, const TriMesh& mesh, double origin_m) {
   if (!mesh.uv.empty()) attributes["TEXCOORD_0"] = file.add_shares(mesh.uv);
   if (!mesh.tile_uv.empty()) attributes["TEXCOORD_1"] = file.add_numbers(mesh.tile_uv, place_exponent);
   if (mesh.uv.empty()) attributes["TEXCOORD_0"] = attributes.at("TEXCOORD_1");
-  const auto has_normal_map = [](const MeshPart& part) {
-    return part.material != SurfaceMaterial::photo && part.material != SurfaceMaterial::leaves;
-  };
-  if (!mesh.tile_uv.empty() && std::ranges::any_of(mesh.parts, has_normal_map)) {
+  if (!mesh.tile_uv.empty() && std::ranges::any_of(mesh.parts, has_normal_map, &MeshPart::material)) {
     std::vector<std::array<float, 4>> tangents = tangents_of(mesh);
     for (auto& t : tangents) t = {t[0], t[2], -t[1], t[3]};
     attributes["TANGENT"] = file.add_tangents(tangents);
@@ -451,19 +456,18 @@ void write_area_glb(const std::filesystem::path& path, std::span<const SceneTile
 }
 
 std::string material_file(SurfaceMaterial material, std::string_view picture) {
-  return fmt::format("materials/{}_{}.{}", to_string(material), picture,
-                     material == SurfaceMaterial::leaves ? "png" : "jpg");
+  return fmt::format("materials/{}_{}.{}", to_string(material), picture, has_color_alone(material) ? "png" : "jpg");
 }
 
 void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const SurfaceTexture& texture) {
   const auto write = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
     const std::filesystem::path file = folder / material_file(material, picture);
     std::filesystem::create_directories(file.parent_path());
-    const auto bytes = material == SurfaceMaterial::leaves ? encode_png(rgb) : encode_jpeg(rgb);
+    const auto bytes = encode_picture(rgb);
     write_text_file(file, std::string(bytes.begin(), bytes.end()));
   };
   write("color", texture.color);
-  if (material == SurfaceMaterial::leaves) return;
+  if (has_color_alone(material)) return;
   write("normal", texture.normal_rgb);
   write("roughness", texture.roughness);
 }
