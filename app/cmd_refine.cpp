@@ -51,6 +51,8 @@ void add_refine(CLI::App& app, Context& context) {
                   "label map of `orthodrive segment`: gives area and CRS; not for mrf");
   cmd->add_option("--road-probability", command->files.road_probability,
                   "of `orthodrive segment --road-probability`, on the grid of the labels: how sure each pixel is");
+  cmd->add_option("--alignment", command->files.alignment,
+                  "of `orthodrive segment --alignment`: where a network that sees the map has the roads");
   cmd->add_option("-o,--output", command->files.roads, "refined roads (GeoPackage)")->required();
   cmd->add_option(
          "--method", command->method,

@@ -26,6 +26,11 @@ void add_segment(CLI::App& app, Context& context) {
                   "also write the probability of road, whatever the label (GeoTIFF, 0..255): for `refine`");
   cmd->add_option("--model", command->files.model, "name in the models folder or a .safetensors file")
       ->capture_default_str();
+  cmd->add_option("--osm", command->files.osm,
+                  "OpenStreetMap roads of the photo, for models that see the map beside it; may be repeated");
+  cmd->add_option("--alignment", command->files.alignment,
+                  "also write where such a model sees the map's roads (CSV): for `refine`")
+      ->needs("--osm");
   cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
   cmd->add_option("--crf-iterations", command->options.crf_iterations, "mean-field iterations; 0: as trained")
       ->check(CLI::Range(0, 100));

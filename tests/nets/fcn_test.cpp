@@ -6,6 +6,7 @@
 
 #include "nets/shipped_model.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
 
@@ -19,24 +20,32 @@ std::vector<std::uint8_t> random_image(int width, int height, std::uint64_t seed
   return rgb;
 }
 
+std::vector<std::uint8_t> random_map(int width, int height, std::uint64_t seed) {
+  std::vector<std::uint8_t> map = random_image(width, height, seed);
+  map.resize(static_cast<std::size_t>(map_raster_channels * width * height), 7);
+  return map;
+}
+
 NetworkParams random_params(const NetworkGraph& graph) {
   TensorFile file = start_weights(graph, {}, 3).file;
   Random random(4);
   for (auto& [name, tensor] : file.tensors)  // scores start at zero: give them something to say
-    if (name.starts_with("score") || name.starts_with("head"))
+    if (name.starts_with("score") || name.starts_with("head") || name.starts_with("align_out"))
       for (float& v : tensor.values) v = static_cast<float>(0.05 * random.normal());
   return params_from_file(graph, file, "random");
 }
 
 /// Padded at a border far away, a window without any padding sees the same: GoogLeNet has every kind of layer.
 TEST(Forward, without_padding_equals_the_inside_of_a_padded_image) {
-  for (const char* name : {"googlenet-8s", "mobilenetv2-s16-fpn2", "mobilenetv2-s32-fpn2"}) {
+  for (const char* name :
+       {"googlenet-8s", "mobilenetv2-s16-fpn2", "mobilenetv2-s32-fpn2", "mobilenetv2-s32-fpn2-map"}) {
     const NetworkGraph graph = make_network(name, 4);
     NetworkParams params = random_params(graph);
     const int margin = receptive_field(graph).margin_px(),
               size = 32 * ((2 * margin + 64) / 32 + 1) + graph.size_remainder;
     const std::vector<std::uint8_t> rgb = random_image(size, size, 1);
-    const at::Tensor image = image_tensor(graph.input, rgb.data(), 1, size, size);
+    const std::vector<std::uint8_t> map = random_map(size, size, 2);
+    const at::Tensor image = input_tensor(graph, {rgb.data(), map.data()}, 1, size, size);
     const at::NoGradGuard no_grad;
     const Scores padded = forward_padded(graph, params, image, {});
     const CellRange rows{margin + 3, margin + 40}, cols{margin + 8, margin + 21};
@@ -62,7 +71,7 @@ TEST(InferenceNetwork, a_core_is_the_same_wherever_it_is_cut_from) {
                           static_cast<std::uint64_t>(c)) >>
               56));
     std::vector<float> scores(static_cast<std::size_t>(width * height * 4));
-    network.predict(rgb.data(), {col, row, width, height}, 1, scores.data());
+    network.predict({.rgb = rgb.data()}, {col, row, width, height}, 1, scores.data());
     return scores;
   };
   const std::vector<float> whole = part(-5, 100001, 40, 30), inner = part(12, 100010, 9, 7);
@@ -88,7 +97,7 @@ TEST(InferenceNetwork, shipped_model_sees_as_far_as_its_margin) {
   std::vector<std::uint8_t> rgb = random_image(size, size, 2);
   const auto predict = [&] {
     std::vector<float> p(16 * 16 * 8);
-    network.predict(rgb.data(), core, 1, p.data());
+    network.predict({.rgb = rgb.data()}, core, 1, p.data());
     return p;
   };
   const std::vector<float> before = predict();
@@ -118,8 +127,8 @@ TEST(InferenceNetwork, finer_scores_are_interpolated) {
       inner.insert(inner.end(), rgb.begin() + 3 * (y * width + 1), rgb.begin() + 3 * ((y + 1) * width - 1));
     std::vector<float> coarse(static_cast<std::size_t>(around.width * around.height * 4)),
         fine(static_cast<std::size_t>(4 * rows * cols * 4));
-    network.predict(rgb.data(), around, 1, coarse.data());
-    network.predict(inner.data(), core, 2, fine.data());
+    network.predict({.rgb = rgb.data()}, around, 1, coarse.data());
+    network.predict({.rgb = inner.data()}, core, 2, fine.data());
     double mean = 0.0;  // four fine pixels around a coarse one average to nearly it, whatever is interpolated
     for (int y = 0; y < 2 * rows; ++y)
       for (int x = 0; x < 2 * cols; ++x)
@@ -141,6 +150,37 @@ TEST(InferenceNetwork, finer_scores_are_interpolated) {
     float largest = 0.0F;
     for (const float v : coarse) largest = std::max(largest, std::abs(v));
     EXPECT_LT(mean / static_cast<double>(fine.size()), 0.05 * largest) << name;
+  }
+}
+
+/// A network that sees a map begins as the one whose weights it takes: whatever the map shows, the class scores are
+/// those.
+TEST(InferenceNetwork, with_a_map_begins_as_the_one_without) {
+  const NetworkGraph plain = make_network("mobilenetv2-s32-fpn2", 4),
+                     mapped = make_network("mobilenetv2-s32-fpn2-map", 4);
+  const NetworkParams params = random_params(plain);
+  const WeightsSource source{"plain", file_from_params(plain, params, TensorType::f32)};
+  const TensorFile start = start_weights(mapped, {&source, 1}, 5).file;  // it says nothing about the map yet
+  const InferenceNetwork first(plain, params), second(mapped, params_from_file(mapped, start, "start"));
+  const int margin = second.margin_px();
+  ASSERT_GE(margin, first.margin_px());
+  const PixelBox core{64, 32, 40, 24}, seen = core.grown(margin - first.margin_px());  // what the first decides of it
+  const int width = core.width + 2 * margin, height = core.height + 2 * margin;
+  const std::vector<std::uint8_t> rgb = random_image(width, height, 6), map = random_map(width, height, 7);
+  std::vector<float> a(static_cast<std::size_t>(seen.width * seen.height * first.output_channels())),
+      b(static_cast<std::size_t>(core.width * core.height * second.output_channels())), c(b.size());
+  first.predict({.rgb = rgb.data()}, seen, 1, a.data());
+  second.predict({rgb.data(), map.data()}, core, 1, b.data());
+  second.predict({.rgb = rgb.data()}, core, 1, c.data());
+  EXPECT_EQ(second.output_channels(), 4 + alignment_channels);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(core.width * core.height); ++i) {
+    const auto width = static_cast<std::size_t>(core.width), more = static_cast<std::size_t>(core.col - seen.col);
+    const std::size_t same = (i / width + more) * static_cast<std::size_t>(seen.width) + i % width + more;
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(b[(4 + alignment_channels) * i + k], a[4 * same + k], 1e-4);
+      EXPECT_NEAR(c[(4 + alignment_channels) * i + k], a[4 * same + k], 1e-4);
+    }
+    for (std::size_t k = 4; k < 4 + alignment_channels; ++k) EXPECT_EQ(c[(4 + alignment_channels) * i + k], 0.0F);
   }
 }
 

@@ -13,6 +13,9 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/nets/model_metadata.hpp"
+#include "orthodrive/nets/net_surgery.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 
@@ -312,6 +315,53 @@ TEST(ResamplePhoto, pixels_without_photo_do_not_colour_their_neighbours) {
   EXPECT_EQ(half.rgb.at(7, 10, 1), no_photo_value);
   EXPECT_EQ(half.valid.at(8, 10), 1);
   EXPECT_EQ(half.rgb.at(8, 10, 1), 100);
+}
+
+/// A network that sees the map, with random weights where the map and the alignment come in.
+SegmentModel model_that_sees_the_map() {
+  const NetworkGraph graph = make_network("mobilenetv2-s32-fpn2-map", 8);
+  TensorFile file = start_weights(graph, {}, 3).file;
+  Random random(4);
+  for (auto& [name, tensor] : file.tensors)
+    if (name.starts_with("head") || name.starts_with("align_out"))
+      for (float& v : tensor.values) v = static_cast<float>(0.1 * random.normal());
+  file.metadata = format_model_metadata({graph.architecture, default_class_table(), 0.5, 0.4});
+  return load_model(file, "random");
+}
+
+TEST(SegmentMosaic, alignments_do_not_depend_on_windows_or_threads) {
+  const Photo photo = painted_photo(300, 200, 0.5);
+  const SegmentModel model = model_that_sees_the_map();
+  const Polyline line{{500000.0, 6399940.0}, {500070.0, 6399930.0}, {500150.0, 6399945.0}};
+  const RoadMap map({{line, 4.0}});
+  std::vector<Vec2> places;
+  for (const double s : places_along(length_m(line))) places.push_back(point_at(line, s));
+  places.push_back({500300.0, 6399940.0});  // beside the photo
+  const auto run = [&](int window_px, int threads, const RoadMap* seen) {
+    return segment_mosaic(source_of(photo), model, [](const PixelBox&, const LabelledPixels&) {},
+                          {.window_px = window_px, .threads = threads, .map = seen, .places = places})
+        .alignments;
+  };
+  const auto one = run(1 << 20, 1, &map), many = run(61, 2, &map), without = run(1 << 20, 1, nullptr);
+  ASSERT_EQ(one.size(), places.size());
+  double changed_m = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_NEAR(one[i].displacement_m.x, many[i].displacement_m.x, 0.0011) << i;
+    EXPECT_NEAR(one[i].displacement_m.y, many[i].displacement_m.y, 0.0011) << i;
+    EXPECT_NEAR(one[i].half_width_m, many[i].half_width_m, 0.0011) << i;
+    changed_m = std::max(changed_m, length(one[i].displacement_m - without[i].displacement_m));
+  }
+  EXPECT_GT(changed_m, 0.01);  // the map is seen
+  EXPECT_GT(one.front().sigma_m, 0.0);
+  EXPECT_EQ(one.back().sigma_m, 0.0);  // no photo, nothing said
+}
+
+TEST(SegmentMosaic, a_model_without_a_map_tells_no_alignments) {
+  const Photo photo = painted_photo(100, 60, 0.5);
+  const std::vector<Vec2> places{{500010.0, 6399980.0}};
+  const SegmentSummary summary = segment_mosaic(source_of(photo), shipped_model(),
+                                                [](const PixelBox&, const LabelledPixels&) {}, {.places = places});
+  EXPECT_TRUE(summary.alignments.empty());
 }
 
 }  // namespace

@@ -74,6 +74,38 @@ TEST(Trainer, jaccard_weight_adds_to_the_loss_and_changes_the_step) {
   EXPECT_NE(weights_full, weights_without);
 }
 
+/// What reads the map learns; all else, running statistics too, stays as it was.
+TEST(Trainer, alignment_only_leaves_the_classes_as_they_are) {
+  ModelMetadata metadata = default_metadata();
+  metadata.architecture += "-map";
+  const std::vector<WeightsSource> sources{{"fresh", fresh_weights()}};
+  const TensorFile start = start_weights(make_network(metadata.architecture, 8), sources, 1).file;
+  TrainOptions options = toy_options();
+  options.steps = 40, options.decay_from_step = 40, options.freeze_norm_from_step = 100;
+  options.alignment_only = true;
+  options.kept_crf = reference_crf(8);
+  Trainer trainer(start, "fresh", metadata, options);
+  const std::vector<TrainingScene> scenes{toy_scene()};
+  double first = 0.0, last = 0.0;
+  for (int i = 0; i < 40; ++i) (i < 10 ? first : last) += trainer.advance(scenes) * (i < 10 || i >= 30 ? 1.0 : 0.0);
+  EXPECT_LT(last, first - 1.0);  // of ten steps each
+  const TensorFile end = trainer.weights();
+  int changed = 0;
+  for (const auto& [name, tensor] : start.tensors) {
+    const bool of_map = name.starts_with("map_") || name.starts_with("align_");
+    const bool same = end.tensors.at(name).values == tensor.values;
+    if (!of_map) EXPECT_TRUE(same) << name;
+    changed += of_map && !same;
+  }
+  EXPECT_GT(changed, 30);
+  EXPECT_TRUE(read_crf(trainer.model_file(), 8, "model"));
+  options.alignment_only = false;
+  Trainer classes(start, "fresh", metadata, options);
+  static_cast<void>(classes.advance(scenes));
+  EXPECT_EQ(classes.weights().tensors.at("align_out/kernel").values, start.tensors.at("align_out/kernel").values);
+  EXPECT_NE(classes.weights().tensors.at("head/kernel").values, start.tensors.at("head/kernel").values);
+}
+
 TEST(Trainer, resumed_run_gives_the_same_weights) {
   const std::vector<TrainingScene> scenes{toy_scene()};
   Trainer straight = toy_trainer();

@@ -72,6 +72,17 @@ def paint(name, site, given):
     return {"labels": labels, "probability": probability}
 
 
+def drawn_truth(name, folder):
+    """The drawn carriageways of a town, where they were drawn, and what the map lacks there: GeoJSON files by part."""
+    drawn = {}
+    for part in ("", "_area", "_unmapped"):
+        features = json.loads((ROOT / f"models/truth/carriageways{part}.geojson").read_text())["features"]
+        of = lambda p: next(p[k] for k in ("piece", "id", "of") if p.get(k) is not None)
+        drawn[part] = folder / f"carriageways{part}.geojson"
+        drawn[part].write_text(json.dumps({"type": "FeatureCollection", "features": [f for f in features if of(f["properties"]).startswith(name[0])]}, ensure_ascii=False))
+    return drawn
+
+
 class Measuring:
     """Runs methods and scores them, keeping each result as it comes."""
 
@@ -115,12 +126,7 @@ class Measuring:
         site = self.out / name
         site.mkdir(parents=True, exist_ok=True)
         given = {"photo": PHOTOS[name], **segment(self.tool, PHOTOS[name], site), "osm": DATA / name / "roads.osm"}
-        drawn = {}
-        for part in ("", "_area", "_unmapped"):
-            features = json.loads((ROOT / f"models/truth/carriageways{part}.geojson").read_text())["features"]
-            of = lambda p: next(p[k] for k in ("piece", "id", "of") if p.get(k) is not None)
-            drawn[part] = site / f"carriageways{part}.geojson"
-            drawn[part].write_text(json.dumps({"type": "FeatureCollection", "features": [f for f in features if of(f["properties"]).startswith(name[0])]}, ensure_ascii=False))
+        drawn = drawn_truth(name, site)
         moved = site / "disturbed.osm"
         disturb(given["osm"], moved)
         region = ["--area", drawn["_area"], "--ignore", drawn["_unmapped"]]

@@ -25,6 +25,7 @@ using NetworkParams =
 struct TrainingMode {
   bool update_batch_statistics = false;  ///< batch norm uses and updates the batch's statistics
   bool dropout = false;                  ///< from torch's default generator
+  bool of_map_only = false;              ///< update_batch_statistics of the layers of the map alone
 };
 
 /// Class scores for the pixels of a window's inner part.
@@ -72,15 +73,26 @@ struct FusionPlan;
 [[nodiscard]] at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb, int count, int width,
                                       int height);
 
+/// Bytes that a network sees, N x H x W x channels each. Without a map (null) a network that knows one sees none.
+struct NetworkInput {
+  const std::uint8_t* rgb = nullptr;
+  const std::uint8_t* map = nullptr;  ///< map_raster_channels, as map_alignment.hpp encodes them
+};
+/// The photo, and behind it the map of a network that sees one: N x (3 + map channels) x H x W, channels-last.
+[[nodiscard]] at::Tensor input_tensor(const NetworkGraph& graph, const NetworkInput& bytes, int count, int width,
+                                      int height);
+
 /// The folded network for prediction. Safe from several threads.
 class InferenceNetwork {
  public:
   InferenceNetwork(NetworkGraph graph, const NetworkParams& params);
-  /// `rgb` covers `core` grown by margin_px() on every side (H x W x 3 bytes). Writes the class scores of the core,
-  /// (factor height) x (factor width) x C: at `factor` times the resolution, bilinear. They do not depend on how a
-  /// mosaic is cut into cores, but for the order of summation.
-  void predict(const std::uint8_t* rgb, const PixelBox& core, int factor, float* scores) const;
+  /// `bytes` cover `core` grown by margin_px() on every side. Writes what the last layer gives for the core, (factor
+  /// height) x (factor width) x output_channels(): class scores, then the alignment, at `factor` times the resolution,
+  /// bilinear. It does not depend on how a mosaic is cut into cores, but for the order of summation.
+  void predict(const NetworkInput& bytes, const PixelBox& core, int factor, float* scores) const;
   [[nodiscard]] int class_count() const { return graph_.class_count; }
+  [[nodiscard]] bool sees_map() const { return graph_.map_channels > 0; }
+  [[nodiscard]] int output_channels() const { return graph_.output_channels(); }
   [[nodiscard]] int margin_px() const { return margin_px_; }
   /// The most that is held at once while it predicts, in bytes per pixel of the image.
   [[nodiscard]] double peak_bytes_per_pixel() const { return peak_bytes_per_pixel_; }

@@ -54,7 +54,7 @@ class Fusion {
     user_.resize(graph.layers.size(), 0);
     for (std::size_t i = 0; i < graph.layers.size(); ++i)
       for (const int input : graph.layers[i].inputs)
-        if (input != image_input) ++uses_[index(input)], user_[index(input)] = i;
+        if (input >= 0) ++uses_[index(input)], user_[index(input)] = i;
     plan_.step.assign(graph.layers.size(), FusionPlan::plain);
   }
 
@@ -81,8 +81,7 @@ class Fusion {
   void try_around(std::size_t i) {
     const Layer& d = layer(i);
     if (d.kind != LayerKind::convolution || !d.depthwise || d.kernel != depthwise_kernel || d.padding != 1 ||
-        d.stride > 2 || !whole_vectors(d.out) || d.inputs[0] == image_input || !used_once(i) ||
-        !is_pointwise(layer(user_[i]))) {
+        d.stride > 2 || !whole_vectors(d.out) || d.inputs[0] < 0 || !used_once(i) || !is_pointwise(layer(user_[i]))) {
       return;
     }
     FusedLayers f;
@@ -104,17 +103,16 @@ class Fusion {
   void find_source(std::size_t before, FusedLayers& f, std::vector<std::size_t>& inside) const {
     const Layer& b = layer(before);
     f.source = static_cast<int>(before);
-    if (!used_once(before)) return;
-    if (is_convolution(b) && (is_pointwise(b) || b.inputs[0] == image_input)) {
+    if (!used_once(before) || plan_.step[before] != FusionPlan::plain) return;
+    if (is_convolution(b) && (is_pointwise(b) || b.inputs[0] < 0)) {
       f.source = b.inputs[0];
       f.expansion = pack(b, folded_[before]);
       f.expands = true;
       inside.push_back(before);
-    } else if (adds_in_place(b) && b.inputs[0] != image_input && b.inputs[1] != image_input) {
+    } else if (adds_in_place(b) && b.inputs[0] >= 0 && b.inputs[1] >= 0) {
       const std::size_t up = index(b.inputs[0]), lateral = index(b.inputs[1]);
       if (layer(up).kind != LayerKind::upsample_2x || !used_once(up) || !used_once(lateral) ||
-          !is_pointwise(layer(lateral)) || layer(lateral).activation != Activation::none ||
-          layer(up).inputs[0] == image_input) {
+          !is_pointwise(layer(lateral)) || layer(lateral).activation != Activation::none || layer(up).inputs[0] < 0) {
         return;
       }
       f.source = layer(lateral).inputs[0];
@@ -131,9 +129,7 @@ class Fusion {
       return;
     }
     const Layer& a = layer(user_[f.last]);
-    if (!adds_in_place(a) || a.inputs[0] != f.source || a.inputs[1] != static_cast<int>(f.last) ||
-        f.source == image_input)
-      return;
+    if (!adds_in_place(a) || a.inputs[0] != f.source || a.inputs[1] != static_cast<int>(f.last) || f.source < 0) return;
     inside.push_back(f.last);
     f.last = user_[f.last];
     f.residual = true;

@@ -30,7 +30,7 @@ struct FusedLayers {
   std::vector<float> depthwise_weights, depthwise_bias;
   ValueRange depthwise_range{};
 
-  static constexpr int none = -2;
+  static constexpr int none = -3;
 };
 
 /// What a network's layers become. One entry a layer in `step`: the index of the fused layers that end there, or one of

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/model/map_alignment.hpp"
 
 namespace orthodrive {
 namespace {
@@ -25,6 +26,7 @@ struct Builder {
     return static_cast<int>(graph.layers.size()) - 1;
   }
   [[nodiscard]] int channels(int input) const {
+    if (input == map_input) return graph.map_channels;
     return input == image_input ? 3 : graph.layers[static_cast<std::size_t>(input)].out;
   }
   Layer& layer(int index) { return graph.layers[static_cast<std::size_t>(index)]; }
@@ -196,8 +198,32 @@ struct MobileNetBuilder : Builder {
   }
 };
 
-void make_mobilenet(MobileNetBuilder& b, int stride_px) {
+/// Where the map's roads truly lie, at stride 2. From the photo's features of stride 4 (merged, and the trunk's own,
+/// which know edges) and two convolutions of the map, with four depthwise convolutions to look around. Nothing of it
+/// goes back into the classes: they are those of the network without a map.
+int add_alignment(MobileNetBuilder& b, int merged, int trunk) {
+  const std::size_t first = b.graph.layers.size();
+  const int map_2 = b.keras_conv("map_2", "map_2/kernel", "map_2_BN", map_input, 16, 3, 2, false, true, false),
+            map_4 = b.pointwise("map_4_project", b.depthwise("map_4_depthwise", map_2, 2, false), 32, true, false);
+  const int width = b.channels(merged) + b.channels(trunk) + b.channels(map_4);
+  int x = b.add(
+      {.name = "align_input", .kind = LayerKind::concat, .inputs = {merged, trunk, map_4}, .in = width, .out = width});
+  for (int i = 1; i <= 4; ++i) {
+    const std::string name = fmt::format("align_{}", i);
+    x = b.pointwise(name + "_project", b.depthwise(name + "_depthwise", x, 1, false), 64, true, false);
+  }
+  const int channels = b.graph.alignment_channels;
+  x = b.conv("align_out", x, channels, 1, 0, false);
+  b.layer(x).pretrained = false;
+  b.layer(x).starts_zero = true;
+  x = b.add({.name = "align_up", .kind = LayerKind::upsample_2x, .inputs = {x}, .in = channels, .out = channels});
+  for (std::size_t i = first; i < b.graph.layers.size(); ++i) b.graph.layers[i].of_map = true;
+  return x;
+}
+
+void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
   b.graph.stride_px = stride_px;
+  if (with_map) b.graph.map_channels = map_raster_channels, b.graph.alignment_channels = alignment_channels;
   int x = b.keras_conv("Conv1", "Conv1/kernel", "bn_Conv1", image_input, 32, 3, 2, false, true, true);
   x = b.pointwise("expanded_conv_project", b.depthwise("expanded_conv_depthwise", x, 1, true), 16, false, true);
   struct Group {  // table 2 of the paper: channels, repeats, stride of the first; expansion 6
@@ -209,7 +235,8 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px) {
     if (group.out == 160 && stride_px < 32) break;
     for (int i = 0; i < group.repeats; ++i, ++block) {
       const std::string prefix = fmt::format("block_{}", block);
-      const int before = x, stride = i == 0 ? group.stride : 1;
+      const int stride = i == 0 ? group.stride : 1;
+      const int before = x;
       if (stride == 2) skips.push_back(before);
       x = b.pointwise(prefix + "_expand", before, 6 * b.channels(before), true, true);
       x = b.pointwise(prefix + "_project", b.depthwise(prefix + "_depthwise", x, stride, true), group.out, false, true);
@@ -224,6 +251,8 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px) {
   }
   const std::string context = stride_px == 32 ? "context_32" : "context";
   x = b.pointwise(context + "_project", b.depthwise(context + "_depthwise", x, 1, false), 64, true, false);
+  int merged_4 = x;
+  const int trunk_4 = skips[1];
   struct Level {
     const char* name;
     int in, out;
@@ -243,15 +272,15 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px) {
                .in = level.in,
                .out = level.in});
     x = b.pointwise(name + "_project", b.depthwise(name + "_depthwise", x, 1, false), level.out, true, false);
+    if (name == "merge_4") merged_4 = x;
   }
   x = b.score("head", x);
-  const int classes = b.graph.class_count;
-  b.add({.name = "upsample",
-         .kind = LayerKind::upsample_2x,
-         .inputs = {x},
-         .in = classes,
-         .out = classes,
-         .score = true});
+  if (with_map) {  // behind the classes
+    const int all = b.graph.output_channels(), align = add_alignment(b, merged_4, trunk_4);
+    x = b.add({.name = "outputs", .kind = LayerKind::concat, .inputs = {x, align}, .in = all, .out = all});
+  }
+  const int all = b.channels(x);
+  b.add({.name = "upsample", .kind = LayerKind::upsample_2x, .inputs = {x}, .in = all, .out = all, .score = true});
 }
 
 }  // namespace
@@ -265,12 +294,13 @@ NetworkGraph make_network(const std::string& architecture, int class_count) {
     if (architecture == fmt::format("googlenet-{}s", stride)) return make_googlenet(builder, stride), builder.graph;
   }
   for (const int stride : {32, 16}) {
-    if (architecture == fmt::format("mobilenetv2-s{}-fpn2", stride))
-      return make_mobilenet(builder, stride), builder.graph;
+    for (const bool with_map : {false, true})
+      if (architecture == fmt::format("mobilenetv2-s{}-fpn2{}", stride, with_map ? "-map" : ""))
+        return make_mobilenet(builder, stride, with_map), builder.graph;
   }
   throw OptionError(
       fmt::format("network '{}' is unknown: use vgg16 or googlenet with -32s, -16s or -8s (decoder fcn), or "
-                  "mobilenetv2-s32-fpn2 or -s16-fpn2",
+                  "mobilenetv2-s32-fpn2 or -s16-fpn2, with -map behind it for a network that sees the map, too",
                   architecture));
 }
 

@@ -41,6 +41,8 @@ NamedTensor filled(std::vector<std::int64_t> shape, float value) {
   return {std::move(shape), std::vector<float>(static_cast<std::size_t>(count), value), TensorType::f32};
 }
 
+bool starts_zero(const Layer& layer) { return layer.score || layer.starts_zero; }
+
 NamedTensor he_normal(const Layer& layer, std::uint64_t seed) {
   NamedTensor tensor = filled(kernel_file_shape(layer), 0.0F);
   const double fan_in = layer.kernel * layer.kernel * (layer.depthwise ? 1 : layer.in);
@@ -93,10 +95,10 @@ class Surgeon {
   void fill(const Layer& layer, std::uint64_t seed) {
     SurgeryEntry entry{.layer = layer.name};
     NamedTensor kernel = layer.kind == LayerKind::deconvolution ? bilinear(layer)
-                         : layer.score                          ? filled(kernel_file_shape(layer), 0.0F)
+                         : starts_zero(layer)                   ? filled(kernel_file_shape(layer), 0.0F)
                                                                 : he_normal(layer, seed);
     entry.outcome = layer.kind == LayerKind::deconvolution ? Outcome::bilinear
-                    : layer.score                          ? Outcome::zero
+                    : starts_zero(layer)                   ? Outcome::zero
                                                            : Outcome::random;
     const WeightsSource* from = nullptr;
     std::string published;  // prefix of the bias that goes with the kernel

@@ -62,8 +62,7 @@ NeededRanges needed_ranges(const NetworkGraph& graph, CellRange output_pixels) {
   for (std::size_t i = graph.layers.size(); i-- > 0;) {
     const Layer& layer = graph.layers[i];
     for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
-      CellRange& input =
-          layer.inputs[k] == image_input ? needed.image : needed.layers[static_cast<std::size_t>(layer.inputs[k])];
+      CellRange& input = layer.inputs[k] < 0 ? needed.image : needed.layers[static_cast<std::size_t>(layer.inputs[k])];
       input = hull(input, input_range(layer, k, needed.layers[i]));
     }
   }
@@ -75,8 +74,8 @@ std::vector<CellRange> padded_ranges(const NetworkGraph& graph, int image_size_p
   for (const Layer& layer : graph.layers) {
     CellRange out{};
     for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
-      const CellRange in = layer.inputs[k] == image_input ? CellRange{0, image_size_px - 1}
-                                                          : ranges[static_cast<std::size_t>(layer.inputs[k])];
+      const CellRange in =
+          layer.inputs[k] < 0 ? CellRange{0, image_size_px - 1} : ranges[static_cast<std::size_t>(layer.inputs[k])];
       CellRange own = padded_output(layer, in);
       if (layer.kind == LayerKind::add) own = {in.first - layer.shifts[k], in.last - layer.shifts[k]};
       out = k == 0 ? own : CellRange{std::max(out.first, own.first), std::min(out.last, own.last)};
@@ -106,7 +105,7 @@ std::vector<double> cells_per_pixel(const NetworkGraph& graph) {
   for (const Layer& layer : graph.layers) {
     double input_spacing = 1.0;
     for (const int input : layer.inputs)
-      if (input != image_input) input_spacing = spacing[static_cast<std::size_t>(input)];
+      if (input >= 0) input_spacing = spacing[static_cast<std::size_t>(input)];
     const bool finer = layer.kind == LayerKind::deconvolution || layer.kind == LayerKind::upsample_2x;
     const double factor = layer.kind == LayerKind::upsample_2x ? 2.0 : layer.stride;
     spacing.push_back(finer ? input_spacing / factor : input_spacing * factor);

@@ -17,7 +17,7 @@ enum class Activation { none, relu, relu6 };
 struct Layer {
   std::string name;
   LayerKind kind = LayerKind::convolution;
-  std::vector<int> inputs;  ///< indices of earlier layers, image_input for the photo
+  std::vector<int> inputs;  ///< indices of earlier layers, image_input for the photo, map_input for the map
   std::vector<int> shifts;  ///< of `add`: output cell o takes cell o + shift of that input (cropping, in other words)
   int in = 0, out = 0;      ///< channels
   int kernel = 1, stride = 1, padding = 0;
@@ -25,11 +25,13 @@ struct Layer {
   std::string kernel_tensor;  ///< name in model files; empty: the layer has no weights
   std::string norm_tensors;   ///< prefix of a batch norm's tensors; empty: a bias instead
   Activation activation = Activation::none;
-  double dropout = 0.0;     ///< share of channels' cells zeroed in training, after the activation
-  bool pretrained = false;  ///< ImageNet weights exist for it (the trunk)
-  bool score = false;       ///< its channels are classes
+  double dropout = 0.0;      ///< share of channels' cells zeroed in training, after the activation
+  bool pretrained = false;   ///< ImageNet weights exist for it (the trunk)
+  bool score = false;        ///< its channels are classes
+  bool of_map = false;       ///< reads the map, or what was read of it
+  bool starts_zero = false;  ///< in training from other weights: adds nothing to what those give
 };
-constexpr int image_input = -1;
+constexpr int image_input = -1, map_input = -2;
 
 /// How RGB bytes become the network's input: (value - mean) * scale, mean in RGB order.
 struct InputNormalisation {
@@ -42,10 +44,13 @@ struct NetworkGraph {
   std::string architecture;   ///< such as "vgg16-8s"
   std::vector<Layer> layers;  ///< in order of evaluation; the last gives class scores at full size
   InputNormalisation input;
+  int map_channels = 0;  ///< of the map beside the photo (map_alignment.hpp); 0: it sees the photo alone
   int class_count = 0;
-  int stride_px = 32;      ///< of the coarsest layer
-  int size_remainder = 0;  ///< input sizes that the layers divide without rest: multiples of stride_px plus this
-  int output_shift = 0;    ///< cell o of the last layer belongs to pixel o + output_shift
+  int alignment_channels = 0;  ///< behind the classes in the last layer (map_alignment.hpp)
+  int stride_px = 32;          ///< of the coarsest layer
+  int size_remainder = 0;      ///< input sizes that the layers divide without rest: multiples of stride_px plus this
+  int output_shift = 0;        ///< cell o of the last layer belongs to pixel o + output_shift
+  [[nodiscard]] int output_channels() const { return class_count + alignment_channels; }
 };
 
 /// Cells first ... last of a layer along one axis.

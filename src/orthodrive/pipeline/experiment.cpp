@@ -157,6 +157,7 @@ void read_train(TomlSection& section, TrainOptions& train) {
   section.read("balance_classes", train.balance_classes);
   section.read("set_weight", train.set_weight);
   section.read("jaccard_weight", train.jaccard_weight);
+  section.read("alignment_only", train.alignment_only);
   section.read("seed", train.seed);
   section.read("validate_every", train.validate_every);
   section.read("early_stop_after", train.early_stop_after);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/alignment_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
@@ -61,7 +62,8 @@ RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& 
           ? refine_roads_nlo(osm.roads, labels, {.passes = options.nlo_passes, .threads = context.threads},
                              context.monitor)
           : refine_roads(osm.roads, read_evidence(labels, files.road_probability), standard, context.monitor,
-                         gpx.traces);
+                         gpx.traces,
+                         files.alignment.empty() ? RoadAlignment{} : io::read_alignment(files.alignment, osm.roads));
   classify_by_photo(result.roads, labels);
   measure_kerb_radii(result.roads, labels);
   Findings findings = osm.findings;
@@ -124,6 +126,7 @@ BuildStage refine_stage(SiteBuild& build) {
                 return run_refine({.osm = site.osm,
                                    .labels = build.out_dir / "labels.tif",
                                    .road_probability = build.out_dir / "road_probability.tif",
+                                   .alignment = build.out_dir / ".orthodrive/alignment.csv",
                                    .weights = site.refine_weights,
                                    .gpx = site.gpx,
                                    .roads = build.out_dir / ".orthodrive/refined.gpkg"},

@@ -12,6 +12,7 @@ struct RefineFiles {
   std::vector<std::filesystem::path> osm;
   std::filesystem::path labels;            ///< not of mrf
   std::filesystem::path road_probability;  ///< of the default method; may be empty
+  std::filesystem::path alignment;         ///< likewise: of `orthodrive segment`
   std::filesystem::path weights;           ///< likewise: file of `orthodrive tune`
   std::vector<std::filesystem::path> gpx;  ///< likewise
   std::filesystem::path photo, forests;    ///< of mrf

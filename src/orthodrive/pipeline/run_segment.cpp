@@ -1,8 +1,10 @@
 #include "orthodrive/pipeline/run_segment.hpp"
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/io/alignment_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/model/road_map.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -21,6 +23,32 @@ std::optional<CrfModel> choose_crf(const SegmentModel& model, const fs::path& mo
   }
   if (options.crf_iterations > 0) crf->parameters.iterations = options.crf_iterations;
   return crf;
+}
+
+/// Where the paths of a map are asked for their alignment.
+struct MapPlaces {
+  std::vector<std::vector<double>> s_m;  ///< one a path
+  std::vector<Vec2> points;              ///< of all of them
+};
+MapPlaces places_of(const RoadNetwork& roads) {
+  MapPlaces places;
+  for (const RoadPath& path : roads.paths) {
+    const Polyline line = centerline(path);
+    // No photo shows a tunnel, and no raster of the map has it.
+    places.s_m.push_back(path.tunnel ? std::vector<double>{} : places_along(length_m(line)));
+    for (const double s : places.s_m.back()) places.points.push_back(point_at(line, s));
+  }
+  return places;
+}
+RoadAlignment by_path(const MapPlaces& places, const std::vector<PlaceAlignment>& alignments) {
+  RoadAlignment result;
+  std::size_t next = 0;
+  for (const std::vector<double>& of_path : places.s_m) {
+    std::vector<AlignedPlace>& path = result.emplace_back();
+    for (const double s : of_path)
+      path.push_back({s, alignments.empty() ? PlaceAlignment{} : alignments[next]}), ++next;
+  }
+  return result;
 }
 
 /// The rasters to write; those without a name are left out.
@@ -50,11 +78,17 @@ struct LabelStreams {
 StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
   const fs::path model_file = io::find_model(files.model);
   const SegmentModel& model = context.sources.model(model_file);
+  const SiteFrame site = options.site ? *options.site : site_of_photo(files.photo);
+  const RoadNetwork roads =
+      model.sees_map && !files.osm.empty() ? context.sources.osm(files.osm, site).roads : RoadNetwork{};
+  const RoadMap map = road_map(roads);
+  const MapPlaces places = places_of(roads);
   const SegmentOptions segment{.window_px = options.window_px,
                                .threads = context.threads,
+                               .map = &map,
+                               .places = places.points,
                                .crf = choose_crf(model, model_file, options, context)};
-  const PhotoSource photo = io::open_photo(files.photo, options.site ? *options.site : site_of_photo(files.photo),
-                                           {.threads = context.threads});
+  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
   const GridFrame frame = label_frame(photo.frame, model);
   LabelStreams streams(files, photo.crs, frame, model.classes);
   SegmentSummary segmented = segment_mosaic(
@@ -64,6 +98,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
     throw InputError(files.photo.string(),
                      "has no data in the area (nodata, alpha or mask); take another photo or area");
   streams.finish();
+  if (!files.alignment.empty()) io::write_alignment(files.alignment, roads, by_path(places, segmented.alignments));
   return {.numbers = {{"photo_gsd_m", photo.frame.gsd_m},
                       {"gsd_m", frame.gsd_m},
                       {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
@@ -74,10 +109,11 @@ BuildStage segment_stage(SiteBuild& build) {
   const Site& site = build.site;
   const fs::path model_file = io::find_model(site.model);
   const RunSegmentOptions options{.site = site.frame, .crf = site.crf ? CrfUse::trained : CrfUse::none};
+  const Sources::Files osm = build.context.sources.model(model_file).sees_map ? site.osm : Sources::Files{};
   return {.name = "segment",
-          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster}, {"model", {model_file}}},
+          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster}, {"model", {model_file}}, {"osm", osm}},
           .options = {site.crf},
-          .outputs = {"labels.tif", "confidence.tif", "road_probability.tif"},
+          .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
           .check =
               [=, &build, &site] {
                 (void)io::raster_info(site.photo);
@@ -87,9 +123,11 @@ BuildStage segment_stage(SiteBuild& build) {
               [=, &build, &site] {
                 return run_segment({.photo = site.photo,
                                     .model = site.model,
+                                    .osm = osm,
                                     .labels = build.out_dir / "labels.tif",
                                     .confidence = build.out_dir / "confidence.tif",
-                                    .road_probability = build.out_dir / "road_probability.tif"},
+                                    .road_probability = build.out_dir / "road_probability.tif",
+                                    .alignment = build.out_dir / ".orthodrive/alignment.csv"},
                                    options, build.context);
               }};
 }

@@ -9,8 +9,10 @@ namespace orthodrive {
 struct SegmentFiles {
   std::filesystem::path photo;
   std::string model = "default";                       ///< name in a models folder, or a file
+  Sources::Files osm;                                  ///< the map beside the photo, for models that see one
   std::filesystem::path labels;                        ///< written
   std::filesystem::path confidence, road_probability;  ///< written unless empty
+  std::filesystem::path alignment;                     ///< likewise, by models that see the map (alignment_io.hpp)
 };
 
 enum class CrfUse {

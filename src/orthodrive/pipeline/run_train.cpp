@@ -11,13 +11,16 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/random.hpp"
 #include "orthodrive/io/caffe_model.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/safetensors_stream.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/pipeline/packed_scenes.hpp"
 #include "orthodrive/pipeline/training_data.hpp"
 #include "orthodrive/pipeline/training_run.hpp"
+#include "orthodrive/train/disturbed_map.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -108,6 +111,40 @@ void run_train(const TrainFiles& files, const RunTrainOptions& options, StageCon
                context.monitor);
 }
 
+namespace {
+/// Crops as a network that sees a map learns from them: the map's lines in red, what is known of the true ones in
+/// green.
+Raster<std::uint8_t> preview_crops(const std::vector<TrainingScene>& scenes, const TrainOptions& train, double gsd_m,
+                                   ClassSet road) {
+  constexpr int columns = 6, rows = 4;
+  const int size = train.crop_px;
+  Raster<std::uint8_t> sheet(columns * size, rows * size, 3);
+  for (int i = 0; i < columns * rows; ++i) {
+    const std::uint64_t seed = derive_seed(train.seed, static_cast<std::uint64_t>(i));
+    const Crop crop = draw_crop(scenes[draw_scene(scenes, train.steps, seed)], {size, gsd_m, train.augmentation}, seed);
+    const DisturbedMap map = draw_map(crop.allowed, road, seed);
+    Raster<std::uint8_t> picture = crop.rgb;
+    const auto mark = [&](Vec2 p, int channel) {
+      const int col = static_cast<int>(p.x), row = static_cast<int>(p.y);
+      if (!picture.inside(col, row)) return;
+      for (int c = 0; c < 3; ++c) picture.at(col, row, c) = c == channel ? 255 : 0;
+    };
+    for (int row = 0; row < size; ++row)
+      for (int col = 0; col < size; ++col) {
+        const std::uint8_t* bytes = &map.map.at(col, row);
+        const AlignmentTruth& truth = map.truth.at(col, row);
+        if (bytes[2] < 240) continue;  // more than a pixel and a half away
+        const Vec2 pixel{col + 0.5, row + 0.5};
+        mark(pixel, 0);  // the truth is told from here
+        if (truth.known) mark(pixel + Vec2{truth.normal_x, truth.normal_y} * truth.offset, 1);
+      }
+    for (int row = 0; row < size; ++row)
+      std::copy_n(&picture.at(0, row), 3 * size, &sheet.at(i % columns * size, i / columns * size + row));
+  }
+  return sheet;
+}
+}  // namespace
+
 void preview_training(const TrainFiles& files, StageContext& context) {
   const OpenExperiment open = open_experiment(files.experiment, context);
   fs::create_directories(files.folder);
@@ -118,6 +155,10 @@ void preview_training(const TrainFiles& files, StageContext& context) {
   for (const ValidationScene& scene : data.validation)
     io::write_png(files.folder / (scene.name + "_held_out.png"),
                   label_preview(scene.photo.rgb, scene.allowed, classes));
+  const NetworkSpec& spec = open.network.spec;
+  if (make_network(spec.architecture(), static_cast<int>(classes.classes.size())).map_channels > 0)
+    io::write_png(files.folder / "crops_with_map.png",
+                  preview_crops(data.scenes, open.experiment.train, spec.gsd_m, only(road_label(classes))));
 }
 
 void pack_training(const TrainFiles& files, const fs::path& pack, const RunTrainOptions& options,

@@ -76,6 +76,12 @@ std::vector<Stage> stages_of(const Experiment& experiment, const NetworkSpec& ne
   return stages;
 }
 
+std::optional<CrfModel> first_crf(const std::vector<WeightsSource>& sources, int classes) {
+  for (const WeightsSource& source : sources)
+    if (std::optional<CrfModel> crf = read_crf(source.file, classes, source.name)) return crf;
+  return {};
+}
+
 /// `steps_before`: of the stages before, so that steps of the log go on.
 TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_before) {
   return {.report =
@@ -97,8 +103,10 @@ TrainHooks hooks_for(const fs::path& out, TrainingLog& log, std::int64_t steps_b
 void train(const TrainingRun& run, Monitor* monitor) {
   const fs::path checkpoint_file = run.out / "checkpoint.safetensors", model_file = run.out / "model.safetensors",
                  best_file = run.out / "best.safetensors";
-  const std::vector<Stage> stages = stages_of(run.experiment, run.network);
+  std::vector<Stage> stages = stages_of(run.experiment, run.network);
   const int classes = static_cast<int>(run.classes.classes.size());
+  for (Stage& stage : stages)
+    if (stage.options.alignment_only) stage.options.kept_crf = first_crf(run.read_weights(), classes);
   for (const Stage& stage : stages) static_cast<void>(make_network(stage.architecture, classes));  // now, not in hours
   std::size_t index = 0;
   std::optional<TensorFile> checkpoint;

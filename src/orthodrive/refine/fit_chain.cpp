@@ -23,6 +23,7 @@ constexpr double way_error_length_m = 30.0;
 constexpr double label_blob_m = 4.0;
 constexpr double pointing_px = 1.25;
 constexpr double edge_bias_share = 0.2;
+constexpr double seen_outlier_sigmas = 2.0;
 constexpr double unseen_width_share = 0.08;  // by which a hidden stretch may differ from the rest of its way
 
 /// Of the offset of one node.
@@ -222,8 +223,22 @@ class ChainProblem {
     for (auto& shift : way_shift_) parameters_.push_back(shift.data());
   }
 
-  /// GPS traces, junctions to pass through, borders to parallel roads.
+  /// Where the network sees the road, GPS traces, junctions to pass through, borders to parallel roads.
   void add_coupling() {
+    for (std::size_t i = 0; i < coupling_.seen.size(); ++i) {
+      const SeenPlace& seen = coupling_.seen[i];
+      if (own(i) != i || seen.sigma_m <= 0.0) continue;
+      // Its errors change slowly along a road: nodes within a way's error length count as one.
+      const auto add = [&](double value, double sigma, double* unknown) {
+        blocks_.priors.push_back(
+            problem_.AddResidualBlock(prior_cost(value, sigma),
+                                      new ceres::ScaledLoss(new ceres::CauchyLoss(seen_outlier_sigmas),
+                                                            node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
+                                      unknown));
+      };
+      add(seen.offset_m, weights_.seen_sigma * seen.sigma_m, &offset_[i]);
+      add(seen.width_m, weights_.seen_sigma * seen.sigma_width_m, &width_[i]);
+    }
     trace_errors_.add_to(problem_, offset_, node_share_, parameters_, blocks_.priors);
     for (const auto& [node, offset_m, sigma_m] : coupling_.meetings)
       add_prior(prior_cost(offset_m, sigma_m), &offset_[own(node)]);

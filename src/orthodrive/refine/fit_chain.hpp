@@ -7,6 +7,7 @@
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/refine_roads.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
+#include "orthodrive/refine/seen_places.hpp"
 #include "orthodrive/refine/trace_offset.hpp"
 #include "orthodrive/roads/road_chains.hpp"
 
@@ -26,6 +27,7 @@ struct ChainCoupling {
   };
   std::vector<ExpectedOffset> expected;  ///< one per node, from the shift of the map around (shift_field.hpp); empty: 0
   std::vector<TraceOffset> traces;       ///< one per node, from GPS traces; empty: none
+  std::vector<SeenPlace> seen;           ///< one per node, from a network that sees the map; empty: none
   std::vector<Meeting> meetings;
   std::vector<Limit> limits;
 };

@@ -11,6 +11,7 @@
 #include "orthodrive/refine/fit_chain.hpp"
 #include "orthodrive/refine/parallel_roads.hpp"
 #include "orthodrive/refine/search_offsets.hpp"
+#include "orthodrive/refine/seen_places.hpp"
 #include "orthodrive/refine/shift_field.hpp"
 #include "orthodrive/refine/trace_offsets.hpp"
 #include "orthodrive/refine/trace_paths.hpp"
@@ -74,7 +75,8 @@ class Refinement {
  public:
   /// `osm` may hold paths of traces from `first_of_traces` on.
   Refinement(const RoadNetwork& osm, std::size_t first_of_traces, const RoadEvidence& evidence,
-             const std::vector<MovingTrace>& traces, const RefineRoadsOptions& options, Monitor* monitor)
+             const std::vector<MovingTrace>& traces, const RoadAlignment& alignment, const RefineRoadsOptions& options,
+             Monitor* monitor)
       : osm_(osm),
         first_of_traces_(first_of_traces),
         evidence_(evidence),
@@ -89,6 +91,7 @@ class Refinement {
     expected_.resize(chains_.size());
     passes_ = find_passes(chains_, osm, traces, neighbours_, options.threads);
     traces_.resize(chains_.size());
+    for (const RoadChain& chain : chains_) seen_.push_back(seen_on_chain(chain, alignment));
     for (std::size_t c = 0; c < chains_.size(); ++c) {
       std::vector<double> widths_m;
       for (const ChainNode& node : chains_[c].nodes) widths_m.push_back(node.input_width_m);
@@ -115,6 +118,7 @@ class Refinement {
       look_at_traces(c, shapes_[c].width_m);
       couplings[c].expected = expected_[c];
       couplings[c].traces = traces_[c];
+      couplings[c].seen = seen_[c];
     }
     fit_chains(2, couplings);
     junctions_ = place_junctions(chains_, lines());
@@ -165,11 +169,15 @@ class Refinement {
   void look_at_traces(std::size_t c, const std::vector<double>& widths_m) {
     traces_[c] = trace_offsets(chains_[c], osm_, passes_[c], widths_m, expected_[c], options_);
   }
-  /// Expected offsets by the map's shift (its prior until it is known) and the traces.
+  /// Expected offsets by the map's shift (its prior until it is known), the traces, and where the network sees the
+  /// road.
   [[nodiscard]] std::vector<ExpectedOffset> expected_of_search(std::size_t c) const {
-    if (traces_[c].empty() || !expected_[c].empty()) return combine(expected_[c], traces_[c]);
-    return combine(std::vector<ExpectedOffset>(chains_[c].nodes.size(), {0.0, options_.weights.map_shift_m}),
-                   traces_[c]);
+    if (traces_[c].empty() && seen_[c].empty()) return expected_[c];
+    const std::vector<ExpectedOffset> prior =
+        !expected_[c].empty()
+            ? expected_[c]
+            : std::vector<ExpectedOffset>(chains_[c].nodes.size(), {0.0, options_.weights.map_shift_m});
+    return combine(combine(prior, traces_[c]), seen_[c]);
   }
   void keep_road_near(std::size_t c, const CrossProfiles& profiles) {
     refined_[c].road_near.clear();
@@ -287,6 +295,7 @@ class Refinement {
   std::vector<std::vector<ExpectedOffset>> expected_;  // one a node, of the map's shift
   std::vector<std::vector<TracePass>> passes_;
   std::vector<std::vector<TraceOffset>> traces_;  // one a node, or none
+  std::vector<std::vector<SeenPlace>> seen_;      // one a node, or none
   std::vector<ChainShape> shapes_;
   std::vector<RefinedChain> refined_;
 };
@@ -391,13 +400,14 @@ RefinedRoads Refinement::result() const {
 }  // namespace
 
 RefinedRoads refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoadsOptions& options,
-                          Monitor* monitor, const GpsTraces& traces) {
+                          Monitor* monitor, const GpsTraces& traces, const RoadAlignment& alignment) {
   check(osm, evidence, options, traces);
   Findings findings;
   report_outside(traces, evidence, findings);
   const std::vector<MovingTrace> moving = moving_traces(traces);
   const RoadNetwork with_paths = moving.empty() ? RoadNetwork{} : with_paths_of_traces(osm, evidence, moving, findings);
-  Refinement refinement(moving.empty() ? osm : with_paths, osm.paths.size(), evidence, moving, options, monitor);
+  Refinement refinement(moving.empty() ? osm : with_paths, osm.paths.size(), evidence, moving, alignment, options,
+                        monitor);
   refinement.search();
   refinement.fit();
   RefinedRoads result = refinement.result();

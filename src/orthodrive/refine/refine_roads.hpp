@@ -9,6 +9,7 @@
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/model/driving_side.hpp"
 #include "orthodrive/model/gps_traces.hpp"
+#include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/refined_roads.hpp"
 #include "orthodrive/model/road_network.hpp"
@@ -29,6 +30,7 @@ struct RefineWeights {
   double node_shift_m = 0.45;       ///< sigma of a node's offset around the shift of its way
   double node_width_share = 0.013;  ///< sigma of a node's width around the width of its way, as a share of it
   double input_width = 0.2;         ///< factor on the sigma of the input's width (road_chains.hpp)
+  double seen_sigma = 1.0;          ///< factor on the sigmas of a network that sees the map
   double search_step = 0.2;  ///< of the search: cost of one level (0.5 m) from segment to segment, metres misclassified
   double search_offset_m = 3.0;     ///< of the search: this offset costs as much as one metre misclassified
   double search_width_share = 0.5;  ///< of the search: this change of the width costs the same
@@ -48,10 +50,11 @@ struct RefineRoadsOptions {
 };
 
 /// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence
-/// keep the OSM line, unless traces tell another. Time and memory are linear in the length of the roads.
+/// keep the OSM line, unless traces tell another. `alignment`: one a path, or empty: where a network sees the roads.
+/// Time and memory are linear in the length of the roads.
 [[nodiscard]] RefinedRoads refine_roads(const RoadNetwork& osm, const RoadEvidence& evidence,
                                         const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,
-                                        const GpsTraces& traces = {});
+                                        const GpsTraces& traces = {}, const RoadAlignment& alignment = {});
 /// The same with labels of probability 1.
 [[nodiscard]] RefinedRoads refine_roads(const RoadNetwork& osm, const LabelMap& labels,
                                         const RefineRoadsOptions& options = {}, Monitor* monitor = nullptr,

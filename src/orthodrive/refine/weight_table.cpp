@@ -16,6 +16,7 @@ constexpr std::array table{
     NamedWeight{"node_shift_m", &RefineWeights::node_shift_m},
     NamedWeight{"node_width_share", &RefineWeights::node_width_share},
     NamedWeight{"input_width", &RefineWeights::input_width},
+    NamedWeight{"seen_sigma", &RefineWeights::seen_sigma},
     NamedWeight{"search_step", &RefineWeights::search_step},
     NamedWeight{"search_offset_m", &RefineWeights::search_offset_m},
     NamedWeight{"search_width_share", &RefineWeights::search_width_share},

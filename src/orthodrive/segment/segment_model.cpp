@@ -32,10 +32,12 @@ SegmentModel load_model(const TensorFile& file, const std::string& source) {
             metadata.classes.name, classes, kernel->second.shape.back()));
   }
   const NetworkParams params = params_from_file(graph, file, source);
+  const bool sees_map = graph.map_channels > 0;
   return {metadata.architecture,
           metadata.classes,
           metadata.gsd_m,
           metadata.finest_gsd_m > 0.0 ? std::min(metadata.finest_gsd_m, metadata.gsd_m) : metadata.gsd_m,
+          sees_map,
           read_crf(file, static_cast<int>(classes), source),
           std::make_shared<InferenceNetwork>(std::move(graph), params)};
 }

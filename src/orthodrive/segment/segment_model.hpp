@@ -18,6 +18,7 @@ struct SegmentModel {
   ClassTable classes;
   double gsd_m = 0.5;           ///< the scale the network was trained at
   double finest_gsd_m = 0.5;    ///< the finest it knows: fine photos are classified there
+  bool sees_map = false;        ///< beside the photo (map_alignment.hpp)
   std::optional<CrfModel> crf;  ///< trained with it
   std::shared_ptr<const InferenceNetwork> network;
 };

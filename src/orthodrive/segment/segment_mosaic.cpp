@@ -147,10 +147,38 @@ struct Sources {
   PhotoSource photo;
   std::optional<PhotoSource> fine;
   int factor = 1;
+  const RoadMap* map = nullptr;
+  std::span<const Vec2> places;
 };
 
+/// For each core the places in it.
+std::vector<std::vector<std::size_t>> places_by_core(std::span<const Vec2> places, const GridFrame& frame, int core_px,
+                                                     std::size_t cores) {
+  std::vector<std::vector<std::size_t>> by_core(cores);
+  const int columns = (frame.width + core_px - 1) / core_px;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Vec2 p = frame.pixel_from_world(places[i]);
+    const int col = static_cast<int>(std::floor(p.x)), row = static_cast<int>(std::floor(p.y));
+    if (col < 0 || row < 0 || col >= frame.width || row >= frame.height) continue;
+    by_core[static_cast<std::size_t>(row / core_px * columns + col / core_px)].push_back(i);
+  }
+  return by_core;
+}
+
+/// The first channels of every pixel, in place.
+void keep_channels(Raster<float>& raster, int channels) {
+  if (raster.channels == channels) return;
+  const auto kept = static_cast<std::size_t>(channels), all = static_cast<std::size_t>(raster.channels),
+             pixels = raster.data.size() / all;
+  for (std::size_t i = 0; i < pixels; ++i) std::copy_n(&raster.data[all * i], kept, &raster.data[kept * i]);
+  raster.data.resize(kept * pixels);
+  raster.channels = channels;
+}
+
+/// `asked`: the places in the core; their alignments are written.
 Decision classify_core(const Sources& sources, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
-                       const std::vector<std::size_t>& road_classes, const PixelBox& core) {
+                       const std::vector<std::size_t>& road_classes, const PixelBox& core,
+                       const std::vector<std::size_t>& asked, std::vector<PlaceAlignment>& alignments) {
   const int factor = sources.factor;
   const PixelBox predicted = intersection(core.grown(crf_margin_px(crf)), pixels_of(sources.photo.frame)),
                  seen = predicted.grown(network.margin_px());
@@ -158,8 +186,22 @@ Decision classify_core(const Sources& sources, const InferenceNetwork& network, 
   const PixelBox fine_core = scaled(core, factor), fine_box = scaled(predicted, factor);
   const PhotoWindow fine = sources.fine ? sources.fine->read(fine_box) : part_of(window, seen, predicted);
   if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, {}, road_classes);
-  Raster<float> scores(fine_box.width, fine_box.height, network.class_count());
-  network.predict(window.rgb.data.data(), predicted, factor, scores.data.data());
+  Raster<float> scores(fine_box.width, fine_box.height, network.output_channels());
+  const Raster<std::uint8_t> map =
+      network.sees_map() && sources.map ? sources.map->read(sources.photo.frame, seen) : Raster<std::uint8_t>{};
+  network.predict({window.rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor,
+                  scores.data.data());
+  const GridFrame& frame = sources.photo.frame;
+  for (const std::size_t i : asked) {
+    const Vec2 p = frame.pixel_from_world(sources.places[i]);
+    const Vec2 pixel{std::floor(factor * p.x), std::floor(factor * p.y)};
+    const int col = static_cast<int>(pixel.x - static_cast<double>(fine_box.col)),
+              row = static_cast<int>(pixel.y - static_cast<double>(fine_box.row));
+    const Vec2 from_center = p - (pixel + Vec2{0.5, 0.5}) * (1.0 / factor);
+    if (fine.valid.at(col, row))
+      alignments[i] = place_alignment(&scores.at(col, row, network.class_count()), from_center, frame.gsd_m);
+  }
+  keep_channels(scores, network.class_count());
   if (crf) {
     refine(*crf, fine, fine_box, factor, scores);
   } else {
@@ -214,11 +256,14 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const int window_px =
       options.window_px == 0 ? suitable_window_px(*model.network, options.crf, factor) : options.window_px;
   if (window_px < 1) throw OptionError(fmt::format("window of {} px: take 1 or more", window_px));
-  Sources sources{resample_source(source, network_gsd(source.frame, model)), {}, factor};
+  Sources sources{resample_source(source, network_gsd(source.frame, model)), {}, factor, options.map, options.places};
   const GridFrame frame = label_frame(source.frame, model);
   if (factor > 1) sources.fine = resample_source(source, frame);
   const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px);
   SegmentSummary summary{.frame = frame};
+  if (!model.sees_map) sources.places = {};
+  summary.alignments.resize(sources.places.size());
+  const auto asked = places_by_core(sources.places, sources.photo.frame, window_px, cores.size());
   if (options.crf && options.crf->parameters.classes != model.network->class_count()) {
     throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
                                   options.crf->parameters.classes, model.network->class_count()));
@@ -238,7 +283,8 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
     if (!delivery.wait_for_room(index)) return;
     try {
       const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-      delivery.hand_over(index, classify_core(sources, *model.network, options.crf, road_classes, cores[index]));
+      delivery.hand_over(index, classify_core(sources, *model.network, options.crf, road_classes, cores[index],
+                                              asked[index], summary.alignments));
     } catch (...) {
       delivery.stop();
       throw;

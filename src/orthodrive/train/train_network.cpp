@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <optional>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -18,7 +19,9 @@
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/reusing_allocator.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
+#include "orthodrive/train/alignment_loss.hpp"
 #include "orthodrive/train/allowed_class_loss.hpp"
+#include "orthodrive/train/disturbed_map.hpp"
 #include "orthodrive/train/weight_mean.hpp"
 
 namespace orthodrive {
@@ -64,21 +67,46 @@ void copy_into(at::Tensor& target, const TensorFile& file, const std::string& na
 struct Batch {
   std::vector<std::uint8_t> rgb;
   std::vector<ClassSet> allowed;
+  std::vector<std::uint8_t> map;  ///< these two for networks that see one
+  std::vector<AlignmentTruth> alignment;
+
+  [[nodiscard]] NetworkInput input() const { return {rgb.data(), map.empty() ? nullptr : map.data()}; }
 };
 
-Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& options, double gsd_m,
-                 std::int64_t step) {
+/// `road`: the class of the roads on the map; none: no map is drawn.
+Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& options, double gsd_m, std::int64_t step,
+                 std::optional<ClassSet> road) {
   const std::size_t pixels = static_cast<std::size_t>(options.crop_px) * static_cast<std::size_t>(options.crop_px);
   const auto count = static_cast<std::size_t>(options.batch);
-  Batch batch{std::vector<std::uint8_t>(3 * pixels * count), std::vector<ClassSet>(pixels * count)};
+  Batch batch{std::vector<std::uint8_t>(3 * pixels * count), std::vector<ClassSet>(pixels * count), {}, {}};
+  if (road) {
+    batch.map.resize(map_raster_channels * pixels * count);
+    batch.alignment.resize(pixels * count);
+  }
   parallel_for(count, options.threads, [&](std::size_t i) {
     const std::uint64_t seed = derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(step)), i);
     const TrainingScene& scene = scenes[draw_scene(scenes, step, seed)];
     const Crop crop = draw_crop(scene, {options.crop_px, gsd_m, options.augmentation}, derive_seed(seed, 1));
     std::memcpy(&batch.rgb[3 * pixels * i], crop.rgb.data.data(), 3 * pixels);
     std::memcpy(&batch.allowed[pixels * i], crop.allowed.data.data(), pixels * sizeof(ClassSet));
+    if (!road) return;
+    const DisturbedMap map = draw_map(crop.allowed, *road, derive_seed(seed, 3));
+    std::ranges::copy(map.map.data, &batch.map[map_raster_channels * pixels * i]);
+    std::ranges::copy(map.truth.data, &batch.alignment[pixels * i]);
   });
   return batch;
+}
+
+/// The alignment's truth of the pixels that are learned from.
+std::vector<AlignmentTruth> truth_of(const Batch& batch, const TrainOptions& options, CellRange labelled) {
+  std::vector<AlignmentTruth> truth;
+  for (int i = 0; i < options.batch; ++i)
+    for (int row = labelled.first; row <= labelled.last; ++row) {
+      const auto from =
+          batch.alignment.begin() + (static_cast<std::ptrdiff_t>(i) * options.crop_px + row) * options.crop_px;
+      truth.insert(truth.end(), from + labelled.first, from + labelled.last + 1);
+    }
+  return truth;
 }
 
 /// The photos of a batch as far as they have scores.
@@ -117,6 +145,7 @@ struct Trainer::State {
     for (std::size_t i = 0; i < graph.layers.size(); ++i) {
       const Layer& layer = graph.layers[i];
       LayerParams& p = params[i];
+      if (options.alignment_only != layer.of_map) continue;
       const double factor = layer.pretrained ? options.trunk_rate_factor : 1.0;
       const auto add = [&](const std::string& name, at::Tensor& value, bool decays) {
         learn(name, value, factor, decays ? options.weight_decay : 0.0);
@@ -251,6 +280,11 @@ struct Trainer::State {
     }
   }
 
+  [[nodiscard]] std::optional<ClassSet> road_on_map() const {
+    if (!options.alignment_only) return {};
+    return only(road_label(metadata.classes));
+  }
+
   /// Pixels of a crop that get scores, and those in its centre that are learned from.
   [[nodiscard]] CellRange scored_range() const {
     const CellRange cells = padded_ranges(graph, options.crop_px).back();
@@ -308,6 +342,8 @@ Trainer::Trainer(const TensorFile& start, const std::string& source, const Model
                                   metadata.architecture, stride, rest, below + stride));
   }
   static_cast<void>(s.label_range());
+  if (s.options.alignment_only && (s.graph.alignment_channels == 0 || s.options.crf))
+    throw OptionError(fmt::format("alignment_only: {} sees no map, or a CRF is to be learned", metadata.architecture));
   if (s.options.cuda) {
     if (!at::hasCUDA()) throw OptionError("this libtorch has no CUDA: train on the CPU");
     s.device = at::Device(at::kCUDA, 0);
@@ -329,11 +365,13 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   const TrainOptions& options = s.options;
   at::set_num_threads(worker_count(options.threads));
   at::manual_seed(derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(s.step)), 2));  // dropout
-  const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step);
+  const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step, s.road_on_map());
   const at::Tensor image =
-      image_tensor(s.graph.input, batch.rgb.data(), options.batch, options.crop_px, options.crop_px).to(s.device);
-  const Scores scores = forward_padded(
-      s.graph, s.params, image, {.update_batch_statistics = s.step < options.freeze_norm_from_step, .dropout = true});
+      input_tensor(s.graph, batch.input(), options.batch, options.crop_px, options.crop_px).to(s.device);
+  const Scores scores = forward_padded(s.graph, s.params, image,
+                                       {.update_batch_statistics = s.step < options.freeze_norm_from_step,
+                                        .dropout = true,
+                                        .of_map_only = options.alignment_only});
   const CellRange labelled = s.label_range(), scored = s.scored_range();
   const auto part = [](const at::Tensor& values, std::int64_t dimension, CellRange has, CellRange wanted) {
     return values.narrow(dimension, wanted.first - has.first, wanted.size())
@@ -345,12 +383,15 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
                                  .to(s.device);
   const AllowedLossOptions loss_options{options.class_weights, options.set_weight, options.sum_loss};
   // A CRF infers on all pixels that have scores; what is not learned from is cropped only after it.
-  const at::Tensor values = part(scores.values, 2, scores.row_px, options.crf ? scored : labelled);
+  const at::Tensor outputs = part(scores.values, 2, scores.row_px, options.crf ? scored : labelled);
+  const at::Tensor values = options.alignment_only ? outputs.narrow(1, s.graph.class_count, s.graph.alignment_channels)
+                                                   : outputs.narrow(1, 0, s.graph.class_count);
   LossGradient loss = options.crf
                           ? s.learn_crf(values, photos_of(batch, options, scored), allowed,
                                         {labelled.first - scored.first, labelled.last - scored.first}, loss_options)
-                          : allowed_class_loss(values, allowed, loss_options);
-  if (!options.crf && options.jaccard_weight > 0.0) {
+                      : options.alignment_only ? alignment_loss(values, truth_of(batch, options, labelled))
+                                               : allowed_class_loss(values, allowed, loss_options);
+  if (!options.crf && !options.alignment_only && options.jaccard_weight > 0.0) {
     const LossGradient jaccard = jaccard_loss(values, allowed);
     loss.loss += options.jaccard_weight * jaccard.loss;
     loss.gradient += options.jaccard_weight * jaccard.gradient;
@@ -443,6 +484,7 @@ TensorFile Trainer::model_file() const {
   file.metadata = format_model_metadata(state_->metadata);
   file.metadata["step"] = std::to_string(state_->step);
   if (state_->options.crf) add_crf(file, state_->current_crf());
+  if (state_->options.kept_crf) add_crf(file, *state_->options.kept_crf);
   return file;
 }
 
@@ -460,18 +502,17 @@ std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& sc
   const CellRange scored = s.scored_range();
   std::vector<CrfSample> samples;
   for (int i = 0; i < count; ++i) {
-    const Batch batch =
-        draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i);  // other crops than those learned from
-    const at::Tensor image =
-        image_tensor(s.graph.input, batch.rgb.data(), 1, options.crop_px, options.crop_px).to(s.device);
+    const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i,
+                                   s.road_on_map());  // other crops than those learned from
+    const at::Tensor image = input_tensor(s.graph, batch.input(), 1, options.crop_px, options.crop_px).to(s.device);
     const Scores scores = forward_padded(s.graph, params, image, {});
-    const at::Tensor unary =
-        (-at::log_softmax(scores.values.narrow(2, scored.first - scores.row_px.first, scored.size())
-                              .narrow(3, scored.first - scores.col_px.first, scored.size()),
-                          1))
-            .permute({0, 2, 3, 1})
-            .to(at::kCPU)
-            .contiguous();
+    const at::Tensor unary = (-at::log_softmax(scores.values.narrow(1, 0, s.graph.class_count)
+                                                   .narrow(2, scored.first - scores.row_px.first, scored.size())
+                                                   .narrow(3, scored.first - scores.col_px.first, scored.size()),
+                                               1))
+                                 .permute({0, 2, 3, 1})
+                                 .to(at::kCPU)
+                                 .contiguous();
     const float* values = unary.data_ptr<float>();
     CrfSample sample{photos_of(batch, options, scored).front(),
                      Raster<ClassSet>(scored.size(), scored.size()),

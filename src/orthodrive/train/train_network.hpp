@@ -53,6 +53,9 @@ struct TrainOptions {
   bool balance_classes = false;      ///< class_weights by median frequency instead (Eigen and Fergus, 2015)
   float set_weight = 1.0F;           ///< of pixels with several allowed classes
   double jaccard_weight = 0.0;       ///< of jaccard_loss beside allowed_class_loss; network only
+  bool alignment_only = false;       ///< of a network that sees a map learns what reads it, by alignment_loss on
+                                     ///< disturbed_map.hpp; the rest stays as it is
+  std::optional<CrfModel> kept_crf;  ///< with it: the CRF of the weights it starts from, which still fits
   std::uint64_t seed = 1;
   std::int64_t validate_every = 200;  ///< steps; 0 = only at the end, -1 = never
   int early_stop_after = 0;           ///< validations without a better mean IoU; 0 = never

@@ -1,0 +1,116 @@
+#include "orthodrive/model/map_alignment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace orthodrive {
+namespace {
+
+constexpr double vector_scale = 4.0, width_scale = 8.0;
+
+std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)); }
+
+/// The pixels of one axis of a box whose centres lie within reach of a segment's ends.
+struct Cells {
+  int first = 0, last = -1;
+};
+Cells cells_near(double a, double b, std::int64_t box_first, int box_size) {
+  const double low = std::min(a, b) - map_reach_px - 0.5 - static_cast<double>(box_first),
+               high = std::max(a, b) + map_reach_px - 0.5 - static_cast<double>(box_first);
+  if (high < 0.0 || low > box_size - 1.0) return {};
+  return {static_cast<int>(std::ceil(std::max(low, 0.0))),
+          static_cast<int>(std::floor(std::min(high, box_size - 1.0)))};
+}
+
+}  // namespace
+
+Raster<NearestLine> nearest_lines(std::span<const RoadLine> lines, const PixelBox& box) {
+  Raster<NearestLine> nearest(box.width, box.height);
+  Raster<double> best(box.width, box.height, 1, map_reach_px * map_reach_px);
+  for (std::size_t line = 0; line < lines.size(); ++line) {
+    const Polyline& points = lines[line].points;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const Vec2 a = points[i], along = points[i + 1] - a;
+      const double square = dot(along, along);
+      const Cells rows = cells_near(a.y, points[i + 1].y, box.row, box.height),
+                  cols = cells_near(a.x, points[i + 1].x, box.col, box.width);
+      for (int row = rows.first; row <= rows.last; ++row) {
+        for (int col = cols.first; col <= cols.last; ++col) {
+          const Vec2 from_a =
+              Vec2{static_cast<double>(box.col + col) + 0.5, static_cast<double>(box.row + row) + 0.5} - a;
+          const double t = square > 0.0 ? std::clamp(dot(from_a, along) / square, 0.0, 1.0) : 0.0;
+          const Vec2 to_line = along * t - from_a;
+          const double d = dot(to_line, to_line);
+          if (d >= best.at(col, row)) continue;
+          best.at(col, row) = d;
+          nearest.at(col, row) = {to_line, static_cast<std::int32_t>(line), static_cast<std::int32_t>(i), t};
+        }
+      }
+    }
+  }
+  return nearest;
+}
+
+Raster<std::uint8_t> map_raster(std::span<const RoadLine> lines, const Raster<NearestLine>& nearest) {
+  Raster<std::uint8_t> raster(nearest.width, nearest.height, map_raster_channels);
+  for (std::size_t i = 0; i < nearest.data.size(); ++i) {
+    const NearestLine& n = nearest.data[i];
+    std::uint8_t* bytes = &raster.data[map_raster_channels * i];
+    bytes[0] = bytes[1] = 128;
+    if (n.line < 0) continue;
+    bytes[0] = byte_of(128.0 + vector_scale * n.to_line.x);
+    bytes[1] = byte_of(128.0 + vector_scale * n.to_line.y);
+    bytes[2] = byte_of(255.0 * (1.0 - length(n.to_line) / map_reach_px));
+    bytes[3] = byte_of(width_scale * lines[static_cast<std::size_t>(n.line)].half_width);
+  }
+  return raster;
+}
+
+PlaceAlignment place_alignment(const float* channels, Vec2 from_center_px, double gsd_m) {
+  constexpr double least_log_scale = -5.0, most_log_scale = 3.0;
+  const double unit_m = alignment_unit_px * gsd_m;
+  const auto rounded = [](double value) { return std::round(1000.0 * value) / 1000.0; };
+  const auto sigma = [&](float log_scale) {
+    return std::max(0.001,
+                    rounded(std::numbers::sqrt2 * unit_m *
+                            std::exp(std::clamp(static_cast<double>(log_scale), least_log_scale, most_log_scale))));
+  };
+  return {{rounded(unit_m * channels[0] - gsd_m * from_center_px.x),
+           -rounded(unit_m * channels[1] - gsd_m * from_center_px.y)},
+          sigma(channels[2]),
+          std::max(0.0, rounded(unit_m * channels[3])),
+          sigma(channels[4])};
+}
+
+std::vector<double> places_along(double length_m) {
+  constexpr double step_m = 2.0;
+  std::vector<double> places;
+  for (int i = 0; step_m * i < length_m; ++i) places.push_back(step_m * i);
+  places.push_back(length_m);
+  return places;
+}
+
+RoadMap::RoadMap(std::vector<RoadLine> lines_m) : lines_(std::move(lines_m)) {
+  std::erase_if(lines_, [](const RoadLine& line) { return line.points.size() < 2; });
+  for (const RoadLine& line : lines_) boxes_.push_back(bounds_of(line.points));
+}
+
+Raster<std::uint8_t> RoadMap::read(const GridFrame& frame, const PixelBox& box) const {
+  const double reach_m = (map_reach_px + 1.0) * frame.gsd_m;
+  const Vec2 north_west = frame.world_from_pixel(static_cast<double>(box.col), static_cast<double>(box.row)),
+             south_east =
+                 frame.world_from_pixel(static_cast<double>(box.end_col()), static_cast<double>(box.end_row()));
+  const Box2 seen = Box2{north_west.x, south_east.y, south_east.x, north_west.y}.grown(reach_m);
+  std::vector<RoadLine> lines;
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    if (!boxes_[i].overlaps(seen)) continue;
+    RoadLine line{{}, lines_[i].half_width / frame.gsd_m};
+    for (const Vec2 p : lines_[i].points) line.points.push_back(frame.pixel_from_world(p));
+    lines.push_back(std::move(line));
+  }
+  return map_raster(lines, nearest_lines(lines, box));
+}
+
+}  // namespace orthodrive

@@ -1,0 +1,12 @@
+#pragma once
+// OSM's roads as a network sees them. Apart from map_alignment.hpp, which training without OSM needs, too.
+
+#include "orthodrive/model/map_alignment.hpp"
+#include "orthodrive/model/road_network.hpp"
+
+namespace orthodrive {
+
+/// The centre lines of OSM's roads with half their widths; without tunnels, which no photo shows.
+[[nodiscard]] RoadMap road_map(const RoadNetwork& roads);
+
+}  // namespace orthodrive
