@@ -1,13 +1,12 @@
 """What a network that sees the map adds: alignment of the map's roads, refined roads. Writes docs/measured/second_eye.md.
 
-    tools/measure second_eye --eye out/second_eye/model.safetensors
+    tools/measure second-eye --eye out/second_eye/model.safetensors
 
 Some six minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
 ../shared/data; makes the synthetic sites.
 """
+import bisect
 import csv
-
-import numpy
 
 from measuring import refine
 from measuring.common import *
@@ -35,35 +34,58 @@ def shift(source, target, metres):
 
 
 def nodes_of(file):
-    """Of each path its nodes, as an array of x, y."""
+    """Of each path its nodes: x, y."""
     lines = {}
     for osm_id, part, blob in sqlite3.connect(file).execute("select osm_id, part, geom from nodes order by osm_id, part, s_m"):
         lines.setdefault((osm_id, part), []).append(point_of(blob))
-    return {key: numpy.array(points) for key, points in lines.items()}
+    return lines
+
+
+class NearestLine:
+    """Distances to lines whose nodes lie some metres apart."""
+    CELL_M = 20
+
+    def __init__(self, lines):
+        self.cells = {}
+        for line in lines:
+            for segment in zip(line, line[1:]):
+                self.cells.setdefault(self.cell(segment[0]), []).append(segment)
+
+    def cell(self, p):
+        return int(p[0] // self.CELL_M), int(p[1] // self.CELL_M)
+
+    def distance(self, p):
+        """Infinite where nothing is within a cell."""
+        col, row_ = self.cell(p)
+        near = (s for c in range(col - 1, col + 2) for r in range(row_ - 1, row_ + 2) for s in self.cells.get((c, r), ()))
+        return min((self.to_segment(p, *segment) for segment in near), default=math.inf)
+
+    @staticmethod
+    def to_segment(p, a, b):
+        along = b[0] - a[0], b[1] - a[1]
+        square = along[0] ** 2 + along[1] ** 2
+        t = min(1, max(0, ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / square)) if square else 0
+        return math.hypot(a[0] + t * along[0] - p[0], a[1] + t * along[1] - p[1])
 
 
 def place_errors(alignment, osm, truth):
     """Of every place: how far its line is from the nearest true centre line, before and after, m; and the sigma stated."""
-    segments = numpy.concatenate([numpy.hstack([p[:-1], p[1:]]) for p in nodes_of(truth).values()])
-    start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
-    square = numpy.maximum((along * along).sum(1), 1e-12)
-
-    def distance(p):
-        t = numpy.clip(((p - start) * along).sum(1) / square, 0, 1)
-        return numpy.hypot(*(start + along * t[:, None] - p).T).min()
-
-    lines, errors = nodes_of(osm), []
+    true, lines, errors = NearestLine(nodes_of(truth).values()), nodes_of(osm), []
+    at = {key: [0] for key in lines}
+    for key, line in lines.items():
+        for a, b in zip(line, line[1:]):
+            at[key].append(at[key][-1] + math.dist(a, b))
     for place in csv.DictReader(alignment.open()):
-        line = lines[int(place["osm_id"]), int(place["part"])]
-        at = numpy.concatenate([[0], numpy.cumsum(numpy.hypot(*numpy.diff(line, axis=0).T))])
-        s = float(place["s_m"])
-        i = min(max(int(numpy.searchsorted(at, s)) - 1, 0), len(line) - 2)
-        p = numpy.array([numpy.interp(s, at, line[:, 0]), numpy.interp(s, at, line[:, 1])])
-        tangent = (line[i + 1] - line[i]) / numpy.hypot(*(line[i + 1] - line[i]))
-        normal = numpy.array([-tangent[1], tangent[0]])
-        moved = p + normal * (float(place["east_m"]) * normal[0] + float(place["north_m"]) * normal[1])
-        errors.append((distance(p), distance(moved), float(place["sigma_m"])))
-    return numpy.array(errors)
+        key, s = (int(place["osm_id"]), int(place["part"])), float(place["s_m"])
+        i = min(max(bisect.bisect_right(at[key], s) - 1, 0), len(lines[key]) - 2)
+        a, b = lines[key][i], lines[key][i + 1]
+        length = math.dist(a, b)
+        tangent = (b[0] - a[0]) / length, (b[1] - a[1]) / length
+        p = a[0] + tangent[0] * (s - at[key][i]), a[1] + tangent[1] * (s - at[key][i])
+        across = float(place["north_m"]) * tangent[0] - float(place["east_m"]) * tangent[1]
+        moved = p[0] - across * tangent[1], p[1] + across * tangent[0]
+        errors.append((true.distance(p), true.distance(moved), float(place["sigma_m"])))
+    return [e for e in errors if e[0] < math.inf and e[1] < math.inf]
 
 
 class Measuring:
@@ -93,9 +115,10 @@ class Measuring:
     def site(self, name):
         site = self.tool.synth(ROOT / "out/synth" / name, *SITES[name])
         alignment, none = self.roads(name, site / "ortho.tif", site / "roads.osm", site / "truth")
-        before, after, sigma = place_errors(alignment, none, site / "truth/roads.gpkg").T
-        self.numbers["places"][name] = {"places": len(before), "before_m": before.mean(), "after_m": after.mean(), "after_p95_m": numpy.percentile(after, 95),
-                                        "sigma_m": float(numpy.median(sigma)), "within_sigma": float((after <= sigma).mean())}
+        before, after, sigma = zip(*place_errors(alignment, none, site / "truth/roads.gpkg"))
+        count = len(before)
+        self.numbers["places"][name] = {"places": count, "before_m": sum(before) / count, "after_m": sum(after) / count, "after_p95_m": sorted(after)[int(0.95 * count)],
+                                        "sigma_m": sorted(sigma)[count // 2], "within_sigma": sum(a <= s for a, s in zip(after, sigma)) / count}
         self.keep()
 
     def town(self, name):

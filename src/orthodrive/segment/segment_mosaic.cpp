@@ -50,14 +50,17 @@ PixelBox scaled(const PixelBox& box, int factor) {
 /// Edge of the largest window that takes some 700 MB: the photo and the network's layers on it and its margins, scores
 /// and what the CRF holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
 int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfModel>& crf, int factor) {
-  constexpr double most_bytes = 7.0e8, photo_bytes = 4.0, crf_bytes = 200.0;
+  constexpr double most_bytes = 7.0e8, crf_bytes = 200.0;
+  const double photo_bytes = 4.0,
+               map_bytes = network.sees_map() ? sizeof(NearestLine) + sizeof(double) + map_raster_channels : 0.0;
   constexpr int step_px = 32, least_px = 256, most_px = 8192;
-  const double score_bytes = static_cast<double>(sizeof(float)) * network.class_count();
+  const double score_bytes = static_cast<double>(sizeof(float)) * network.output_channels();
   const double label_bytes =
       factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
   const auto bytes = [&](double px) {
     const double predicted = px + 2.0 * crf_margin_px(crf), seen = predicted + 2.0 * network.margin_px();
-    return seen * seen * (photo_bytes + network.peak_bytes_per_pixel()) + predicted * predicted * label_bytes;
+    return seen * seen * (photo_bytes + map_bytes + network.peak_bytes_per_pixel()) +
+           predicted * predicted * label_bytes;
   };
   int window = least_px;
   while (window < most_px && bytes(window + step_px) <= most_bytes) window += step_px;
