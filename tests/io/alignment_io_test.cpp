@@ -56,6 +56,7 @@ TEST_F(AlignmentFile, ThatIsDamagedIsToldWithItsLine) {
   EXPECT_NE(message_for(header + "71,0,0,1,1,0.5,3,0.5\n71,0,2,1,1\n").find("line 3"), std::string::npos);
   EXPECT_NE(message_for(header + "71,0,0,1,1,0,3,0.5\n").find("line 2"), std::string::npos);      // a sigma of nothing
   EXPECT_NE(message_for(header + "71,0,0,1,nan,0.5,3,0.5\n").find("line 2"), std::string::npos);  // no number
+  EXPECT_NE(message_for(header + "1e300,0,0,1,1,0.5,3,0.5\n").find("line 2"), std::string::npos);
   EXPECT_NE(message_for(header + "71,0,0,1,1,0.5,3,0.5,9\n").find("line 2"), std::string::npos);
 }
 

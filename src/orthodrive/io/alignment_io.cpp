@@ -17,6 +17,7 @@
 namespace orthodrive::io {
 namespace {
 
+constexpr double largest_id = 9e15, largest_part = 1e9;  // that integers hold
 constexpr const char* header = "osm_id,part,s_m,east_m,north_m,sigma_m,half_width_m,sigma_half_width_m";
 
 /// The numbers of a line, separated by commas; false unless there are exactly as many.
@@ -58,7 +59,8 @@ RoadAlignment read_alignment(const std::filesystem::path& path, const RoadNetwor
   RoadAlignment alignment(roads.paths.size());
   for (int number = 2; std::getline(text, line); ++number) {
     std::array<double, 8> n{};
-    if (!parse(line, n) || !(n[5] > 0.0) || !(n[7] > 0.0))
+    if (!parse(line, n) || !(n[5] > 0.0) || !(n[7] > 0.0) || std::abs(n[0]) > largest_id ||
+        std::abs(n[1]) > largest_part)
       throw InputError(path.string(),
                        fmt::format("line {} does not hold eight numbers with sigmas above 0: '{}'", number, line));
     const auto found = path_of.find({static_cast<std::int64_t>(n[0]), static_cast<int>(n[1])});
