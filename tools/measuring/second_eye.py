@@ -2,7 +2,7 @@
 
     tools/measure second-eye --eye out/second_eye/model.safetensors
 
-Some six minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
+Some eleven minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
 ../shared/data; makes the synthetic sites.
 """
 import bisect

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace orthodrive {
@@ -69,7 +68,6 @@ Raster<std::uint8_t> map_raster(std::span<const RoadLine> lines, const Raster<Ne
 }
 
 PlaceAlignment place_alignment(const float* channels, Vec2 from_center_px, double gsd_m) {
-  constexpr double least_log_scale = -5.0, most_log_scale = 3.0;
   const double unit_m = alignment_unit_px * gsd_m;
   const auto rounded = [](double value) { return std::round(1000.0 * value) / 1000.0; };
   const auto sigma = [&](float log_scale) {

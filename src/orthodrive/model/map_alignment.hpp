@@ -24,6 +24,7 @@ constexpr double map_reach_px = 32.0;
 /// (Laplace), half the road's width, and the logarithm of that one's scale.
 constexpr int alignment_channels = 5;
 constexpr double alignment_unit_px = 8.0;
+constexpr double least_log_scale = -5.0, most_log_scale = 3.0;  ///< what is beyond counts as these
 
 /// A road of a map.
 struct RoadLine {

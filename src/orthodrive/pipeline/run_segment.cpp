@@ -79,8 +79,10 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
   const fs::path model_file = io::find_model(files.model);
   const SegmentModel& model = context.sources.model(model_file);
   const SiteFrame site = options.site ? *options.site : site_of_photo(files.photo);
-  const RoadNetwork roads =
-      model.sees_map && !files.osm.empty() ? context.sources.osm(files.osm, site).roads : RoadNetwork{};
+  if (!model.sees_map && !files.osm.empty())
+    throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take the model second_eye");
+  const RoadNetwork no_roads;
+  const RoadNetwork& roads = files.osm.empty() ? no_roads : context.sources.osm(files.osm, site).roads;
   const RoadMap map = road_map(roads);
   const MapPlaces places = places_of(roads);
   const SegmentOptions segment{.window_px = options.window_px,

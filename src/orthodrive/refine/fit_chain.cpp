@@ -236,8 +236,8 @@ class ChainProblem {
                                                             node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
                                       unknown));
       };
-      add(seen.offset_m, weights_.seen_sigma * seen.sigma_m, &offset_[i]);
-      add(seen.width_m, weights_.seen_sigma * seen.sigma_width_m, &width_[i]);
+      add(seen.offset_m, seen.sigma_m, &offset_[i]);
+      add(seen.width_m, seen.sigma_width_m, &width_[i]);
     }
     trace_errors_.add_to(problem_, offset_, node_share_, parameters_, blocks_.priors);
     for (const auto& [node, offset_m, sigma_m] : coupling_.meetings)

@@ -91,7 +91,7 @@ class Refinement {
     expected_.resize(chains_.size());
     passes_ = find_passes(chains_, osm, traces, neighbours_, options.threads);
     traces_.resize(chains_.size());
-    for (const RoadChain& chain : chains_) seen_.push_back(seen_on_chain(chain, alignment));
+    for (const RoadChain& chain : chains_) seen_.push_back(seen_on_chain(chain, alignment, options.weights.seen_sigma));
     for (std::size_t c = 0; c < chains_.size(); ++c) {
       std::vector<double> widths_m;
       for (const ChainNode& node : chains_[c].nodes) widths_m.push_back(node.input_width_m);

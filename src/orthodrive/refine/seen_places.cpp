@@ -5,7 +5,7 @@
 
 namespace orthodrive::refine {
 
-std::vector<SeenPlace> seen_on_chain(const RoadChain& chain, const RoadAlignment& alignment) {
+std::vector<SeenPlace> seen_on_chain(const RoadChain& chain, const RoadAlignment& alignment, double sigma_factor) {
   constexpr double farthest_m = 3.0;  // along the path
   std::vector<SeenPlace> seen(chain.nodes.size());
   bool any = false;
@@ -19,8 +19,8 @@ std::vector<SeenPlace> seen_on_chain(const RoadChain& chain, const RoadAlignment
       if (place == places.end() || (place != places.begin() && s_m - (place - 1)->s_m < place->s_m - s_m)) --place;
       if (std::abs(place->s_m - s_m) > farthest_m) continue;
       const PlaceAlignment& a = place->alignment;
-      seen[i] = {dot(a.displacement_m, chain.nodes[i].normal), a.sigma_m, 2.0 * a.half_width_m,
-                 2.0 * a.sigma_half_width_m};
+      seen[i] = {dot(a.displacement_m, chain.nodes[i].normal), sigma_factor * a.sigma_m, 2.0 * a.half_width_m,
+                 sigma_factor * 2.0 * a.sigma_half_width_m};
       any = any || a.sigma_m > 0.0;
     }
   }
@@ -33,10 +33,7 @@ std::vector<ExpectedOffset> combine(const std::vector<ExpectedOffset>& expected,
   std::vector<ExpectedOffset> both = expected;
   for (std::size_t i = 0; i < both.size(); ++i) {
     if (seen[i].sigma_m <= 0.0) continue;
-    const double before = 1.0 / std::pow(std::max(1e-3, both[i].sigma_m), 2),
-                 of_seen = 1.0 / std::pow(seen[i].sigma_m, 2);
-    both[i] = {(before * both[i].offset_m + of_seen * seen[i].offset_m) / (before + of_seen),
-               1.0 / std::sqrt(before + of_seen)};
+    both[i] = combined(both[i], {seen[i].offset_m, seen[i].sigma_m});
   }
   return both;
 }

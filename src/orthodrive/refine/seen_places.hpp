@@ -14,7 +14,8 @@ struct SeenPlace {
 };
 
 /// One a node, or none where nothing is said of the chain. A node takes the place of its path that is nearest along it.
-[[nodiscard]] std::vector<SeenPlace> seen_on_chain(const RoadChain& chain, const RoadAlignment& alignment);
+[[nodiscard]] std::vector<SeenPlace> seen_on_chain(const RoadChain& chain, const RoadAlignment& alignment,
+                                                   double sigma_factor = 1.0);
 
 /// Both together, weighted by their variances.
 [[nodiscard]] std::vector<ExpectedOffset> combine(const std::vector<ExpectedOffset>& expected,

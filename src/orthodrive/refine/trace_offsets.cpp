@@ -182,10 +182,7 @@ std::vector<ExpectedOffset> combine(const std::vector<ExpectedOffset>& map, cons
   std::vector<ExpectedOffset> both = map;
   for (std::size_t i = 0; i < both.size(); ++i) {
     if (traces[i].recordings <= 0.0) continue;
-    const double of_map = 1.0 / std::pow(std::max(1e-3, map[i].sigma_m), 2),
-                 of_traces = 1.0 / std::pow(traces[i].sigma_m, 2);
-    both[i] = {(of_map * map[i].offset_m + of_traces * traces[i].offset_m) / (of_map + of_traces),
-               1.0 / std::sqrt(of_map + of_traces)};
+    both[i] = combined(map[i], {traces[i].offset_m, traces[i].sigma_m});
   }
   return both;
 }

@@ -96,6 +96,13 @@ RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::ma
 
 }  // namespace
 
+ExpectedOffset combined(ExpectedOffset a, ExpectedOffset b) {
+  constexpr double least_sigma_m = 1e-3;
+  const double of_a = 1.0 / std::pow(std::max(least_sigma_m, a.sigma_m), 2),
+               of_b = 1.0 / std::pow(std::max(least_sigma_m, b.sigma_m), 2);
+  return {(of_a * a.offset_m + of_b * b.offset_m) / (of_a + of_b), 1.0 / std::sqrt(of_a + of_b)};
+}
+
 std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& options) {
   std::map<std::int64_t, int> incidences;
   for (const RoadPath& path : osm.paths)

@@ -23,6 +23,8 @@ struct ChainNode {
 struct ExpectedOffset {
   double offset_m = 0.0, sigma_m = 0.0;
 };
+/// Both by the inverse of their variances.
+[[nodiscard]] ExpectedOffset combined(ExpectedOffset a, ExpectedOffset b);
 
 /// A path, or a part of a chain that is a path, in the chain's direction or against it.
 struct ChainPiece {

@@ -8,8 +8,6 @@
 namespace orthodrive {
 namespace {
 
-constexpr double least_log_scale = -5.0, most_log_scale = 3.0;
-
 /// -log p of an error under a Laplace distribution of that log scale, but for log 2, and its derivatives.
 struct Likelihood {
   double loss, d_error, d_log_scale;
