@@ -25,7 +25,7 @@ void run(TrainCommand& command, const Context& context) {
   StageContext stage = stage_context(context);
   if (!command.measure.model.empty()) {
     command.measure.crf = command.options.crf;
-    fmt::print("{}\n", measure_on_held_out_data(command.files.experiment, command.measure, stage).dump(2));
+    fmt::print("{}\n", measure_on_held_out_data(command.files, command.measure, stage).dump(2));
     return;
   }
   if (command.files.folder.empty() && (command.pack.empty() || command.preview))
@@ -54,6 +54,10 @@ void add_train(CLI::App& app, Context& context) {
   cmd->add_option("--measure", command->measure.model,
                   "instead of training, print the scores of this model on the held-out data as JSON");
   cmd->add_option("--set", command->measure.sets, "of --measure: only these of the held-out data");
+  cmd->add_option("--weights", command->files.weights,
+                  "start from these (safetensors or .caffemodel, asked in this order), not from the experiment's");
+  cmd->add_option("--leave-out", command->files.leave_out,
+                  "data sets to leave out and measure as a whole, in place of the experiment's 'leave_out'");
   cmd->add_option(
       "--pack", command->pack,
       "instead of training, write the data set into this safetensors file, to train on a machine with nothing "

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "orthodrive/core/random.hpp"
-
 namespace orthodrive {
 namespace {
 
@@ -17,25 +15,6 @@ std::vector<SegmentRectangle> row(const std::vector<double>& offsets, double wid
     rectangles.push_back({{x, offsets[i]}, {x + 10.0, offsets[i]}, {0.0, 1.0}, width_m});
   }
   return rectangles;
-}
-
-TEST(MrfSurfaces, simplify_keeps_corners_and_drops_what_the_tolerance_allows) {
-  const Polyline line{{0, 0}, {5, 0.3}, {10, -0.3}, {20, 0}, {20, 10}, {20.4, 15}, {20, 20}};
-  EXPECT_EQ(simplify(line, 0.5), (std::vector{true, false, false, true, false, false, true}));
-  EXPECT_EQ(simplify(line, 0.1), (std::vector{true, true, true, true, true, true, true}));
-  EXPECT_TRUE(simplify({}, 0.5).empty());
-}
-
-TEST(MrfSurfaces, no_dropped_point_is_farther_than_the_tolerance) {
-  Random random(5);
-  Polyline line;
-  for (int i = 0; i < 200; ++i) line.push_back({static_cast<double>(i), 3.0 * random.uniform()});
-  const auto stays = simplify(line, 1.0);
-  Polyline kept;
-  for (std::size_t i = 0; i < line.size(); ++i)
-    if (stays[i]) kept.push_back(line[i]);
-  EXPECT_LT(kept.size(), line.size());
-  for (const Vec2 p : line) EXPECT_LE(project_onto(kept, p).distance_m, 1.0 + 1e-9);
 }
 
 TEST(MrfSurfaces, smooth_nodes_are_means_of_the_neighbouring_rectangles) {

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/crs.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/polyline.hpp"
+#include "orthodrive/geo/simplify.hpp"
 
 namespace orthodrive {
 namespace {
@@ -100,6 +102,25 @@ TEST(Crs, ecef_of_known_places) {
   const Vec3 equator = ecef_from_geographic(0.0, 0.0, 0.0), pole = ecef_from_geographic(0.0, 90.0, 10.0);
   EXPECT_NEAR(equator.x, 6378137.0, 1e-6);
   EXPECT_NEAR(pole.z, 6356752.314245 + 10.0, 1e-4);  // WGS84 semi-minor axis
+}
+
+TEST(Polyline, simplify_keeps_corners_and_drops_what_the_tolerance_allows) {
+  const Polyline line{{0, 0}, {5, 0.3}, {10, -0.3}, {20, 0}, {20, 10}, {20.4, 15}, {20, 20}};
+  EXPECT_EQ(simplify(line, 0.5), (std::vector{true, false, false, true, false, false, true}));
+  EXPECT_EQ(simplify(line, 0.1), (std::vector{true, true, true, true, true, true, true}));
+  EXPECT_TRUE(simplify({}, 0.5).empty());
+}
+
+TEST(Polyline, no_dropped_point_is_farther_than_the_tolerance) {
+  Random random(5);
+  Polyline line;
+  for (int i = 0; i < 200; ++i) line.push_back({static_cast<double>(i), 3.0 * random.uniform()});
+  const auto stays = simplify(line, 1.0);
+  Polyline kept;
+  for (std::size_t i = 0; i < line.size(); ++i)
+    if (stays[i]) kept.push_back(line[i]);
+  EXPECT_LT(kept.size(), line.size());
+  for (const Vec2 p : line) EXPECT_LE(project_onto(kept, p).distance_m, 1.0 + 1e-9);
 }
 
 }  // namespace

@@ -25,14 +25,16 @@ Raster<T> counting(int width, int height, int channels, std::size_t modulus) {
 
 PackedScenes small_data() {
   PackedScenes data;
-  data.scenes.push_back({.name = "Pardubice \"west\", ž",
-                         .rgb = counting<std::uint8_t>(5, 3, 3, 251),
-                         .allowed = counting<ClassSet>(5, 3, 1, 4),
-                         .gsd_m = 1.0 / 3.0,
-                         .weight = 0.1,
-                         .min_zoom = 0.7,
-                         .max_zoom = 1.9,
-                         .from_step = 123456789012});
+  data.scenes.push_back(
+      {.name = "Pardubice \"west\", ž",
+       .rgb = counting<std::uint8_t>(5, 3, 3, 251),
+       .allowed = counting<ClassSet>(5, 3, 1, 4),
+       .gsd_m = 1.0 / 3.0,
+       .weight = 0.1,
+       .min_zoom = 0.7,
+       .max_zoom = 1.9,
+       .from_step = 123456789012,
+       .map = {{{{0.1, -2.5}, {3.0, 1.0 / 3.0}}, 2.25}, {{{7.0, 8.0}, {9.0, 10.0}, {11.0, 1e5}}, 0.0}}});
   // Every set of eight classes: the table is full. Larger than one piece of the writer.
   data.scenes.push_back({.name = "all sets",
                          .rgb = counting<std::uint8_t>(400, 700, 3, 256),
@@ -52,6 +54,7 @@ PackedScenes small_data() {
   held_out.photo.rgb = counting<std::uint8_t>(4, 2, 3, 17);
   held_out.photo.valid = counting<std::uint8_t>(4, 2, 1, 2);
   held_out.allowed = counting<ClassSet>(4, 2, 1, 3);
+  held_out.map = std::vector<RoadLine>{{{{1.0, 1.5}, {2.0, 1.5}}, 3.0}};
   data.validation = {held_out, held_out};  // scenes of one name count together
   data.metadata = {{"experiment", "[train]\nsteps = 5 # é\n"}, {"classes", "{}"}};
   return data;
@@ -85,6 +88,11 @@ TEST(PackedScenes, write_read_gives_the_same) {
     EXPECT_EQ(a.min_zoom, b.min_zoom);
     EXPECT_EQ(a.max_zoom, b.max_zoom);
     EXPECT_EQ(a.from_step, b.from_step);
+    ASSERT_EQ(a.map.size(), b.map.size());
+    for (std::size_t k = 0; k < a.map.size(); ++k) {
+      EXPECT_EQ(a.map[k].points, b.map[k].points);
+      EXPECT_EQ(a.map[k].half_width, b.map[k].half_width);
+    }
     expect_same(a.rgb, b.rgb);
     expect_same(a.allowed, b.allowed);
   }

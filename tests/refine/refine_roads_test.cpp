@@ -88,6 +88,24 @@ TEST(RefineRoads, trees_over_the_road_do_not_move_it) {
   EXPECT_LT(after.mean_width_m, 0.5);
 }
 
+TEST(RefineRoads, a_map_that_the_photo_does_not_show_is_named) {
+  const auto along = [](double y) { return straight(at(50.0, y), at(950.0, y)); };
+  const auto named = [&](bool second_seen) {
+    RoadScene scene = make_scene(1000.0);
+    add_way(scene, 77, map_line(along(700.0), {}, 5.5));
+    add_way(scene, 78, map_line(along(300.0), {}, 5.5));
+    add_way(scene, 79, map_line(along(500.0), {}, 5.5));
+    add_truth(scene, along(700.0), 5.5);
+    if (second_seen) add_truth(scene, along(300.0), 5.5);
+    const auto result = refine_roads(scene.osm, scene.labels);
+    const auto finding = std::ranges::find(result.findings, "refine.map_unlike_photo", &Finding::code);
+    if (finding != result.findings.end()) EXPECT_THAT(finding->message, testing::HasSubstr("33 % of 2.7 km"));
+    return finding != result.findings.end();
+  };
+  EXPECT_TRUE(named(false));  // a third of the roads
+  EXPECT_FALSE(named(true));
+}
+
 TEST(RefineRoads, road_that_is_not_seen_stays_with_osm_and_says_so) {
   RoadScene scene = make_scene(400.0);
   add_way(scene, 77, map_line(s_curve(), {}, 5.5));

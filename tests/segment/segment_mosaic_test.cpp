@@ -323,7 +323,7 @@ SegmentModel model_that_sees_the_map() {
   TensorFile file = start_weights(graph, {}, 3).file;
   Random random(4);
   for (auto& [name, tensor] : file.tensors)
-    if (name.starts_with("head") || name.starts_with("align_out"))
+    if (name.starts_with("head") || name.starts_with("align_out") || name.starts_with("classes_out"))
       for (float& v : tensor.values) v = static_cast<float>(0.1 * random.normal());
   file.metadata = format_model_metadata({graph.architecture, default_class_table(), 0.5, 0.4});
   return load_model(file, "random");
@@ -342,18 +342,39 @@ TEST(SegmentMosaic, alignments_do_not_depend_on_windows_or_threads) {
                           {.window_px = window_px, .threads = threads, .map = seen, .places = places})
         .alignments;
   };
-  const auto one = run(1 << 20, 1, &map), many = run(61, 2, &map), without = run(1 << 20, 1, nullptr);
+  const RoadMap elsewhere({{{{500000.0, 6399900.0}, {500150.0, 6399890.0}}, 4.0}});
+  const auto one = run(1 << 20, 1, &map), many = run(61, 2, &map), other = run(1 << 20, 1, &elsewhere);
   ASSERT_EQ(one.size(), places.size());
+  EXPECT_TRUE(run(1 << 20, 1, nullptr).empty());
   double changed_m = 0.0;
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_NEAR(one[i].displacement_m.x, many[i].displacement_m.x, 0.0011) << i;
     EXPECT_NEAR(one[i].displacement_m.y, many[i].displacement_m.y, 0.0011) << i;
     EXPECT_NEAR(one[i].half_width_m, many[i].half_width_m, 0.0011) << i;
-    changed_m = std::max(changed_m, length(one[i].displacement_m - without[i].displacement_m));
+    changed_m = std::max(changed_m, length(one[i].displacement_m - other[i].displacement_m));
   }
   EXPECT_GT(changed_m, 0.01);  // the map is seen
   EXPECT_GT(one.front().sigma_m, 0.0);
   EXPECT_EQ(one.back().sigma_m, 0.0);  // no photo, nothing said
+}
+
+/// The map adds to the classes near its roads; an empty one is no map, and labels are then those of the network without
+/// the branch that reads it.
+TEST(SegmentMosaic, labels_see_the_map_and_without_one_are_those_of_the_network_without_it) {
+  const Photo photo = painted_photo(300, 200, 0.5);
+  const SegmentModel model = model_that_sees_the_map();
+  SegmentModel plain = model;
+  plain.network = model.without_map, plain.sees_map = false;
+  const RoadMap map({{{{500000.0, 6399990.0}, {500150.0, 6399985.0}}, 4.0}}), empty;
+  const auto probabilities = [&](const SegmentModel& of, const RoadMap* seen, int window_px) {
+    return segment_mosaic(photo, of, {.window_px = window_px, .map = seen}).road_probability.confidence.data;
+  };
+  const auto without = probabilities(plain, nullptr, 1 << 20);
+  EXPECT_EQ(probabilities(model, nullptr, 1 << 20), without);
+  EXPECT_EQ(probabilities(model, &empty, 1 << 20), without);
+  const auto with = probabilities(model, &map, 1 << 20), in_windows = probabilities(model, &map, 61);
+  EXPECT_NE(with, without);
+  for (std::size_t i = 0; i < with.size(); ++i) ASSERT_NEAR(with[i], in_windows[i], 1) << i;
 }
 
 TEST(SegmentMosaic, a_model_without_a_map_tells_no_alignments) {

@@ -75,14 +75,14 @@ TEST(Trainer, jaccard_weight_adds_to_the_loss_and_changes_the_step) {
 }
 
 /// What reads the map learns; all else, running statistics too, stays as it was.
-TEST(Trainer, alignment_only_leaves_the_classes_as_they_are) {
+TEST(Trainer, map_only_leaves_the_rest_as_it_is) {
   ModelMetadata metadata = default_metadata();
   metadata.architecture += "-map";
   const std::vector<WeightsSource> sources{{"fresh", fresh_weights()}};
   const TensorFile start = start_weights(make_network(metadata.architecture, 8), sources, 1).file;
   TrainOptions options = toy_options();
   options.steps = 40, options.decay_from_step = 40, options.freeze_norm_from_step = 100;
-  options.alignment_only = true;
+  options.map_only = true;
   options.kept_crf = reference_crf(8);
   Trainer trainer(start, "fresh", metadata, options);
   const std::vector<TrainingScene> scenes{toy_scene()};
@@ -92,14 +92,14 @@ TEST(Trainer, alignment_only_leaves_the_classes_as_they_are) {
   const TensorFile end = trainer.weights();
   int changed = 0;
   for (const auto& [name, tensor] : start.tensors) {
-    const bool of_map = name.starts_with("map_") || name.starts_with("align_");
+    const bool of_map = name.starts_with("map_") || name.starts_with("align_") || name.starts_with("classes_");
     const bool same = end.tensors.at(name).values == tensor.values;
     if (!of_map) EXPECT_TRUE(same) << name;
     changed += of_map && !same;
   }
   EXPECT_GT(changed, 30);
   EXPECT_TRUE(read_crf(trainer.model_file(), 8, "model"));
-  options.alignment_only = false;
+  options.map_only = false;
   Trainer classes(start, "fresh", metadata, options);
   static_cast<void>(classes.advance(scenes));
   EXPECT_EQ(classes.weights().tensors.at("align_out/kernel").values, start.tensors.at("align_out/kernel").values);
@@ -188,8 +188,33 @@ TEST(MeasureModel, labels_a_photo_as_prediction_does) {
   ASSERT_EQ(labels.frame.gsd_m, 0.2);
   for (int row = 0; row < size; ++row)
     for (int col = 0; col < size; ++col) scene.allowed.at(col, row) = only(labels.labels.at(col / 2, row / 2));
-  const LabelScore score = measure_model(shipped_model(), {scene}, 1).at("fine");
-  EXPECT_DOUBLE_EQ(score.pixel_accuracy(), 1.0);
+  const HeldOutScore score = measure_model(shipped_model(), {scene}, 1).at("fine");
+  EXPECT_DOUBLE_EQ(score.labels.pixel_accuracy(), 1.0);
+  EXPECT_EQ(score.is_road, score.said_road);
+  EXPECT_LE(score.stated_road, static_cast<double>(score.said_road));
+}
+
+TEST(MeasureModel, measures_a_model_that_sees_the_map_with_one_and_without) {
+  const NetworkGraph graph = make_network("mobilenetv2-s32-fpn2-map", 8);
+  TensorFile file = start_weights(graph, {}, 3).file;
+  Random random(4);
+  for (auto& [name, tensor] : file.tensors)
+    if (name.starts_with("head") || name.starts_with("classes_out"))
+      for (float& v : tensor.values) v = static_cast<float>(random.normal());
+  file.metadata = format_model_metadata({graph.architecture, default_class_table(), 0.5, 0.5});
+  const SegmentModel model = load_model(file, "random");
+  const TrainingScene toy = toy_scene();
+  ValidationScene scene{"toy",
+                        {{}, {0.0, 48.0, 0.5, 96, 96}, toy.rgb, Raster<std::uint8_t>(96, 96, 1, 1)},
+                        Raster<ClassSet>(96, 96, 1, only(0))};
+  for (int row = 40; row < 56; ++row)
+    for (int col = 0; col < 96; ++col) scene.allowed.at(col, row) = only(road_label(model.classes));
+  const auto drawn = measure_model(model, {scene}, 1);
+  ASSERT_EQ(drawn.size(), 2U);
+  EXPECT_NE(drawn.at("toy with map").labels.pixel_accuracy(), drawn.at("toy").labels.pixel_accuracy());
+  scene.map = std::vector<RoadLine>{};
+  const auto empty = measure_model(model, {scene}, 1);
+  EXPECT_EQ(empty.at("toy with map").labels.pixel_accuracy(), drawn.at("toy").labels.pixel_accuracy());
 }
 
 TEST(Trainer, refuses_impossible_options) {

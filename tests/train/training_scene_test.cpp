@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "train/toy_scene.hpp"
@@ -45,6 +47,33 @@ TEST(DrawCrop, averages_what_is_finer_than_the_crop) {
       ASSERT_NEAR(crop.rgb.data[3 * i], 127.5, 15.0) << seed;  // an odd sample at the most
     }
   }
+}
+
+TEST(DrawCrop, keeps_the_map_on_its_roads) {
+  TrainingScene scene{.name = "mapped",
+                      .rgb = Raster<std::uint8_t>(200, 200, 3, 90),
+                      .allowed = Raster<ClassSet>(200, 200, 1, only(0))};
+  for (int row = 0; row < 200; ++row)
+    for (int col = 0; col < 200; ++col)
+      if (std::abs(row - col - 30) < 4) scene.allowed.at(col, row) = only(1);
+  scene.map = {{{{-100.0, -70.0}, {300.0, 330.0}}, 3.0},
+               {{{900.0, 0.0}, {900.0, 200.0}}, 3.0}};  // in its middle; far off
+  int on_road = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Crop crop = draw_crop(scene, {.size_px = 64, .gsd_m = 0.5}, seed);
+    ASSERT_LE(crop.map.size(), 1U);
+    if (crop.map.empty()) continue;
+    EXPECT_GT(crop.map[0].half_width, 3.0 * 0.79);
+    EXPECT_LT(crop.map[0].half_width, 3.0 * 1.26);
+    for (double s = 0.0; s < length_m(crop.map[0].points); s += 1.0) {
+      const Vec2 p = point_at(crop.map[0].points, s);
+      const int col = static_cast<int>(std::floor(p.x)), row = static_cast<int>(std::floor(p.y));
+      if (!crop.allowed.inside(col, row) || crop.allowed.at(col, row) == unknown_class) continue;
+      ASSERT_EQ(crop.allowed.at(col, row), only(1)) << seed;
+      ++on_road;
+    }
+  }
+  EXPECT_GT(on_road, 200);
 }
 
 TEST(DrawCrop, keeps_the_grey_beyond_the_photo) {

@@ -1,28 +1,34 @@
-"""What a network that sees the map adds: alignment of the map's roads, refined roads. Writes docs/measured/second_eye.md.
+"""What a network that sees the map adds: labels, alignment of the map's roads, refined roads. Writes docs/measured/second_eye.md.
 
-    tools/measure second-eye --eye out/second_eye/model.safetensors
+    tools/measure second-eye --eye out/second_eye/model.safetensors --left-out out/left_out/model.safetensors
 
-Some eleven minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
-../shared/data; makes the synthetic sites.
+Some twenty minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
+../shared/data; makes the synthetic sites and renders the painted pieces. --left-out: a model of
+models/experiments/second_eye_without_regions.toml, measured on all of the regions that it never saw.
 """
 import bisect
 import csv
 
 from measuring import refine
 from measuring.common import *
+from measuring.painted import render_painted
+from measuring.segment import timed
 
 STORE, PAGE = "second_eye.json", PAGES / "second_eye.md"
 SITES = {"village-99": ["--preset", "village", "--seed", 99], "circuit-7": ["--preset", "circuit"], "junction-7": ["--preset", "junction"]}
 TOWNS = ["kvarnbyn", "pardubice"]
 SHIFT_M = 50  # of a map that lies wrong altogether
-VARIANTS = {"without": False, "with": True}  # the alignment
+# Whether the labels have seen the map, and whether the alignment is evidence.
+VARIANTS = {"photo alone": (False, False), "labels see the map": (True, False), "and alignment": (True, True)}
+REGIONS = ["banepa", "estonia", "japan"]
 
 
 def add_arguments(parser):
     add_tool(parser, "out/second_eye_measured")
-    add_only(parser, [*SITES, *TOWNS])
+    add_only(parser, ["labels", "speed", *SITES, *TOWNS])
     add_table(parser)
     parser.add_argument("--eye", type=pathlib.Path, default=ROOT / "models/second_eye.safetensors", help="a model that sees the map")
+    parser.add_argument("--left-out", type=pathlib.Path, help="one trained without the regions")
 
 
 def shift(source, target, metres):
@@ -88,26 +94,49 @@ def place_errors(alignment, osm, truth):
     return [e for e in errors if e[0] < math.inf and e[1] < math.inf]
 
 
+EMPTY = {"places": {}, "roads": {}, "labels": {}, "left_out": {}, "speed": {}}
+
+
 class Measuring:
     def __init__(self, args):
         self.args, self.tool, self.out = args, Tool(args.tool), args.out
-        self.numbers = read_results(STORE, {"places": {}, "roads": {}})
+        self.numbers = EMPTY | read_results(STORE, EMPTY)
         self.numbers["commit"] = commit()
 
     def keep(self):
         write_results(STORE, self.numbers)
 
+    def labels(self):
+        """Labels of held-out data, and of whole regions by a model that never saw them."""
+        self.tool.synth(ROOT / "out/synth/village-99", *SITES["village-99"])
+        render_painted()
+        self.numbers["labels"] = self.tool.json("train", ROOT / "models/regions.toml", "--measure", self.args.eye)
+        if self.args.left_out:
+            sets = [word for region in REGIONS for word in ("--set", region)]
+            self.numbers["left_out"] = self.tool.json("train", ROOT / "models/experiments/second_eye_without_regions.toml", "--measure", self.args.left_out, *sets)
+        self.keep()
+
+    def speed(self):
+        for variant, words in {"photo alone": [], "with the map": ["--osm", DATA / "pardubice/roads.osm", "--alignment", self.out / "alignment.csv"]}.items():
+            seconds, gigabytes = timed(self.tool, "segment", DATA / "pardubice/ortho.tif", "--model", self.args.eye, "-o", self.out / "labels.tif", *words)
+            self.numbers["speed"][variant] = {"seconds": seconds, "megabytes": 1000 * gigabytes}
+        self.keep()
+
     def roads(self, name, photo, osm, truth, *more):
         folder = self.out / name.replace(" ", "_")
         folder.mkdir(parents=True, exist_ok=True)
-        labels, probability, alignment, none = (folder / f for f in ("labels.tif", "road_probability.tif", "alignment.csv", "none.gpkg"))
-        self.tool("segment", photo, "--model", self.args.eye, "-o", labels, "--road-probability", probability, "--osm", osm, "--alignment", alignment)
-        self.tool("refine", "--osm", osm, "--labels", labels, "-o", none, "--method", "none")
-        for variant, aligned in VARIANTS.items():
-            file = folder / f"{variant}.gpkg"
+        alignment, none = folder / "alignment.csv", folder / "none.gpkg"
+        files = {seen: (folder / f"labels{tail}.tif", folder / f"road_probability{tail}.tif") for seen, tail in ((False, ""), (True, "_with_map"))}
+        for seen, (labels, probability) in files.items():
+            self.tool("segment", photo, "--model", self.args.eye, "-o", labels, "--road-probability", probability, *(["--osm", osm, "--alignment", alignment] if seen else []))
+        self.tool("refine", "--osm", osm, "--labels", files[False][0], "-o", none, "--method", "none")
+        self.numbers["roads"][name] = {}
+        for variant, (seen, aligned) in VARIANTS.items():
+            file = folder / f"{variant.replace(' ', '_')}.gpkg"
+            labels, probability = files[seen]
             self.tool("refine", "--osm", osm, "--labels", labels, "--road-probability", probability, "-o", file, *(["--alignment", alignment] if aligned else []))
             scores = self.tool.json("evaluate", "roads", file, truth or none, "--before", none, *more, "--json")
-            self.numbers["roads"].setdefault(name, {})[variant] = scores
+            self.numbers["roads"][name][variant] = scores
             print(name, variant, fixed(scores["surface_iou"], 3), fixed(scores["offset_m"]["mean_abs"], 3), fixed(scores["width_m"]["mean_abs"], 3), flush=True)
         self.keep()
         return alignment, none
@@ -133,15 +162,35 @@ class Measuring:
         self.roads(f"{name} map {SHIFT_M} m off", refine.PHOTOS[name], moved, drawn[""], "--area", drawn["_area"], "--ignore", drawn["_unmapped"])
 
 
+def label_rows(scores):
+    """A row a set: road IoU of the photo alone and with the map; what is stated of pixels labelled road, and what is right."""
+    text = header(["road IoU, %", "photo alone", "with the map", "stated of road with the map, %", "right, %"])
+    suffix = " with map"
+    for name, alone in scores.items():
+        if name.endswith(suffix) or name + suffix not in scores:
+            continue
+        seen = scores[name + suffix]
+        text += row([name, percent(alone["road_iou"]), percent(seen["road_iou"]), percent(seen["road_stated"]), percent(seen["road_right"])])
+    return text
+
+
 def table(numbers):
-    text = header(["map's roads on synthetic sites", "places", "off the truth before, m", "after, m", "p95, m", "stated sigma, m", "within it, %"])
+    text = "Held out of the training:\n\n" + label_rows(numbers["labels"])
+    left = numbers["left_out"]
+    if left:
+        means = [sum(left[region + tail]["road_iou"] for region in REGIONS) / len(REGIONS) for tail in ("", " with map")]
+        text += "\nRegions that neither the network nor its branch for the map has seen, all of them:\n\n" + label_rows(left) + row(["mean", *map(percent, means), "", ""])
+    text += "\n" + header(["segment, Pardubice, 105 Mpx", "s", "Mpx/s", "MB"])
+    for name, s in numbers["speed"].items():
+        text += row([name, fixed(s["seconds"], 1), fixed(104.9 / s["seconds"]), fixed(s["megabytes"], 0)])
+    text += "\n" + header(["map's roads on synthetic sites", "places", "off the truth before, m", "after, m", "p95, m", "stated sigma, m", "within it, %"])
     for name, p in numbers["places"].items():
         text += row([name, p["places"], fixed(p["before_m"]), fixed(p["after_m"]), fixed(p["after_p95_m"]), fixed(p["sigma_m"]), percent(p["within_sigma"])])
-    text += "\n" + header(["refined roads", "alignment", "surface IoU", "offset, m", "p95, m", "width error, m", "within sigma, %", "moved away, %"])
+    text += "\n" + header(["refined roads", "evidence", "surface IoU", "of known ways", "offset, m", "p95, m", "width error, m", "within sigma, %", "moved away, %"])
     for name, variants in numbers["roads"].items():
         for variant, s in variants.items():
             away = (s.get("moved_away") or {}).get("share_by_more_than_0_3_m")
-            text += row([name, variant, fixed(s["surface_iou"], 3), fixed(s["offset_m"]["mean_abs"]), fixed(s["offset_m"]["p95"]), fixed(s["width_m"]["mean_abs"]),
+            text += row([name, variant, fixed(s["surface_iou"], 3), fixed(s.get("surface_iou_of_known_ways"), 3), fixed(s["offset_m"]["mean_abs"]), fixed(s["offset_m"]["p95"]), fixed(s["width_m"]["mean_abs"]),
                          percent(s["sigma_coverage"]["1"]), percent(away)])
     return text
 
@@ -149,10 +198,15 @@ def table(numbers):
 def run(args):
     if not args.table:
         measuring = Measuring(args)
+        measuring.out.mkdir(parents=True, exist_ok=True)
+        if "labels" in args.only:
+            measuring.labels()
+        if "speed" in args.only:
+            measuring.speed()
         for name in SITES:
             if name in args.only:
                 measuring.site(name)
         for name in TOWNS:
             if name in args.only:
                 measuring.town(name)
-    write_between(PAGE, "second_eye", table(read_results(STORE, {"places": {}, "roads": {}})))
+    write_between(PAGE, "second_eye", table(EMPTY | read_results(STORE, EMPTY)))

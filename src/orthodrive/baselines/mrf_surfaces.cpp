@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "orthodrive/geo/simplify.hpp"
+
 namespace orthodrive::baselines {
 namespace {
-
-Vec2 nearest_on_segment(Vec2 a, Vec2 b, Vec2 p) {
-  const double squared = dot(b - a, b - a);
-  return squared > 0.0 ? a + (b - a) * std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : a;
-}
 
 /// Corners of one side in order, two a rectangle. side: +1 left, -1 right.
 Polyline border(std::span<const SegmentRectangle> rectangles, double side) {
@@ -40,27 +37,6 @@ std::pair<std::size_t, std::size_t> around_node(std::size_t i, std::size_t count
 }
 
 }  // namespace
-
-std::vector<bool> simplify(std::span<const Vec2> line, double tolerance_m) {
-  std::vector<bool> stays(line.size(), false);
-  if (line.empty()) return stays;
-  stays.front() = stays.back() = true;
-  std::vector<std::pair<std::size_t, std::size_t>> open{{0, line.size() - 1}};
-  while (!open.empty()) {
-    const auto [first, last] = open.back();
-    open.pop_back();
-    double farthest_m = tolerance_m;
-    std::size_t split = first;
-    for (std::size_t i = first + 1; i < last; ++i) {
-      const double d = distance(line[i], nearest_on_segment(line[first], line[last], line[i]));
-      if (d > farthest_m) farthest_m = d, split = i;
-    }
-    if (split == first) continue;
-    stays[split] = true;
-    open.push_back({first, split}), open.push_back({split, last});
-  }
-  return stays;
-}
 
 NodeSurface smooth_surface(std::span<const SegmentRectangle> rectangles, bool closed) {
   NodeSurface surface;

@@ -36,8 +36,4 @@ struct NodeSurface {
 [[nodiscard]] NodeSurface simplified_surface(std::span<const SegmentRectangle> rectangles, bool closed,
                                              double tolerance_m);
 
-/// Douglas and Peucker (1973): which points stay. No dropped point is farther than the tolerance from the line left.
-/// Ends stay.
-[[nodiscard]] std::vector<bool> simplify(std::span<const Vec2> line, double tolerance_m);
-
 }  // namespace orthodrive::baselines

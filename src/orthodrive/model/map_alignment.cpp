@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "orthodrive/geo/simplify.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -91,8 +93,15 @@ std::vector<double> places_along(double length_m) {
 }
 
 RoadMap::RoadMap(std::vector<RoadLine> lines_m) : lines_(std::move(lines_m)) {
+  // A path has a node every two metres, and each segment costs the pixels around it.
+  constexpr double tolerance_m = 0.01;
   std::erase_if(lines_, [](const RoadLine& line) { return line.points.size() < 2; });
-  for (const RoadLine& line : lines_) boxes_.push_back(bounds_of(line.points));
+  for (RoadLine& line : lines_) {
+    const std::vector<bool> stays = simplify(line.points, tolerance_m);
+    std::size_t i = 0;
+    std::erase_if(line.points, [&](Vec2) { return !stays[i++]; });
+    boxes_.push_back(bounds_of(line.points));
+  }
 }
 
 Raster<std::uint8_t> RoadMap::read(const GridFrame& frame, const PixelBox& box) const {

@@ -7,6 +7,7 @@
 namespace orthodrive {
 
 /// The centre lines of OSM's roads with half their widths; without tunnels, which no photo shows.
+[[nodiscard]] std::vector<RoadLine> road_lines(const RoadNetwork& roads);
 [[nodiscard]] RoadMap road_map(const RoadNetwork& roads);
 
 }  // namespace orthodrive

@@ -198,27 +198,53 @@ struct MobileNetBuilder : Builder {
   }
 };
 
-/// Where the map's roads truly lie, at stride 2. From the photo's features of stride 4 (merged, and the trunk's own,
-/// which know edges) and two convolutions of the map, with four depthwise convolutions to look around. Nothing of it
-/// goes back into the classes: they are those of the network without a map.
-int add_alignment(MobileNetBuilder& b, int merged, int trunk) {
+/// What a network says that sees the map: where the map's roads truly lie, and what their being on the map adds to the
+/// scores of the classes. Both at stride 2.
+struct MapBranch {
+  int alignment, scores;
+};
+/// From the photo's features of stride 4 (merged, and the trunk's own, which know edges) and two convolutions of the
+/// map, with four depthwise convolutions to look around. For the classes they meet the photo's features of stride 2.
+/// Nothing of it goes back into the rest: without a map the classes are those of the network without this branch.
+MapBranch add_map_branch(MobileNetBuilder& b, int merged_4, int trunk_4, int merged_2) {
   const std::size_t first = b.graph.layers.size();
+  const auto starting_at_zero = [&](const std::string& name, int input, int channels) {
+    const int x = b.conv(name, input, channels, 1, 0, false);
+    b.layer(x).pretrained = false;
+    b.layer(x).starts_zero = true;
+    return x;
+  };
+  const auto doubled = [&](const std::string& name, int input) {
+    const int channels = b.channels(input);
+    return b.add({.name = name, .kind = LayerKind::upsample_2x, .inputs = {input}, .in = channels, .out = channels});
+  };
   const int map_2 = b.keras_conv("map_2", "map_2/kernel", "map_2_BN", map_input, 16, 3, 2, false, true, false),
             map_4 = b.pointwise("map_4_project", b.depthwise("map_4_depthwise", map_2, 2, false), 32, true, false);
-  const int width = b.channels(merged) + b.channels(trunk) + b.channels(map_4);
-  int x = b.add(
-      {.name = "align_input", .kind = LayerKind::concat, .inputs = {merged, trunk, map_4}, .in = width, .out = width});
+  const int width = b.channels(merged_4) + b.channels(trunk_4) + b.channels(map_4);
+  int x = b.add({.name = "align_input",
+                 .kind = LayerKind::concat,
+                 .inputs = {merged_4, trunk_4, map_4},
+                 .in = width,
+                 .out = width});
   for (int i = 1; i <= 4; ++i) {
     const std::string name = fmt::format("align_{}", i);
     x = b.pointwise(name + "_project", b.depthwise(name + "_depthwise", x, 1, false), 64, true, false);
   }
-  const int channels = b.graph.alignment_channels;
-  x = b.conv("align_out", x, channels, 1, 0, false);
-  b.layer(x).pretrained = false;
-  b.layer(x).starts_zero = true;
-  x = b.add({.name = "align_up", .kind = LayerKind::upsample_2x, .inputs = {x}, .in = channels, .out = channels});
+  MapBranch branch{};
+  branch.alignment = doubled("align_up", starting_at_zero("align_out", x, b.graph.alignment_channels));
+  constexpr int channels = 16;
+  const int up = doubled("classes_up", b.pointwise("classes_4", x, channels, false, false)),
+            lateral = b.pointwise("classes_lateral", merged_2, channels, false, false);
+  x = b.add({.name = "classes_add",
+             .kind = LayerKind::add,
+             .inputs = {up, lateral},
+             .shifts = {0, 0},
+             .in = channels,
+             .out = channels});
+  x = b.pointwise("classes_project", b.depthwise("classes_depthwise", x, 1, false), channels, true, false);
+  branch.scores = starting_at_zero("classes_out", x, b.graph.class_count);
   for (std::size_t i = first; i < b.graph.layers.size(); ++i) b.graph.layers[i].of_map = true;
-  return x;
+  return branch;
 }
 
 void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
@@ -274,16 +300,31 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
     x = b.pointwise(name + "_project", b.depthwise(name + "_depthwise", x, 1, false), level.out, true, false);
     if (name == "merge_4") merged_4 = x;
   }
+  const int merged_2 = x;
   x = b.score("head", x);
-  if (with_map) {  // behind the classes
-    const int all = b.graph.output_channels(), align = add_alignment(b, merged_4, trunk_4);
-    x = b.add({.name = "outputs", .kind = LayerKind::concat, .inputs = {x, align}, .in = all, .out = all});
+  if (with_map) {
+    const MapBranch branch = add_map_branch(b, merged_4, trunk_4, merged_2);
+    const int classes = b.graph.class_count, all = b.graph.output_channels();
+    x = b.add({.name = "head_with_map",
+               .kind = LayerKind::add,
+               .inputs = {x, branch.scores},
+               .shifts = {0, 0},
+               .in = classes,
+               .out = classes});
+    x = b.add({.name = "outputs", .kind = LayerKind::concat, .inputs = {x, branch.alignment}, .in = all, .out = all});
   }
   const int all = b.channels(x);
   b.add({.name = "upsample", .kind = LayerKind::upsample_2x, .inputs = {x}, .in = all, .out = all, .score = true});
 }
 
+constexpr std::string_view map_suffix = "-map";
+
 }  // namespace
+
+std::string without_map(const std::string& architecture) {
+  return architecture.ends_with(map_suffix) ? architecture.substr(0, architecture.size() - map_suffix.size())
+                                            : architecture;
+}
 
 NetworkGraph make_network(const std::string& architecture, int class_count) {
   MobileNetBuilder builder;
@@ -295,7 +336,7 @@ NetworkGraph make_network(const std::string& architecture, int class_count) {
   }
   for (const int stride : {32, 16}) {
     for (const bool with_map : {false, true})
-      if (architecture == fmt::format("mobilenetv2-s{}-fpn2{}", stride, with_map ? "-map" : ""))
+      if (architecture == fmt::format("mobilenetv2-s{}-fpn2{}", stride, with_map ? map_suffix : ""))
         return make_mobilenet(builder, stride, with_map), builder.graph;
   }
   throw OptionError(

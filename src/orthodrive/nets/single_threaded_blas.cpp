@@ -2,6 +2,10 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 namespace orthodrive {
 namespace {
 
@@ -24,6 +28,17 @@ SingleThreadedBlas::SingleThreadedBlas() : before_(threads_of_openblas()) {
 
 SingleThreadedBlas::~SingleThreadedBlas() {
   if (before_ > 1) set_threads_of_openblas(before_);
+}
+
+std::optional<std::string> faster_blas() {
+  constexpr std::array<std::string_view, 4> old{"Prescott", "Core2", "Nehalem", "Generic"};
+  auto* name = reinterpret_cast<const char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
+  if (!name || std::ranges::find(old, std::string_view(name())) == old.end()) return {};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f")) return "OPENBLAS_CORETYPE=SKYLAKEX";
+  if (__builtin_cpu_supports("avx2")) return "OPENBLAS_CORETYPE=HASWELL";
+#endif
+  return {};
 }
 
 }  // namespace orthodrive

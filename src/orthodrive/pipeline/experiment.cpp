@@ -106,6 +106,7 @@ PolygonData read_polygons(TomlSection& section) {
   section.read("polygons", data.polygons);
   section.read("pieces", data.pieces);
   section.read("held_out", data.held_out);
+  section.read("osm", data.osm);
   section.read("crf_only", data.use.crf_only);
   read_use(section, data.use);
   return data;
@@ -157,7 +158,7 @@ void read_train(TomlSection& section, TrainOptions& train) {
   section.read("balance_classes", train.balance_classes);
   section.read("set_weight", train.set_weight);
   section.read("jaccard_weight", train.jaccard_weight);
-  section.read("alignment_only", train.alignment_only);
+  section.read("map_only", train.map_only);
   section.read("seed", train.seed);
   section.read("validate_every", train.validate_every);
   section.read("early_stop_after", train.early_stop_after);

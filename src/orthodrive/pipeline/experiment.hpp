@@ -73,6 +73,7 @@ struct PolygonData {
   std::filesystem::path photo, polygons;
   std::vector<std::string> pieces;  ///< only features whose `piece` is one of these; none given: all
   bool held_out = false;            ///< measured, not trained on
+  std::filesystem::path osm;        ///< the map beside the photo; none: drawn from the labels
   SceneUse use;
 };
 

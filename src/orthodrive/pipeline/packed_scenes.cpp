@@ -49,6 +49,27 @@ std::vector<SceneView> views_of(const PackedScenes& data) {
   return views;
 }
 
+/// Each line: half its width, then x and y of its points.
+nlohmann::json describe(const std::vector<RoadLine>& map) {
+  nlohmann::json lines = nlohmann::json::array();
+  for (const RoadLine& line : map) {
+    std::vector<double> numbers{line.half_width};
+    for (const Vec2 p : line.points) numbers.insert(numbers.end(), {p.x, p.y});
+    lines.push_back(std::move(numbers));
+  }
+  return lines;
+}
+
+std::vector<RoadLine> read_map(const nlohmann::json& lines) {
+  std::vector<RoadLine> map;
+  for (const nlohmann::json& entry : lines) {
+    const auto numbers = entry.get<std::vector<double>>();
+    RoadLine& line = map.emplace_back(RoadLine{{}, numbers.empty() ? 0.0 : numbers.front()});
+    for (std::size_t i = 1; i + 1 < numbers.size(); i += 2) line.points.push_back({numbers[i], numbers[i + 1]});
+  }
+  return map;
+}
+
 nlohmann::json describe(const PackedScenes& data) {
   nlohmann::json list = nlohmann::json::array();
   for (const TrainingScene& s : data.scenes) {
@@ -59,7 +80,8 @@ nlohmann::json describe(const PackedScenes& data) {
                     {"min_zoom", s.min_zoom},
                     {"max_zoom", s.max_zoom},
                     {"from_step", s.from_step},
-                    {"crf_only", s.crf_only}});
+                    {"crf_only", s.crf_only},
+                    {"map", describe(s.map)}});
   }
   for (const ValidationScene& s : data.validation) {
     list.push_back({{"part", "validation"},
@@ -68,6 +90,7 @@ nlohmann::json describe(const PackedScenes& data) {
                     {"west_m", s.photo.frame.west_m},
                     {"north_m", s.photo.frame.north_m},
                     {"gsd_m", s.photo.frame.gsd_m}});
+    if (s.map) list.back()["map"] = describe(*s.map);
   }
   return list;
 }
@@ -218,6 +241,7 @@ TrainingScene read_training_scene(SceneReader& reader, std::size_t i, const nloh
   entry.at("max_zoom").get_to(scene.max_zoom);
   entry.at("from_step").get_to(scene.from_step);
   scene.crf_only = entry.value("crf_only", false);
+  if (entry.contains("map")) scene.map = read_map(entry.at("map"));
   scene.rgb = reader.read_rgb(i);
   scene.allowed = reader.read_allowed(i, scene.rgb);
   return scene;
@@ -231,6 +255,7 @@ ValidationScene read_validation_scene(SceneReader& reader, std::size_t i, const 
   entry.at("west_m").get_to(photo.frame.west_m);
   entry.at("north_m").get_to(photo.frame.north_m);
   entry.at("gsd_m").get_to(photo.frame.gsd_m);
+  if (entry.contains("map")) scene.map = read_map(entry.at("map"));
   photo.rgb = reader.read_rgb(i);
   photo.frame.width = photo.rgb.width, photo.frame.height = photo.rgb.height;
   photo.valid = reader.read_mask(i, "valid", photo.rgb);

@@ -46,11 +46,14 @@ struct OpenExperiment {
   Network network;
 };
 
-OpenExperiment open_experiment(const fs::path& file, const StageContext& context) {
+OpenExperiment open_experiment(const TrainFiles& files, const StageContext& context) {
+  const fs::path& file = files.experiment;
   OpenExperiment open{.text = io::read_file(file)};
   open.experiment = parse_experiment(open.text, file);
   const fs::path& more = open.experiment.data_from;
   if (!more.empty()) add_data(open.experiment, parse_experiment(io::read_file(more), more));
+  if (!files.leave_out.empty()) open.experiment.leave_out = files.leave_out;
+  if (!files.weights.empty()) open.experiment.weights = files.weights;
   leave_out_data(open.experiment, file.string());
   open.network = read_network(open.experiment.network);
   open.experiment.train.threads = context.threads;
@@ -89,7 +92,7 @@ fs::path write_portable_weights(const fs::path& file, const fs::path& pack) {
 }  // namespace
 
 void run_train(const TrainFiles& files, const RunTrainOptions& options, StageContext& context) {
-  OpenExperiment open = open_experiment(files.experiment, context);
+  OpenExperiment open = open_experiment(files, context);
   open.experiment.train.cuda = options.cuda;
   prepare_training_folder(files.folder, options.resume, options.crf);
   TrainingData data = read_data(open, files.experiment, context);
@@ -115,14 +118,14 @@ namespace {
 /// Crops as a network that sees a map learns from them: the map's lines in red, what is known of the true ones in
 /// green.
 Raster<std::uint8_t> preview_crops(const std::vector<TrainingScene>& scenes, const TrainOptions& train, double gsd_m,
-                                   ClassSet road) {
+                                   const MapClasses& classes) {
   constexpr int columns = 6, rows = 4;
   const int size = train.crop_px;
   Raster<std::uint8_t> sheet(columns * size, rows * size, 3);
   for (int i = 0; i < columns * rows; ++i) {
     const std::uint64_t seed = derive_seed(train.seed, static_cast<std::uint64_t>(i));
     const Crop crop = draw_crop(scenes[draw_scene(scenes, train.steps, seed)], {size, gsd_m, train.augmentation}, seed);
-    const DisturbedMap map = draw_map(crop.allowed, road, seed);
+    const DisturbedMap map = draw_map(crop.allowed, crop.map, classes, seed);
     Raster<std::uint8_t> picture = crop.rgb;
     const auto mark = [&](Vec2 p, int channel) {
       const int col = static_cast<int>(p.x), row = static_cast<int>(p.y);
@@ -146,7 +149,7 @@ Raster<std::uint8_t> preview_crops(const std::vector<TrainingScene>& scenes, con
 }  // namespace
 
 void preview_training(const TrainFiles& files, StageContext& context) {
-  const OpenExperiment open = open_experiment(files.experiment, context);
+  const OpenExperiment open = open_experiment(files, context);
   fs::create_directories(files.folder);
   const TrainingData data = read_data(open, files.experiment, context);
   const ClassTable& classes = open.network.classes;
@@ -158,12 +161,12 @@ void preview_training(const TrainFiles& files, StageContext& context) {
   const NetworkSpec& spec = open.network.spec;
   if (make_network(spec.architecture(), static_cast<int>(classes.classes.size())).map_channels > 0)
     io::write_png(files.folder / "crops_with_map.png",
-                  preview_crops(data.scenes, open.experiment.train, spec.gsd_m, only(road_label(classes))));
+                  preview_crops(data.scenes, open.experiment.train, spec.gsd_m, map_classes(classes)));
 }
 
 void pack_training(const TrainFiles& files, const fs::path& pack, const RunTrainOptions& options,
                    StageContext& context) {
-  const OpenExperiment open = open_experiment(files.experiment, context);
+  const OpenExperiment open = open_experiment(files, context);
   if (!files.folder.empty()) prepare_training_folder(files.folder, options.resume, options.crf);
   TrainingData data = read_data(open, files.experiment, context);
   const NetworkSpec& spec = open.network.spec;
@@ -206,33 +209,41 @@ ValidationSets choose_sets(std::vector<ValidationScene> scenes, const std::vecto
   return sets;
 }
 
-nlohmann::ordered_json measure_set(const SegmentModel& model, const std::vector<ValidationScene>& set, int threads) {
+/// Of a set, and of a model that sees a map also of the set with its map.
+void measure_set(const SegmentModel& model, const std::vector<ValidationScene>& set, int threads,
+                 nlohmann::ordered_json& json) {
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
   double megapixels = 0.0;
   for (const ValidationScene& scene : set) megapixels += 1e-6 * static_cast<double>(scene.allowed.data.size());
   const auto start = std::chrono::steady_clock::now();
-  const LabelScore score = measure_model(model, set, threads).begin()->second;
+  const auto scores = measure_model(model, set, threads);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  nlohmann::ordered_json entry{{"road_iou", rounded(score.iou(road_label(model.classes)))},
-                               {"mean_iou", rounded(score.mean_iou())},
-                               {"pixel_accuracy", rounded(score.pixel_accuracy())},
-                               {"megapixels", rounded(megapixels)},
-                               {"seconds", rounded(seconds)}};
-  for (std::size_t c = 0; c < model.classes.classes.size(); ++c)
-    entry["iou"][model.classes.classes[c].name] = rounded(score.iou(static_cast<int>(c)));
-  return entry;
+  for (const auto& [name, of_set] : scores) {
+    const LabelScore& score = of_set.labels;
+    const auto said = static_cast<double>(of_set.said_road);
+    nlohmann::ordered_json& entry = json[name];
+    entry = {{"road_iou", rounded(score.iou(road_label(model.classes)))},
+             {"mean_iou", rounded(score.mean_iou())},
+             {"pixel_accuracy", rounded(score.pixel_accuracy())},
+             {"road_stated", rounded(of_set.stated_road / said)},
+             {"road_right", rounded(static_cast<double>(of_set.is_road) / said)},
+             {"megapixels", rounded(megapixels)},
+             {"seconds", rounded(seconds / static_cast<double>(scores.size()))}};
+    for (std::size_t c = 0; c < model.classes.classes.size(); ++c)
+      entry["iou"][model.classes.classes[c].name] = rounded(score.iou(static_cast<int>(c)));
+  }
 }
 }  // namespace
 
-nlohmann::ordered_json measure_on_held_out_data(const fs::path& experiment, const MeasureOptions& options,
+nlohmann::ordered_json measure_on_held_out_data(const TrainFiles& files, const MeasureOptions& options,
                                                 StageContext& context) {
-  const OpenExperiment open = open_experiment(experiment, context);
+  const OpenExperiment open = open_experiment(files, context);
   std::vector<ValidationScene> scenes = read_held_out_data(open.experiment, open.network.spec.gsd_m,
                                                            open.network.classes, context.threads, context.monitor);
   const SegmentModel model = read_measured_model(options, open.network.classes);
   nlohmann::ordered_json json;
   for (const auto& [name, set] : choose_sets(std::move(scenes), options.sets))
-    json[name] = measure_set(model, set, context.threads);
+    measure_set(model, set, context.threads, json);
   return json;
 }
 

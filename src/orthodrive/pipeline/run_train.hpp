@@ -9,6 +9,9 @@ namespace orthodrive {
 struct TrainFiles {
   std::filesystem::path experiment;  ///< TOML
   std::filesystem::path folder;      ///< of the training (training_run.hpp) or its previews
+  /// In place of what the experiment says, unless empty: weights to start from, data sets that are left out.
+  std::vector<std::filesystem::path> weights;
+  std::vector<std::string> leave_out;
 };
 
 struct RunTrainOptions {
@@ -34,7 +37,7 @@ struct MeasureOptions {
   bool crf = false;               ///< with the model's CRF, or the reference's
 };
 /// Scores of a model on the held-out data of an experiment and what they took, by data set.
-[[nodiscard]] nlohmann::ordered_json measure_on_held_out_data(const std::filesystem::path& experiment,
-                                                              const MeasureOptions& options, StageContext& context);
+[[nodiscard]] nlohmann::ordered_json measure_on_held_out_data(const TrainFiles& files, const MeasureOptions& options,
+                                                              StageContext& context);
 
 }  // namespace orthodrive

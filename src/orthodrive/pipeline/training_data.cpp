@@ -9,6 +9,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/model/road_map.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "orthodrive/train/paint_labels.hpp"
 
@@ -69,7 +70,20 @@ void forget_missing_photo(const Photo& photo, Raster<ClassSet>& allowed) {
 struct LabelledPhoto {
   Photo photo;  ///< at the model's scale
   Raster<ClassSet> allowed;
+  std::optional<std::vector<RoadLine>> map;  ///< in pixels of the photo
 };
+
+/// Lines near a photo, in its pixels.
+std::vector<RoadLine> lines_on(const GridFrame& frame, const std::vector<RoadLine>& lines_m) {
+  const Box2 near = frame.bounds().grown((map_reach_px + 1.0) * frame.gsd_m);
+  std::vector<RoadLine> lines;
+  for (const RoadLine& line : lines_m) {
+    if (!bounds_of(line.points).overlaps(near)) continue;
+    RoadLine& on = lines.emplace_back(RoadLine{{}, line.half_width / frame.gsd_m});
+    for (const Vec2 p : line.points) on.points.push_back(frame.pixel_from_world(p));
+  }
+  return lines;
+}
 
 LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_m, const ClassTable& classes,
                             int threads) {
@@ -91,7 +105,7 @@ LabelledPhoto read_map_data(const MapData& data, const Box2& lonlat, double gsd_
 }
 
 LabelledPhoto read_raster_data(const RasterData& data, double gsd_m, const ClassTable& classes, int threads) {
-  LabelledPhoto result{resample_photo(io::read_photo_native(data.photo), gsd_m, threads), {}};
+  LabelledPhoto result{resample_photo(io::read_photo_native(data.photo), gsd_m, threads), {}, {}};
   const LabelMap labels = io::read_labels(data.labels);
   for (const auto& [name, ours] : data.mapping) {
     if (std::none_of(labels.classes.classes.begin(), labels.classes.classes.end(),
@@ -143,8 +157,8 @@ Raster<ClassSet> sets_from_colors(const Raster<std::uint8_t>& image, const fs::p
 
 TrainingScene scene_of(std::string name, Raster<std::uint8_t> rgb, Raster<ClassSet> allowed, double gsd_m,
                        const SceneUse& use) {
-  return {std::move(name), std::move(rgb), std::move(allowed), gsd_m,       use.weight,
-          use.min_zoom,    use.max_zoom,   use.from_step,      use.crf_only};
+  return {std::move(name), std::move(rgb), std::move(allowed), gsd_m,        use.weight,
+          use.min_zoom,    use.max_zoom,   use.from_step,      use.crf_only, {}};
 }
 
 enum class Part { training, held_out };
@@ -183,7 +197,8 @@ void add_images(TrainingData& result, const ImageData& data, Part part, const Cl
                                   {0.0, height * data.gsd_m, data.gsd_m, width, height},
                                   std::move(rgb),
                                   Raster<std::uint8_t>(width, height, 1, 1)},
-                                 std::move(allowed)});
+                                 std::move(allowed),
+                                 {}});
   }
   // The weight is that of the data set: each image gets its share by area, those for the CRF apart from the others.
   std::map<bool, double> area;
@@ -197,10 +212,12 @@ void add_images(TrainingData& result, const ImageData& data, Part part, const Cl
 void add_labelled(TrainingData& result, const std::string& name, LabelledPhoto labelled, Part part,
                   const SceneUse& use) {
   if (part == Part::held_out) {
-    result.validation.push_back({name, std::move(labelled.photo), std::move(labelled.allowed)});
+    result.validation.push_back(
+        {name, std::move(labelled.photo), std::move(labelled.allowed), std::move(labelled.map)});
   } else {
     result.scenes.push_back(
         scene_of(name, std::move(labelled.photo.rgb), std::move(labelled.allowed), labelled.photo.frame.gsd_m, use));
+    if (labelled.map) result.scenes.back().map = std::move(*labelled.map);
   }
 }
 
@@ -220,6 +237,8 @@ void add_polygons(TrainingData& result, const PolygonData& data, double gsd_m, c
   for (const std::string& name : data.pieces)
     if (!pieces.contains(name)) throw InputError(data.polygons.string(), fmt::format("has no piece '{}'", name));
   if (pieces.empty()) throw InputError(data.polygons.string(), "has no polygons");
+  std::vector<RoadLine> roads_m;  // of all the photo shows: a piece may be without roads
+  if (!data.osm.empty()) roads_m = road_lines(io::read_osm_roads(data.osm, site_of(photo_box)));
   for (const auto& [piece, features] : pieces) {
     Box2 box = bounds_of(features.front().polygons.front().outer);
     for (const io::Feature& feature : features)
@@ -232,8 +251,9 @@ void add_polygons(TrainingData& result, const PolygonData& data, double gsd_m, c
            box.max_y + surroundings_m};
     const SiteFrame site{
         crs, {{{box.min_x, box.min_y}, {box.max_x, box.min_y}, {box.max_x, box.max_y}, {box.min_x, box.max_y}}}};
-    LabelledPhoto scene{resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads), {}};
+    LabelledPhoto scene{resample_photo(io::read_photo(data.photo, site, {.threads = threads}), gsd_m, threads), {}, {}};
     const GridFrame& frame = scene.photo.frame;
+    if (!data.osm.empty()) scene.map = lines_on(frame, roads_m);
     scene.allowed = Raster<ClassSet>(frame.width, frame.height, 1, unknown_class);
     for (const io::Feature& feature : features) {
       const auto tag = feature.tags.find("class");

@@ -12,6 +12,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/safetensors_stream.hpp"
 #include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/report/training_report.hpp"
 
 namespace orthodrive {
@@ -106,7 +107,7 @@ void train(const TrainingRun& run, Monitor* monitor) {
   std::vector<Stage> stages = stages_of(run.experiment, run.network);
   const int classes = static_cast<int>(run.classes.classes.size());
   for (Stage& stage : stages)
-    if (stage.options.alignment_only) stage.options.kept_crf = first_crf(run.read_weights(), classes);
+    if (stage.options.map_only) stage.options.kept_crf = first_crf(run.read_weights(), classes);
   for (const Stage& stage : stages) static_cast<void>(make_network(stage.architecture, classes));  // now, not in hours
   std::size_t index = 0;
   std::optional<TensorFile> checkpoint;
@@ -240,6 +241,9 @@ void prepare_training_folder(const fs::path& out, bool resume, bool crf) {
 }
 
 void run_training(TrainingRun run, Monitor* monitor) {
+  if (const auto setting = faster_blas(); setting && monitor)
+    monitor->info(
+        fmt::format("OpenBLAS does not know this CPU: with {} in the environment training is faster", *setting));
   const bool apart = std::ranges::any_of(run.scenes, &TrainingScene::crf_only);
   if (apart) std::erase_if(run.scenes, [&](const TrainingScene& s) { return s.crf_only != run.crf; });
   TrainOptions& options = run.experiment.train;

@@ -323,6 +323,37 @@ void report_unseen(const RoadChain& chain, const RefinedChain& refined, const Ro
   }
 }
 
+/// Metres of road that the labels should show, and of those they do.
+struct SeenLength {
+  double expected_m = 0.0, seen_m = 0.0;
+  Vec2 moment;  ///< of the expected ones
+
+  void add(const RoadChain& chain, const RefinedChain& refined, const RoadNetwork& osm) {
+    for (const ChainPiece& piece : chain.pieces) {
+      if (osm.paths[piece.path].tunnel) continue;
+      for (std::size_t i = piece.first; i < piece.last; ++i) {
+        const double run_m = chain.nodes[i + 1].s_m - chain.nodes[i].s_m;
+        expected_m += run_m;
+        seen_m += refined.road_near[i] ? run_m : 0.0;
+        moment = moment + chain.nodes[i].base * run_m;
+      }
+    }
+  }
+};
+
+/// A map of another place, one that lies wrong altogether, or a photo in which the network is blind.
+void report_strange_map(const SeenLength& length, Findings& findings) {
+  constexpr double least_m = 500.0, least_share = 0.6;
+  if (length.expected_m < least_m || length.seen_m >= least_share * length.expected_m) return;
+  const Vec2 middle = length.moment * (1.0 / length.expected_m);
+  findings.push_back(
+      {Severity::warning, "refine.map_unlike_photo",
+       fmt::format("the labels show a road near {:.0f} % of {:.1f} km of OSM's roads only: does the map lie where the "
+                   "photo does, and are both of the same time? Else the network does not know such a photo",
+                   100.0 * length.seen_m / length.expected_m, 0.001 * length.expected_m),
+       middle.x, middle.y});
+}
+
 /// Ways that cross themselves without a node there: a loop drawn with a missing node, or a mistake.
 void report_self_crossings(const RoadNetwork& osm, Findings& findings) {
   std::size_t last = osm.paths.size();
@@ -375,6 +406,9 @@ RefinedRoads Refinement::result() const {
   std::vector<Polyline> lines = this->lines();
   bend_to_junctions(chains_, junctions_, lines);
   RefinedRoads result{.roads = {.crs = osm_.crs, .paths = std::vector<RoadPath>(osm_.paths.size())}};
+  SeenLength seen_length;
+  for (std::size_t c = 0; c < chains_.size(); ++c) seen_length.add(chains_[c], refined_[c], osm_);
+  report_strange_map(seen_length, result.findings);
   report_self_crossings(osm_, result.findings);
   for (std::size_t c = 0; c < chains_.size(); ++c) {
     const ChainFit& fit = refined_[c].fit;

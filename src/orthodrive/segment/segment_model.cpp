@@ -32,14 +32,20 @@ SegmentModel load_model(const TensorFile& file, const std::string& source) {
             metadata.classes.name, classes, kernel->second.shape.back()));
   }
   const NetworkParams params = params_from_file(graph, file, source);
-  const bool sees_map = graph.map_channels > 0;
-  return {metadata.architecture,
-          metadata.classes,
-          metadata.gsd_m,
-          metadata.finest_gsd_m > 0.0 ? std::min(metadata.finest_gsd_m, metadata.gsd_m) : metadata.gsd_m,
-          sees_map,
-          read_crf(file, static_cast<int>(classes), source),
-          std::make_shared<InferenceNetwork>(std::move(graph), params)};
+  SegmentModel model{
+      .name = metadata.architecture,
+      .classes = metadata.classes,
+      .gsd_m = metadata.gsd_m,
+      .finest_gsd_m = metadata.finest_gsd_m > 0.0 ? std::min(metadata.finest_gsd_m, metadata.gsd_m) : metadata.gsd_m,
+      .sees_map = graph.map_channels > 0,
+      .crf = read_crf(file, static_cast<int>(classes), source)};
+  if (model.sees_map) {
+    NetworkGraph plain = make_network(without_map(metadata.architecture), static_cast<int>(classes));
+    const NetworkParams plain_params = params_from_file(plain, file, source);
+    model.without_map = std::make_shared<InferenceNetwork>(std::move(plain), plain_params);
+  }
+  model.network = std::make_shared<InferenceNetwork>(std::move(graph), params);
+  return model;
 }
 
 }  // namespace orthodrive

@@ -21,6 +21,7 @@ struct SegmentModel {
   bool sees_map = false;        ///< beside the photo (map_alignment.hpp)
   std::optional<CrfModel> crf;  ///< trained with it
   std::shared_ptr<const InferenceNetwork> network;
+  std::shared_ptr<const InferenceNetwork> without_map;  ///< of a model that sees a map: for photos without one
 };
 
 /// From a model file (metadata "architecture", "gsd_m", "classes"); `source` names it in messages. Throws InputError

@@ -17,6 +17,7 @@
 #include "orthodrive/nets/reusing_allocator.hpp"
 #include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
+#include "orthodrive/segment/photo_look.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 
 namespace orthodrive {
@@ -79,13 +80,14 @@ std::vector<PixelBox> plan_cores(const GridFrame& frame, int core_px) {
 struct Decision {
   LabelledPixels pixels;
   std::int64_t labelled_pixels = 0;
+  PhotoLook look;
 };
 
 /// `core` is what to decide, `seen` where `valid` and `probabilities` lie, both in label pixels.
 Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::uint8_t>& valid,
                 const Raster<float>& probabilities, const std::vector<std::size_t>& road_classes) {
   const Raster<std::uint8_t> nothing(core.width, core.height);
-  Decision decision{{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata), nothing, nothing}, 0};
+  Decision decision{{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata), nothing, nothing}, 0, {}};
   if (probabilities.empty()) return decision;
   const int left = static_cast<int>(core.col - seen.col), top = static_cast<int>(core.row - seen.row);
   const auto byte_of = [](float p) { return static_cast<std::uint8_t>(std::lround(std::min(p, 1.0F) * 255.0F)); };
@@ -191,7 +193,7 @@ Decision classify_core(const Sources& sources, const InferenceNetwork& network, 
   if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, {}, road_classes);
   Raster<float> scores(fine_box.width, fine_box.height, network.output_channels());
   const Raster<std::uint8_t> map =
-      network.sees_map() && sources.map ? sources.map->read(sources.photo.frame, seen) : Raster<std::uint8_t>{};
+      network.sees_map() ? sources.map->read(sources.photo.frame, seen) : Raster<std::uint8_t>{};
   network.predict({window.rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor,
                   scores.data.data());
   const GridFrame& frame = sources.photo.frame;
@@ -210,7 +212,10 @@ Decision classify_core(const Sources& sources, const InferenceNetwork& network, 
   } else {
     softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
   }
-  return decide(fine_core, fine_box, fine.valid, scores, road_classes);
+  Decision decision = decide(fine_core, fine_box, fine.valid, scores, road_classes);
+  decision.look = look_of(fine.rgb, fine.valid, static_cast<int>(fine_core.col - fine_box.col),
+                          static_cast<int>(fine_core.row - fine_box.row), fine_core.width, fine_core.height);
+  return decision;
 }
 
 /// Runs ATen on one thread in every worker while it lives: we parallelise over windows, and sums inside a
@@ -226,9 +231,10 @@ class SingleThreadedTorch {
   int before_;
 };
 
-Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::int64_t labelled_pixels) {
-  Findings findings;
+Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::int64_t labelled_pixels,
+                       const PhotoLook& look) {
   const Vec2 center = photo.world_from_pixel(0.5 * photo.width, 0.5 * photo.height);
+  Findings findings = judge_look(look, center);
   if (photo.gsd_m > 1.5 * model.gsd_m)
     findings.push_back(
         {Severity::warning, "segment.coarse_photo",
@@ -256,20 +262,21 @@ GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
                               const SegmentOptions& options, Monitor* monitor) {
   const int factor = label_factor(source.frame, model);
-  const int window_px =
-      options.window_px == 0 ? suitable_window_px(*model.network, options.crf, factor) : options.window_px;
+  const bool with_map = model.sees_map && options.map && !options.map->empty();
+  const InferenceNetwork& network = model.sees_map && !with_map ? *model.without_map : *model.network;
+  const int window_px = options.window_px == 0 ? suitable_window_px(network, options.crf, factor) : options.window_px;
   if (window_px < 1) throw OptionError(fmt::format("window of {} px: take 1 or more", window_px));
   Sources sources{resample_source(source, network_gsd(source.frame, model)), {}, factor, options.map, options.places};
   const GridFrame frame = label_frame(source.frame, model);
   if (factor > 1) sources.fine = resample_source(source, frame);
   const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px);
   SegmentSummary summary{.frame = frame};
-  if (!model.sees_map) sources.places = {};
+  if (!with_map) sources.places = {};
   summary.alignments.resize(sources.places.size());
   const auto asked = places_by_core(sources.places, sources.photo.frame, window_px, cores.size());
-  if (options.crf && options.crf->parameters.classes != model.network->class_count()) {
+  if (options.crf && options.crf->parameters.classes != network.class_count()) {
     throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
-                                  options.crf->parameters.classes, model.network->class_count()));
+                                  options.crf->parameters.classes, network.class_count()));
   }
   const std::vector<std::size_t> road_classes = road_classes_of(model.classes);
   const SingleThreadedTorch single_threaded;
@@ -277,7 +284,9 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const ReuseTensorMemory reuse_memory;
   // A window without photo takes no time: its worker may run ahead of the others by this many.
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
+  PhotoLook look;
   OrderedDelivery<Decision> delivery(ahead, [&](std::size_t index, const Decision& decision) {
+    look += decision.look;
     summary.labelled_pixels += decision.labelled_pixels;
     sink(scaled(cores[index], factor), decision.pixels);
   });
@@ -286,8 +295,8 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
     if (!delivery.wait_for_room(index)) return;
     try {
       const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-      delivery.hand_over(index, classify_core(sources, *model.network, options.crf, road_classes, cores[index],
-                                              asked[index], summary.alignments));
+      delivery.hand_over(index, classify_core(sources, network, options.crf, road_classes, cores[index], asked[index],
+                                              summary.alignments));
     } catch (...) {
       delivery.stop();
       throw;
@@ -297,7 +306,7 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
     if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(cores.size()), "segment");
   });
   if (monitor && monitor->cancelled()) throw Error("segment: cancelled");
-  summary.findings = find_oddities(source.frame, model, summary.labelled_pixels);
+  summary.findings = find_oddities(source.frame, model, summary.labelled_pixels, look);
   return summary;
 }
 

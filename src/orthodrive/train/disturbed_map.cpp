@@ -181,7 +181,7 @@ Polyline smoothed(const std::vector<Cell>& cells) {
 class SmoothField {
  public:
   explicit SmoothField(Random& random) {
-    const double largest = random.uniform(0.0, 12.0);
+    const double largest = random.uniform(0.0, 20.0);
     for (Wave& wave : waves_) {
       const double length = std::exp(random.uniform(std::log(40.0), std::log(400.0))), turn = angle(random);
       wave.frequency = Vec2{std::cos(turn), std::sin(turn)} * (2.0 * std::numbers::pi / length);
@@ -221,7 +221,7 @@ struct DisturbedLine {
   RoadLine drawn;
   std::vector<Vec2> to_truth;
   std::vector<double> half_width;
-  bool invented = false;
+  bool invented = false;  ///< nothing is known of it
 };
 
 DisturbedLine disturbed(const ThinnedLine& line, const SmoothField& field, Random& random) {
@@ -301,22 +301,67 @@ std::vector<ThinnedLine> thinned_lines(const Raster<std::uint8_t>& mask, const R
   return lines;
 }
 
-DisturbedMap draw_map(const Raster<ClassSet>& allowed, ClassSet road, std::uint64_t seed) {
-  constexpr double truth_reach_px = 12.0;
+namespace {
+
+/// All lines of a map, as draw_map() says.
+std::vector<DisturbedLine> disturbed_lines(const Raster<ClassSet>& allowed, const MapClasses& classes,
+                                           std::uint64_t seed) {
   Random random(seed);
-  Raster<std::uint8_t> mask(allowed.width, allowed.height), unknown(allowed.width, allowed.height);
+  std::vector<DisturbedLine> lines;
+  if (random.uniform() < 0.1) return lines;
+  Raster<std::uint8_t> mask(allowed.width, allowed.height), unknown = mask, parking = mask;
   for (std::size_t i = 0; i < allowed.data.size(); ++i) {
-    mask.data[i] = allowed.data[i] == road;
-    unknown.data[i] = allowed.data[i] == unknown_class || (allowed.data[i] & road) != 0;
+    const ClassSet set = allowed.data[i];
+    mask.data[i] = set == classes.road;
+    unknown.data[i] = set == unknown_class || (set & classes.road) != 0;
+    parking.data[i] = set != unknown_class && (set & ~classes.maybe_road) == 0;
   }
   const SmoothField field(random);
-  std::vector<DisturbedLine> lines;
   const double left_out = random.uniform() < 0.7 ? 0.0 : random.uniform(0.0, 0.4);
   for (const ThinnedLine& line : thinned_lines(mask, unknown))
     if (random.uniform() >= left_out) lines.push_back(disturbed(line, field, random));
+  if (random.uniform() < 0.5) {
+    for (const ThinnedLine& line : thinned_lines(parking, unknown)) {
+      DisturbedLine aisle = disturbed(line, field, random);
+      aisle.invented = true;
+      aisle.drawn.half_width = random.uniform(3.0, 6.0);
+      lines.push_back(std::move(aisle));
+    }
+  }
   for (int i = static_cast<int>(random.below(6)) - 3; i > 0; --i) lines.push_back(invented(allowed.width, random));
+  return lines;
+}
+
+std::vector<DisturbedLine> moved_lines(const std::vector<RoadLine>& real, std::uint64_t seed) {
+  Random random(seed);
+  const SmoothField field(random);
+  std::vector<DisturbedLine> lines;
+  for (const RoadLine& line : real) {
+    DisturbedLine& moved = lines.emplace_back(DisturbedLine{.drawn = {{}, line.half_width}, .invented = true});
+    for (const Vec2 p : resampled(line.points, step_px)) moved.drawn.points.push_back(p + field.at(p));
+  }
+  return lines;
+}
+
+std::vector<RoadLine> drawn_lines(const std::vector<DisturbedLine>& lines) {
   std::vector<RoadLine> drawn;
   for (const DisturbedLine& line : lines) drawn.push_back(line.drawn);
+  return drawn;
+}
+
+}  // namespace
+
+std::vector<RoadLine> draw_lines(const Raster<ClassSet>& allowed, const MapClasses& classes, std::uint64_t seed) {
+  return drawn_lines(disturbed_lines(allowed, classes, seed));
+}
+
+DisturbedMap draw_map(const Raster<ClassSet>& allowed, const std::vector<RoadLine>& real, const MapClasses& classes,
+                      std::uint64_t seed) {
+  constexpr double truth_reach_px = 12.0;
+  const bool takes_real = !real.empty() && Random(derive_seed(seed, 1)).uniform() < 0.5;
+  const std::vector<DisturbedLine> lines =
+      takes_real ? moved_lines(real, seed) : disturbed_lines(allowed, classes, seed);
+  const std::vector<RoadLine> drawn = drawn_lines(lines);
   const Raster<NearestLine> nearest = nearest_lines(drawn, {0, 0, allowed.width, allowed.height});
   DisturbedMap result{map_raster(drawn, nearest), Raster<AlignmentTruth>(allowed.width, allowed.height)};
   for (std::size_t i = 0; i < nearest.data.size(); ++i) {

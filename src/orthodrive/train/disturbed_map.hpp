@@ -21,15 +21,26 @@ struct DisturbedMap {
   Raster<AlignmentTruth> truth;  ///< of the pixels within 12 px of a line
 };
 
+/// Classes of what a map may show: roads, and what looks like one on it (aisles of car parks are ways of OSM, too).
+struct MapClasses {
+  ClassSet road = 0, maybe_road = 0;
+};
+
 /// The roads that can only be `road` in the crop are thinned to their centre lines (Zhang and Suen, A fast parallel
 /// algorithm for thinning digital patterns, 1984). Then they are moved by a smooth field (four waves of 40 to 400 px,
-/// of up to 6 px each, now and then all by up to 16 px), get coarse nodes, wrong or no widths; some are left out,
-/// others are invented.
-[[nodiscard]] DisturbedMap draw_map(const Raster<ClassSet>& allowed, ClassSet road, std::uint64_t seed);
+/// of up to 10 px each, now and then all by up to 16 px), get coarse nodes, wrong or no widths; some are left out,
+/// others are invented, half of the time also along what is `maybe_road`. One map in ten is empty. Where there is a
+/// `real` map (in the crop's pixels) half of the maps are that one, moved likewise: it shows what maps show, but
+/// nothing true is known of its lines.
+[[nodiscard]] DisturbedMap draw_map(const Raster<ClassSet>& allowed, const std::vector<RoadLine>& real,
+                                    const MapClasses& classes, std::uint64_t seed);
+/// The lines alone of a map that is made out of the crop.
+[[nodiscard]] std::vector<RoadLine> draw_lines(const Raster<ClassSet>& allowed, const MapClasses& classes,
+                                               std::uint64_t seed);
 
 /// Centre lines of the pixels that are not 0, in pixels, with half the width at each point; spurs and what is nowhere 3
-/// px wide are left out. A width
-/// is negative where its edge is not known: where the nearest other pixel is `unknown`, or the raster ends before it.
+/// px wide are left out. A width is
+/// negative where its edge is not known: where the nearest other pixel is `unknown`, or the raster ends before it.
 struct ThinnedLine {
   Polyline points;
   std::vector<double> half_width;

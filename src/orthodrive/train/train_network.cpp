@@ -21,7 +21,6 @@
 #include "orthodrive/segment/segment_mosaic.hpp"
 #include "orthodrive/train/alignment_loss.hpp"
 #include "orthodrive/train/allowed_class_loss.hpp"
-#include "orthodrive/train/disturbed_map.hpp"
 #include "orthodrive/train/weight_mean.hpp"
 
 namespace orthodrive {
@@ -73,13 +72,13 @@ struct Batch {
   [[nodiscard]] NetworkInput input() const { return {rgb.data(), map.empty() ? nullptr : map.data()}; }
 };
 
-/// `road`: the class of the roads on the map; none: no map is drawn.
+/// `on_map`: the classes that a map is drawn of; none: no map is drawn.
 Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& options, double gsd_m, std::int64_t step,
-                 std::optional<ClassSet> road) {
+                 const std::optional<MapClasses>& on_map) {
   const std::size_t pixels = static_cast<std::size_t>(options.crop_px) * static_cast<std::size_t>(options.crop_px);
   const auto count = static_cast<std::size_t>(options.batch);
   Batch batch{std::vector<std::uint8_t>(3 * pixels * count), std::vector<ClassSet>(pixels * count), {}, {}};
-  if (road) {
+  if (on_map) {
     batch.map.resize(map_raster_channels * pixels * count);
     batch.alignment.resize(pixels * count);
   }
@@ -89,8 +88,8 @@ Batch draw_batch(const std::vector<TrainingScene>& scenes, const TrainOptions& o
     const Crop crop = draw_crop(scene, {options.crop_px, gsd_m, options.augmentation}, derive_seed(seed, 1));
     std::memcpy(&batch.rgb[3 * pixels * i], crop.rgb.data.data(), 3 * pixels);
     std::memcpy(&batch.allowed[pixels * i], crop.allowed.data.data(), pixels * sizeof(ClassSet));
-    if (!road) return;
-    const DisturbedMap map = draw_map(crop.allowed, *road, derive_seed(seed, 3));
+    if (!on_map) return;
+    const DisturbedMap map = draw_map(crop.allowed, crop.map, *on_map, derive_seed(seed, 3));
     std::ranges::copy(map.map.data, &batch.map[map_raster_channels * pixels * i]);
     std::ranges::copy(map.truth.data, &batch.alignment[pixels * i]);
   });
@@ -145,7 +144,7 @@ struct Trainer::State {
     for (std::size_t i = 0; i < graph.layers.size(); ++i) {
       const Layer& layer = graph.layers[i];
       LayerParams& p = params[i];
-      if (options.alignment_only != layer.of_map) continue;
+      if (options.map_only != layer.of_map) continue;
       const double factor = layer.pretrained ? options.trunk_rate_factor : 1.0;
       const auto add = [&](const std::string& name, at::Tensor& value, bool decays) {
         learn(name, value, factor, decays ? options.weight_decay : 0.0);
@@ -280,9 +279,9 @@ struct Trainer::State {
     }
   }
 
-  [[nodiscard]] std::optional<ClassSet> road_on_map() const {
-    if (!options.alignment_only) return {};
-    return only(road_label(metadata.classes));
+  [[nodiscard]] std::optional<MapClasses> on_map() const {
+    if (!options.map_only) return {};
+    return map_classes(metadata.classes);
   }
 
   /// Pixels of a crop that get scores, and those in its centre that are learned from.
@@ -342,8 +341,8 @@ Trainer::Trainer(const TensorFile& start, const std::string& source, const Model
                                   metadata.architecture, stride, rest, below + stride));
   }
   static_cast<void>(s.label_range());
-  if (s.options.alignment_only && (s.graph.alignment_channels == 0 || s.options.crf))
-    throw OptionError(fmt::format("alignment_only: {} sees no map, or a CRF is to be learned", metadata.architecture));
+  if (s.options.map_only && (s.graph.map_channels == 0 || s.options.crf))
+    throw OptionError(fmt::format("map_only: {} sees no map, or a CRF is to be learned", metadata.architecture));
   if (s.options.cuda) {
     if (!at::hasCUDA()) throw OptionError("this libtorch has no CUDA: train on the CPU");
     s.device = at::Device(at::kCUDA, 0);
@@ -365,13 +364,13 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   const TrainOptions& options = s.options;
   at::set_num_threads(worker_count(options.threads));
   at::manual_seed(derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(s.step)), 2));  // dropout
-  const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step, s.road_on_map());
+  const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step, s.on_map());
   const at::Tensor image =
       input_tensor(s.graph, batch.input(), options.batch, options.crop_px, options.crop_px).to(s.device);
   const Scores scores = forward_padded(s.graph, s.params, image,
                                        {.update_batch_statistics = s.step < options.freeze_norm_from_step,
                                         .dropout = true,
-                                        .of_map_only = options.alignment_only});
+                                        .of_map_only = options.map_only});
   const CellRange labelled = s.label_range(), scored = s.scored_range();
   const auto part = [](const at::Tensor& values, std::int64_t dimension, CellRange has, CellRange wanted) {
     return values.narrow(dimension, wanted.first - has.first, wanted.size())
@@ -384,17 +383,21 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   const AllowedLossOptions loss_options{options.class_weights, options.set_weight, options.sum_loss};
   // A CRF infers on all pixels that have scores; what is not learned from is cropped only after it.
   const at::Tensor outputs = part(scores.values, 2, scores.row_px, options.crf ? scored : labelled);
-  const at::Tensor values = options.alignment_only ? outputs.narrow(1, s.graph.class_count, s.graph.alignment_channels)
-                                                   : outputs.narrow(1, 0, s.graph.class_count);
+  const at::Tensor values = outputs.narrow(1, 0, s.graph.class_count);
   LossGradient loss = options.crf
                           ? s.learn_crf(values, photos_of(batch, options, scored), allowed,
                                         {labelled.first - scored.first, labelled.last - scored.first}, loss_options)
-                      : options.alignment_only ? alignment_loss(values, truth_of(batch, options, labelled))
-                                               : allowed_class_loss(values, allowed, loss_options);
-  if (!options.crf && !options.alignment_only && options.jaccard_weight > 0.0) {
+                          : allowed_class_loss(values, allowed, loss_options);
+  if (!options.crf && options.jaccard_weight > 0.0) {
     const LossGradient jaccard = jaccard_loss(values, allowed);
     loss.loss += options.jaccard_weight * jaccard.loss;
     loss.gradient += options.jaccard_weight * jaccard.gradient;
+  }
+  if (options.map_only) {
+    const LossGradient alignment = alignment_loss(outputs.narrow(1, s.graph.class_count, s.graph.alignment_channels),
+                                                  truth_of(batch, options, labelled));
+    loss.loss += alignment.loss;
+    loss.gradient = at::cat({loss.gradient, alignment.gradient}, 1);
   }
   if (!std::isfinite(loss.loss)) {
     throw Error(
@@ -402,7 +405,7 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
                     "the last checkpoint",
                     s.step));
   }
-  values.backward(loss.gradient);
+  (options.map_only ? outputs : values).backward(loss.gradient);
   s.update_weights(learning_rate());
   if (options.average_from_step >= 0 && s.step >= options.average_from_step) s.mean.add(s.params);
   ++s.step;
@@ -503,7 +506,7 @@ std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& sc
   std::vector<CrfSample> samples;
   for (int i = 0; i < count; ++i) {
     const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i,
-                                   s.road_on_map());  // other crops than those learned from
+                                   s.on_map());  // other crops than those learned from
     const at::Tensor image = input_tensor(s.graph, batch.input(), 1, options.crop_px, options.crop_px).to(s.device);
     const Scores scores = forward_padded(s.graph, params, image, {});
     const at::Tensor unary = (-at::log_softmax(scores.values.narrow(1, 0, s.graph.class_count)
@@ -562,6 +565,14 @@ int road_label(const ClassTable& classes) {
   return static_cast<int>(road - classes.classes.begin());
 }
 
+MapClasses map_classes(const ClassTable& classes) {
+  MapClasses on_map{.road = only(road_label(classes))};
+  for (std::size_t label = 0; label < classes.classes.size(); ++label)
+    if (classes.classes[label].role == Role::maybe_road)
+      on_map.maybe_road = static_cast<ClassSet>(on_map.maybe_road | only(static_cast<int>(label)));
+  return on_map;
+}
+
 namespace {
 /// The truth at the centres of a label grid's pixels.
 std::vector<ClassSet> truth_on(const GridFrame& labels, const ValidationScene& scene) {
@@ -577,15 +588,60 @@ std::vector<ClassSet> truth_on(const GridFrame& labels, const ValidationScene& s
   }
   return truth;
 }
+
+RoadMap in_world(std::vector<RoadLine> lines, const GridFrame& frame) {
+  for (RoadLine& line : lines) {
+    for (Vec2& p : line.points) p = frame.world_from_pixel(p.x, p.y);
+    line.half_width *= frame.gsd_m;
+  }
+  return RoadMap(std::move(lines));
+}
+
+/// The map of a scene, or one as training draws it.
+RoadMap map_of(const ValidationScene& scene, const ClassTable& classes, double gsd_m, std::uint64_t seed) {
+  if (scene.map) return in_world(*scene.map, scene.photo.frame);
+  // Lines are disturbed in the pixels of the network.
+  const GridFrame& frame = scene.photo.frame;
+  const double scale = frame.gsd_m / gsd_m;
+  const auto size = [&](int px) { return std::max(1, static_cast<int>(px * scale)); };
+  Raster<ClassSet> truth(size(scene.allowed.width), size(scene.allowed.height));
+  for (int row = 0; row < truth.height; ++row)
+    for (int col = 0; col < truth.width; ++col)
+      truth.at(col, row) = scene.allowed.at(std::min(static_cast<int>((col + 0.5) / scale), scene.allowed.width - 1),
+                                            std::min(static_cast<int>((row + 0.5) / scale), scene.allowed.height - 1));
+  std::vector<RoadLine> lines = draw_lines(truth, map_classes(classes), seed);
+  for (RoadLine& line : lines) {
+    for (Vec2& p : line.points) p = p * (1.0 / scale);
+    line.half_width /= scale;
+  }
+  return in_world(std::move(lines), frame);
+}
 }  // namespace
 
-std::map<std::string, LabelScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
-                                                int threads) {
-  std::map<std::string, LabelScore> scores;
-  for (const ValidationScene& scene : scenes) {
-    const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .crf = model.crf});
-    LabelScore& score = scores.try_emplace(scene.name, static_cast<int>(model.classes.classes.size())).first->second;
-    score.add(result.labels.labels.data, truth_on(result.labels.frame, scene));
+std::map<std::string, HeldOutScore> measure_model(const SegmentModel& model, const std::vector<ValidationScene>& scenes,
+                                                  int threads) {
+  std::map<std::string, HeldOutScore> scores;
+  const int road = road_label(model.classes);
+  const auto measure = [&](const std::string& name, const ValidationScene& scene, const RoadMap* map) {
+    const SegmentResult result = segment_mosaic(scene.photo, model, {.threads = threads, .map = map, .crf = model.crf});
+    HeldOutScore& score = scores.try_emplace(name, static_cast<int>(model.classes.classes.size())).first->second;
+    const std::vector<std::uint8_t>& labels = result.labels.labels.data;
+    const std::vector<ClassSet> truth = truth_on(result.labels.frame, scene);
+    score.labels.add(labels, truth);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      const bool may_be = (truth[i] & only(road)) != 0, must_be = truth[i] == only(road);
+      if (labels[i] != road || truth[i] == unknown_class || may_be != must_be) continue;
+      ++score.said_road;
+      score.is_road += must_be;
+      score.stated_road += result.road_probability.confidence.data[i] / 255.0;
+    }
+  };
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const ValidationScene& scene = scenes[i];
+    measure(scene.name, scene, nullptr);
+    if (!model.sees_map) continue;
+    const RoadMap map = map_of(scene, model.classes, model.gsd_m, derive_seed(1, i));
+    measure(scene.name + " with map", scene, &map);
   }
   return scores;
 }
@@ -671,7 +727,8 @@ class TrainingLoop {
       of_set.road_iou = road_iou, of_set.mean_iou = mean_iou, of_set.pixel_accuracy = pixel_accuracy;
       hooks_.report(of_set);
     };
-    for (const auto& [name, score] : scores) {
+    for (const auto& [name, of_set] : scores) {
+      const LabelScore& score = of_set.labels;
       report(name, score.iou(road), score.mean_iou(), score.pixel_accuracy());
       road_sum += score.iou(road), iou_sum += score.mean_iou(), accuracy_sum += score.pixel_accuracy();
     }

@@ -14,6 +14,7 @@
 #include "orthodrive/model/tensor_file.hpp"
 #include "orthodrive/nets/model_metadata.hpp"
 #include "orthodrive/segment/segment_model.hpp"
+#include "orthodrive/train/disturbed_map.hpp"
 #include "orthodrive/train/search_crf.hpp"
 #include "orthodrive/train/training_scene.hpp"
 
@@ -53,8 +54,8 @@ struct TrainOptions {
   bool balance_classes = false;      ///< class_weights by median frequency instead (Eigen and Fergus, 2015)
   float set_weight = 1.0F;           ///< of pixels with several allowed classes
   double jaccard_weight = 0.0;       ///< of jaccard_loss beside allowed_class_loss; network only
-  bool alignment_only = false;       ///< of a network that sees a map learns what reads it, by alignment_loss on
-                                     ///< disturbed_map.hpp; the rest stays as it is
+  bool map_only = false;             ///< of a network that sees a map learns what reads it alone, on maps of
+                                     ///< disturbed_map.hpp: alignments, and what the map adds to the classes
   std::optional<CrfModel> kept_crf;  ///< with it: the CRF of the weights it starts from, which still fits
   std::uint64_t seed = 1;
   std::int64_t validate_every = 200;  ///< steps; 0 = only at the end, -1 = never
@@ -70,7 +71,8 @@ struct TrainOptions {
 struct ValidationScene {
   std::string name;
   Photo photo;
-  Raster<ClassSet> allowed;  ///< on the photo's grid
+  Raster<ClassSet> allowed;                  ///< on the photo's grid
+  std::optional<std::vector<RoadLine>> map;  ///< in the photo's pixels; none: drawn from `allowed` (disturbed_map.hpp)
 };
 
 /// One row of the log.
@@ -125,13 +127,25 @@ class Trainer {
 /// Median frequency balancing over pixels with one known class, between 1/8 and 8; scenes count by their weight.
 [[nodiscard]] std::vector<float> balanced_class_weights(const std::vector<TrainingScene>& scenes, std::size_t classes);
 
+/// What a model says of held-out data.
+struct HeldOutScore {
+  explicit HeldOutScore(int class_count) : labels(class_count) {}
+  LabelScore labels;
+  /// Of the pixels labelled road of which it is known whether they are: how many, how many of them are, and the sum of
+  /// the road probabilities stated there. A calibrated model states in the mean the share that is right.
+  std::int64_t said_road = 0, is_road = 0;
+  double stated_road = 0.0;
+};
 /// Scores by name; scenes of one name count together. A photo is labelled as prediction does: one finer than the
-/// model's scale gets finer labels.
-[[nodiscard]] std::map<std::string, LabelScore> measure_model(const SegmentModel& model,
-                                                              const std::vector<ValidationScene>& scenes,
-                                                              int threads = 0);
+/// model's scale gets finer labels. A model that sees a map is measured without one and, as "NAME with map", with the
+/// scene's.
+[[nodiscard]] std::map<std::string, HeldOutScore> measure_model(const SegmentModel& model,
+                                                                const std::vector<ValidationScene>& scenes,
+                                                                int threads = 0);
 /// Label of the class with role road. Throws OptionError when there is none.
 [[nodiscard]] int road_label(const ClassTable& classes);
+/// Classes of what a map may show.
+[[nodiscard]] MapClasses map_classes(const ClassTable& classes);
 
 struct TrainHooks {
   std::function<void(const TrainReport&)> report;  ///< every 10 steps and after each validation

@@ -36,6 +36,23 @@ Placement draw_placement(const TrainingScene& scene, const CropOptions& options,
   return {center - (right + down) * (0.5 * (options.size_px - 1)), right, down};
 }
 
+/// Lines of the scene in the crop's pixels, as far as they may come near it.
+std::vector<RoadLine> placed(const std::vector<RoadLine>& lines, const Placement& place, int size) {
+  const double step = length(place.right);
+  const Box2 near = Box2{0.0, 0.0, static_cast<double>(size), static_cast<double>(size)}.grown(map_reach_px);
+  std::vector<RoadLine> result;
+  for (const RoadLine& line : lines) {
+    RoadLine in_crop{{}, line.half_width / step};
+    for (const Vec2 p : line.points) {
+      const Vec2 from_origin = p - place.origin;
+      in_crop.points.push_back(
+          Vec2{dot(from_origin, place.right), dot(from_origin, place.down)} * (1.0 / (step * step)) + Vec2{0.5, 0.5});
+    }
+    if (bounds_of(in_crop.points).overlaps(near)) result.push_back(std::move(in_crop));
+  }
+  return result;
+}
+
 /// Adds the photo at p (pixel edges at whole numbers), bilinear. False where it ends.
 bool add_sample(const Raster<std::uint8_t>& rgb, Vec2 p, std::array<float, 3>& sum) {
   const double x = p.x - 0.5, y = p.y - 0.5;
@@ -55,7 +72,8 @@ bool add_sample(const Raster<std::uint8_t>& rgb, Vec2 p, std::array<float, 3>& s
 /// A crop pixel is the mean of as many samples as it covers source pixels: what is finer than the crop averages out, as
 /// it does where prediction resamples a photo. `missing`: pixels without a photo.
 Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vector<std::size_t>& missing) {
-  Crop crop{Raster<std::uint8_t>(size, size, 3, no_photo_value), Raster<ClassSet>(size, size, 1, unknown_class)};
+  Crop crop{Raster<std::uint8_t>(size, size, 3, no_photo_value), Raster<ClassSet>(size, size, 1, unknown_class),
+            placed(scene.map, place, size)};
   const int samples = std::max(1, static_cast<int>(std::lround(length(place.right))));
   const float share = 1.0F / static_cast<float>(samples * samples);
   for (int row = 0; row < size; ++row) {

@@ -7,6 +7,7 @@
 
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/model/allowed_classes.hpp"
+#include "orthodrive/model/map_alignment.hpp"
 
 namespace orthodrive {
 
@@ -19,6 +20,7 @@ struct TrainingScene {
   double min_zoom = 0.8, max_zoom = 1.25;  ///< crops look as if photographed at gsd / zoom
   std::int64_t from_step = 0;              ///< not used before
   bool crf_only = false;                   ///< only the CRF learns from it, the network does not
+  std::vector<RoadLine> map;               ///< roads of a real map, in the photo's pixels; none: made out of `allowed`
 };
 
 /// How crops are varied.
@@ -42,6 +44,7 @@ struct CropOptions {
 struct Crop {
   Raster<std::uint8_t> rgb;
   Raster<ClassSet> allowed;
+  std::vector<RoadLine> map;  ///< that of the scene, in the crop's pixels
 };
 [[nodiscard]] Crop draw_crop(const TrainingScene& scene, const CropOptions& options, std::uint64_t seed);
 
