@@ -321,6 +321,26 @@ TEST(Train, takes_data_from_another_experiment_and_balances_classes) {
   EXPECT_TRUE(balanced == by_hand);
 }
 
+TEST(Train, the_command_line_names_other_weights_and_what_is_left_out) {
+  const Workshop shop;
+  const auto bytes_after = [&](const std::string& experiment, const Arguments& more) {
+    fs::remove_all(shop.out);
+    shop.run(experiment, more);
+    return bytes_of(shop.out / "model.safetensors");
+  };
+  const std::string random =
+      shop.experiment(few_steps(2), shop.pictures(), fmt::format("network = \"{}\"", shipped_network));
+  const std::string shipped = bytes_after(shop.experiment(few_steps(2), shop.pictures()), {});
+  EXPECT_FALSE(bytes_after(random, {}) == shipped);
+  EXPECT_TRUE(bytes_after(random, {"--weights", shipped_weights}) == shipped);
+  shop.expect_failure("leave_out names 'pictues'", random, {"--leave-out", "pictues"});
+  shop.expect_failure("has nothing to train on", random, {"--leave-out", "pictures"});
+  const ToolRun measured =
+      run_tool({"-q", "train", random, "--measure", shipped_weights, "--leave-out", "pictures", "--set", "pictures"});
+  EXPECT_EQ(measured.exit_code, 0) << measured.err;
+  EXPECT_TRUE(nlohmann::json::parse(measured.out).contains("pictures"));
+}
+
 TEST(Train, keeps_data_for_the_crf_from_the_network_and_the_crf_from_everything_else) {
   const Workshop shop;
   make_site(shop);

@@ -1,19 +1,18 @@
 """Regions x models: road IoU on held-out data, and on regions left out of the training. Writes docs/measured/regions.md.
 
-    tools/measure regions --model shipped=models/default.safetensors --model candidate=mixed.safetensors
-    tools/measure regions --before models/default.safetensors --left-out japan=out/without_japan/model.safetensors    trained by models/experiments/without_japan.toml
+    tools/measure regions --model shipped=models/default.safetensors --model candidate=out/regions/model.safetensors
+    tools/measure regions --before models/default.safetensors --left-out japan=out/left_out/japan_map/model.safetensors
 
-`before` and `mixed` of a left-out region: the model given by --before, and the mean of 0.4 of it and 0.6 of the left-out one, as
-the candidate was mixed (tools/average). What is not given keeps its last values from bench/results/regions.json. Needs
-../shared/data; makes the synthetic site and renders the painted pieces.
+A left-out model is trained by models/experiments/left_out.toml, and its branch for the map by left_out_map.toml, both with --leave-out
+REGION; it is measured on all of that region, by the photo alone and with the map. `before`: the model given by --before, which it
+started from, by the photo alone. What is not given keeps its last values from bench/results/regions.json. Needs ../shared/data; makes
+the synthetic site and renders the painted pieces.
 """
-import tempfile
-
 from measuring.common import *
 from measuring.painted import render_painted
 
 STORE, PAGE = "regions.json", PAGES / "regions.md"
-SHARE_BEFORE = 0.4
+WITH_MAP = " with map"
 
 
 def named_file(text):
@@ -32,9 +31,8 @@ def add_arguments(parser):
                         help="trained without that region, measured on all of it")
 
 
-def scores(tool, experiment, model, sets=()):
-    words = [word for name in sets for word in ("--set", name)]
-    return {name: {k: s[k] for k in ("road_iou", "mean_iou", "pixel_accuracy")}
+def scores(tool, experiment, model, *words):
+    return {name: {k: s[k] for k in ("road_iou", "mean_iou", "pixel_accuracy", "road_stated", "road_right")}
             for name, s in tool.json("train", experiment, "--measure", model, *words).items()}
 
 
@@ -44,12 +42,13 @@ def table(numbers):
     text = header(["held out", *models])
     text += "".join(row([name, *(f"{percent(m[name]['road_iou'])} / {percent(m[name]['mean_iou'])} / {percent(m[name]['pixel_accuracy'])}"
                                  if name in m else "-" for m in models.values())]) for name in sets)
-    kinds = ["before", "left out", "mixed"]
-    text += "\n" + header(["region left out, all of it", *kinds])
+    kinds = ["before", "photo alone", "with map"]
+    text += "\n" + header(["region left out, all of it: road IoU", *kinds, "stated of road with map", "right"])
     left = numbers["left_out"]
-    text += "".join(row([name, *(percent(left[name][kind]["road_iou"]) for kind in kinds)]) for name in sorted(left))
+    for name in sorted(left):
+        text += row([name, *(percent(left[name][kind]["road_iou"]) for kind in kinds), *(percent(left[name]["with map"][k]) for k in ("road_stated", "road_right"))])
     mean = [sum(by[kind]["road_iou"] for by in left.values()) / len(left) for kind in kinds] if left else [None] * 3
-    return text + row(["mean", *map(percent, mean)])
+    return text + row(["mean", *map(percent, mean), "", ""])
 
 
 def run(args):
@@ -60,15 +59,15 @@ def run(args):
         render_painted()
         for name, model in args.model:
             numbers["models"][name] = scores(tool, ROOT / "models/regions.toml", model)
+            write_results(STORE, numbers)
         if args.left_out and not args.before:
             sys.exit("regions: --left-out needs --before, the model that it started from")
         for region, model in args.left_out:
-            experiment = ROOT / f"models/experiments/without_{region}.toml"
-            with tempfile.TemporaryDirectory() as work:
-                mixed = pathlib.Path(work) / "mixed.safetensors"
-                run_program(ROOT / "tools/average", f"{args.before}={SHARE_BEFORE}", f"{model}={1.0 - SHARE_BEFORE}", "-o", mixed)
-                numbers["left_out"][region] = {kind: scores(tool, experiment, file, [region])[region]
-                                               for kind, file in (("before", args.before), ("left out", model), ("mixed", mixed))}
+            experiment, words = ROOT / "models/experiments/left_out_map.toml", ("--leave-out", region, "--set", region)
+            after = scores(tool, experiment, model, *words)
+            numbers["left_out"][region] = {"before": scores(tool, experiment, args.before, *words)[region], "photo alone": after[region],
+                                           "with map": after[region + WITH_MAP]}
+            write_results(STORE, numbers)
         numbers["commit"] = commit()
         write_results(STORE, numbers)
     write_between(PAGE, "regions", table(numbers))
