@@ -102,7 +102,7 @@ class Painter {
  private:
   /// Bare branches take a part of the sun.
   void let_through_twigs(const Raster<std::uint8_t>& lit_by_twigs) {
-    constexpr float most = 0.6f;
+    constexpr float most = 0.45f;
     for (std::size_t i = 0; i < lit_.data.size(); ++i)
       lit_.data[i] = static_cast<std::uint8_t>(static_cast<float>(lit_.data[i]) *
                                                (1.0f - most * (1.0f - static_cast<float>(lit_by_twigs.data[i]) / 255.0f)));
@@ -177,6 +177,7 @@ class Painter {
         return {tone + red, tone, tone - 0.03f - 0.5f * red};
       }
       case Cover::gravel: {
+        if (source_.world != nullptr) return bare_ground(p);
         const float tone = 0.58f + 0.06f * fractal(p, 0.8, 28, 3);
         return mix({tone, tone * 0.95f, tone * 0.86f}, grass(p, 0.0f, 0.5f), smoothstep(0.1f, 0.7f, noise(p, 0.7, 29)));
       }
@@ -210,6 +211,13 @@ class Painter {
     const double along = a.s_m + dot(p - a.p, normalized(b.p - a.p));
     const bool red = std::fmod(along + 1000.0, 3.0) < 1.5;
     return (red ? Rgb{0.66f, 0.18f, 0.16f} : Rgb{0.84f, 0.83f, 0.80f}) * (1.0f + 0.08f * noise(p, 0.6, 36));
+  }
+
+  /// Trodden or gravelled, with grass where nobody walks.
+  [[nodiscard]] Rgb bare_ground(Vec2 p) const {
+    const float tone = 1.0f + 0.07f * fractal(p, 4.0, 37, 4) + 0.05f * fractal(p, 0.8, 28, 2);
+    const Rgb soil = mix(mood_.gravel, mood_.dirt, 0.5f + 0.4f * noise(p, 20.0, 38));
+    return mix(soil * tone, grass(p, 0.3f, 0.3f), 0.8f * smoothstep(0.15f, 0.6f, fractal(p, 7.0, 29, 4)));
   }
 
   /// `hue` < 0 lush, > 0 dry; `care` 1 = even lawn, 0 = patchy.

@@ -53,6 +53,7 @@ class WovenPlanner {
     join_roads(plan);
     return plan;
   }
+  [[nodiscard]] double turn_rad() const { return frame_.turn_rad(); }
   [[nodiscard]] SitePlan& plan() { return planner_.plan_; }
   [[nodiscard]] Random& random() { return random_; }
   [[nodiscard]] double in(Range range) { return random_.uniform(range.low, range.high); }
@@ -202,6 +203,27 @@ void add_pond(WovenPlanner& woven, double largest_m) {
   add_area(woven.plan(), blob(woven.random(), best, radius_m), Cover::water, true);
 }
 
+/// Houses behind those along the lanes, so that a block is built up to its middle.
+void add_houses_behind(WovenPlanner& woven, double tries_per_ha) {
+  SitePlan& plan = woven.plan();
+  Random& random = woven.random();
+  constexpr double front_m = 17.0, apart_m = 12.0;
+  const int tries = static_cast<int>(tries_per_ha * plan.size_m * plan.size_m / 1e4);
+  for (int i = 0; i < tries; ++i) {
+    const Vec2 p = woven.anywhere(0.01);
+    const bool built_up = std::any_of(plan.settlements.begin(), plan.settlements.end(),
+                                      [&](const Settlement& s) { return contains(s.outline, p); });
+    const bool free = std::none_of(plan.buildings.begin(), plan.buildings.end(),
+                                   [&](const House& h) { return distance(h.center, p) < apart_m; });
+    if (!built_up || !free || woven.room_m(p, 60.0) < front_m) continue;
+    const auto tone = static_cast<float>(random.uniform(0.3, 0.6));
+    House house{p, woven.turn_rad() + random.normal() * 0.08 + (random.below(2) ? 0.5 * std::numbers::pi : 0.0),
+                random.uniform(4.0, 6.5), random.uniform(3.2, 5.0), random.uniform(3.5, 7.5), random.uniform(0.4, 0.7)};
+    house.color = {tone, tone, tone};
+    plan.buildings.push_back(house);
+  }
+}
+
 /// Small areas between the houses of a settlement.
 void add_yards(WovenPlanner& woven, int count, Range half_m, const std::vector<Cover>& covers) {
   for (int i = 0; i < count; ++i) {
@@ -237,7 +259,7 @@ SitePlan plan_lanes(double size_m, std::uint64_t seed) {
     const double radius_m = (town ? random.uniform(0.5, 0.9) : random.uniform(0.12, 0.24)) * size_m;
     const Ring ring = blob(random, woven.anywhere(town ? 0.4 : 0.2), radius_m);
     plan.settlements.push_back({{ring, {}}, town});
-    add_area(plan, ring, Cover::gravel, false);
+    add_area(plan, ring, random.uniform() < 0.5 ? Cover::gravel : Cover::paved, false);
   }
   const int yards = static_cast<int>(size_m * size_m / 1e4 * random.uniform(2.0, 6.0));
   const std::vector<Cover> covers{Cover::lawn, Cover::garden_bed, Cover::paved, Cover::meadow, Cover::garden_bed};
@@ -249,6 +271,7 @@ SitePlan plan_lanes(double size_m, std::uint64_t seed) {
              return contains(s.outline, area.polygon.outer.front());
            });
   });
+  add_houses_behind(woven, random.uniform(20.0, 90.0));
   for (int i = 0; i < 5; ++i) add_wood(woven, {0.05, 0.12}, 0.0);
   if (random.uniform() < 0.5) add_pond(woven, 18.0);
   plan.field_m = {random.uniform(16.0, 34.0), random.uniform(30.0, 70.0)};
