@@ -259,7 +259,7 @@ SitePlan plan_lanes(double size_m, std::uint64_t seed) {
     const double radius_m = (town ? random.uniform(0.5, 0.9) : random.uniform(0.12, 0.24)) * size_m;
     const Ring ring = blob(random, woven.anywhere(town ? 0.4 : 0.2), radius_m);
     plan.settlements.push_back({{ring, {}}, town});
-    add_area(plan, ring, random.uniform() < 0.5 ? Cover::gravel : Cover::paved, false);
+    add_area(plan, ring, Cover::gravel, false);  // paved areas of the plan are kept free
   }
   const int yards = static_cast<int>(size_m * size_m / 1e4 * random.uniform(2.0, 6.0));
   const std::vector<Cover> covers{Cover::lawn, Cover::garden_bed, Cover::paved, Cover::meadow, Cover::garden_bed};
