@@ -69,8 +69,20 @@ class GridPlanner {
                        .lanes = is_avenue && !across ? 4 : 2,
                        .alignment = round_corners(corners, false)};
       if (!frame_.passes_once(road.alignment, 100.0)) continue;
+      if (across && std::any_of(rows_.begin(), rows_.end(), [&](const GridStreet& row) {
+            const Alignment& line = planner_.plan_.roads[row.road].alignment;
+            return ends_at(road.alignment, line) || ends_at(line, road.alignment);
+          }))
+        continue;
       streets.push_back({fixed, planner_.add(std::move(road)), is_avenue});
     }
+  }
+
+  /// `a` stops so near `b`, outside the site, that their carriageways may touch without a junction.
+  [[nodiscard]] static bool ends_at(const Alignment& a, const Alignment& b) {
+    const Polyline line = sample(b, 4.0);
+    return project_onto(line, evaluate(a, 0.0).p).distance_m < 22.0 ||
+           project_onto(line, evaluate(a, a.length_m).p).distance_m < 22.0;
   }
 
   /// Town everywhere, or up to a line beyond which there are fields.
