@@ -162,7 +162,7 @@ TEST(Worlds, width_in_the_labels_is_that_of_the_truth) {
 
 TEST(Worlds, a_road_is_seen_through_bare_branches) {
   const auto mean_visibility = [](const char* world) {
-    const SynthSite site = make_preset(Preset::farmland, {.size_m = 400.0, .gsd_m = 1.0, .seed = 5, .world = world});
+    const SynthSite site = make_preset(Preset::village, {.size_m = 400.0, .gsd_m = 1.0, .seed = 5, .world = world});
     double sum = 0.0;
     for (const SynthSurface& surface : site.surfaces) sum += surface.visibility;
     return sum / static_cast<double>(site.surfaces.size());
