@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/pipeline/run_synth.hpp"
+#include "orthodrive/synth/world.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -17,11 +18,22 @@ struct Arguments {
 };
 }  // namespace
 
+namespace {
+std::string world_list() {
+  std::string list;
+  for (const std::string& name : synth::world_names()) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+}  // namespace
+
 void add_synth(CLI::App& app, Context& context) {
   static const std::map<std::string, Preset> presets{{"village", Preset::village},
                                                      {"circuit", Preset::circuit},
                                                      {"junction", Preset::junction},
-                                                     {"region", Preset::region}};
+                                                     {"region", Preset::region},
+                                                     {"grid", Preset::grid},
+                                                     {"lanes", Preset::lanes},
+                                                     {"farmland", Preset::farmland}};
   auto arguments = std::make_shared<Arguments>();
   CLI::App* cmd = app.add_subcommand("synth",
                                      "Makes a synthetic site with exact truth.\n"
@@ -29,11 +41,14 @@ void add_synth(CLI::App& app, Context& context) {
                                      "(labels.tif, roads.gpkg, surface.geojson, centrelines.geojson, dtm_1m.tif).");
   SynthOptions& options = arguments->options;
   CLI::Option* preset =
-      cmd->add_option("--preset", arguments->preset, "kind of site: village, circuit, junction, region")
-          ->check(CLI::IsMember({"village", "circuit", "junction", "region"}))
+      cmd->add_option("--preset", arguments->preset, "kind of site: village, circuit, junction, region, grid, lanes, farmland")
+          ->check(CLI::IsMember({"village", "circuit", "junction", "region", "grid", "lanes", "farmland"}))
           ->capture_default_str();
   cmd->add_option("--seed", options.seed, "same seed, same bytes")->capture_default_str();
   cmd->add_option("-o,--output", arguments->files.folder, "folder to write to")->required();
+  cmd->add_option("--world", options.world,
+                  "season, streets, light and roofs: a name (" + world_list() +
+                      ") or random, drawn by seed (default: summer in Central Europe)");
   CLI::Option* size =
       cmd->add_option("--size", options.size_m,
                       "edge of the site in metres, a multiple of 10 (region: 10000; track: as small as can be)")
@@ -58,6 +73,7 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->footer(
       "Examples:\n  orthodrive synth --seed 7 -o sites/village\n  orthodrive synth --preset junction --seed 3 --size "
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "
+      "--preset lanes --world random --seed 5 --size 800 --gsd 0.4 -o sites/lanes\n  orthodrive synth "
       "--from-track track.csv --track-osm track.osm -o sites/track\n"
       "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region and a track with a size are made tile by tile.");
   cmd->callback([arguments, size, gsd, track, &context] {

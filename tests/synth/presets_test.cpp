@@ -51,29 +51,6 @@ double clearance_m(const SitePlan& plan, const Terrain& terrain, const PlannedBr
   return least;
 }
 
-/// No road's carriageway touches one that it neither meets nor bridges.
-void expect_apart(const SitePlan& plan) {
-  for (std::size_t a = 0; a < plan.roads.size(); ++a)
-    for (std::size_t b = 0; b < a; ++b) {
-      const bool meet = std::any_of(plan.junctions.begin(), plan.junctions.end(), [&](const PlannedJunction& j) {
-        const auto has = [&](std::size_t road) {
-          return std::any_of(j.arms.begin(), j.arms.end(), [&](const auto& arm) { return arm.road == road; });
-        };
-        return has(a) && has(b);
-      });
-      const bool bridged = std::any_of(plan.bridges.begin(), plan.bridges.end(), [&](const PlannedBridge& bridge) {
-        return std::any_of(bridge.under.begin(), bridge.under.end(), [&](const auto& below) {
-          return (bridge.over == a && below.road == b) || (bridge.over == b && below.road == a);
-        });
-      });
-      if (meet || bridged) continue;
-      const Polyline line = sample(plan.roads[b].alignment, 4.0);
-      for (const Vec2 p : sample(plan.roads[a].alignment, 4.0))
-        ASSERT_GT(project_onto(line, p).distance_m, 0.5 * (plan.roads[a].width_m + plan.roads[b].width_m) + 1.5)
-            << "roads " << a << " and " << b;
-    }
-}
-
 void expect_smooth_heights(const SitePlan& plan, const Terrain& terrain, double steepest) {
   for (std::size_t r = 0; r < plan.roads.size(); ++r)
     for (double s = 0.5; s < plan.roads[r].alignment.length_m; s += 1.0)

@@ -67,6 +67,29 @@ inline std::size_t expect_arms_meet(const SitePlan& plan) {
   return std::set<std::size_t>(group.begin(), group.end()).size();
 }
 
+/// No road's carriageway touches one that it neither meets nor bridges.
+inline void expect_apart(const SitePlan& plan) {
+  for (std::size_t a = 0; a < plan.roads.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      const bool meet = std::any_of(plan.junctions.begin(), plan.junctions.end(), [&](const PlannedJunction& j) {
+        const auto has = [&](std::size_t road) {
+          return std::any_of(j.arms.begin(), j.arms.end(), [&](const auto& arm) { return arm.road == road; });
+        };
+        return has(a) && has(b);
+      });
+      const bool bridged = std::any_of(plan.bridges.begin(), plan.bridges.end(), [&](const PlannedBridge& bridge) {
+        return std::any_of(bridge.under.begin(), bridge.under.end(), [&](const auto& below) {
+          return (bridge.over == a && below.road == b) || (bridge.over == b && below.road == a);
+        });
+      });
+      if (meet || bridged) continue;
+      const Polyline line = sample(plan.roads[b].alignment, 4.0);
+      for (const Vec2 p : sample(plan.roads[a].alignment, 4.0))
+        ASSERT_GT(project_onto(line, p).distance_m, 0.5 * (plan.roads[a].width_m + plan.roads[b].width_m) + 1.5)
+            << "roads " << a << " and " << b;
+    }
+}
+
 /// Share of the pixels labelled road that lie outside all surfaces, and of surface pixels that are neither road nor
 /// under a crown; on the site's own grid.
 struct Agreement {

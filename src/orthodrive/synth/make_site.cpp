@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
@@ -11,6 +12,7 @@
 #include "orthodrive/synth/paint_ortho.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/true_surfaces.hpp"
+#include "orthodrive/synth/world.hpp"
 
 namespace orthodrive {
 namespace {
@@ -45,8 +47,15 @@ void check_synth_options(const SynthOptions& o) {
         fmt::format("OSM offsets are {} to {} m, need 0 <= min <= max <= 20", o.osm_offset_min_m, o.osm_offset_max_m));
 }
 
-SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* monitor) {
+SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Monitor* monitor) {
   check_synth_options(options);
+  SitePlan plan = given_plan;
+  std::optional<World> world;
+  if (!options.world.empty()) {
+    world = make_world(options.world, options.seed);
+    pave_roads(plan, *world, options.seed);
+    plan.only_footpaths = true;
+  }
   const auto report = [&](double fraction) {
     if (monitor) monitor->progress(fraction, "synth");
   };
@@ -65,12 +74,14 @@ SynthSite make_site(const SitePlan& plan, const SynthOptions& options, Monitor* 
   BareEarth earth = make_bare_earth(plan, terrain, earth_frame, options.threads);
   report(0.15);
 
-  const SiteObjects objects = place_objects(plan, earth.clearance_m, earth_frame, options.seed);
+  SiteObjects objects = place_objects(plan, earth.clearance_m, earth_frame, options.seed);
+  if (world) dress_objects(objects, *world, options.seed);
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 1.0);
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));
   const GridFrame photo_frame{0.0, size, options.gsd_m, photo_px, photo_px};
   const SceneSource source{plan,  samples,     objects,
-                           earth, earth_frame, static_cast<std::uint32_t>(derive_seed(options.seed, 7))};
+                           earth, earth_frame, static_cast<std::uint32_t>(derive_seed(options.seed, 7)),
+                           world ? &*world : nullptr};
   {
     const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
     report(0.35);
@@ -109,6 +120,12 @@ SynthSite make_preset(Preset preset, const SynthOptions& o, Monitor* monitor) {
       return make_site(plan_circuit(o.size_m, o.seed), o, monitor);
     case Preset::junction:
       return make_site(plan_junction(o.size_m, o.seed), o, monitor);
+    case Preset::grid:
+      return make_site(plan_grid(o.size_m, o.seed), o, monitor);
+    case Preset::lanes:
+      return make_site(plan_lanes(o.size_m, o.seed), o, monitor);
+    case Preset::farmland:
+      return make_site(plan_farmland(o.size_m, o.seed), o, monitor);
     case Preset::region:
       break;
   }

@@ -26,6 +26,7 @@ struct SynthOptions {
   double dtm_1m_sigma_m = 0.05;   ///< noise of the heights
   double dtm_10m_sigma_m = 0.10;
   int threads = 0;     ///< 0 = all cores; the result does not depend on it
+  std::string world;   ///< what the site looks like (synth/world.hpp): a name or "random"; empty: the plain one
   int tile_px = 1024;  ///< edge of the tiles that a region is made of; the result does not depend on it
 };
 /// Throws OptionError.
@@ -60,7 +61,7 @@ struct SynthSite {
 /// for 1 km2 at 0.2 m. Throws OptionError.
 [[nodiscard]] SynthSite make_site(const synth::SitePlan& plan, const SynthOptions& options, Monitor* monitor = nullptr);
 
-enum class Preset : std::uint8_t { village, circuit, junction, region };
+enum class Preset : std::uint8_t { village, circuit, junction, region, grid, lanes, farmland };
 /// A site of that kind: plan and site in one call. Throws OptionError for sizes it cannot fill, and for regions, which
 /// are made tile by tile (make_region.hpp).
 [[nodiscard]] SynthSite make_preset(Preset preset, const SynthOptions& options = {}, Monitor* monitor = nullptr);

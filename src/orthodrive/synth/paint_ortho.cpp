@@ -1,12 +1,14 @@
 #include "orthodrive/synth/paint_ortho.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "orthodrive/core/parallel.hpp"
-#include "orthodrive/core/random.hpp"
+#include "orthodrive/synth/mood.hpp"
 #include "orthodrive/synth/noise.hpp"
+#include "orthodrive/synth/pavement.hpp"
 
 namespace orthodrive::synth {
 namespace {
@@ -17,40 +19,11 @@ Rgb operator*(const Rgb& a, float k) { return {a[0] * k, a[1] * k, a[2] * k}; }
 Rgb mix(const Rgb& a, const Rgb& b, float t) { return a * (1.0f - t) + b * t; }
 Rgb grey(float value) { return {value, value, value}; }
 
-/// What differs from one site to the next.
-struct Mood {
-  double sun_azimuth_rad, sun_elevation_rad;
-  Rgb ambient, direct;
-  Rgb grass, foliage;
-  float asphalt, asphalt_spread, haze, contrast, gain, noise_sigma;
-  Rgb tint;
-};
-
-Mood make_mood(std::uint64_t seed) {
-  Random random(derive_seed(seed, 4));
-  const auto in = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
-  constexpr double degree = std::numbers::pi / 180.0;
-  Mood mood{};
-  mood.sun_azimuth_rad = random.uniform(142.0, 218.0) * degree;
-  mood.sun_elevation_rad = random.uniform(36.0, 60.0) * degree;
-  const float sky = in(0.26, 0.40);
-  mood.ambient = {sky * 0.92f, sky * 0.98f, sky * 1.10f};
-  mood.direct = {1.03f - sky, 1.0f - sky, 0.95f - sky};
-  mood.grass = {in(0.33, 0.43), in(0.41, 0.47), in(0.23, 0.29)};
-  mood.foliage = {in(0.20, 0.30), in(0.29, 0.36), in(0.14, 0.20)};
-  mood.asphalt = in(0.44, 0.60);
-  mood.asphalt_spread = in(0.04, 0.09);
-  mood.haze = in(0.0, 0.05);
-  mood.contrast = in(0.95, 1.2);
-  mood.gain = in(0.92, 1.12);
-  mood.noise_sigma = in(0.004, 0.010);
-  mood.tint = {in(0.97, 1.03), in(0.98, 1.02), in(0.95, 1.04)};
-  return mood;
-}
-
 /// Share of direct sun that reaches each pixel, 0..255. The sun stands in the south, so rows are swept from south to
 /// north: the shadow's upper bound is carried from row to row along the sun's direction.
-Raster<std::uint8_t> cast_shadows(const SceneSource& source, const SceneRaster& scene, const Mood& mood) {
+/// `height_m` above the ground.
+Raster<std::uint8_t> cast_shadows(const SceneSource& source, const SceneRaster& scene, const Raster<float>& height_m,
+                                  const Mood& mood) {
   const int width = scene.frame.width, height = scene.frame.height;
   Raster<std::uint8_t> lit(width, height, 1, 255);
   const double shift = -std::tan(mood.sun_azimuth_rad - std::numbers::pi);  // columns towards the sun a row
@@ -64,7 +37,7 @@ Raster<std::uint8_t> cast_shadows(const SceneSource& source, const SceneRaster& 
       const int a = std::clamp(col + whole, 0, width - 1), b = std::clamp(a + 1, 0, width - 1);
       const float bound =
           (1.0f - part) * south[static_cast<std::size_t>(a)] + part * south[static_cast<std::size_t>(b)] - drop;
-      const float here = ground_height(source, scene.frame.center_of(col, row)) + scene.height_m.at(col, row);
+      const float here = ground_height(source, scene.frame.center_of(col, row)) + height_m.at(col, row);
       lit.at(col, row) = static_cast<std::uint8_t>(255.0f * (1.0f - smoothstep(0.05f, 0.7f, bound - here)));
       ray[static_cast<std::size_t>(col)] = std::max(bound, here);
     }
@@ -94,7 +67,8 @@ class Painter {
     const double elevation = mood.sun_elevation_rad;
     sun_ = {std::sin(mood.sun_azimuth_rad) * std::cos(elevation), std::cos(mood.sun_azimuth_rad) * std::cos(elevation),
             std::sin(elevation)};
-    lit_ = cast_shadows(source, scene, mood);
+    lit_ = cast_shadows(source, scene, scene.height_m, mood);
+    if (!scene.twigs.data.empty()) let_through_twigs(cast_shadows(source, scene, scene.twig_height_m, mood));
     terrain_shade_ = shade_terrain(source, sun_);
   }
 
@@ -106,6 +80,7 @@ class Painter {
     float roughness = 0.0f;  // how much of the relief's own shading counts
     if (object < 0) {
       albedo = ground(col, row, p);
+      if (!scene_.twigs.data.empty()) albedo = under_twigs(albedo, col, row, p);
     } else if (object < counts_.houses) {
       albedo = roof(source_.objects.houses[static_cast<std::size_t>(object)], p);
       roughness = 1.0f;
@@ -125,6 +100,18 @@ class Painter {
   }
 
  private:
+  /// Bare branches take a part of the sun.
+  void let_through_twigs(const Raster<std::uint8_t>& lit_by_twigs) {
+    constexpr float most = 0.45f;
+    for (std::size_t i = 0; i < lit_.data.size(); ++i)
+      lit_.data[i] = static_cast<std::uint8_t>(static_cast<float>(lit_.data[i]) *
+                                               (1.0f - most * (1.0f - static_cast<float>(lit_by_twigs.data[i]) / 255.0f)));
+  }
+  [[nodiscard]] Rgb under_twigs(const Rgb& below, int col, int row, Vec2 p) const {
+    const float share = static_cast<float>(scene_.twigs.at(col, row)) / 255.0f;
+    return share > 0.0f ? mix(below, mood_.foliage * (0.95f + 0.25f * fractal(p, 0.8, 94, 2)), share) : below;
+  }
+
   [[nodiscard]] float relief_shade(int col, int row) const {
     const Raster<float>& h = scene_.height_m;
     const int west = std::max(0, col - 1), east = std::min(h.width - 1, col + 1), north = std::max(0, row - 1),
@@ -180,17 +167,17 @@ class Painter {
       case Cover::verge:
         return mix(grass(p, -0.2f, 0.5f), {0.52f, 0.48f, 0.37f}, 0.35f + 0.3f * noise(p, 1.5, 22));
       case Cover::garden_bed: {
-        const Rgb soil{0.40f, 0.32f, 0.25f};
-        return mix(soil, mood_.foliage * 1.3f, smoothstep(0.0f, 0.5f, fractal(p, 0.9, 23, 2)));
+        return mix(mood_.soil, mood_.foliage * 1.3f, smoothstep(0.0f, 0.5f, fractal(p, 0.9, 23, 2)));
       }
       case Cover::forest_floor:
-        return mood_.foliage * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
+        return mood_.forest_floor * (0.75f + 0.25f * fractal(p, 2.5, 24, 3));
       case Cover::paved: {
         const float tone = 0.52f + 0.22f * trait(area_id(detail), 25) + 0.03f * fractal(p, 1.0, 26, 3);
         const float red = 0.06f * trait(area_id(detail), 27);
         return {tone + red, tone, tone - 0.03f - 0.5f * red};
       }
       case Cover::gravel: {
+        if (source_.world != nullptr) return bare_ground(p);
         const float tone = 0.58f + 0.06f * fractal(p, 0.8, 28, 3);
         return mix({tone, tone * 0.95f, tone * 0.86f}, grass(p, 0.0f, 0.5f), smoothstep(0.1f, 0.7f, noise(p, 0.7, 29)));
       }
@@ -211,7 +198,7 @@ class Painter {
         return Rgb{0.36f, 0.66f, 0.74f} * (1.0f + 0.05f * noise(p, 0.8, 33));
       case Cover::water: {
         const float ripple = 0.02f * fractal(p, 1.6, 31, 2) + 0.02f * noise(p, 25.0, 32);
-        return {0.14f + ripple, 0.20f + ripple, 0.20f + ripple};
+        return {mood_.water[0] + ripple, mood_.water[1] + ripple, mood_.water[2] + ripple};
       }
     }
     return grey(0.5f);
@@ -226,12 +213,18 @@ class Painter {
     return (red ? Rgb{0.66f, 0.18f, 0.16f} : Rgb{0.84f, 0.83f, 0.80f}) * (1.0f + 0.08f * noise(p, 0.6, 36));
   }
 
+  /// Trodden or gravelled, with grass where nobody walks.
+  [[nodiscard]] Rgb bare_ground(Vec2 p) const {
+    const float tone = 1.0f + 0.07f * fractal(p, 4.0, 37, 4) + 0.05f * fractal(p, 0.8, 28, 2);
+    const Rgb soil = mix(mood_.gravel, mood_.dirt, 0.5f + 0.4f * noise(p, 20.0, 38));
+    return mix(soil * tone, grass(p, 0.3f, 0.3f), 0.8f * smoothstep(0.15f, 0.6f, fractal(p, 7.0, 29, 4)));
+  }
+
   /// `hue` < 0 lush, > 0 dry; `care` 1 = even lawn, 0 = patchy.
   [[nodiscard]] Rgb grass(Vec2 p, float hue, float care) const {
     const float patches = (1.0f - 0.6f * care) * fractal(p, 14.0, 40, 4), blades = fractal(p, 0.6, 41, 2);
-    const Rgb dry{0.54f, 0.50f, 0.35f};
-    const float dryness = std::clamp(0.12f + 0.35f * hue + 0.45f * patches, 0.0f, 0.85f);
-    return mix(mood_.grass, dry, dryness) * (1.0f + 0.05f * blades + 0.05f * fractal(p, 4.0, 42, 2));
+    const float dryness = std::clamp(mood_.dryness + 0.35f * hue + 0.45f * patches, 0.0f, 0.85f);
+    return mix(mood_.grass, mood_.dry, dryness) * (1.0f + 0.05f * blades + 0.05f * fractal(p, 4.0, 42, 2));
   }
 
   [[nodiscard]] Rgb field(Vec2 p, std::uint16_t number) const {
@@ -242,7 +235,11 @@ class Painter {
     Rgb color;
     double row_m = 1.2;
     float row_depth = 0.03f;
-    switch (static_cast<Crop>(thing % crop_count)) {
+    if (source_.world != nullptr) {
+      const FieldLook& look = field_look(*source_.world, number);
+      color = look.color, row_m = look.row_m, row_depth = look.row_depth;
+    } else {
+     switch (static_cast<Crop>(thing % crop_count)) {
       case Crop::wheat:
         color = {0.31f, 0.40f, 0.21f};
         break;
@@ -262,6 +259,7 @@ class Painter {
       case Crop::hay:
         color = mood_.grass, row_m = 4.0, row_depth = 0.04f;
         break;
+     }
     }
     for (std::size_t i = 0; i < 3; ++i) color[i] *= 0.93f + 0.14f * trait(thing, 53 + static_cast<std::uint32_t>(i));
     const auto wave = static_cast<float>(std::sin(2.0 * std::numbers::pi * across / row_m + 0.5 * noise(p, 9.0, 56)));
@@ -301,6 +299,7 @@ class Painter {
     const double n = length(d), part = dot(p - a.p, d) / (n * n);
     const double s = a.s_m + part * (b.s_m - a.s_m), t = cross(d, p - a.p) / n;
     const bool bridge = a.bridge || b.bridge;
+    if (plan.pavement != Pavement::plain) return paved_road(plan, a.road, {p, s, t}, col, row);
 
     float tone = mood_.asphalt + mood_.asphalt_spread * (2.0f * trait(a.road, 70) - 1.0f);
     // Resurfaced stretches, then smaller repairs of a lane.
@@ -323,6 +322,22 @@ class Painter {
     color = mix(color, {0.53f, 0.50f, 0.43f}, 0.45f * dirt);
     const float paint = marking(plan, s, t, col, row) * (0.62f + 0.25f * noise(p, 2.0, 76) + 0.08f * noise(p, 0.3, 77));
     return mix(color, {0.93f, 0.93f, 0.91f}, std::clamp(paint, 0.0f, 1.0f));
+  }
+
+  /// Of a site with a world.
+  [[nodiscard]] Rgb paved_road(const PlannedRoad& plan, int number, PavedPlace at, int col, int row) const {
+    at.width_m = plan.width_at(at.s_m), at.edge_m = scene_.road_edge_m.at(col, row), at.road = number;
+    at.lane_m = plan.oneway || plan.lanes < 2 || at.width_m < 4.5 ? 0.0 : 0.25 * at.width_m;
+    at.pixel_m = scene_.frame.gsd_m;
+    Rgb color = pavement_color(plan.pavement, at, mood_, seed_);
+    if (plan.pavement == Pavement::gravel || plan.pavement == Pavement::dirt) return color;
+    const float dirt = smoothstep(-0.7f, 0.0f, at.edge_m + 0.35f * noise(at.p, 1.1, 75));
+    color = mix(color, mix(mood_.gravel, mood_.grass, 0.3f), 0.4f * dirt * trait(number, 78));
+    const float paint = marking(plan, at.s_m, at.t_m, col, row) * mood_.paint * (0.4f + 0.6f * trait(number, 79)) *
+                        (0.75f + 0.25f * noise(at.p, 2.0, 76) + 0.08f * noise(at.p, 0.3, 77));
+    const Rgb white{0.93f, 0.93f, 0.91f}, yellow{0.86f, 0.70f, 0.24f};
+    const bool middle = std::abs(at.t_m) < 0.2 * at.width_m && !plan.oneway;
+    return mix(color, mood_.yellow_center && middle ? yellow : white, std::clamp(paint, 0.0f, 1.0f));
   }
 
   [[nodiscard]] static double from_motorway_lane(const PlannedRoad& road, double t) {
@@ -393,11 +408,16 @@ class Painter {
 
   [[nodiscard]] Rgb crown(const Tree& tree, Vec2 p) const {
     const std::int32_t number = tree.id;
-    Rgb color = mood_.foliage;
-    if (tree.conifer) color = {color[0] * 0.75f, color[1] * 0.82f, color[2] * 0.95f};
+    Rgb color = tree.conifer ? mood_.conifer : mood_.foliage;
+    if (tree.leaves == Leaves::autumn) {
+      constexpr std::array<Rgb, 4> leaves{
+          {{0.60f, 0.48f, 0.18f}, {0.55f, 0.34f, 0.15f}, {0.44f, 0.25f, 0.16f}, {0.48f, 0.44f, 0.20f}}};
+      color = leaves[hash_lattice(number, 95, seed_) % leaves.size()];
+    }
     const float warm = trait(number, 90) - 0.5f, light = 0.85f + 0.35f * trait(number, 91);
     color = {color[0] * (1.0f + 0.22f * warm), color[1] * (1.0f + 0.06f * warm), color[2] * (1.0f - 0.15f * warm)};
-    if (tree.radius_m > 1.0 && trait(number, 92) < 0.015f) color = {0.36f, 0.22f, 0.20f};  // copper beech
+    if (tree.radius_m > 1.0 && source_.world == nullptr && trait(number, 92) < 0.015f)
+      color = {0.36f, 0.22f, 0.20f};  // copper beech
     const auto d = static_cast<float>(distance(p, tree.center) / tree.radius_m);
     return color * (light * (1.0f - 0.25f * d * d) * (1.0f + 0.22f * fractal(p, 0.9, 93, 3)));
   }
@@ -423,7 +443,7 @@ class Painter {
 /// pixels of the site the row has; of the light there is a pixel more on both sides.
 void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& mood, std::uint32_t seed,
              const PixelBox& site_row, int row, Raster<std::uint8_t>& rgb) {
-  constexpr std::array blur{0.25f, 0.50f, 0.25f};
+  const std::array blur{mood.blur, 1.0f - 2.0f * mood.blur, mood.blur};
   const auto site_y = static_cast<std::int32_t>(site_row.row);
   for (int col = 0; col < rgb.width; ++col) {
     const auto site_x = static_cast<std::int32_t>(site_row.col) + col;
@@ -437,7 +457,8 @@ void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& moo
     for (int c = 0; c < 3; ++c) {
       float value = sum[static_cast<std::size_t>(c)];
       value = (value - 0.45f) * mood.contrast + 0.45f;
-      value = value * mood.gain * mood.tint[static_cast<std::size_t>(c)] * (1.0f - mood.haze) + mood.haze;
+      value = value * mood.gain * mood.tint[static_cast<std::size_t>(c)] * (1.0f - mood.haze) +
+              mood.haze * mood.haze_color[static_cast<std::size_t>(c)];
       const float chroma = signed_hash(site_x, site_y, seed + 102 + static_cast<std::uint32_t>(c));
       value += mood.noise_sigma * (grain + 0.6f * chroma);
       rgb.at(col, row, c) = static_cast<std::uint8_t>(std::clamp(value * 255.0f + 0.5f, 0.0f, 255.0f));
@@ -448,7 +469,7 @@ void develop(const std::array<const std::vector<Rgb>*, 3>& rows, const Mood& moo
 
 Raster<std::uint8_t> paint_ortho(const SceneSource& source, const SceneRaster& scene, const PixelBox& box,
                                  int threads) {
-  const Mood mood = make_mood(source.seed);
+  const Mood mood = make_mood(source.seed, source.world);
   const Painter painter(source, scene, mood);
   const GridFrame& frame = scene.frame;
   const int first_col = static_cast<int>(box.col) - frame.first_col,

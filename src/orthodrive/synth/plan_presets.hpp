@@ -23,4 +23,16 @@ namespace orthodrive::synth {
 /// edge (roads 0 and 1) with bridges over it and interchanges with roundabouts. 2 - 40 km.
 [[nodiscard]] SitePlan plan_region(double size_m, std::uint64_t seed);
 
+/// American blocks: two families of wide streets (9 - 16 m) that cross, alleys, shops with car parks. 300 - 2000 m.
+[[nodiscard]] SitePlan plan_grid(double size_m, std::uint64_t seed);
+
+/// Asian lanes: irregular, 2.5 - 6 m wide, between dense houses and small or terraced fields. 200 - 2000 m.
+[[nodiscard]] SitePlan plan_lanes(double size_m, std::uint64_t seed);
+
+/// Farm and forest tracks of 2.5 - 4 m, a few roads, farms, hamlets, orchards, woods. 300 - 2000 m.
+[[nodiscard]] SitePlan plan_farmland(double size_m, std::uint64_t seed);
+
+/// Throws OptionError unless a multiple of 10 m from `least_m` to `most_m`.
+void check_preset_size(double size_m, double least_m, double most_m);
+
 }  // namespace orthodrive::synth

@@ -6,16 +6,16 @@
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/synth/noise.hpp"
+#include "orthodrive/synth/world.hpp"
 
 namespace orthodrive::synth {
 namespace {
 constexpr int band_rows = 64;
 constexpr double road_reach_m = 6.0;  // beyond its edge a road changes nothing
 constexpr float far_from_roads_m = 9.0f;
-constexpr float corner_rounding_m = 7.0f;
 constexpr double deck_edge_m = 0.4;                        // parapet of a bridge, outside the carriageway
 constexpr float kerb_m = 1.2f, kerb_banking_rad = 0.013f;  // kerbs where a circuit bends: R below some 220 m
-constexpr float walk_m = 1.6f, shoulder_m = 0.6f, verge_m = 2.2f;
+constexpr float shoulder_m = 0.6f, verge_m = 2.2f, kerbstone_m = 0.3f;
 
 /// Minimum of two distances that rounds the corner between them (Quilez, polynomial smooth minimum).
 float smooth_min(float a, float b, float k) {
@@ -31,24 +31,49 @@ float rounding_m(const SceneSource& source, std::int32_t segment_a, std::int32_t
     return normalized(source.road_samples[i + 1].p - source.road_samples[i].p);
   };
   const auto sine = static_cast<float>(std::abs(cross(direction(segment_a), direction(segment_b))));
-  return std::max(0.2f, corner_rounding_m * smoothstep(0.15f, 0.9f, sine));
+  return std::max(0.2f, static_cast<float>(source.plan.corner_rounding_m) * smoothstep(0.15f, 0.9f, sine));
 }
 
+struct FieldCell {
+  std::uint16_t number = 0;
+  double border_m = 0.0;  ///< distance to the next field, about
+};
+
 /// Long narrow parcels: the Voronoi cells of a jittered grid in a turned and stretched frame.
-std::uint16_t field_number(Vec2 p, std::uint32_t seed) {
+FieldCell field_cell(const SitePlan& plan, Vec2 p, std::uint32_t seed) {
   const double turn = 6.28 * unit_hash(1, 2, seed), c = std::cos(turn), s = std::sin(turn);
-  const double x = (c * p.x + s * p.y) / 70.0, y = (-s * p.x + c * p.y) / 190.0;
+  const double x = (c * p.x + s * p.y) / plan.field_m.x, y = (-s * p.x + c * p.y) / plan.field_m.y;
   const int ix = static_cast<int>(std::floor(x)), iy = static_cast<int>(std::floor(y));
-  double nearest = 1e9;
+  double nearest = 1e9, second = 1e9;
   std::uint32_t number = 0;
   for (int j = iy - 1; j <= iy + 1; ++j)
     for (int i = ix - 1; i <= ix + 1; ++i) {
       const double dx = i + 0.5 + 0.3 * signed_hash(i, j, seed + 1) - x,
                    dy = j + 0.5 + 0.3 * signed_hash(i, j, seed + 2) - y;
       const double d = dx * dx + dy * dy;
-      if (d < nearest) nearest = d, number = hash_lattice(i, j, seed + 3);
+      if (d < nearest)
+        second = nearest, nearest = d, number = hash_lattice(i, j, seed + 3);
+      else
+        second = std::min(second, d);
     }
-  return static_cast<std::uint16_t>(number & 0xffffu);
+  return {static_cast<std::uint16_t>(number & 0xffffu),
+          0.5 * (std::sqrt(second) - std::sqrt(nearest)) * std::min(plan.field_m.x, plan.field_m.y)};
+}
+
+/// Fields that follow the slope: cut where the ground rises by a step, and across.
+FieldCell terrace_cell(const SceneSource& source, Vec2 p, std::uint32_t seed) {
+  constexpr double d = 2.0;
+  const double step_m = source.plan.terrace_m, z = ground_height(source, p);
+  const double zx = (ground_height(source, p + Vec2{d, 0.0}) - z) / d,
+               zy = (ground_height(source, p + Vec2{0.0, d}) - z) / d, slope = std::max(0.004, std::hypot(zx, zy));
+  const double level = z / step_m + 0.4 * value_noise(p.x / 60.0, p.y / 60.0, seed + 4);
+  const int step = static_cast<int>(std::floor(level));
+  const double turn = 6.28 * unit_hash(1, 2, seed);
+  const double along = (std::cos(turn) * p.x + std::sin(turn) * p.y) / source.plan.field_m.y + unit_hash(step, 7, seed);
+  const int piece = static_cast<int>(std::floor(along));
+  const double to_step_m = std::min(level - step, step + 1.0 - level) * step_m / slope,
+               to_piece_m = std::min(along - piece, piece + 1.0 - along) * source.plan.field_m.y;
+  return {static_cast<std::uint16_t>(hash_lattice(step, piece, seed + 5) & 0xffffu), std::min(to_step_m, to_piece_m)};
 }
 
 /// A range of rows of the scene; bands are painted independently of each other.
@@ -78,8 +103,13 @@ void paint_covers(const SceneSource& source, const Band& band, SceneRaster& scen
     fill(source.objects.areas[i].polygon, source.objects.areas[i].cover, static_cast<std::uint16_t>(i));
   for (int row = band.first; row < band.first + band.rows; ++row)
     for (int col = 0; col < scene.frame.width; ++col)
-      if (scene.cover.at(col, row) == Cover::field)
-        scene.detail.at(col, row) = field_number(scene.frame.center_of(col, row), source.seed + 11);
+      if (scene.cover.at(col, row) == Cover::field) {
+        const Vec2 p = scene.frame.center_of(col, row);
+        const FieldCell cell = source.plan.terrace_m > 0.0 ? terrace_cell(source, p, source.seed + 11)
+                                                           : field_cell(source.plan, p, source.seed + 11);
+        scene.detail.at(col, row) = cell.number;
+        if (cell.border_m < source.plan.bund_m) scene.cover.at(col, row) = Cover::verge;
+      }
 }
 
 /// Distance to the edge of a straight piece of carriageway. Ends of a road are flat, and what lies beyond them counts
@@ -181,7 +211,8 @@ void merge_layer(const SceneSource& source, const RoadLayer& layer, const Band& 
       const std::int32_t under = segment;
       if (n.edge_m < 0.0f || n.edge_m < edge) segment = n.segment;
       const float rounding =
-          source.plan.round_corners_by_angle && under >= 0 ? rounding_m(source, under, n.segment) : corner_rounding_m;
+          source.plan.round_corners_by_angle && under >= 0 ? rounding_m(source, under, n.segment)
+                                                                 : static_cast<float>(source.plan.corner_rounding_m);
       edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, rounding);
       if (n.edge_m < 0.3f) ++scene.road_count.at(col, row);
     }
@@ -196,7 +227,10 @@ void cover_roads(const SceneSource& source, const Band& band, SceneRaster& scene
       const float edge = scene.road_edge_m.at(col, row);
       Cover& cover = scene.cover.at(col, row);
       const RoadSample& place = source.road_samples[static_cast<std::size_t>(segment)];
-      const std::string& highway = source.plan.roads[place.road].highway;
+      const PlannedRoad& road = source.plan.roads[place.road];
+      const std::string& highway = road.highway;
+      const bool unpaved = road.pavement == Pavement::gravel || road.pavement == Pavement::dirt;
+      const bool walk = highway == "residential" && !unpaved && source.plan.walk_to_m > 0.0;
       if (edge <= 0.0f)
         cover = Cover::road;
       else if (highway == "raceway") {
@@ -207,9 +241,9 @@ void cover_roads(const SceneSource& source, const Band& band, SceneRaster& scene
           cover = Cover::meadow;
       } else if (cover == Cover::paved || cover == Cover::gravel || cover == Cover::parking)
         continue;
-      else if (edge < walk_m && highway == "residential")
-        cover = Cover::sidewalk;
-      else if (edge < shoulder_m)
+      else if (walk && edge < source.plan.walk_to_m) {
+        if (edge < kerbstone_m || edge >= source.plan.walk_from_m) cover = Cover::sidewalk;
+      } else if (edge < shoulder_m && !unpaved)
         cover = Cover::gravel;
       else if (edge < verge_m && cover == Cover::field)
         cover = Cover::verge;
@@ -250,6 +284,28 @@ void for_rectangle(const Band& band, const GridFrame& frame, Vec2 center, double
     }
 }
 
+/// Branches run outwards and grow thinner; twigs fill what lies between them.
+void spread_twigs(const SceneSource& source, const Tree& t, const Band& band, SceneRaster& scene) {
+  const auto seed = source.seed + static_cast<std::uint32_t>(t.id);
+  const double arms = 5.0 + 4.0 * unit_hash(t.id, 8, source.seed);
+  for_rectangle(band, scene.frame, t.center, 0.0, 1.1 * t.radius_m, 1.1 * t.radius_m,
+                [&](int col, int row, double u, double v) {
+                  const double d = std::hypot(u, v) / t.radius_m + 0.2 * fractal_noise(u / 1.5, v / 1.5, seed, 2);
+                  if (d >= 1.0) return;
+                  const double turn = std::atan2(v, u) * arms / 3.14159265358979;
+                  const float branch = std::abs(value_noise(turn + 0.8 * d, 1.6 * d, seed + 2)),
+                              twig = value_noise(u / 0.45, v / 0.45, seed + 3);
+                  const auto dense = static_cast<float>(0.62 * std::sqrt(1.0 - d));
+                  const float share = std::clamp(dense + 0.30f * (0.5f - branch) + 0.22f * twig, 0.0f, 0.9f);
+                  std::uint8_t& hidden = scene.twigs.at(col, row);
+                  hidden = std::max(hidden, static_cast<std::uint8_t>(255.0f * share));
+                  if (d < 0.8) scene.bare_crown.at(col, row) = 1;
+                  if (branch > 0.45f) return;  // where the sun shines through
+                  float& top = scene.twig_height_m.at(col, row);
+                  top = std::max(top, static_cast<float>(t.height_m * (1.0 - 0.5 * d)));
+                });
+}
+
 void raise_objects(const SceneSource& source, const Band& band, SceneRaster& scene) {
   const GridFrame& frame = scene.frame;
   for (int row = band.first; row < band.first + band.rows; ++row)
@@ -283,6 +339,11 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
     ++number;
   }
   for (const Tree& t : source.objects.trees) {
+    if (t.leaves == Leaves::bare) {
+      spread_twigs(source, t, band, scene);
+      ++number;
+      continue;
+    }
     const auto seed = source.seed + static_cast<std::uint32_t>(t.id);
     for_rectangle(band, frame, t.center, 0.0, 1.2 * t.radius_m, 1.2 * t.radius_m,
                   [&](int col, int row, double u, double v) {
@@ -328,6 +389,11 @@ SceneRaster rasterize_scene(const SceneSource& source, const GridFrame& frame, i
                     Raster<std::uint8_t>(frame.width, frame.height),
                     Raster<std::int32_t>(frame.width, frame.height),
                     Raster<float>(frame.width, frame.height)};
+  if (std::any_of(source.objects.trees.begin(), source.objects.trees.end(),
+                  [](const Tree& tree) { return tree.leaves == Leaves::bare; })) {
+    scene.twigs = scene.bare_crown = Raster<std::uint8_t>(frame.width, frame.height);
+    scene.twig_height_m = Raster<float>(frame.width, frame.height);
+  }
   const std::vector<RoadLayer> layers = layers_of(source);
   parallel_for(static_cast<std::size_t>((frame.height + band_rows - 1) / band_rows), threads, [&](std::size_t i) {
     Band band;
@@ -351,13 +417,15 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
       case Cover::road:
         return road;
       case Cover::parking:
-      case Cover::paved:
       case Cover::kerb:
         return parking;
+      case Cover::paved:  // drives and yards: with a world, as photos are painted by hand (models/training/README.md)
+        return source.world != nullptr ? ground : parking;
       case Cover::water:
       case Cover::pool:
         return water;
       case Cover::field: {
+        if (source.world != nullptr) return field_look(*source.world, detail).soil ? ground : grass;
         const auto crop = static_cast<Crop>(detail % crop_count);
         return crop == Crop::ploughed || crop == Crop::stubble ? ground : grass;
       }
@@ -384,6 +452,9 @@ Raster<std::uint8_t> label_scene(const SceneSource& source, const SceneRaster& s
       if (object >= 0 && object < counts.houses)
         label = building;
       else if (object >= counts.houses && object < counts.houses + counts.trees)
+        label = vegetation;
+      else if (object < 0 && !scene.bare_crown.data.empty() && scene.bare_crown.at(col, row) != 0 &&
+               (label == ground || label == grass))
         label = vegetation;
       labels.at(col, row) = label;
     }

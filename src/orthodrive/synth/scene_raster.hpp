@@ -14,6 +14,8 @@ namespace orthodrive::synth {
 enum class Crop : std::uint8_t { wheat, rape, ploughed, stubble, maize, hay };
 constexpr int crop_count = 6;
 
+struct World;
+
 /// What the pixels are made from. All in local metres.
 struct SceneSource {
   const SitePlan& plan;
@@ -22,6 +24,7 @@ struct SceneSource {
   const BareEarth& earth;
   const GridFrame& earth_frame;
   std::uint32_t seed = 0;
+  const World* world = nullptr;  ///< none: the plain one
 };
 
 struct SceneRaster {
@@ -33,6 +36,10 @@ struct SceneRaster {
   Raster<std::uint8_t> road_count;    ///< carriageways that overlap here: > 1 in junctions
   Raster<std::int32_t> object;        ///< number of the house, tree or car on top (object_*), -1 none
   Raster<float> height_m;             ///< above the ground
+  // Bare trees, through which the ground is seen. Empty where there are none.
+  Raster<std::uint8_t> twigs{};       ///< share of the pixel that branches hide, of 255
+  Raster<std::uint8_t> bare_crown{};  ///< 1: so dense that ground and grass below count as vegetation
+  Raster<float> twig_height_m{};
 };
 
 /// Objects are numbered houses first, then trees, then cars.

@@ -110,6 +110,19 @@ class Placer {
     return numbered();
   }
 
+  /// Houses along the streets of the plan's settlements; what the plan lays out and plants besides.
+  SiteObjects settled() {
+    objects_.areas.insert(objects_.areas.end(), plan_.areas.begin(), plan_.areas.end());
+    objects_.houses = plan_.buildings;
+    for (const Polygon& lot : plan_.parkings) place_parking(lot);
+    for (const Stretch& stretch : stretches_) place_lots(stretch);
+    grow_woods();
+    for (const Orchard& orchard : plan_.settling.orchards) plant(orchard);
+    line_roads();
+    scatter_trees();
+    return numbered();
+  }
+
   /// A square of a region: houses where the settlements are, woods and parked cars on the plan's areas.
   SiteObjects cell() {
     place_paths();
@@ -237,7 +250,7 @@ class Placer {
       if (is_fast(road) || road.roundabout) continue;
       const AlignmentPoint q = evaluate(
           road.alignment, stretch.s_begin_m + random_.uniform(0.1, 0.9) * (stretch.s_end_m - stretch.s_begin_m));
-      const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5),
+      const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5) * (plan_.only_footpaths ? 0.5 : 1.0),
                    bend = random_.uniform(-0.01, 0.01);
       const double length_m = random_.uniform(0.08, 0.25) * std::min(plan_.size_m, 4000.0),
                    start = q.heading_rad + side * random_.uniform(1.0, 2.1);
@@ -327,9 +340,9 @@ class Placer {
                                                        : 0.12;
     for (const double side : {1.0, -1.0})
       for (double s = stretch.s_begin_m + random_.uniform(10.0, 20.0); s < stretch.s_end_m - 8.0;) {
-        const double lot_m = random_.uniform(18.0, 27.0);
+        const double lot_m = random_.uniform(lots_.least_length_m, lots_.most_length_m);
         const AlignmentPoint q = evaluate(road.alignment, s + 0.5 * lot_m);
-        if (one_cell_) {
+        if (one_cell_ || settled_) {
           if (random_.uniform() < built_share(road, q.p) && mine(q.p)) place_lot(q, side, lot_m, 0.5 * road.width_m);
         } else if (random_.uniform() < share &&
                    contains(circuit_, q.p + left_normal(unit(q.heading_rad)) * (side * 20.0)))
@@ -344,7 +357,9 @@ class Placer {
   [[nodiscard]] double built_share(const PlannedRoad& road, Vec2 p) const {
     const bool built_up = std::any_of(plan_.settlements.begin(), plan_.settlements.end(),
                                       [&](const Settlement& s) { return contains(s.outline, p); });
+    if (!built_up && settled_) return 0.0;
     if (!built_up) return road.highway == "service" ? 0.3 : road.highway == "unclassified" ? 0.05 : 0.02;
+    if (settled_) return plan_.settling.built_share * (road.highway == "service" ? 0.0 : 1.0);
     return road.highway == "residential" ? 0.88 : 0.65;
   }
 
@@ -381,10 +396,12 @@ class Placer {
 
   /// The house of a lot, whose own measures are drawn on the way.
   House draw_house(Lot& lot) {
-    lot.walk_m = lot.half_road_m + 1.8, lot.setback_m = random_.uniform(5.0, 10.0);
-    lot.depth_m = random_.uniform(24.0, 38.0);
-    lot.half_front = random_.uniform(4.5, std::min(8.0, 0.5 * lot.length_m - 3.5));
-    lot.half_deep = random_.uniform(3.8, 5.5);
+    lot.walk_m = lot.half_road_m + lots_.walk_m,
+    lot.setback_m = random_.uniform(lots_.least_setback_m, lots_.most_setback_m);
+    lot.depth_m = random_.uniform(lots_.least_depth_m, lots_.most_depth_m);
+    lot.half_front = random_.uniform(lots_.least_half_front_m,
+                                     std::min(lots_.most_half_front_m, 0.5 * lot.length_m - lots_.side_gap_m));
+    lot.half_deep = random_.uniform(lots_.least_half_deep_m, lots_.most_half_deep_m);
     const Vec2 center =
         lot.q.p + lot.outward * (lot.walk_m + lot.setback_m + lot.half_deep) + lot.along * random_.uniform(-1.5, 1.5);
     lot.turn = lot.q.heading_rad + random_.normal() * 0.03;
@@ -392,7 +409,7 @@ class Placer {
                 lot.turn,
                 lot.half_front,
                 lot.half_deep,
-                random_.uniform(3.5, 6.5),
+                random_.uniform(lots_.least_eave_m, lots_.most_eave_m),
                 std::tan(random_.uniform(28.0, 46.0) * pi / 180.0),
                 RoofShape::gable,
                 roof_color(random_)};
@@ -408,14 +425,22 @@ class Placer {
     return in_site(house.center, 12.0) &&
            std::all_of(ring.begin(), ring.end(),
                        [&](Vec2 p) {
-                         return clearance(p) > 4.0 && !near_house(p, 3.0) && !on_water_or_parking(p) &&
+                         return clearance(p) > lots_.road_gap_m && !near_house(p, lots_.house_gap_m) && !on_water_or_parking(p) &&
                                 !in_verge_of_fast_road(p, 12.0) && !on_paved_or_gravel(p);
                        }) &&
-           clearance(house.center) > 6.0 && !near_house(house.center, 6.0);
+           clearance(house.center) > lots_.road_gap_m + 2.0 && !near_house(house.center, 2.0 * lots_.house_gap_m);
   }
 
   /// Lawn, and now and then vegetable beds at the back.
   void lay_garden(const Lot& lot) {
+    if (settled_ && random_.uniform() > plan_.settling.lawn_share) {
+      constexpr std::array yards{Cover::paved, Cover::gravel, Cover::garden_bed, Cover::gravel};
+      objects_.areas.push_back(
+          {{rectangle(lot.center(), lot.turn, 0.5 * lot.length_m - 0.2, 0.5 * lot.depth_m), {}},
+           yards[random_.below(yards.size())],
+           false});
+      return;
+    }
     objects_.areas.push_back(
         {{rectangle(lot.center(), lot.q.heading_rad, 0.5 * lot.length_m - 0.3, 0.5 * lot.depth_m), {}},
          Cover::lawn,
@@ -511,6 +536,20 @@ class Placer {
     for (const Area& area : std::vector<Area>(objects_.areas)) grow_wood(area);
   }
 
+  void plant(const Orchard& orchard) {
+    const Box2 box = bounds_of(orchard.polygon.outer);
+    const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)}, along = unit(orchard.heading_rad),
+        across = left_normal(along);
+    const double reach_m = 0.5 * std::hypot(box.width(), box.height());
+    for (double v = -reach_m; v < reach_m; v += orchard.row_m)
+      for (double u = -reach_m; u < reach_m; u += orchard.tree_m) {
+        const Vec2 p = middle + along * (u + random_.uniform(-0.3, 0.3)) + across * (v + random_.uniform(-0.3, 0.3));
+        const double radius_m = orchard.radius_m * random_.uniform(0.7, 1.15);
+        if (contains(orchard.polygon, p) && random_.uniform() < 0.95)
+          add_tree(p, radius_m, radius_m + 0.8, 1.2 + 1.3 * radius_m);
+      }
+  }
+
   void grow_wood(const Area& area) {
     if (area.cover != Cover::forest_floor) return;
     Box2 box = bounds_of(area.polygon.outer);
@@ -522,7 +561,7 @@ class Placer {
       for (double x = box.min_x; x < box.max_x; x += spacing_m) {
         const Vec2 p{x + random_.uniform(-1.9, 1.9), y + random_.uniform(-1.9, 1.9)};
         const double radius_m = random_.uniform(2.0, 4.3), height_m = random_.uniform(9.0, 16.0);
-        if (contains(area.polygon, p)) add_tree(p, radius_m, 1.2, height_m);
+        if (contains(area.polygon, p)) add_tree(p, radius_m, settled_ ? plan_.settling.tree_clearance_m : 1.2, height_m);
       }
   }
 
@@ -534,18 +573,20 @@ class Placer {
     for (const double side : {1.0, -1.0})
       for (double s = stretch.s_begin_m; s < stretch.s_end_m; s += random_.uniform(7.0, 12.0)) {
         if (value_noise(s / 70.0, 3.0 * side, noise_seed) < 0.22 || on_bridge(plan_, r, s)) continue;
+        if (settled_ && random_.uniform() > plan_.settling.roadside_trees) continue;
         const AlignmentPoint q = evaluate(road.alignment, s);
-        const double away = 0.5 * road.width_m + random_.uniform(1.2, 3.2);
+        const double away = 0.5 * road.width_m + random_.uniform(1.2, 3.2) +
+                            (settled_ ? std::max(0.0, plan_.settling.tree_clearance_m - 1.2) : 0.0);
         add_tree(q.p + left_normal(unit(q.heading_rad)) * (side * away), random_.uniform(1.8, 4.4), 1.0, 0.0);
       }
   }
 
   void scatter_trees() {
     const double hectares = box_.width() * box_.width() / 1e4;
-    const int groups = static_cast<int>(4.0 * hectares);
+    const int groups = static_cast<int>((settled_ ? plan_.settling.scattered_per_ha : 4.0) * hectares);
     for (int i = 0; i < groups; ++i) {
       const Vec2 p{random_.uniform(box_.min_x, box_.max_x), random_.uniform(box_.min_y, box_.max_y)};
-      if (!contains(circuit_, p) && random_.uniform() < 0.65) continue;  // fewer in the fields
+      if (!settled_ && !contains(circuit_, p) && random_.uniform() < 0.65) continue;  // fewer in the fields
       const int count = 1 + static_cast<int>(random_.below(4));
       for (int k = 0; k < count; ++k)
         add_tree(p + Vec2{random_.normal(), random_.normal()} * 4.0, random_.uniform(1.2, 4.0), 1.5, 0.0);
@@ -563,14 +604,15 @@ class Placer {
         t = 0.5 * road.width_m - 0.75 -
             3.75 * (0.5 + static_cast<double>(random_.below(static_cast<std::uint64_t>(road.lanes))));
       const Vec2 p = q.p + left_normal(unit(q.heading_rad)) * t;
-      if (!mine(p)) continue;
+      if (!mine(p) || (settled_ && road.highway == "track" && random_.uniform() < 0.8)) continue;
       if (plan_.surroundings != Surroundings::village && near_car(p)) continue;  // where roads run into each other
       add_car(p, q.heading_rad);
     }
-    if (road.highway != "residential") return;
+    if (road.highway != "residential" || (settled_ && road.width_m < 6.0)) return;
+    const double parked_share = settled_ ? plan_.settling.parked_share : 0.16;
     for (const double side : {1.0, -1.0})  // parked at the kerb
       for (double s = stretch.s_begin_m + 15.0; s < stretch.s_end_m - 15.0; s += 6.2) {
-        if (random_.uniform() > 0.16) continue;
+        if (random_.uniform() > parked_share) continue;
         const AlignmentPoint q = evaluate(road.alignment, s);
         if (!mine(q.p)) continue;
         add_car(q.p + left_normal(unit(q.heading_rad)) * (side * (0.5 * road.width_m - 1.05)), q.heading_rad);
@@ -589,6 +631,8 @@ class Placer {
   const Raster<float>& clearance_;
   const GridFrame& frame_;
   Random random_;
+  const LotStyle& lots_ = plan_.settling.lots;
+  const bool settled_ = plan_.surroundings == Surroundings::settled;
   Box2 box_;               ///< of the site or the cell
   bool one_cell_ = false;  ///< of a region
   std::vector<Stretch> stretches_;
@@ -607,7 +651,16 @@ Ring outline(const House& house) {
 SiteObjects place_objects(const SitePlan& plan, const Raster<float>& clearance_m, const GridFrame& frame,
                           std::uint64_t seed) {
   Placer placer(plan, clearance_m, frame, seed);
-  return plan.surroundings == Surroundings::village ? placer.village() : placer.country();
+  switch (plan.surroundings) {
+    case Surroundings::village:
+      return placer.village();
+    case Surroundings::settled:
+      return placer.settled();
+    case Surroundings::country:
+    case Surroundings::region:
+      break;
+  }
+  return placer.country();
 }
 
 SiteObjects place_cell_objects(const SitePlan& plan, const ObjectCell& cell, const Raster<float>& clearance_m,

@@ -10,11 +10,14 @@
 
 namespace orthodrive::synth {
 
+enum class Leaves : std::uint8_t { green, autumn, bare };
+
 struct Tree {
   Vec2 center;
   double radius_m = 0.0, height_m = 0.0;
   bool conifer = false;
   std::int32_t id = 0;  ///< what its look is drawn from
+  Leaves leaves = Leaves::green;
 };
 
 struct Car {

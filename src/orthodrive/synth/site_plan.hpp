@@ -45,6 +45,10 @@ struct Area {
   std::int32_t id = 0;  ///< what its look is drawn from; set when objects are placed
 };
 
+/// What a carriageway is made of; `plain`: the asphalt of sites without a world.
+enum class Pavement : std::uint8_t { plain, new_asphalt, old_asphalt, concrete, setts, gravel, dirt };
+constexpr std::size_t pavement_count = 7;
+
 enum class RoofShape : std::uint8_t { gable, flat };
 
 struct House {
@@ -66,6 +70,7 @@ struct PlannedRoad {
   bool lanes_tagged = false;  ///< always, not only by chance
   CubicSpline width_along;    ///< of the carriageway, over s
   std::string surface;        ///< as OSM would have it; empty: asphalt that nobody tagged
+  Pavement pavement = Pavement::plain;
   [[nodiscard]] double width_at(double s_m) const { return width_along.knots.empty() ? width_m : width_along.at(s_m); }
 };
 
@@ -99,12 +104,43 @@ struct PlannedTie {
 };
 
 /// How the land looks away from the roads.
-enum class Surroundings : std::uint8_t { village, country, region };
+enum class Surroundings : std::uint8_t { village, country, region, settled };
 
 /// A town or a village of a region.
 struct Settlement {
   Polygon outline;
   bool town = false;
+};
+
+/// Building lots along the roads and what stands on them.
+struct LotStyle {
+  double least_length_m = 18.0, most_length_m = 27.0;
+  double walk_m = 1.8;  ///< pavement between carriageway and lot
+  double least_setback_m = 5.0, most_setback_m = 10.0;
+  double least_depth_m = 24.0, most_depth_m = 38.0;
+  double least_half_front_m = 4.5, most_half_front_m = 8.0;
+  double side_gap_m = 3.5;  ///< on either side of the house, at least
+  double least_half_deep_m = 3.8, most_half_deep_m = 5.5;
+  double least_eave_m = 3.5, most_eave_m = 6.5;
+  double road_gap_m = 4.0, house_gap_m = 3.0;  ///< from a house to carriageways and to other houses, at least
+};
+
+/// Fruit trees in rows.
+struct Orchard {
+  Polygon polygon;
+  double heading_rad = 0.0, row_m = 5.0, tree_m = 4.0, radius_m = 1.6;
+};
+
+/// How a site whose surroundings are `settled` is built up and planted.
+struct Settling {
+  LotStyle lots;
+  double built_share = 0.9;      ///< of the lots along streets in settlements
+  double lawn_share = 1.0;       ///< of the lots; the others are paved, gravel or beds
+  double tree_clearance_m = 1.0; ///< from carriageways to trunks
+  double roadside_trees = 1.0;   ///< share of the places beside roads that may have a tree
+  double scattered_per_ha = 4.0; ///< groups of trees
+  double parked_share = 0.16;    ///< of the places at the kerb
+  std::vector<Orchard> orchards;
 };
 
 /// Ways that were given, not made: OSM as it is, with the stretch of road 0 that each way is. Sorted by their ids.
@@ -129,6 +165,13 @@ struct SitePlan {
   std::vector<Area> areas;        ///< what the plan lays out itself: run-off areas, verges
   std::vector<House> buildings;
   std::vector<Settlement> settlements;  ///< of a region: roads in them are built up
+  Settling settling;
+  Vec2 field_m{70.0, 190.0};         ///< about so large are fields
+  double bund_m = 0.0;               ///< grass between fields, to either side of their border
+  double terrace_m = 0.0;            ///< fields are cut where the ground rises by this; 0: they lie as they like
+  double walk_from_m = 0.0, walk_to_m = 1.6;  ///< pavement of residential streets, from the carriageway's edge
+  double corner_rounding_m = 7.0;
+  bool only_footpaths = false;  ///< paths that are no roads are too narrow for cars
   std::string route;                    ///< name of an open road to drive on; empty: the circuit, or none
   std::optional<std::size_t> circuit;   ///< the closed road to drive on; its inside is a meadow
   Surroundings surroundings = Surroundings::village;
