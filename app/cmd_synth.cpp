@@ -27,12 +27,9 @@ std::string world_list() {
 }  // namespace
 
 void add_synth(CLI::App& app, Context& context) {
-  static const std::map<std::string, Preset> presets{{"village", Preset::village},
-                                                     {"circuit", Preset::circuit},
-                                                     {"junction", Preset::junction},
-                                                     {"region", Preset::region},
-                                                     {"grid", Preset::grid},
-                                                     {"lanes", Preset::lanes},
+  static const std::map<std::string, Preset> presets{{"village", Preset::village},   {"circuit", Preset::circuit},
+                                                     {"junction", Preset::junction}, {"region", Preset::region},
+                                                     {"grid", Preset::grid},         {"lanes", Preset::lanes},
                                                      {"farmland", Preset::farmland}};
   auto arguments = std::make_shared<Arguments>();
   CLI::App* cmd = app.add_subcommand("synth",
@@ -41,7 +38,8 @@ void add_synth(CLI::App& app, Context& context) {
                                      "(labels.tif, roads.gpkg, surface.geojson, centrelines.geojson, dtm_1m.tif).");
   SynthOptions& options = arguments->options;
   CLI::Option* preset =
-      cmd->add_option("--preset", arguments->preset, "kind of site: village, circuit, junction, region, grid, lanes, farmland")
+      cmd->add_option("--preset", arguments->preset,
+                      "kind of site: village, circuit, junction, region, grid, lanes, farmland")
           ->check(CLI::IsMember({"village", "circuit", "junction", "region", "grid", "lanes", "farmland"}))
           ->capture_default_str();
   cmd->add_option("--seed", options.seed, "same seed, same bytes")->capture_default_str();

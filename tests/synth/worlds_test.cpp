@@ -117,14 +117,15 @@ TEST_P(WorldSites, every_class_of_open_land_is_there_and_roads_are_seen) {
   EXPECT_GT(share[grass], 0.01);
   EXPECT_GT(share[ground], 0.01);
   double seen = 0.0;
-  for (const SynthSurface& surface : site.surfaces) seen += surface.visibility / static_cast<double>(site.surfaces.size());
+  for (const SynthSurface& surface : site.surfaces)
+    seen += surface.visibility / static_cast<double>(site.surfaces.size());
   EXPECT_GT(seen, 0.7);
 }
 
 TEST_P(WorldSites, map_says_the_surface_that_the_truth_has) {
   for (const RoadPath& path : site.roads.paths) {
-    const auto way = std::find_if(site.osm.ways.begin(), site.osm.ways.end(),
-                                  [&](const OsmWay& w) { return w.id == path.osm_id; });
+    const auto way =
+        std::find_if(site.osm.ways.begin(), site.osm.ways.end(), [&](const OsmWay& w) { return w.id == path.osm_id; });
     ASSERT_NE(way, site.osm.ways.end());
     const auto tag = way->tags.find("surface");
     EXPECT_EQ(tag == way->tags.end() ? "" : tag->second, path.surface);

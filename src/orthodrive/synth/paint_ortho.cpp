@@ -104,8 +104,9 @@ class Painter {
   void let_through_twigs(const Raster<std::uint8_t>& lit_by_twigs) {
     constexpr float most = 0.45f;
     for (std::size_t i = 0; i < lit_.data.size(); ++i)
-      lit_.data[i] = static_cast<std::uint8_t>(static_cast<float>(lit_.data[i]) *
-                                               (1.0f - most * (1.0f - static_cast<float>(lit_by_twigs.data[i]) / 255.0f)));
+      lit_.data[i] =
+          static_cast<std::uint8_t>(static_cast<float>(lit_.data[i]) *
+                                    (1.0f - most * (1.0f - static_cast<float>(lit_by_twigs.data[i]) / 255.0f)));
   }
   [[nodiscard]] Rgb under_twigs(const Rgb& below, int col, int row, Vec2 p) const {
     const float share = static_cast<float>(scene_.twigs.at(col, row)) / 255.0f;
@@ -239,27 +240,27 @@ class Painter {
       const FieldLook& look = field_look(*source_.world, number);
       color = look.color, row_m = look.row_m, row_depth = look.row_depth;
     } else {
-     switch (static_cast<Crop>(thing % crop_count)) {
-      case Crop::wheat:
-        color = {0.31f, 0.40f, 0.21f};
-        break;
-      case Crop::rape:
-        color = {0.62f, 0.59f, 0.22f};
-        row_depth = 0.02f;
-        break;
-      case Crop::ploughed:
-        color = {0.47f, 0.38f, 0.29f}, row_m = 2.4, row_depth = 0.07f;
-        break;
-      case Crop::stubble:
-        color = {0.64f, 0.56f, 0.40f}, row_m = 3.0, row_depth = 0.05f;
-        break;
-      case Crop::maize:
-        color = {0.27f, 0.36f, 0.18f}, row_m = 0.75, row_depth = 0.08f;
-        break;
-      case Crop::hay:
-        color = mood_.grass, row_m = 4.0, row_depth = 0.04f;
-        break;
-     }
+      switch (static_cast<Crop>(thing % crop_count)) {
+        case Crop::wheat:
+          color = {0.31f, 0.40f, 0.21f};
+          break;
+        case Crop::rape:
+          color = {0.62f, 0.59f, 0.22f};
+          row_depth = 0.02f;
+          break;
+        case Crop::ploughed:
+          color = {0.47f, 0.38f, 0.29f}, row_m = 2.4, row_depth = 0.07f;
+          break;
+        case Crop::stubble:
+          color = {0.64f, 0.56f, 0.40f}, row_m = 3.0, row_depth = 0.05f;
+          break;
+        case Crop::maize:
+          color = {0.27f, 0.36f, 0.18f}, row_m = 0.75, row_depth = 0.08f;
+          break;
+        case Crop::hay:
+          color = mood_.grass, row_m = 4.0, row_depth = 0.04f;
+          break;
+      }
     }
     for (std::size_t i = 0; i < 3; ++i) color[i] *= 0.93f + 0.14f * trait(thing, 53 + static_cast<std::uint32_t>(i));
     const auto wave = static_cast<float>(std::sin(2.0 * std::numbers::pi * across / row_m + 0.5 * noise(p, 9.0, 56)));

@@ -23,7 +23,8 @@ class Paver {
   /// Patched, cracked and sealed; pale where wheels run.
   [[nodiscard]] Rgb old_asphalt() const {
     float tone = mood_.old_asphalt + mood_.asphalt_spread * (2.0f * trait(4) - 1.0f);
-    tone += 0.7f * mood_.asphalt_spread * signed_hash(static_cast<int>(std::floor(at_.s_m / 90.0)), at_.road, seed_ + 5);
+    tone +=
+        0.7f * mood_.asphalt_spread * signed_hash(static_cast<int>(std::floor(at_.s_m / 90.0)), at_.road, seed_ + 5);
     tone *= 1.0f + 0.07f * fractal(8.0, 6, 4) + 0.04f * stones(0.2, 7) + wheels(0.05f, -0.06f);
     const int i = static_cast<int>(std::floor(at_.s_m / 6.0)), j = static_cast<int>(std::floor(at_.t_m / 2.4));
     const float patch = unit_hash(i, 64 * at_.road + j, seed_ + 8);

@@ -138,8 +138,14 @@ class GridPlanner {
     while (at < u.end - 18.0) {
       const double length = std::min(u.end - 3.0 - at, random_.uniform(18.0, 70.0));
       const auto tone = static_cast<float>(random_.uniform(0.45, 0.85));
-      House shop{frame_.at(at + 0.5 * length, middle_v), frame_.turn_rad(), 0.5 * length, half_v,
-                 random_.uniform(5.0, 11.0),             0.0,               RoofShape::flat, {tone, tone, tone * 0.98f}};
+      House shop{frame_.at(at + 0.5 * length, middle_v),
+                 frame_.turn_rad(),
+                 0.5 * length,
+                 half_v,
+                 random_.uniform(5.0, 11.0),
+                 0.0,
+                 RoofShape::flat,
+                 {tone, tone, tone * 0.98f}};
       if (half_v > 5.0 && length > 10.0) planner_.plan_.buildings.push_back(shop);
       at += length + random_.uniform(2.0, 12.0);
     }

@@ -24,11 +24,11 @@ struct RoadKind {
 };
 struct Weave {
   Range row_gap_m, corner_gap_m, link_gap_m, dead_end_gap_m;
-  double wander_m = 0.0;             ///< rows leave their line by this at most
-  double slant_m = 0.0;              ///< ends of a link differ by this at most
+  double wander_m = 0.0;  ///< rows leave their line by this at most
+  double slant_m = 0.0;   ///< ends of a link differ by this at most
   Range radius_m;
   double least_joint_gap_m = 14.0;
-  RoadKind main;                     ///< the middle row
+  RoadKind main;  ///< the middle row
   std::vector<RoadKind> rows, links, dead_ends;
 };
 
@@ -180,11 +180,10 @@ class WovenPlanner {
 void add_wood(WovenPlanner& woven, Range radius_share, double margin) {
   SitePlan& plan = woven.plan();
   const Vec2 p = woven.anywhere(margin);
-  const double radius_m = woven.in(radius_share) * plan.size_m;
+  const double radius_m = woven.in(radius_share)*plan.size_m;
   const Ring ring = blob(woven.random(), p, radius_m);
   for (const Settlement& s : plan.settlements)
-    if (contains(s.outline, p) ||
-        std::any_of(ring.begin(), ring.end(), [&](Vec2 q) { return contains(s.outline, q); }))
+    if (contains(s.outline, p) || std::any_of(ring.begin(), ring.end(), [&](Vec2 q) { return contains(s.outline, q); }))
       return;
   add_area(plan, ring, Cover::forest_floor, true);
 }
@@ -217,8 +216,12 @@ void add_houses_behind(WovenPlanner& woven, double tries_per_ha) {
                                    [&](const House& h) { return distance(h.center, p) < apart_m; });
     if (!built_up || !free || woven.room_m(p, 60.0) < front_m) continue;
     const auto tone = static_cast<float>(random.uniform(0.3, 0.6));
-    House house{p, woven.turn_rad() + random.normal() * 0.08 + (random.below(2) ? 0.5 * std::numbers::pi : 0.0),
-                random.uniform(4.0, 6.5), random.uniform(3.2, 5.0), random.uniform(3.5, 7.5), random.uniform(0.4, 0.7)};
+    House house{p,
+                woven.turn_rad() + random.normal() * 0.08 + (random.below(2) ? 0.5 * std::numbers::pi : 0.0),
+                random.uniform(4.0, 6.5),
+                random.uniform(3.2, 5.0),
+                random.uniform(3.5, 7.5),
+                random.uniform(0.4, 0.7)};
     house.color = {tone, tone, tone};
     plan.buildings.push_back(house);
   }
@@ -267,9 +270,8 @@ SitePlan plan_lanes(double size_m, std::uint64_t seed) {
   add_yards(woven, yards, {4.0, 14.0}, covers);
   std::erase_if(plan.areas, [&](const Area& area) {  // the others would lie in the fields
     return static_cast<std::size_t>(area.id) >= first_yard &&
-           std::none_of(plan.settlements.begin(), plan.settlements.end(), [&](const Settlement& s) {
-             return contains(s.outline, area.polygon.outer.front());
-           });
+           std::none_of(plan.settlements.begin(), plan.settlements.end(),
+                        [&](const Settlement& s) { return contains(s.outline, area.polygon.outer.front()); });
   });
   add_houses_behind(woven, random.uniform(20.0, 90.0));
   for (int i = 0; i < 5; ++i) add_wood(woven, {0.05, 0.12}, 0.0);
@@ -339,8 +341,8 @@ SitePlan plan_farmland(double size_m, std::uint64_t seed) {
     const double heading = random.uniform(0.0, std::numbers::pi);
     const Ring ring = rectangle(woven.anywhere(0.05), heading, random.uniform(20.0, 60.0), random.uniform(15.0, 45.0));
     add_area(plan, ring, Cover::meadow, false);
-    plan.settling.orchards.push_back({{ring, {}}, heading, random.uniform(3.5, 7.5), random.uniform(2.5, 6.0),
-                                      random.uniform(0.9, 2.2)});
+    plan.settling.orchards.push_back(
+        {{ring, {}}, heading, random.uniform(3.5, 7.5), random.uniform(2.5, 6.0), random.uniform(0.9, 2.2)});
   }
   const int farms = 2 + static_cast<int>(size_m / 250.0);
   for (int i = 0; i < farms; ++i) {

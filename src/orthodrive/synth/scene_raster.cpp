@@ -210,9 +210,9 @@ void merge_layer(const SceneSource& source, const RoadLayer& layer, const Band& 
       }
       const std::int32_t under = segment;
       if (n.edge_m < 0.0f || n.edge_m < edge) segment = n.segment;
-      const float rounding =
-          source.plan.round_corners_by_angle && under >= 0 ? rounding_m(source, under, n.segment)
-                                                                 : static_cast<float>(source.plan.corner_rounding_m);
+      const float rounding = source.plan.round_corners_by_angle && under >= 0
+                                 ? rounding_m(source, under, n.segment)
+                                 : static_cast<float>(source.plan.corner_rounding_m);
       edge = edge >= far_from_roads_m ? n.edge_m : smooth_min(edge, n.edge_m, rounding);
       if (n.edge_m < 0.3f) ++scene.road_count.at(col, row);
     }

@@ -250,7 +250,8 @@ class Placer {
       if (is_fast(road) || road.roundabout) continue;
       const AlignmentPoint q = evaluate(
           road.alignment, stretch.s_begin_m + random_.uniform(0.1, 0.9) * (stretch.s_end_m - stretch.s_begin_m));
-      const double side = random_.below(2) ? 1.0 : -1.0, half_m = random_.uniform(0.7, 1.5) * (plan_.only_footpaths ? 0.5 : 1.0),
+      const double side = random_.below(2) ? 1.0 : -1.0,
+                   half_m = random_.uniform(0.7, 1.5) * (plan_.only_footpaths ? 0.5 : 1.0),
                    bend = random_.uniform(-0.01, 0.01);
       const double length_m = random_.uniform(0.08, 0.25) * std::min(plan_.size_m, 4000.0),
                    start = q.heading_rad + side * random_.uniform(1.0, 2.1);
@@ -425,8 +426,8 @@ class Placer {
     return in_site(house.center, 12.0) &&
            std::all_of(ring.begin(), ring.end(),
                        [&](Vec2 p) {
-                         return clearance(p) > lots_.road_gap_m && !near_house(p, lots_.house_gap_m) && !on_water_or_parking(p) &&
-                                !in_verge_of_fast_road(p, 12.0) && !on_paved_or_gravel(p);
+                         return clearance(p) > lots_.road_gap_m && !near_house(p, lots_.house_gap_m) &&
+                                !on_water_or_parking(p) && !in_verge_of_fast_road(p, 12.0) && !on_paved_or_gravel(p);
                        }) &&
            clearance(house.center) > lots_.road_gap_m + 2.0 && !near_house(house.center, 2.0 * lots_.house_gap_m);
   }
@@ -435,10 +436,9 @@ class Placer {
   void lay_garden(const Lot& lot) {
     if (settled_ && random_.uniform() > plan_.settling.lawn_share) {
       constexpr std::array yards{Cover::paved, Cover::gravel, Cover::garden_bed, Cover::gravel};
-      objects_.areas.push_back(
-          {{rectangle(lot.center(), lot.turn, 0.5 * lot.length_m - 0.2, 0.5 * lot.depth_m), {}},
-           yards[random_.below(yards.size())],
-           false});
+      objects_.areas.push_back({{rectangle(lot.center(), lot.turn, 0.5 * lot.length_m - 0.2, 0.5 * lot.depth_m), {}},
+                                yards[random_.below(yards.size())],
+                                false});
       return;
     }
     objects_.areas.push_back(
@@ -539,7 +539,7 @@ class Placer {
   void plant(const Orchard& orchard) {
     const Box2 box = bounds_of(orchard.polygon.outer);
     const Vec2 middle{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)}, along = unit(orchard.heading_rad),
-        across = left_normal(along);
+                                                                                     across = left_normal(along);
     const double reach_m = 0.5 * std::hypot(box.width(), box.height());
     for (double v = -reach_m; v < reach_m; v += orchard.row_m)
       for (double u = -reach_m; u < reach_m; u += orchard.tree_m) {
@@ -561,7 +561,8 @@ class Placer {
       for (double x = box.min_x; x < box.max_x; x += spacing_m) {
         const Vec2 p{x + random_.uniform(-1.9, 1.9), y + random_.uniform(-1.9, 1.9)};
         const double radius_m = random_.uniform(2.0, 4.3), height_m = random_.uniform(9.0, 16.0);
-        if (contains(area.polygon, p)) add_tree(p, radius_m, settled_ ? plan_.settling.tree_clearance_m : 1.2, height_m);
+        if (contains(area.polygon, p))
+          add_tree(p, radius_m, settled_ ? plan_.settling.tree_clearance_m : 1.2, height_m);
       }
   }
 

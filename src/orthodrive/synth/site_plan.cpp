@@ -84,8 +84,7 @@ void find_junctions(SitePlan& plan, const BridgeRule& rule) {
 
 void check_preset_size(double size_m, double least_m, double most_m) {
   if (!(size_m >= least_m && size_m <= most_m) || std::fmod(size_m, 10.0) != 0.0)
-    throw OptionError(
-        fmt::format("size is {} m, need a multiple of 10 m between {} and {}", size_m, least_m, most_m));
+    throw OptionError(fmt::format("size is {} m, need a multiple of 10 m between {} and {}", size_m, least_m, most_m));
 }
 
 std::string site_name(const SitePlan& plan, std::uint64_t seed) {

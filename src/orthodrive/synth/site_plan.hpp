@@ -134,12 +134,12 @@ struct Orchard {
 /// How a site whose surroundings are `settled` is built up and planted.
 struct Settling {
   LotStyle lots;
-  double built_share = 0.9;      ///< of the lots along streets in settlements
-  double lawn_share = 1.0;       ///< of the lots; the others are paved, gravel or beds
-  double tree_clearance_m = 1.0; ///< from carriageways to trunks
-  double roadside_trees = 1.0;   ///< share of the places beside roads that may have a tree
-  double scattered_per_ha = 4.0; ///< groups of trees
-  double parked_share = 0.16;    ///< of the places at the kerb
+  double built_share = 0.9;       ///< of the lots along streets in settlements
+  double lawn_share = 1.0;        ///< of the lots; the others are paved, gravel or beds
+  double tree_clearance_m = 1.0;  ///< from carriageways to trunks
+  double roadside_trees = 1.0;    ///< share of the places beside roads that may have a tree
+  double scattered_per_ha = 4.0;  ///< groups of trees
+  double parked_share = 0.16;     ///< of the places at the kerb
   std::vector<Orchard> orchards;
 };
 
@@ -166,14 +166,14 @@ struct SitePlan {
   std::vector<House> buildings;
   std::vector<Settlement> settlements;  ///< of a region: roads in them are built up
   Settling settling;
-  Vec2 field_m{70.0, 190.0};         ///< about so large are fields
-  double bund_m = 0.0;               ///< grass between fields, to either side of their border
-  double terrace_m = 0.0;            ///< fields are cut where the ground rises by this; 0: they lie as they like
+  Vec2 field_m{70.0, 190.0};  ///< about so large are fields
+  double bund_m = 0.0;        ///< grass between fields, to either side of their border
+  double terrace_m = 0.0;     ///< fields are cut where the ground rises by this; 0: they lie as they like
   double walk_from_m = 0.0, walk_to_m = 1.6;  ///< pavement of residential streets, from the carriageway's edge
   double corner_rounding_m = 7.0;
-  bool only_footpaths = false;  ///< paths that are no roads are too narrow for cars
-  std::string route;                    ///< name of an open road to drive on; empty: the circuit, or none
-  std::optional<std::size_t> circuit;   ///< the closed road to drive on; its inside is a meadow
+  bool only_footpaths = false;         ///< paths that are no roads are too narrow for cars
+  std::string route;                   ///< name of an open road to drive on; empty: the circuit, or none
+  std::optional<std::size_t> circuit;  ///< the closed road to drive on; its inside is a meadow
   Surroundings surroundings = Surroundings::village;
   double relief = 1.0;                  ///< of the hills
   bool round_corners_by_angle = false;  ///< else all corners alike: right where roads meet at 45 degrees and more

@@ -13,7 +13,21 @@
 namespace orthodrive::synth {
 namespace {
 
-enum Look : int { wheat, rape, brown_soil, dark_soil, stubble, maize, hay, fallow, rice, ripe_rice, bean, red_soil, grey_mud };
+enum Look : int {
+  wheat,
+  rape,
+  brown_soil,
+  dark_soil,
+  stubble,
+  maize,
+  hay,
+  fallow,
+  rice,
+  ripe_rice,
+  bean,
+  red_soil,
+  grey_mud
+};
 
 // Colours as photos show them in the sun, by eye on the photos of Estonia, Japan, Banepa, Kvarnbyn and Pardubice.
 const std::vector<Season> seasons{
@@ -219,33 +233,69 @@ const std::vector<Light> lights{
 
 const std::vector<Roofs> roofs_table{
     {.name = "tiles",
-     .tones = {{0.62f, 0.34f, 0.26f}, {0.55f, 0.30f, 0.24f}, {0.68f, 0.42f, 0.32f}, {0.46f, 0.29f, 0.24f},
-               {0.40f, 0.33f, 0.30f}, {0.36f, 0.37f, 0.39f}},
+     .tones = {{0.62f, 0.34f, 0.26f},
+               {0.55f, 0.30f, 0.24f},
+               {0.68f, 0.42f, 0.32f},
+               {0.46f, 0.29f, 0.24f},
+               {0.40f, 0.33f, 0.30f},
+               {0.36f, 0.37f, 0.39f}},
      .flat = 0.08f},
     {.name = "nordic",
-     .tones = {{0.27f, 0.28f, 0.30f}, {0.35f, 0.36f, 0.39f}, {0.42f, 0.45f, 0.50f}, {0.46f, 0.28f, 0.22f},
-               {0.62f, 0.22f, 0.16f}, {0.50f, 0.52f, 0.53f}, {0.33f, 0.42f, 0.36f}, {0.58f, 0.62f, 0.68f}},
+     .tones = {{0.27f, 0.28f, 0.30f},
+               {0.35f, 0.36f, 0.39f},
+               {0.42f, 0.45f, 0.50f},
+               {0.46f, 0.28f, 0.22f},
+               {0.62f, 0.22f, 0.16f},
+               {0.50f, 0.52f, 0.53f},
+               {0.33f, 0.42f, 0.36f},
+               {0.58f, 0.62f, 0.68f}},
      .flat = 0.12f},
     {.name = "slate",
-     .tones = {{0.30f, 0.31f, 0.34f}, {0.36f, 0.37f, 0.40f}, {0.42f, 0.42f, 0.44f}, {0.48f, 0.36f, 0.30f},
-               {0.58f, 0.40f, 0.32f}, {0.62f, 0.48f, 0.38f}},
+     .tones = {{0.30f, 0.31f, 0.34f},
+               {0.36f, 0.37f, 0.40f},
+               {0.42f, 0.42f, 0.44f},
+               {0.48f, 0.36f, 0.30f},
+               {0.58f, 0.40f, 0.32f},
+               {0.62f, 0.48f, 0.38f}},
      .flat = 0.1f},
     {.name = "shingle",
-     .tones = {{0.42f, 0.40f, 0.38f}, {0.50f, 0.48f, 0.45f}, {0.34f, 0.33f, 0.33f}, {0.46f, 0.40f, 0.34f},
-               {0.60f, 0.58f, 0.55f}, {0.36f, 0.30f, 0.27f}, {0.70f, 0.69f, 0.67f}},
+     .tones = {{0.42f, 0.40f, 0.38f},
+               {0.50f, 0.48f, 0.45f},
+               {0.34f, 0.33f, 0.33f},
+               {0.46f, 0.40f, 0.34f},
+               {0.60f, 0.58f, 0.55f},
+               {0.36f, 0.30f, 0.27f},
+               {0.70f, 0.69f, 0.67f}},
      .flat = 0.06f},
     {.name = "asian",
-     .tones = {{0.30f, 0.31f, 0.33f}, {0.38f, 0.39f, 0.41f}, {0.46f, 0.47f, 0.49f}, {0.24f, 0.25f, 0.27f},
-               {0.35f, 0.44f, 0.56f}, {0.50f, 0.31f, 0.22f}, {0.60f, 0.60f, 0.58f}, {0.76f, 0.76f, 0.74f},
-               {0.58f, 0.66f, 0.58f}, {0.36f, 0.27f, 0.24f}},
+     .tones = {{0.30f, 0.31f, 0.33f},
+               {0.38f, 0.39f, 0.41f},
+               {0.46f, 0.47f, 0.49f},
+               {0.24f, 0.25f, 0.27f},
+               {0.35f, 0.44f, 0.56f},
+               {0.50f, 0.31f, 0.22f},
+               {0.60f, 0.60f, 0.58f},
+               {0.76f, 0.76f, 0.74f},
+               {0.58f, 0.66f, 0.58f},
+               {0.36f, 0.27f, 0.24f}},
      .flat = 0.25f},
     {.name = "flat",
-     .tones = {{0.78f, 0.76f, 0.72f}, {0.66f, 0.63f, 0.58f}, {0.72f, 0.66f, 0.58f}, {0.58f, 0.56f, 0.53f},
-               {0.84f, 0.83f, 0.81f}, {0.66f, 0.46f, 0.34f}, {0.52f, 0.53f, 0.55f}},
+     .tones = {{0.78f, 0.76f, 0.72f},
+               {0.66f, 0.63f, 0.58f},
+               {0.72f, 0.66f, 0.58f},
+               {0.58f, 0.56f, 0.53f},
+               {0.84f, 0.83f, 0.81f},
+               {0.66f, 0.46f, 0.34f},
+               {0.52f, 0.53f, 0.55f}},
      .flat = 0.75f},
     {.name = "sheet metal",
-     .tones = {{0.62f, 0.64f, 0.66f}, {0.54f, 0.52f, 0.50f}, {0.48f, 0.36f, 0.30f}, {0.38f, 0.46f, 0.58f},
-               {0.66f, 0.28f, 0.22f}, {0.46f, 0.54f, 0.46f}, {0.76f, 0.76f, 0.76f}},
+     .tones = {{0.62f, 0.64f, 0.66f},
+               {0.54f, 0.52f, 0.50f},
+               {0.48f, 0.36f, 0.30f},
+               {0.38f, 0.46f, 0.58f},
+               {0.66f, 0.28f, 0.22f},
+               {0.46f, 0.54f, 0.46f},
+               {0.76f, 0.76f, 0.76f}},
      .flat = 0.3f},
 };
 
@@ -295,7 +345,8 @@ Pavement pavement_of_tag(std::string_view surface) {
 }  // namespace
 
 const std::vector<FieldLook>& field_looks() {
-  static const std::vector<FieldLook> looks{  // in the order of Look
+  static const std::vector<FieldLook> looks{
+      // in the order of Look
       {"wheat", {0.36f, 0.42f, 0.25f}, 1.2f, 0.03f, false},
       {"rape", {0.62f, 0.59f, 0.22f}, 1.2f, 0.02f, false},
       {"brown soil", {0.47f, 0.38f, 0.29f}, 2.4f, 0.07f, true},
@@ -327,7 +378,8 @@ World make_world(std::string_view name, std::uint64_t seed) {
   }
   const auto it = std::find_if(recipes.begin(), recipes.end(), [&](const Recipe& r) { return name == r.name; });
   if (it == recipes.end())
-    throw OptionError(fmt::format("there is no world '{}', need random or one of {}", name, fmt::join(world_names(), ", ")));
+    throw OptionError(
+        fmt::format("there is no world '{}', need random or one of {}", name, fmt::join(world_names(), ", ")));
   return {it->name, &named(seasons, it->season), &named(streets_table, it->streets), &named(lights, it->light),
           &named(roofs_table, it->roofs)};
 }
@@ -336,7 +388,7 @@ void pave_roads(SitePlan& plan, const World& world, std::uint64_t seed) {
   Random random(derive_seed(seed, 22));
   for (PlannedRoad& road : plan.roads) {
     const int rank = road_rank(road.highway);
-    const PavementWeights& weights = rank >= road_rank("tertiary")      ? world.streets->main
+    const PavementWeights& weights = rank >= road_rank("tertiary")        ? world.streets->main
                                      : rank >= road_rank("living_street") ? world.streets->street
                                                                           : world.streets->minor;
     const Pavement drawn = draw_pavement(weights, random.uniform());
@@ -357,14 +409,15 @@ void dress_objects(SiteObjects& objects, const World& world, std::uint64_t seed)
   for (Tree& tree : objects.trees) {
     // Woods are of a kind: what stands together is drawn from a slow noise, what differs from the tree itself.
     const float grove = 0.5f + 0.5f * value_noise(tree.center.x / 60.0, tree.center.y / 60.0, key);
-    const bool conifer = 0.6f * grove + 0.4f * unit_hash(tree.id, 1, key) < 0.2f + 0.6f * season.conifers && tree.height_m > 2.0;
+    const bool conifer =
+        0.6f * grove + 0.4f * unit_hash(tree.id, 1, key) < 0.2f + 0.6f * season.conifers && tree.height_m > 2.0;
     if (conifer && !tree.conifer) tree.radius_m *= 0.8;
     tree.conifer = conifer;
     const float draw = unit_hash(tree.id, 2, key);
-    tree.leaves = conifer                                 ? Leaves::green
-                  : draw < season.bare                    ? Leaves::bare
+    tree.leaves = conifer                              ? Leaves::green
+                  : draw < season.bare                 ? Leaves::bare
                   : draw < season.bare + season.autumn ? Leaves::autumn
-                                                          : Leaves::green;
+                                                       : Leaves::green;
   }
   for (House& house : objects.houses) {
     if (house.roof == RoofShape::gable && house.half_width_m > 2.5 && unit_hash(house.id, 3, key) < world.roofs->flat)
@@ -373,7 +426,8 @@ void dress_objects(SiteObjects& objects, const World& world, std::uint64_t seed)
     house.color = tones[hash_lattice(house.id, 4, key) % tones.size()];
     const float gain = 0.85f + 0.3f * unit_hash(house.id, 5, key);
     for (std::size_t i = 0; i < 3; ++i)
-      house.color[i] = std::min(1.0f, house.color[i] * gain + 0.02f * signed_hash(house.id, 6 + static_cast<int>(i), key));
+      house.color[i] =
+          std::min(1.0f, house.color[i] * gain + 0.02f * signed_hash(house.id, 6 + static_cast<int>(i), key));
   }
 }
 

@@ -29,10 +29,10 @@ struct FieldLook {
 struct Season {
   const char* name = "";
   Rgb grass{}, dry{}, foliage{}, conifer{}, forest_floor{}, soil{};
-  float dryness = 0.12f;                       ///< share of `dry` in grass
-  float bare = 0.0f, autumn = 0.0f;            ///< shares of the broad-leaved trees
-  float conifers = 0.2f;                       ///< share of all trees
-  std::vector<std::pair<int, float>> fields;   ///< number in field_looks(), weight
+  float dryness = 0.12f;                      ///< share of `dry` in grass
+  float bare = 0.0f, autumn = 0.0f;           ///< shares of the broad-leaved trees
+  float conifers = 0.2f;                      ///< share of all trees
+  std::vector<std::pair<int, float>> fields;  ///< number in field_looks(), weight
 };
 
 /// Weights of the pavements of a kind of road, in the order of Pavement.
