@@ -1,10 +1,9 @@
 """What a network that sees the map adds: labels, alignment of the map's roads, refined roads. Writes docs/measured/second_eye.md.
 
-    tools/measure second-eye --eye out/second_eye/model.safetensors --left-out out/left_out/model.safetensors
+    tools/measure second-eye --eye out/second_eye/model.safetensors
 
 Some twenty minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
-../shared/data; makes the synthetic sites and renders the painted pieces. --left-out: a model of
-models/experiments/second_eye_without_regions.toml, measured on all of the regions that it never saw.
+../shared/data; makes the synthetic sites and renders the painted pieces. Regions left out: tools/measure regions.
 """
 import bisect
 import csv
@@ -20,7 +19,6 @@ TOWNS = ["kvarnbyn", "pardubice"]
 SHIFT_M = 50  # of a map that lies wrong altogether
 # Whether the labels have seen the map, and whether the alignment is evidence.
 VARIANTS = {"photo alone": (False, False), "labels see the map": (True, False), "and alignment": (True, True)}
-REGIONS = ["banepa", "estonia", "japan"]
 
 
 def add_arguments(parser):
@@ -28,7 +26,6 @@ def add_arguments(parser):
     add_only(parser, ["labels", "speed", *SITES, *TOWNS])
     add_table(parser)
     parser.add_argument("--eye", type=pathlib.Path, default=ROOT / "models/second_eye.safetensors", help="a model that sees the map")
-    parser.add_argument("--left-out", type=pathlib.Path, help="one trained without the regions")
 
 
 def shift(source, target, metres):
@@ -94,7 +91,7 @@ def place_errors(alignment, osm, truth):
     return [e for e in errors if e[0] < math.inf and e[1] < math.inf]
 
 
-EMPTY = {"places": {}, "roads": {}, "labels": {}, "left_out": {}, "speed": {}}
+EMPTY = {"places": {}, "roads": {}, "labels": {}, "speed": {}}
 
 
 class Measuring:
@@ -107,13 +104,10 @@ class Measuring:
         write_results(STORE, self.numbers)
 
     def labels(self):
-        """Labels of held-out data, and of whole regions by a model that never saw them."""
+        """Labels of held-out data."""
         self.tool.synth(ROOT / "out/synth/village-99", *SITES["village-99"])
         render_painted()
         self.numbers["labels"] = self.tool.json("train", ROOT / "models/regions.toml", "--measure", self.args.eye)
-        if self.args.left_out:
-            sets = [word for region in REGIONS for word in ("--set", region)]
-            self.numbers["left_out"] = self.tool.json("train", ROOT / "models/experiments/second_eye_without_regions.toml", "--measure", self.args.left_out, *sets)
         self.keep()
 
     def speed(self):
@@ -175,11 +169,7 @@ def label_rows(scores):
 
 
 def table(numbers):
-    text = "Held out of the training:\n\n" + label_rows(numbers["labels"])
-    left = numbers["left_out"]
-    if left:
-        means = [sum(left[region + tail]["road_iou"] for region in REGIONS) / len(REGIONS) for tail in ("", " with map")]
-        text += "\nRegions that neither the network nor its branch for the map has seen, all of them:\n\n" + label_rows(left) + row(["mean", *map(percent, means), "", ""])
+    text = label_rows(numbers["labels"])
     text += "\n" + header(["segment, Pardubice, 105 Mpx", "s", "Mpx/s", "MB"])
     for name, s in numbers["speed"].items():
         text += row([name, fixed(s["seconds"], 1), fixed(104.9 / s["seconds"]), fixed(s["megabytes"], 0)])

@@ -12,7 +12,6 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/safetensors_stream.hpp"
 #include "orthodrive/nets/make_network.hpp"
-#include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/report/training_report.hpp"
 
 namespace orthodrive {
@@ -241,9 +240,6 @@ void prepare_training_folder(const fs::path& out, bool resume, bool crf) {
 }
 
 void run_training(TrainingRun run, Monitor* monitor) {
-  if (const auto setting = faster_blas(); setting && monitor)
-    monitor->info(
-        fmt::format("OpenBLAS does not know this CPU: with {} in the environment training is faster", *setting));
   const bool apart = std::ranges::any_of(run.scenes, &TrainingScene::crf_only);
   if (apart) std::erase_if(run.scenes, [&](const TrainingScene& s) { return s.crf_only != run.crf; });
   TrainOptions& options = run.experiment.train;

@@ -18,6 +18,7 @@
 #include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/reusing_allocator.hpp"
+#include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 #include "orthodrive/train/alignment_loss.hpp"
 #include "orthodrive/train/allowed_class_loss.hpp"
@@ -758,6 +759,9 @@ class TrainingLoop {
 void train_network(Trainer& trainer, const TrainOptions& options, const std::vector<TrainingScene>& scenes,
                    const std::vector<ValidationScene>& validation, const TrainHooks& hooks, Monitor* monitor) {
   const ReuseTensorMemory reuse_memory;
+  if (const auto setting = faster_blas(); setting && monitor)
+    monitor->info(
+        fmt::format("OpenBLAS does not know this CPU: with {} in the environment training is faster", *setting));
   TrainingLoop(trainer, options, scenes, validation, hooks, monitor).run();
 }
 
