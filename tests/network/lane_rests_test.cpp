@@ -49,7 +49,7 @@ TEST(LaneRests, a_rural_road_has_shoulders_or_edge_strips) {
   RoadPath path{.highway = "primary"};
   expect_strips(strips_of(path, 9.5), LaneType::shoulder, 1.25, LaneType::shoulder, 1.25, 3.5);
   expect_strips(strips_of(path, 8.0), LaneType::border, 0.5, LaneType::border, 0.5, 3.5);
-  expect_strips(strips_of(path, 7.4), LaneType::none, 0.0, LaneType::none, 0.0, 3.7);
+  expect_strips(strips_of(path, 7.8), LaneType::none, 0.0, LaneType::none, 0.0, 3.9);
   path.sidewalk = Sides::left;
   EXPECT_EQ(strips_of(path, 9.5).left, LaneType::border) << "in a town";
   path.shoulder = Sides::left;

@@ -11,7 +11,7 @@ namespace {
 
 using roadquery::LaneType;
 
-constexpr double least_rest_m = 0.5;      // in all: what is less the lanes take
+constexpr double least_strip_m = 0.5;     // RAL 2012: edge strips are that wide; what is less the lanes take
 constexpr double inner_strip_m = 0.75;    // RAA 2008, 4.3: edge strip beside the median
 constexpr double least_parking_m = 1.8;   // RASt 06, 6.1.5.2: 2.0 m, of which 0.2 m may overhang
 constexpr double usual_parking_m = 2.5;   // lanes are widest before strips are wider
@@ -73,10 +73,11 @@ class Divider {
     if (const Sidestrips parked = parking(usual_m, widest_m); parked.left_m + parked.right_m > 0.0) return parked;
     if (path_.shoulder != Sides::none) return tagged(path_.shoulder, width_m_ - usual_m, LaneType::shoulder);
     const double rest_m = width_m_ - widest_m;
-    if (rest_m < least_rest_m) return {};
     if (one_way_ && is_fast(path_.highway)) {
-      const double inner_m = std::min(inner_strip_m, rest_m / 3.0);
+      const double inner_m =
+          rest_m < 2.0 * least_strip_m ? 0.0 : std::clamp(rest_m / 3.0, least_strip_m, inner_strip_m);
       Sidestrips strips = at(outer_, rest_m - inner_m, edge_type(rest_m - inner_m));
+      if (inner_m <= 0.0) return strips;
       (outer_ == Sides::right ? strips.left_m : strips.right_m) = inner_m;
       (outer_ == Sides::right ? strips.left : strips.right) = LaneType::border;
       return strips;
@@ -87,13 +88,13 @@ class Divider {
  private:
   static Sides opposite(Sides side) { return side == Sides::left ? Sides::right : Sides::left; }
   static Sidestrips at(Sides side, double width_m, LaneType type) {
-    if (width_m < least_rest_m) return {};
+    if (width_m < least_strip_m) return {};
     return side == Sides::left ? Sidestrips{width_m, 0.0, type, LaneType::none}
                                : Sidestrips{0.0, width_m, LaneType::none, type};
   }
   static Sidestrips tagged(Sides sides, double width_m, LaneType type) {
     if (sides != Sides::both) return at(sides, width_m, type);
-    if (width_m < least_rest_m) return {};
+    if (width_m < 2.0 * least_strip_m) return {};
     return {0.5 * width_m, 0.5 * width_m, type, type};
   }
   [[nodiscard]] LaneType edge_type(double width_m) const {

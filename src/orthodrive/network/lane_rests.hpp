@@ -22,8 +22,8 @@ struct LaneRests {
   [[nodiscard]] double share() const { return left.share + right.share; }
 };
 
-/// Where the carriageway is wider than lanes of its class are at most (docs/road_surface.md names the standards). Rests
-/// of less than 0.5 m in all stay with the lanes. Of motorways and trunk roads the inner edge strip is at most 0.75 m,
+/// Where the carriageway is wider than lanes of its class are at most (docs/road_surface.md names the standards).
+/// Strips of less than 0.5 m stay with the lanes. Of motorways and trunk roads the inner edge strip is at most 0.75 m,
 /// the hard shoulder lies outside; of roundabouts the rest lies at the island; shoulders lie where the tags say so.
 /// Streets have `parking` where there is room on both sides (one-way: outside). Else both sides have the same:
 /// `shoulder` from 1 m on of roads down to unclassified without sidewalk, `border` of others.
