@@ -166,7 +166,9 @@ def mean_of(pieces):
 def table(numbers):
     text = header(["kind", "pieces", *(f"{title}: bias / mean error of the width, m" for title in COLUMNS.values())])
     for kind in KINDS:
-        means = [mean_of([p for town in numbers["towns"].values() for p in town.get(column, {}).get(kind, {}).values()]) for column in COLUMNS]
+        pieces = [[town.get(column, {}).get(kind, {}) for column in COLUMNS] for town in numbers["towns"].values()]
+        compared = [[found[i][name] for found in pieces for name in found[0] if name in found[1]] for i in range(len(COLUMNS))]
+        means = [mean_of(column) for column in compared]
         count = max((m["pieces"] for m in means if m), default=0)
         text += row([kind, count, *("-" if not m else f"{fixed(m['bias'])} / {fixed(m['mean_abs'])}" for m in means)])
     text += "\n" + header(["piece", "kind", *(f"{title}: bias / mean error, m" for title in COLUMNS.values())])
@@ -176,7 +178,7 @@ def table(numbers):
             values = [town.get(column, {}).get(kind, {}).get(piece) for column in COLUMNS]
             text += row([piece, kind, *("-" if not v or not v["n"] else f"{fixed(v['bias'])} / {fixed(v['mean_abs'])}" for v in values)])
     commits = ", ".join(f"{COLUMNS[c]} on {commit_}" for c, commit_ in numbers["commits"].items())
-    return text + f"\nWritten by `tools/measure wide-roads` from `bench/results/{STORE}` ({commits})."
+    return text + f"\nMeans are over the pieces that both columns have, each once. Written by `tools/measure wide-roads` from `bench/results/{STORE}` ({commits})."
 
 
 def run(args):
