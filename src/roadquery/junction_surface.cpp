@@ -212,9 +212,10 @@ JunctionHeight evaluate_nodes(const double* first, int columns, double u_x, doub
 double arm_height(const JunctionArm& arm, double in_m, double left_m) { return strip_at(arm, in_m, left_m).z; }
 
 namespace {
-/// Sidewalks, kerbs, gores.
-bool is_beside_carriageway(LaneType type) {
-  return type == LaneType::sidewalk || type == LaneType::border || type == LaneType::none || type == LaneType::other;
+/// Sidewalks, kerbs (borders with heights), gores. Shoulders, parking strips and flush borders are carriageway.
+bool is_beside_carriageway(const Lane& lane) {
+  return lane.type == LaneType::sidewalk || (lane.type == LaneType::border && !lane.heights.empty()) ||
+         lane.type == LaneType::none || lane.type == LaneType::other;
 }
 }  // namespace
 
@@ -225,7 +226,7 @@ Edges carriageway_edges(const Road& road, double s) {
   const auto width_m = [&](const std::vector<Lane>& lanes) {
     double width = 0.0;
     for (const Lane& lane : lanes) {
-      if (is_beside_carriageway(lane.type)) break;
+      if (is_beside_carriageway(lane)) break;
       width += lane_width(lane, s - section.s);
     }
     return width;

@@ -93,7 +93,8 @@ TEST(BuildNetwork, one_way_road_is_centred_on_its_reference_line) {
   expect_sound(result.map);
   const Road& road = result.map.roads.at(0);
   EXPECT_TRUE(road.sections[0].left.empty());
-  EXPECT_EQ(road.sections[0].right.size(), 2u);
+  ASSERT_EQ(road.sections[0].right.size(), 3u);
+  EXPECT_EQ(road.sections[0].right[2].type, roadquery::LaneType::parking) << "two lanes of a street leave room for it";
   const roadquery::Edges edges = roadquery::road_edges(road, 10.0);
   EXPECT_NEAR(edges.left_t, 4.0, 1e-9);
   EXPECT_NEAR(edges.right_t, -4.0, 1e-9);

@@ -138,10 +138,10 @@ TEST(Lanes, a_turn_lane_opens_inside) {
   EXPECT_NEAR(roadquery::lane_width(lanes[0], 0.0), 0.0, 1e-9);
 }
 
-TEST(Lanes, sidewalks_and_shoulders_lie_outside_the_carriageway) {
-  RoadPath path = make_path({{0, 0}, {100, 0}}, {1, 2}, {.highway = "secondary", .width_m = 7.0});
+TEST(Lanes, sidewalks_lie_outside_the_carriageway_and_shoulders_inside) {
+  RoadPath path = make_path({{0, 0}, {100, 0}}, {1, 2}, {.highway = "secondary", .width_m = 7.2});
   path.sidewalk = Sides::left, path.shoulder = Sides::right;
-  RoadPath next = make_path({{100, 0}, {160, 0}}, {2, 3}, {.osm_id = 2, .highway = "secondary", .width_m = 7.0});
+  RoadPath next = make_path({{100, 0}, {160, 0}}, {2, 3}, {.osm_id = 2, .highway = "secondary", .width_m = 7.2});
   next.sidewalk = Sides::both;
   const NetworkResult result = build_network(network_of({path, next}));
   const Road &road = road_of(result.map, "1"), &other = road_of(result.map, "2");
@@ -149,9 +149,13 @@ TEST(Lanes, sidewalks_and_shoulders_lie_outside_the_carriageway) {
   ASSERT_EQ(road.sections[0].right.size(), 2u);
   EXPECT_EQ(road.sections[0].left[1].type, LaneType::sidewalk);
   EXPECT_EQ(road.sections[0].right[1].type, LaneType::shoulder);
-  EXPECT_NEAR(roadquery::road_edges(road, 50.0).left_t, 5.5, 1e-6);
+  EXPECT_NEAR(roadquery::road_edges(road, 40.0).left_t, 3.6 + 2.0, 1e-6);
+  EXPECT_NEAR(roadquery::road_edges(road, 40.0).right_t, -3.6, 1e-6) << "the width counts all of the asphalt";
+  EXPECT_NEAR(roadquery::lane_width(road.sections[0].right[1], 40.0), 1.2, 1e-6);
   EXPECT_EQ(road.sections[0].left[1].successor, 2);
   EXPECT_FALSE(road.sections[0].right[1].successor) << "a shoulder does not become a walk";
+  EXPECT_NEAR(roadquery::lane_width(road.sections[0].right[1], road.length), 0.0, 1e-9)
+      << "it ends before the other road";
   EXPECT_FALSE(other.sections[0].right[1].predecessor);
   EXPECT_EQ(network::lanes_of_direction(road, true), std::vector<int>{-1}) << "nobody drives on the shoulder";
 }

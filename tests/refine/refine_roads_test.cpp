@@ -204,6 +204,23 @@ TEST(RefineRoads, tagged_widths_count_more_than_those_of_the_class) {
   EXPECT_LT(std::abs(width_of(WidthSource::tag) - 5.0), 0.9 * std::abs(width_of(WidthSource::highway) - 5.0));
 }
 
+/// Of a way of that class and default width on a road of the true width; short, so that the prior counts.
+double refined_width_m(const std::string& highway, Oneway oneway, double default_m, double true_m) {
+  RoadScene scene = make_scene(160.0);
+  add_truth(scene, straight(at(20, 80), at(140, 80)), true_m);
+  add_way(scene, 1, map_line(scene.truth[0].line, {}, default_m), highway);
+  scene.osm.paths[0].oneway = oneway;
+  const auto nodes = refine_roads(scene.osm, scene.labels).roads.paths[0].nodes;
+  return nodes[nodes.size() / 2].width_m;
+}
+
+TEST(RefineRoads, ways_of_any_width_are_as_wide_as_the_photo_says) {
+  EXPECT_NEAR(refined_width_m("service", Oneway::no, 4.0, 8.5), 8.5, 0.3) << "over 1.8 times the default";
+  EXPECT_NEAR(refined_width_m("track", Oneway::no, 3.5, 2.5), 2.5, 0.3);
+  EXPECT_NEAR(refined_width_m("primary", Oneway::forward, 7.5, 16.0), 16.0, 0.4) << "with shoulders and bus bays";
+  EXPECT_LT(refined_width_m("primary", Oneway::no, 7.5, 16.0), 13.6) << "bounded where the class tells the width";
+}
+
 TEST(RefineRoads, curvature_changes_smoothly) {
   // Straight, a clothoid of 60 m, an arc of 80 m radius, and back; the mapper clicked every 25 m.
   const auto heading = [](double s) {

@@ -43,10 +43,18 @@ struct Gate {
   Pose pose;
   double z_m = 0.0, gradient = 0.0, banking = 0.0, banking_rate = 0.0, crown = 0.0;  ///< crown: its tangent
   double lane_width_m = 0.0;
+  double outer_rest_m = 0.0, inner_rest_m = 0.0;  ///< widths of what lies beside the lanes of one direction alone
   double inner_t_m = 0.0;        ///< of the edge between the lanes of this direction and the oncoming ones
   std::vector<int> lanes;        ///< of this direction, from the inside out
   std::vector<unsigned> arrows;  ///< of the lanes, where they are painted and the gate leads into the junction
 };
+
+/// Of the shoulder or strip of a side.
+double rest_m(const std::vector<roadquery::Lane>& side, double s) {
+  for (const roadquery::Lane& lane : side)
+    if (is_rest(lane.type)) return roadquery::lane_width(lane, s);
+  return 0.0;
+}
 
 Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming) {
   const bool along_s = at_end == incoming;
@@ -60,7 +68,14 @@ Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming)
   gate.banking_rate = roadquery::derivative(road.superelevation, s);  // both the value and s change sign
   gate.crown = -roadquery::shape(road, s, 1.0).h;
   const roadquery::LaneSection& section = road.sections.front();
-  gate.lane_width_m = roadquery::lane_width(section.right.empty() ? section.left.front() : section.right.front(), s);
+  const bool right = along_s != (road.driving_side == DrivingSide::left);
+  const auto &own = right ? section.right : section.left, &opposite = right ? section.left : section.right;
+  const auto is_driven = [](const roadquery::Lane& lane) { return lane.type == roadquery::LaneType::driving; };
+  for (const auto* side : {&own, &opposite})
+    if (const auto lane = std::ranges::find_if(*side, is_driven); lane != side->end() && gate.lane_width_m == 0.0)
+      gate.lane_width_m = roadquery::lane_width(*lane, s);
+  gate.outer_rest_m = rest_m(own, s);
+  if (std::ranges::none_of(opposite, is_driven)) gate.inner_rest_m = rest_m(opposite, s);
   gate.inner_t_m = sign * roadquery::evaluate(road.lane_offset, s);
   gate.lanes = lanes_of_direction(road, along_s);
   if (incoming) gate.arrows = turn_lanes(path, along_s, road.driving_side);
@@ -389,6 +404,24 @@ void unfold(const Movement& m, const Road& incoming, bool from_end, const Road& 
   }
 }
 
+/// What lies beside the lanes goes on along the way straight on, if that has the outermost lanes. Nobody parks there.
+void add_connecting_rests(Road& road, const Movement& m, const Gate& in, const Gate& out) {
+  roadquery::LaneSection& section = road.sections.front();
+  const bool left_side = road.driving_side == DrivingSide::left;
+  const auto add = [&](bool left, double w0, double w1) {
+    if (w0 <= 0.0 && w1 <= 0.0) return;
+    std::vector<roadquery::Lane>& lanes = left ? section.left : section.right;
+    const int number = static_cast<int>(lanes.size()) + 1;
+    roadquery::Lane lane{.id = left ? number : -number, .type = roadquery::LaneType::border};
+    lane.width = {hermite(0.0, road.length, w0, w1, 0.0, 0.0)};
+    lane.marks.push_back({0.0, "none", 0.0});
+    lanes.push_back(std::move(lane));
+  };
+  if (m.first_in + m.count_in == in.lanes.size() && m.first_out + m.count_out == out.lanes.size())
+    add(left_side, in.outer_rest_m, out.outer_rest_m);
+  if (m.first_in == 0 && m.first_out == 0) add(!left_side, in.inner_rest_m, out.inner_rest_m);
+}
+
 void add_connecting_lanes(Road& road, const Movement& m, const Gate& in, const Gate& out) {
   const double side = road.driving_side == DrivingSide::left ? 1.0 : -1.0;
   const auto inner_t = [side](const Gate& gate, std::size_t first) {
@@ -458,6 +491,7 @@ Road connecting_road(const NetworkPlan& plan, const RoadMap& map, const std::vec
   road.predecessor = {LinkKind::road, incoming.id, from.at_end ? ContactPoint::end : ContactPoint::start};
   road.successor = {LinkKind::road, outgoing.id, to.at_end ? ContactPoint::end : ContactPoint::start};
   add_connecting_lanes(road, m, in, out);
+  if (through) add_connecting_rests(road, m, in, out);
   // The larger road's surface runs through the junction.
   const bool of_incoming = road_rank(incoming.highway) >= road_rank(outgoing.highway);
   set_material(road, surface_of(of_incoming ? incoming : outgoing), plan.options.weather);

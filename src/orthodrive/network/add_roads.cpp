@@ -8,6 +8,7 @@
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/road_cuts.hpp"
 #include "orthodrive/network/road_parts.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive::network {
 namespace {
@@ -48,6 +49,8 @@ struct Draft {
   std::vector<ProfileSample> widths;
   std::vector<roadquery::Cubic> crown;  ///< along the road; its tangent
   std::optional<RoadEndLanes> start, end;
+  LaneRests rests;
+  std::optional<LaneRests> start_rests, end_rests;
 };
 
 const RoadPath& path_of(const NetworkPlan& plan, const Draft& draft) { return plan.roads.paths[draft.path]; }
@@ -56,10 +59,13 @@ Draft draft_road(const NetworkPlan& plan, ChainIndex chain, double s0, double s1
   const ChainGeometry& geometry = plan.geometry[chain];
   const std::size_t k = piece_at(geometry, 0.5 * (s0 + s1));
   const DirectedPiece part = plan.topology.chains[chain].pieces[k];
-  Draft draft{
-      plan.topology.pieces[part.piece].path, part.reversed, {}, widths_between(geometry, k, s0, s1), {}, {}, {}};
+  Draft draft{.path = plan.topology.pieces[part.piece].path,
+              .reversed = part.reversed,
+              .widths = widths_between(geometry, k, s0, s1)};
   const RoadPath& path = path_of(plan, draft);
-  draft.layout = lane_layout(path, median(geometry.widths[k]), plan.options.driving_side);
+  const double median_m = median(geometry.widths[k]);
+  draft.layout = lane_layout(path, median_m, plan.options.driving_side);
+  draft.rests = lane_rests(path, draft.layout, median_m, plan.options.driving_side);
 
   road.name = path.name;
   road.driving_side = plan.options.driving_side;
@@ -139,12 +145,24 @@ void match_ends(const NetworkPlan& plan, Draft& a, bool a_at_end, Draft& b, bool
   if (open_a.left.count + open_a.right.count == 0) return;  // one-way roads that face each other
   (a_at_end ? a.end : a.start) = open_a;
   (b_at_end ? b.end : b.start) = open_b;
+  const bool same_direction = a_at_end != b_at_end;
+  (a_at_end ? a.end_rests : a.start_rests) = rests_at_joint(a.rests, b.rests, same_direction);
+  (b_at_end ? b.end_rests : b.start_rests) = rests_at_joint(b.rests, a.rests, same_direction);
 }
 
-/// Links the open lanes of a side to those of the other road, and the walks beside them.
+/// Whether two lanes outside the driven ones are one. Strips that end at the joint are not.
+bool goes_on(const roadquery::Lane& from, const Road& a, bool a_at_end, const roadquery::Lane& to, const Road& b,
+             bool b_at_end) {
+  constexpr double least_m = 1e-3;
+  return from.type == to.type && from.type != roadquery::LaneType::driving &&
+         roadquery::lane_width(from, a_at_end ? a.length : 0.0) > least_m &&
+         roadquery::lane_width(to, b_at_end ? b.length : 0.0) > least_m;
+}
+
+/// Links the open lanes of a side to those of the other road, and the strips and walks beside them.
 void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, bool b_at_end, bool b_left,
                OpenLanes open_b) {
-  using roadquery::Lane, roadquery::LaneType;
+  using roadquery::Lane;
   std::vector<Lane>& lanes_a = a_left ? a.sections.front().left : a.sections.front().right;
   std::vector<Lane>& lanes_b = b_left ? b.sections.front().left : b.sections.front().right;
   const auto link = [&](Lane& from, Lane& to) {
@@ -152,12 +170,9 @@ void link_side(Road& a, bool a_at_end, bool a_left, OpenLanes open_a, Road& b, b
     (b_at_end ? to.successor : to.predecessor) = from.id;
   };
   for (int i = 0; i < open_a.count; ++i) link(lanes_a[at(open_a.first + i)], lanes_b[at(open_b.first + i)]);
-  for (const LaneType type : {LaneType::shoulder, LaneType::sidewalk}) {
-    const auto is_type = [type](const Lane& lane) { return lane.type == type; };
-    const auto from = std::find_if(lanes_a.begin(), lanes_a.end(), is_type);
-    const auto to = std::find_if(lanes_b.begin(), lanes_b.end(), is_type);
-    if (from != lanes_a.end() && to != lanes_b.end()) link(*from, *to);
-  }
+  for (Lane& from : lanes_a)
+    for (Lane& to : lanes_b)
+      if (goes_on(from, a, a_at_end, to, b, b_at_end)) link(from, to);
 }
 
 void link_roads(RoadMap& map, RoadEnd a, const Draft& draft_a, RoadEnd b, const Draft& draft_b) {
@@ -186,7 +201,8 @@ void add_stretch_lanes(const NetworkPlan& plan, RoadMap& map, int first_road, st
     const RoadPath& path = path_of(plan, draft);
     Road& road = map.roads[at(first_road) + k];
     add_lanes(road, draft.layout, draft.widths,
-              {plan.options.width_tolerance_m, path.sidewalk, path.shoulder, draft.start, draft.end});
+              {plan.options.width_tolerance_m, path.sidewalk, draft.rests, draft.start, draft.end, draft.start_rests,
+               draft.end_rests});
     set_material(road, path.known_surface.surface, plan.options.weather);
     add_crown(road, draft.crown, plan.options.shape_tolerance_m, max_rate_jump_of(road));
   }

@@ -401,7 +401,7 @@ struct JointWithInner {
 /// otherwise, and the profile goes on with the other's surface.
 ProfileEnd meet_beside(Road& road, bool at_end, const JointWithInner& joint) {
   std::vector<roadquery::Lane>& lanes =
-      road.sections.front().left.empty() ? road.sections.front().right : road.sections.front().left;
+      road.driving_side == roadquery::DrivingSide::left ? road.sections.front().left : road.sections.front().right;
   std::vector<int> linked;
   for (const roadquery::Lane& lane : lanes)
     if (const std::optional<int>& id = at_end ? lane.successor : lane.predecessor) linked.push_back(*id);

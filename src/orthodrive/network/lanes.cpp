@@ -25,7 +25,10 @@ constexpr int max_untagged_lanes = 4;  // a direction
 constexpr double taper_m =
     30.0;  // over which a lane opens or ends; at most its share of the road. RASt 06: 30 m at 50 km/h
 constexpr double taper_step_m = 3.0;  // between the ends of its cubics: they leave the smooth step by under 1 mm
-constexpr double sidewalk_m = 2.0, shoulder_m = 1.5, motorway_shoulder_m = 2.5;
+constexpr double sidewalk_m = 2.0;
+// Beside the lanes of an untagged motorway or trunk road: a hard shoulder of 2.5 m and strips (RAA 2008, RQ 28).
+constexpr double fast_rests_m = 3.0, fast_lane_m = 3.5;
+constexpr double one_lane_ring_m = 8.0;     // narrower rings have one lane (FGSV, Merkblatt Kreisverkehre 2006)
 constexpr double centre_line_from_m = 5.5;  // narrower two-way roads have no centre line (RMS: from 5.5 m)
 
 /// A share of the carriageway that changes along the tapers at both ends.
@@ -141,18 +144,31 @@ RoadMark centre_mark(const Markings& marks, const LaneLayout& layout) {
 
 // ---- lanes
 
-double share_of(int lane, const OpenLanes& open, int lanes_at_end) {
-  return lane >= open.first && lane < open.first + open.count ? 1.0 / lanes_at_end : 0.0;
-}
+/// How a carriageway is divided at one place along a road.
+struct Division {
+  RoadEndLanes open;
+  LaneRests rests;
+
+  /// Of every open lane.
+  [[nodiscard]] double lane_share() const { return (1.0 - rests.share()) / (open.left.count + open.right.count); }
+  [[nodiscard]] double share_of(int lane, bool left) const {
+    const OpenLanes& lanes = left ? open.left : open.right;
+    return lane >= lanes.first && lane < lanes.first + lanes.count ? lane_share() : 0.0;
+  }
+  [[nodiscard]] double rest_share(bool left) const { return left ? rests.left.share : rests.right.share; }
+  /// Of all to the left of the centre lane.
+  [[nodiscard]] double left_share() const { return rests.left.share + open.left.count * lane_share(); }
+};
 
 RoadEndLanes all_open(const LaneLayout& layout) { return {{0, layout.left}, {0, layout.right}}; }
 
-bool tapers(const LaneLayout& layout, const std::optional<RoadEndLanes>& end) {
-  return end && (end->left.count != layout.left || end->right.count != layout.right);
+bool tapers(const Division& end, const Division& middle) {
+  return end.open.left.count != middle.open.left.count || end.open.right.count != middle.open.right.count ||
+         end.rests.left.share != middle.rests.left.share || end.rests.right.share != middle.rests.right.share;
 }
 
-Lane side_lane(int id, LaneType type, double width_m) {
-  Lane lane{.id = id, .type = type, .width = {Cubic{.a = width_m}}};
+Lane side_lane(int id, LaneType type, std::vector<Cubic> width) {
+  Lane lane{.id = id, .type = type, .width = std::move(width)};
   lane.marks.push_back(no_mark());
   return lane;
 }
@@ -169,6 +185,12 @@ unsigned turn_bits(std::string_view values) {
     begin = end + 1;
   }
   return bits;
+}
+
+/// Untagged: a direction.
+bool has_one_lane(const RoadPath& path, double width_m) {
+  constexpr std::string_view narrow[] = {"unclassified", "residential", "road", "living_street", "service", "track"};
+  return path.roundabout ? width_m < one_lane_ring_m : is_one_of(path.highway, narrow);
 }
 
 }  // namespace
@@ -193,10 +215,14 @@ LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide 
       --(forward >= backward ? forward : backward);
       reduced = true;
     }
-  } else if (one_way) {
-    forward = std::clamp(static_cast<int>(median_width_m / one_way_lane_m), 1, max_untagged_lanes);
+  } else if (has_one_lane(path, median_width_m)) {
+    forward = 1, backward = one_way ? 0 : 1;
   } else {
-    forward = backward = std::clamp(static_cast<int>(0.5 * median_width_m / two_way_lane_m), 1, max_untagged_lanes);
+    const bool fast = path.highway.starts_with("motorway") || path.highway.starts_with("trunk");
+    const double lane_m = one_way ? (fast ? fast_lane_m : one_way_lane_m) : two_way_lane_m;
+    const double lanes_m = one_way ? median_width_m - (fast ? fast_rests_m : 0.0) : 0.5 * median_width_m;
+    forward = std::clamp(static_cast<int>(lanes_m / lane_m), 1, max_untagged_lanes);
+    backward = one_way ? 0 : forward;
   }
   return driving_side == DrivingSide::left ? LaneLayout{forward, backward, reduced}
                                            : LaneLayout{backward, forward, reduced};
@@ -255,44 +281,39 @@ LaneMatch match_lanes(int from, int to, int inner) {
 
 void add_lanes(Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
                const LaneOptions& options) {
-  const RoadEndLanes start = options.start.value_or(all_open(layout)), end = options.end.value_or(all_open(layout));
+  const Division middle{all_open(layout), options.rests},
+      start{options.start.value_or(middle.open), options.start_rests.value_or(options.rests)},
+      end{options.end.value_or(middle.open), options.end_rests.value_or(options.rests)};
   const Carriageway carriageway(fit_profile(widths, {.tolerance = options.tolerance_m}).cubics, road.length,
-                                tapers(layout, options.start), tapers(layout, options.end));
-  const int total0 = start.left.count + start.right.count, total1 = end.left.count + end.right.count;
+                                tapers(start, middle), tapers(end, middle));
   const Markings marks = markings_of(road.highway, layout, widths[widths.size() / 2].value);
   roadquery::LaneSection section;
   section.center.type = LaneType::none;
   section.center.marks.push_back(centre_mark(marks, layout));
-  const auto add_side = [&](std::vector<Lane>& lanes, int count, int sign, const OpenLanes& open0,
-                            const OpenLanes& open1) {
+  const auto add_side = [&](std::vector<Lane>& lanes, bool left, int count, const LaneRest& rest) {
+    const auto next_id = [&] { return (left ? 1 : -1) * (static_cast<int>(lanes.size()) + 1); };
     for (int i = 0; i < count; ++i) {
-      Lane lane{.id = sign * (i + 1)};
-      lane.width = carriageway.part({share_of(i, open0, total0), 1.0 / layout.total(), share_of(i, open1, total1)});
+      Lane lane{.id = next_id()};
+      lane.width = carriageway.part({start.share_of(i, left), middle.share_of(i, left), end.share_of(i, left)});
       const bool outermost = i + 1 == count;
       lane.marks.push_back(outermost ? (marks.edges ? RoadMark{0.0, "solid", marks.edge_m} : no_mark())
                                      : (marks.lanes ? RoadMark{0.0, "broken", marks.line_m} : no_mark()));
       lanes.push_back(std::move(lane));
     }
-    const Sides side = sign > 0 ? Sides::left : Sides::right;
-    const auto add = [&](LaneType type, double width_m) {
-      lanes.push_back(side_lane(sign * (static_cast<int>(lanes.size()) + 1), type, width_m));
-    };
-    if (has_side(options.shoulder, side))
-      add(LaneType::shoulder, road.highway == "motorway" ? motorway_shoulder_m : shoulder_m);
-    if (has_side(options.sidewalk, side)) {
-      if (!lanes.empty() && lanes.back().type == LaneType::driving && !marks.edges)
-        lanes.back().marks.front() = {0.0, "curb", 0.15};
-      add(LaneType::sidewalk, sidewalk_m);
-    }
+    if (rest.exists())
+      lanes.push_back(
+          side_lane(next_id(), rest.type,
+                    carriageway.part({start.rest_share(left), middle.rest_share(left), end.rest_share(left)})));
+    if (!has_side(options.sidewalk, left ? Sides::left : Sides::right)) return;
+    if (!lanes.empty() && lanes.back().marks.front().type == "none") lanes.back().marks.front() = {0.0, "curb", 0.15};
+    lanes.push_back(side_lane(next_id(), LaneType::sidewalk, {Cubic{.a = sidewalk_m}}));
   };
-  add_side(section.left, layout.left, 1, start.left, end.left);
-  add_side(section.right, layout.right, -1, start.right, end.right);
+  add_side(section.left, true, layout.left, options.rests.left);
+  add_side(section.right, false, layout.right, options.rests.right);
   road.sections.push_back(std::move(section));
-  // The left edge lies at half the width: the centre lane is that far to the left less the left lanes.
-  const Share left{static_cast<double>(start.left.count) / total0, static_cast<double>(layout.left) / layout.total(),
-                   static_cast<double>(end.left.count) / total1};
-  if (left.start != 0.5 || left.middle != 0.5 || left.end != 0.5)
-    road.lane_offset = carriageway.part({0.5 - left.start, 0.5 - left.middle, 0.5 - left.end});
+  // The left edge lies at half the width: the centre lane is that far to the left less all that lies left of it.
+  if (start.left_share() != 0.5 || middle.left_share() != 0.5 || end.left_share() != 0.5)
+    road.lane_offset = carriageway.part({0.5 - start.left_share(), 0.5 - middle.left_share(), 0.5 - end.left_share()});
 }
 
 std::vector<int> lanes_of_direction(const Road& road, bool forward) {

@@ -11,6 +11,7 @@
 #include "orthodrive/model/road_material.hpp"
 #include "orthodrive/model/road_network.hpp"
 #include "orthodrive/network/fit_profile.hpp"
+#include "orthodrive/network/lane_rests.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace orthodrive::network {
@@ -25,9 +26,10 @@ struct LaneLayout {
 };
 
 /// By the tags lanes, lanes:forward, lanes:backward and oneway; untagged: as many lanes of a usual width as the median
-/// width has room for. An odd number of lanes gives the additional one to the forward direction; a single lane used
-/// both ways becomes two narrow ones, because OpenDRIVE gives a lane one direction. No lane is made narrower than 2.2 m
-/// for the sake of a tag.
+/// width has room for: of motorways and trunk roads beside their shoulder, of streets and lower classes one a
+/// direction, of roundabouts one up to 8 m. An odd number of lanes gives the additional one to the forward direction; a
+/// single lane used both ways becomes two narrow ones, because OpenDRIVE gives a lane one direction. No lane is made
+/// narrower than 2.2 m for the sake of a tag.
 [[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide driving_side);
 
 /// What a carriageway needs at least, m: lanes of 1.85 m for two directions, for SUMO leaves narrower ones out; a car
@@ -49,13 +51,17 @@ struct RoadEndLanes {
 
 struct LaneOptions {
   double tolerance_m = 0.05;  ///< largest error of the carriageway width
-  Sides sidewalk = Sides::none, shoulder = Sides::none;
+  Sides sidewalk = Sides::none;
+  LaneRests rests;
   /// Where the road goes on with fewer lanes. Not set: all are open.
   std::optional<RoadEndLanes> start, end;
+  /// What goes on of the rests. Not set: all of them.
+  std::optional<LaneRests> start_rests, end_rests;
 };
 
-/// Fills sections and lane_offset of a road whose length and highway class are known: lanes together as wide as the
-/// carriageway (`widths`) and centred about the reference line, sidewalks and shoulders outside it, markings by class.
+/// Fills sections and lane_offset of a road whose length and highway class are known: lanes and what lies beside them
+/// together as wide as the carriageway (`widths`) and centred about the reference line, sidewalks outside it, markings
+/// by class.
 void add_lanes(roadquery::Road& road, const LaneLayout& layout, std::span<const ProfileSample> widths,
                const LaneOptions& options);
 

@@ -183,7 +183,7 @@ class ChainProblem {
   void add_unknowns() {
     for (std::size_t i = 0; i < count_ - (chain_.closed ? 1 : 0); ++i) {
       const double w0 = chain_.nodes[i].input_width_m, low = options_.min_width_factor * w0,
-                   high = options_.max_width_factor * w0;
+                   high = max_width_factor(chain_.nodes[i], options_) * w0;
       const auto [right_m, left_m] = offset_bounds(chain_, i, options_.search_radius_m);
       offset_[i] = std::clamp(offset_[i], right_m, left_m);
       width_[i] = std::clamp(width_[i], low, high);

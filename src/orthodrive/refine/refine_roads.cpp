@@ -57,9 +57,9 @@ void check(const RoadNetwork& osm, const RoadEvidence& evidence, const RefineRoa
 /// fit's.
 CrossProfiles profiles_of(const RoadChain& chain, const RoadEvidence& evidence, const RefineRoadsOptions& options) {
   double widest_m = 0.0;
-  for (const ChainNode& node : chain.nodes) widest_m = std::max(widest_m, node.input_width_m);
-  return sample_cross_profiles(
-      chain, evidence, options.search_radius_m + 0.5 * options.max_width_factor * widest_m + 2.0 * options.strip_m);
+  for (const ChainNode& node : chain.nodes)
+    widest_m = std::max(widest_m, max_width_factor(node, options) * node.input_width_m);
+  return sample_cross_profiles(chain, evidence, options.search_radius_m + 0.5 * widest_m + 2.0 * options.strip_m);
 }
 
 Polyline line_of(const RoadChain& chain, const ChainShape& shape) {

@@ -67,10 +67,11 @@ std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& p
   float evidence = 0.0F;
   for (std::size_t r = 0; r < rows_per_segment; ++r)
     evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
+  const double width_share = weights.search_width_share * looseness(chain.nodes[segment]);
   const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected.sigma_m, 2);
   std::vector<double> cost(static_cast<std::size_t>(levels.states()));
   for (int state = 0; state < levels.states(); ++state) {
-    const double width_prior = std::pow((levels.width_factor(state) - 1.0) / weights.search_width_share, 2);
+    const double width_prior = std::pow((levels.width_factor(state) - 1.0) / width_share, 2);
     cost[state] = (0.02 + 0.98 * evidence) *
                   (std::pow(levels.offset_m(state) - expected.offset_m, 2) / offset_scale_m2 + width_prior);
   }
@@ -95,10 +96,22 @@ ChainShape shape_of(const RoadChain& chain, const std::vector<int>& states, cons
 
 }  // namespace
 
+double looseness(const ChainNode& node) {
+  constexpr double usual_share = 0.3;  // the largest sigma of a default width (roads/road_chains)
+  return std::max(1.0, node.width_sigma_m / (usual_share * node.input_width_m));
+}
+
+double max_width_factor(const ChainNode& node, const RefineRoadsOptions& options) {
+  constexpr double most = 2.5;
+  return std::max(options.max_width_factor, std::min(most, options.max_width_factor * looseness(node)));
+}
+
 ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
                           const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options) {
+  double largest_factor = options.max_width_factor;
+  for (const ChainNode& node : chain.nodes) largest_factor = std::max(largest_factor, max_width_factor(node, options));
   const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
-                      (options.max_width_factor - options.min_width_factor) / (width_levels - 1)};
+                      (largest_factor - options.min_width_factor) / (width_levels - 1)};
   LevelSearch search(levels.offsets, width_levels, options.weights.search_step);
   for (std::size_t segment = 0; segment + 1 < chain.nodes.size(); ++segment)
     search.add_segment(segment_costs(chain, profiles, segment, expected.empty() ? ExpectedOffset{} : expected[segment],

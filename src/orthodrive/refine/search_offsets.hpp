@@ -15,6 +15,12 @@ struct ChainShape {
   std::vector<double> offset_m, width_m;
 };
 
+/// How much less than usually the input says of a node's width, >= 1.
+[[nodiscard]] double looseness(const ChainNode& node);
+/// Upper bound of a node's width, times the input's: options.max_width_factor, and up to 2.5 where the input says
+/// little.
+[[nodiscard]] double max_width_factor(const ChainNode& node, const RefineRoadsOptions& options);
+
 /// Offsets in steps of 0.5 m up to the search radius, widths in 13 levels between the smallest and the largest factor;
 /// from segment to segment each changes by one level at most. The cost of a segment is the misclassified width in
 /// metres: non-road inside the road, road in a strip of 2 m beside it; plus a weak pull to the input's width and to the

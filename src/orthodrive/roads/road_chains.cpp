@@ -21,18 +21,21 @@ Vec2 point_along(std::span<const Vec2> line, std::span<const double> s, double a
   return line[i] + (line[i + 1] - line[i]) * (length > 0.0 ? std::clamp((at - s[i]) / length, 0.0, 1.0) : 0.0);
 }
 
+/// Classes whose surface is what it happens to be: two ruts or a yard's drive; one-way roads above residential ones,
+/// with or without shoulders, and rings, which most maps tell by their form alone.
+bool is_of_any_width(const RoadPath& path) {
+  if (path.roundabout || path.highway == "service" || path.highway == "track") return true;
+  return path.oneway == Oneway::forward && path.highway != "raceway" &&
+         road_rank(path.highway) >= road_rank("tertiary_link");
+}
+
 /// Standard deviation of an input width as a share of it. Measured on hand-made carriageways: default widths err by a
 /// fifth to a third; tags are of the carriageway in most cases, of the lanes alone or with pavements in some.
-double width_sigma_share(WidthSource source) {
-  switch (source) {
-    case WidthSource::tag:
-      return 0.1;
-    case WidthSource::lanes:
-      return 0.2;
-    case WidthSource::highway:
-      break;
-  }
-  return 0.3;
+double width_sigma_share(const RoadPath& path) {
+  constexpr double of_any = 0.8;  // of a default width it may be twice as much
+  if (path.width_source == WidthSource::tag) return 0.1;
+  if (is_of_any_width(path)) return of_any;
+  return path.width_source == WidthSource::lanes ? 0.2 : 0.3;
 }
 
 RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::map<std::int64_t, int>& incidences,
@@ -46,7 +49,7 @@ RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::ma
   for (ChainPiece& piece : chain.pieces) {
     const RoadPath& path = osm.paths[piece.path];
     chain.rank = std::max(chain.rank, road_rank(path.highway));
-    const double sigma_share = width_sigma_share(path.width_source);
+    const double sigma_share = width_sigma_share(path);
     std::vector<RoadNode> nodes = path.nodes;
     if (piece.reversed) std::reverse(nodes.begin(), nodes.end());
     piece.first = chain.nodes.empty() ? 0 : chain.nodes.size() - 1;

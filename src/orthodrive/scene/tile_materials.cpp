@@ -36,10 +36,16 @@ void add_tile_place(std::size_t vertex, TriMesh& mesh) {
   mesh.tile_uv.push_back(tile_uv((n[0] * p[1] - n[1] * p[0]) / length, p[2]));
 }
 
-/// Asphalt follows lanes for cars; the others, and junctions, lie flat.
+bool is_carriageway(roadquery::LaneType type) {
+  using roadquery::LaneType;
+  return type == LaneType::driving || type == LaneType::shoulder || type == LaneType::parking ||
+         type == LaneType::border;
+}
+
+/// Asphalt follows the lanes of the carriageway; the others, and junctions, lie flat.
 SurfaceMaterial material_under(const LaneUnder& lane) {
   const SurfaceMaterial material = material_of(lane.surface);
-  const bool follows = lane.road >= 0 && !lane.in_junction && lane.type == roadquery::LaneType::driving;
+  const bool follows = lane.road >= 0 && !lane.in_junction && is_carriageway(lane.type);
   return follows && material == SurfaceMaterial::asphalt ? SurfaceMaterial::lane : material;
 }
 
