@@ -77,18 +77,6 @@ TEST(Forward, in_two_parts_is_the_whole_and_gives_back_what_later_layers_do_not_
   EXPECT_EQ(parts.row_px, whole.row_px);
 }
 
-TEST(Forward, running_statistics_become_those_of_a_batch_that_has_all_the_share) {
-  const NetworkGraph graph = make_network("mobilenetv2-s16-fpn2", 4);
-  NetworkParams params = random_params(graph);
-  const std::vector<std::uint8_t> rgb = random_image(64, 64, 1);
-  const at::Tensor image = input_tensor(graph, {rgb.data()}, 1, 64, 64);
-  const at::NoGradGuard no_grad;
-  take_batch_statistics(graph, params, image, 1);
-  const at::Tensor first = at::conv2d(image, params[0].kernel, {}, 2, 1);
-  EXPECT_LT((params[0].mean - first.mean({0, 2, 3})).abs().max().item<double>(), 1e-5);
-  EXPECT_LT((params[0].variance / first.var({0, 2, 3}) - 1.0).abs().max().item<double>(), 1e-4);
-}
-
 TEST(InferenceNetwork, a_core_is_the_same_wherever_it_is_cut_from) {
   const NetworkGraph graph = make_network("googlenet-8s", 4);
   const InferenceNetwork network(graph, random_params(graph));

@@ -40,7 +40,7 @@ TEST(MapLabels, say_what_the_map_knows_and_nothing_where_it_is_vague) {
   const SiteFrame site{crs, {{origin, origin + Vec2{100, 0}, origin + Vec2{100, 120}, origin + Vec2{0, 120}}}};
   const WeakLabels labels = map_labels(roads, {file}, {file}, site, default_class_table());
   const GridFrame frame{origin.x, origin.y + 120.0, 0.5, 200, 240};
-  const Raster<ClassSet> all = labels(frame);
+  const Raster<ClassSet> all = labels(frame, MapEdges::vague);
   const auto at = [&](double x, double y) {
     const Vec2 p = frame.pixel_from_world(origin + Vec2{x, y});
     return all.at(static_cast<int>(p.x), static_cast<int>(p.y));
@@ -58,8 +58,13 @@ TEST(MapLabels, say_what_the_map_knows_and_nothing_where_it_is_vague) {
   EXPECT_EQ(at(85.2, 80.2), unknown_class) << "a roof on posts may stand over anything";
   EXPECT_EQ(at(40.2, 100.2), no_road) << "no photo shows a tunnel";
 
+  const Raster<ClassSet> sharp = labels(frame, MapEdges::sharp);
+  const auto row_of = [&](double y) { return static_cast<int>(frame.pixel_from_world(origin + Vec2{0.0, y}).y); };
+  EXPECT_EQ(sharp.at(80, row_of(12.7)), road);
+  EXPECT_EQ(sharp.at(80, row_of(13.3)), no_road);
+
   const GridFrame part{frame.west_m, frame.north_m, frame.gsd_m, 40, 50, 70, 190};
-  const Raster<ClassSet> window = labels(part);
+  const Raster<ClassSet> window = labels(part, MapEdges::vague);
   for (int row = 0; row < 50; ++row)
     for (int col = 0; col < 40; ++col) ASSERT_EQ(window.at(col, row), all.at(70 + col, 190 + row)) << col << " " << row;
   fs::remove(file);

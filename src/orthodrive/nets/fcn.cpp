@@ -59,7 +59,7 @@ at::Tensor input_channels(const at::Tensor& image, int input) {
 
 /// The layer on tensors that already have the right cells. `padding` is 0 where nothing is padded.
 at::Tensor evaluate(const Layer& layer, LayerParams& p, const std::vector<Cells>& inputs, int padding,
-                    TrainingMode mode, double momentum = batch_norm_momentum) {
+                    TrainingMode mode) {
   const at::Tensor& x = inputs.front().values;
   const std::int64_t k = layer.kernel, s = layer.stride;
   switch (layer.kind) {
@@ -67,7 +67,7 @@ at::Tensor evaluate(const Layer& layer, LayerParams& p, const std::vector<Cells>
       at::Tensor y = at::conv2d(x, p.kernel, p.bias, s, padding, 1, layer.depthwise ? layer.in : 1);
       if (p.gamma.defined()) {
         y = at::batch_norm(y, p.gamma, p.beta, p.mean, p.variance,
-                           mode.update_batch_statistics && (layer.of_map || !mode.of_map_only), momentum,
+                           mode.update_batch_statistics && (layer.of_map || !mode.of_map_only), batch_norm_momentum,
                            batch_norm_eps, false);
       }
       y = activate(layer, y);
@@ -171,8 +171,7 @@ at::Tensor find_tensor(const NetworkGraph& graph, const TensorFile& file, const 
 /// then of those that layers from `end` on read.
 void run_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
                 const std::vector<CellRange>& rows, const std::vector<CellRange>& cols, std::size_t first,
-                std::size_t end, TrainingMode mode, std::vector<at::Tensor>& outputs,
-                double momentum = batch_norm_momentum) {
+                std::size_t end, TrainingMode mode, std::vector<at::Tensor>& outputs) {
   const std::vector<std::vector<std::size_t>> released = last_uses(graph);
   for (std::size_t i = first; i < end; ++i) {
     const Layer& layer = graph.layers[i];
@@ -187,7 +186,7 @@ void run_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tens
                            ? narrowed(input, input_range(layer, k, rows[i]), input_range(layer, k, cols[i]))
                            : input);
     }
-    outputs[i] = evaluate(layer, params[i], inputs, layer.padding, mode, momentum);
+    outputs[i] = evaluate(layer, params[i], inputs, layer.padding, mode);
     for (const std::size_t k : released[i]) outputs[k] = at::Tensor();
   }
 }
@@ -220,15 +219,6 @@ Scores forward_padded_from(const NetworkGraph& graph, NetworkParams& params, std
   const std::vector<CellRange> cells = padded_ranges(graph, image_size_px);
   run_padded(graph, params, {}, cells, cells, first, graph.layers.size(), {}, before);
   return scores_of(graph, before.back(), cells.back(), cells.back());
-}
-
-void take_batch_statistics(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
-                           std::size_t first) {
-  const at::NoGradGuard no_grad;
-  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(image.size(2))),
-                               cols = padded_ranges(graph, static_cast<int>(image.size(3)));
-  std::vector<at::Tensor> outputs(graph.layers.size());
-  run_padded(graph, params, image, rows, cols, 0, first, {.update_batch_statistics = true}, outputs, 1.0);
 }
 
 at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,

@@ -13,8 +13,4 @@ namespace orthodrive {
 [[nodiscard]] Scores forward_padded_from(const NetworkGraph& graph, NetworkParams& params,
                                          std::vector<at::Tensor> before, std::size_t first, int image_size_px);
 
-/// The running statistics of the layers before `first` become those of this batch, in place.
-void take_batch_statistics(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
-                           std::size_t first);
-
 }  // namespace orthodrive

@@ -83,14 +83,16 @@ WeakLabels map_labels(const RoadNetwork& roads, const Sources::Files& buildings,
       coat.boxes.push_back(bounds_of_shape(shape).grown(coat.layer.unknown_outside_m));
   }
   const ClassSet background = all_of(classes) & ~of_roles(classes, {Role::road});
-  return [coats, background](const GridFrame& frame) {
+  return [coats, background](const GridFrame& frame, MapEdges edges) {
+    const bool sharp = edges == MapEdges::sharp;
     const Box2 box = frame.bounds();
     std::vector<PaintLayer> layers;
     for (const Coat& coat : *coats) {
-      PaintLayer& layer = layers.emplace_back(PaintLayer{.classes = coat.layer.classes,
-                                                         .merge_over = coat.layer.merge_over,
-                                                         .unknown_inside_m = coat.layer.unknown_inside_m,
-                                                         .unknown_outside_m = coat.layer.unknown_outside_m});
+      PaintLayer& layer =
+          layers.emplace_back(PaintLayer{.classes = coat.layer.classes,
+                                         .merge_over = coat.layer.merge_over,
+                                         .unknown_inside_m = sharp ? 0.0 : coat.layer.unknown_inside_m,
+                                         .unknown_outside_m = sharp ? 0.0 : coat.layer.unknown_outside_m});
       for (std::size_t i = 0; i < coat.boxes.size(); ++i)
         if (coat.boxes[i].overlaps(box)) layer.shapes.push_back(coat.layer.shapes[i]);
     }

@@ -75,9 +75,9 @@ nlohmann::json numbers_of(const AdaptReport& report) {
   return {{"kept", report.kept},
           {"cells", report.learned_cells},
           {"cells_held_back", report.held_back_cells},
-          {"site_statistics", report.site_statistics},
           {"road_iou", {report.before.iou, report.after.iou}},
-          {"kappa", {report.before.kappa, report.after.kappa}}};
+          {"kappa", {report.before.kappa, report.after.kappa}},
+          {"kappa_with_edges", {report.before.kappa_with_edges, report.after.kappa_with_edges}}};
 }
 
 /// The rasters to write; those without a name are left out.

@@ -1,6 +1,6 @@
-// Batch norm with the statistics of another place: Li et al., Revisiting batch normalization for practical domain
-// adaptation, 2016. The pull towards the start: Li et al., Explicit inductive bias for transfer learning with
-// convolutional networks (L2-SP), 2018, here decoupled from Adam's steps.
+// The pull towards the start: Li et al., Explicit inductive bias for transfer learning with convolutional networks
+// (L2-SP), 2018; here decoupled from Adam's steps. What the map leaves open stays as the network had it: Li and Hoiem,
+// Learning without forgetting, 2016.
 #include "orthodrive/train/adapt_model.hpp"
 
 #include <ATen/core/grad_mode.h>
@@ -30,11 +30,11 @@ namespace orthodrive {
 namespace {
 
 constexpr double adam_beta1 = 0.9, adam_beta2 = 0.999, adam_eps = 1e-8;  // Kingma and Ba, 2015
-constexpr float set_weight = 0.7F;   // of pixels with several allowed classes, as the shipped model was trained
+constexpr float set_weight = 0.7F;  // of pixels with several allowed classes, as the shipped model was trained
+constexpr double least_probability = 1e-4;
 constexpr double least_road = 0.01;  // share of a cell that is surely road, for it to count
 constexpr int fold = 5;              // every fifth cell is held back
 constexpr std::size_t least_learned = 6, least_held_back = 2;
-constexpr std::size_t statistics_batch = 4, most_statistics_cells = 32;
 
 /// The trunk stands before the first layer with weights that are not the trunk's.
 struct AdaptedNetwork {
@@ -64,6 +64,7 @@ struct AdaptedNetwork {
 struct Cell {
   Raster<std::uint8_t> rgb;
   Raster<ClassSet> allowed;
+  Raster<ClassSet> with_edges;       ///< MapEdges::sharp; of cells held back
   std::vector<at::Tensor> features;  ///< of forward_padded_before()
 };
 
@@ -98,7 +99,7 @@ CellBoxes choose_cells(const GridFrame& frame, const WeakLabels& labels, ClassSe
                      options.cell_px, options.cell_px});
   std::vector<std::uint8_t> has_road(all.size());
   parallel_for(all.size(), options.threads, [&](std::size_t i) {
-    const Raster<ClassSet> allowed = labels(frame_of(frame, all[i]));
+    const Raster<ClassSet> allowed = labels(frame_of(frame, all[i]), MapEdges::vague);
     const auto sure =
         std::ranges::count_if(allowed.data, [&](ClassSet set) { return set != unknown_class && (set & ~road) == 0; });
     has_road[i] = static_cast<double>(sure) >= least_road * static_cast<double>(allowed.data.size());
@@ -113,16 +114,22 @@ CellBoxes choose_cells(const GridFrame& frame, const WeakLabels& labels, ClassSe
   return boxes;
 }
 
+enum class CellUse { learned, held_back };
+
 std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const std::vector<PixelBox>& boxes,
-                             int threads) {
+                             CellUse use, int threads) {
   std::vector<Cell> cells(boxes.size());
   parallel_for(boxes.size(), threads, [&](std::size_t i) {
     PhotoWindow window = photo.read(boxes[i]);
     Cell& cell = cells[i];
-    cell = {std::move(window.rgb), labels(frame_of(photo.frame, boxes[i])), {}};
+    const GridFrame frame = frame_of(photo.frame, boxes[i]);
+    cell.rgb = std::move(window.rgb);
+    cell.allowed = labels(frame, MapEdges::vague);
+    if (use == CellUse::held_back) cell.with_edges = labels(frame, MapEdges::sharp);
     for (std::size_t p = 0; p < window.valid.data.size(); ++p) {
       if (window.valid.data[p]) continue;
       cell.allowed.data[p] = unknown_class;
+      if (!cell.with_edges.empty()) cell.with_edges.data[p] = unknown_class;
       std::fill_n(cell.rgb.data.begin() + static_cast<std::ptrdiff_t>(3 * p), 3, no_photo_value);
     }
   });
@@ -147,67 +154,50 @@ void run_trunk(const AdaptedNetwork& network, const NetworkParams& params, std::
   });
 }
 
-/// The trunk's batch norm with mean and variance over the site instead of the training's. Each batch is normalised by
-/// its own, as in training.
-NetworkParams with_site_statistics(const AdaptedNetwork& network, const NetworkParams& params,
-                                   std::span<const Cell> cells, int threads) {
-  const std::size_t batches = cells.size() / statistics_batch;
-  std::vector<NetworkParams> seen(batches, params);
-  parallel_for(batches, threads, [&](std::size_t b) {
-    const SingleThreadedTorch one_thread;
-    const at::NoGradGuard no_grad;
-    for (std::size_t l = 0; l < network.decoder; ++l)
-      if (params[l].mean.defined())
-        seen[b][l].mean = params[l].mean.clone(), seen[b][l].variance = params[l].variance.clone();
-    take_batch_statistics(network.graph, seen[b],
-                          image_of(network, cells.subspan(b * statistics_batch, statistics_batch)), network.decoder);
-  });
-  NetworkParams result = params;
-  for (std::size_t l = 0; l < network.decoder; ++l) {
-    if (!params[l].mean.defined()) continue;
-    at::Tensor mean = at::zeros_like(params[l].mean, at::kDouble), square = at::zeros_like(mean);
-    for (const NetworkParams& of_batch : seen) {
-      const at::Tensor m = of_batch[l].mean.to(at::kDouble);
-      mean += m / static_cast<double>(batches);
-      square += (m * m + of_batch[l].variance.to(at::kDouble)) / static_cast<double>(batches);
-    }
-    result[l].mean = mean.to(at::kFloat);
-    result[l].variance = (square - mean * mean).to(at::kFloat);
-  }
-  return result;
-}
-
 // ---- the decoder
 
 at::Tensor decode(const AdaptedNetwork& network, NetworkParams& params, const Cell& cell) {
   return forward_padded_from(network.graph, params, cell.features, network.decoder, cell.rgb.width).values;
 }
 
+struct RoadCounts {
+  double hit = 0, wrong = 0, missed = 0, rest = 0;
+
+  void add(const RoadCounts& o) { hit += o.hit, wrong += o.wrong, missed += o.missed, rest += o.rest; }
+  [[nodiscard]] double iou() const { return hit > 0.0 ? hit / (hit + wrong + missed) : 0.0; }
+  /// Cohen, A coefficient of agreement for nominal scales, 1960.
+  [[nodiscard]] double kappa() const {
+    const double n = hit + wrong + missed + rest, said = hit + wrong, is = hit + missed;
+    if (is <= 0.0 || is >= n) return 0.0;
+    const double agreed = (hit + rest) / n, by_chance = (said * is + (n - said) * (n - is)) / (n * n);
+    return (agreed - by_chance) / (1.0 - by_chance);
+  }
+};
+
+/// Where the sets leave no choice between road and everything else.
+RoadCounts count_road(const std::uint8_t* label, const Raster<ClassSet>& allowed, ClassSet road) {
+  RoadCounts counts;
+  for (const ClassSet set : allowed.data) {
+    const bool said = (road >> *label++ & 1U) != 0, may = (set & road) != 0, must = may && (set & ~road) == 0;
+    if (set == unknown_class || may != must) continue;
+    (must ? (said ? counts.hit : counts.missed) : (said ? counts.wrong : counts.rest)) += 1;
+  }
+  return counts;
+}
+
 RoadAgreement measure(const AdaptedNetwork& network, const NetworkParams& params, std::span<const Cell> cells,
                       int threads) {
-  struct Counts {
-    double hit = 0, wrong = 0, missed = 0, rest = 0;
-  };
-  std::vector<Counts> of_cell(cells.size());
+  std::vector<RoadCounts> sure(cells.size()), all(cells.size());
   parallel_for(cells.size(), threads, [&](std::size_t i) {
     const SingleThreadedTorch one_thread;
     const at::NoGradGuard no_grad;
     NetworkParams own = params;
     const at::Tensor labels = decode(network, own, cells[i]).argmax(1).to(at::kByte).contiguous();
-    const std::uint8_t* label = labels.data_ptr<std::uint8_t>();
-    for (const ClassSet set : cells[i].allowed.data) {
-      const bool said = (network.road >> *label++ & 1U) != 0, may = (set & network.road) != 0,
-                 must = set != unknown_class && (set & ~network.road) == 0;
-      if (set == unknown_class || (may && !must)) continue;
-      (must ? (said ? of_cell[i].hit : of_cell[i].missed) : (said ? of_cell[i].wrong : of_cell[i].rest)) += 1;
-    }
+    sure[i] = count_road(labels.data_ptr<std::uint8_t>(), cells[i].allowed, network.road);
+    all[i] = count_road(labels.data_ptr<std::uint8_t>(), cells[i].with_edges, network.road);
   });
-  Counts c;
-  for (const Counts& o : of_cell) c.hit += o.hit, c.wrong += o.wrong, c.missed += o.missed, c.rest += o.rest;
-  const double n = c.hit + c.wrong + c.missed + c.rest, said = c.hit + c.wrong, is = c.hit + c.missed;
-  if (n <= 0.0 || is <= 0.0 || is >= n) return {};
-  const double agreed = (c.hit + c.rest) / n, by_chance = (said * is + (n - said) * (n - is)) / (n * n);
-  return {c.hit / (n - c.rest), (agreed - by_chance) / (1.0 - by_chance)};
+  for (std::size_t i = 1; i < cells.size(); ++i) sure[0].add(sure[i]), all[0].add(all[i]);
+  return {sure[0].iou(), sure[0].kappa(), all[0].kappa()};
 }
 
 /// Tensors of the decoder that learn.
@@ -224,7 +214,11 @@ std::vector<at::Tensor*> learned_of(const AdaptedNetwork& network, NetworkParams
 class DecoderTraining {
  public:
   DecoderTraining(const AdaptedNetwork& network, const NetworkParams& start, const AdaptOptions& options)
-      : network_(network), options_(options), params_(start), copies_(static_cast<std::size_t>(options.batch), start) {
+      : network_(network),
+        options_(options),
+        start_(start),
+        params_(start),
+        copies_(static_cast<std::size_t>(options.batch), start) {
     for (NetworkParams& copy : copies_) {
       leaves_.push_back(learned_of(network, copy));
       for (at::Tensor* leaf : leaves_.back()) *leaf = leaf->clone().set_requires_grad(true);
@@ -240,12 +234,15 @@ class DecoderTraining {
     std::vector<const Cell*> drawn;
     for (std::size_t i = 0; i < batch; ++i)
       drawn.push_back(&cells[draw(cells.size(), static_cast<std::size_t>(step) * batch + i)]);
-    std::vector<at::Tensor> scores(batch);
+    std::vector<at::Tensor> scores(batch), shipped(batch);
     parallel_for(batch, options_.threads, [&](std::size_t i) {
       const SingleThreadedTorch one_thread;
       scores[i] = decode(network_, copies_[i], *drawn[i]);
+      const at::NoGradGuard no_grad;
+      NetworkParams start = start_;
+      shipped[i] = at::softmax(decode(network_, start, *drawn[i]), 1);
     });
-    const at::Tensor gradient = loss_gradient(scores, drawn);
+    const at::Tensor gradient = loss_gradient(scores, shipped, drawn);
     parallel_for(batch, options_.threads, [&](std::size_t i) {
       const SingleThreadedTorch one_thread;
       scores[i].backward(gradient.narrow(0, static_cast<std::int64_t>(i), 1));
@@ -270,8 +267,9 @@ class DecoderTraining {
     return order[i % count];
   }
 
-  /// The loss of the training (docs/train.md) on the whole batch: a cell may have few roads.
-  [[nodiscard]] at::Tensor loss_gradient(const std::vector<at::Tensor>& scores,
+  /// Of the whole batch, because a cell may have few roads: soft intersection over union as in the training, and cross
+  /// entropy. Where the map leaves a choice, the network as it was makes it: `shipped` has its probabilities.
+  [[nodiscard]] at::Tensor loss_gradient(const std::vector<at::Tensor>& scores, const std::vector<at::Tensor>& shipped,
                                          const std::vector<const Cell*>& cells) const {
     std::vector<at::Tensor> values, sets;
     for (std::size_t i = 0; i < scores.size(); ++i) {
@@ -281,9 +279,15 @@ class DecoderTraining {
           at::from_blob(const_cast<ClassSet*>(allowed.data.data()), {1, allowed.height, allowed.width}, at::kLong));
     }
     const at::Tensor all = at::cat(values, 0), allowed = at::cat(sets, 0);
-    const AllowedLossOptions loss{std::vector<float>(static_cast<std::size_t>(network_.graph.class_count), 1.0F),
-                                  set_weight, false};
-    return allowed_class_loss(all, allowed, loss).gradient + jaccard_loss(all, allowed).gradient;
+    const at::Tensor bits = at::arange(network_.graph.class_count, at::kLong).view({1, -1, 1, 1});
+    const at::Tensor mask = at::bitwise_and(at::bitwise_right_shift(allowed.unsqueeze(1), bits), 1).to(at::kFloat);
+    const at::Tensor count = mask.sum(1, true);
+    const at::Tensor chosen = (at::cat(shipped, 0) + least_probability) * mask;
+    const at::Tensor target = chosen / chosen.sum(1, true).clamp_min(least_probability);
+    at::Tensor weight = at::where(count == 1, at::ones_like(count), at::full_like(count, set_weight));
+    weight.masked_fill_(count == 0, 0.0);
+    weight /= weight.sum().clamp_min(1.0);
+    return (at::softmax(all, 1) - target) * weight + jaccard_loss(all, allowed).gradient;
   }
 
   [[nodiscard]] double rate_at(std::int64_t step) const {
@@ -314,7 +318,7 @@ class DecoderTraining {
 
   const AdaptedNetwork& network_;
   AdaptOptions options_;
-  NetworkParams params_;
+  NetworkParams start_, params_;
   std::vector<NetworkParams> copies_;
   std::vector<std::vector<at::Tensor*>> leaves_;  ///< for each copy what learns
   std::vector<Learned> learned_;
@@ -327,6 +331,9 @@ std::string judge(const AdaptReport& report, const AdaptOptions& options) {
   if (report.after.kappa < report.before.kappa + options.least_gain)
     return fmt::format("no gain on the cells held back (kappa {:.3f} -> {:.3f})", report.before.kappa,
                        report.after.kappa);
+  if (report.after.kappa_with_edges < report.before.kappa_with_edges)
+    return fmt::format("roads are found better, but their edges worse (kappa with edges {:.3f} -> {:.3f})",
+                       report.before.kappa_with_edges, report.after.kappa_with_edges);
   return {};
 }
 
@@ -351,24 +358,15 @@ AdaptedModel adapt_model(const TensorFile& model, const std::string& source, con
                                  report.learned_cells, report.held_back_cells, least_learned, least_held_back);
     return result;
   }
-  std::vector<Cell> learned = read_cells(scaled, labels, boxes.learned, options.threads),
-                    held_back = read_cells(scaled, labels, boxes.held_back, options.threads);
+  std::vector<Cell> learned = read_cells(scaled, labels, boxes.learned, CellUse::learned, options.threads),
+                    held_back = read_cells(scaled, labels, boxes.held_back, CellUse::held_back, options.threads);
   const SingleThreadedTorch one_thread;
   const SingleThreadedBlas one_thread_blas;
   const ReuseTensorMemory reuse_memory;
 
-  NetworkParams start = params_from_file(network.graph, model, source);
+  const NetworkParams start = params_from_file(network.graph, model, source);
   run_trunk(network, start, held_back, options.threads);
   report.before = measure(network, start, held_back, options.threads);
-  std::vector<Cell> sample;
-  const std::size_t sampled = std::min(learned.size(), most_statistics_cells);
-  for (std::size_t i = 0; i < sampled; ++i) sample.push_back(learned[i * learned.size() / sampled]);
-  const NetworkParams of_site = with_site_statistics(network, start, sample, options.threads);
-  run_trunk(network, start, sample, options.threads);
-  const double kappa = measure(network, start, sample, options.threads).kappa;
-  run_trunk(network, of_site, sample, options.threads);
-  report.site_statistics = measure(network, of_site, sample, options.threads).kappa > kappa;
-  if (report.site_statistics) start = of_site;
   run_trunk(network, start, learned, options.threads);
 
   DecoderTraining training(network, start, options);
@@ -377,7 +375,6 @@ AdaptedModel adapt_model(const TensorFile& model, const std::string& source, con
     training.step(learned, step);
     if (monitor) monitor->progress(static_cast<double>(step + 1) / static_cast<double>(options.steps), "adapt");
   }
-  if (report.site_statistics) run_trunk(network, start, held_back, options.threads);
   report.after = measure(network, training.params(), held_back, options.threads);
   report.why_not = judge(report, options);
   report.kept = report.why_not.empty();

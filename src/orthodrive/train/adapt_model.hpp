@@ -14,8 +14,11 @@
 
 namespace orthodrive {
 
+/// How the edges of what a map knows are painted: with bands of doubt, or as if it were exact.
+enum class MapEdges { vague, sharp };
+
 /// The classes that each pixel of a frame may have, as the map says. Called from several threads at once.
-using WeakLabels = std::function<Raster<ClassSet>(const GridFrame&)>;
+using WeakLabels = std::function<Raster<ClassSet>(const GridFrame&, MapEdges)>;
 
 /// What it costs does not depend on the size of the photo, but for painting the labels of its cells.
 struct AdaptOptions {
@@ -31,16 +34,16 @@ struct AdaptOptions {
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
-/// How labels agree with the map about road, where the map is sure.
+/// How labels agree with the map about road.
 struct RoadAgreement {
-  double iou = 0.0;
-  double kappa = 0.0;  ///< Cohen's: 1 is perfect, 0 what labels reach that do not know the place, whatever their share
+  double iou = 0.0;               ///< where the map is sure
+  double kappa = 0.0;             ///< likewise. Cohen's: 1 is perfect, 0 what labels reach that do not know the place
+  double kappa_with_edges = 0.0;  ///< as if the map were exact: what lies beside lies so by chance, for all labels
 };
 
 struct AdaptReport {
   int learned_cells = 0, held_back_cells = 0;
-  RoadAgreement before, after;   ///< on the cells held back
-  bool site_statistics = false;  ///< the trunk's batch norm has those of the site
+  RoadAgreement before, after;  ///< on the cells held back
   bool kept = false;
   std::string why_not;  ///< where it was dropped
 };
