@@ -22,9 +22,10 @@ using WeakLabels = std::function<Raster<ClassSet>(const GridFrame&, MapEdges)>;
 
 /// What it costs does not depend on the size of the photo, but for painting the labels of its cells.
 struct AdaptOptions {
-  int cell_px = 256;         ///< edge of the pieces of the photo that are learned from or held back
-  int most_cells = 240;      ///< of those with roads so many are taken, spread over the photo
-  std::int64_t steps = 150;  ///< of `batch` cells
+  int cell_px = 320;         ///< edge of the pieces of the photo that are learned from or held back: as the shipped
+                             ///< model's crops, so that padding at their borders is nothing new to it
+  int most_cells = 150;      ///< of those with roads so many are taken, spread over the photo
+  std::int64_t steps = 120;  ///< of `batch` cells
   int batch = 4;
   double learning_rate = 1e-3;  ///< at the peak: it rises over a twentieth of the steps and falls as a half cosine
   double pull = 10.0;           ///< share of the way back to the shipped weights in a step, times the rate
