@@ -27,10 +27,17 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->add_option("--model", command->files.model, "name in the models folder or a .safetensors file")
       ->capture_default_str();
   cmd->add_option("--osm", command->files.osm,
-                  "OpenStreetMap roads of the photo, for models that see the map beside it; may be repeated");
+                  "OpenStreetMap of the photo, for models that see the map beside it and for --adapt; may be repeated");
   cmd->add_option("--alignment", command->files.alignment,
                   "also write where such a model sees the map's roads (CSV): for `refine`")
       ->needs("--osm");
+  cmd->add_flag("--adapt", command->options.adapt,
+                "let the network first learn from this photo and its map (--osm); kept only where it gains")
+      ->needs("--osm");
+  cmd->add_option("--buildings", command->files.buildings, "maps with buildings for --adapt; none: those of --osm")
+      ->needs("--adapt");
+  cmd->add_option("--surroundings", command->files.surroundings, "maps with water for --adapt; none: those of --osm")
+      ->needs("--adapt");
   cmd->add_flag("--crf", command->crf, "refine the labels along the photo's edges by a dense conditional random field");
   cmd->add_option("--crf-iterations", command->options.crf_iterations, "mean-field iterations; 0: as trained")
       ->check(CLI::Range(0, 100));
@@ -49,7 +56,8 @@ void add_segment(CLI::App& app, Context& context) {
       "a minute on two cores, with the CRF a minute and a half.\n"
       "Examples:\n"
       "  orthodrive segment ortho.tif -o labels.tif\n"
-      "  orthodrive segment ortho.tif -o labels.tif --confidence confidence.tif --model out/train/model.safetensors");
+      "  orthodrive segment ortho.tif -o labels.tif --confidence confidence.tif --model out/train/model.safetensors\n"
+      "  orthodrive segment ortho.tif --adapt --osm town.osm -o labels.tif");
   cmd->callback([command, &context] {
     if (command->crf) command->options.crf = CrfUse::trained_or_reference;
     StageContext stage = stage_context(context);

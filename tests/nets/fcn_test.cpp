@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "nets/shipped_model.hpp"
@@ -9,6 +10,7 @@
 #include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/net_surgery.hpp"
+#include "orthodrive/nets/padded_parts.hpp"
 
 namespace orthodrive {
 namespace {
@@ -55,6 +57,24 @@ TEST(Forward, without_padding_equals_the_inside_of_a_padded_image) {
     EXPECT_LT((exact - expected).abs().max().item<double>(), 1e-4 * expected.abs().max().item<double>()) << name;
     EXPECT_GT(expected.std().item<double>(), 0.0) << name;
   }
+}
+
+TEST(Forward, in_two_parts_is_the_whole_and_gives_back_what_later_layers_do_not_read) {
+  const NetworkGraph graph = make_network("mobilenetv2-s32-fpn2", 4);
+  NetworkParams params = random_params(graph);
+  const std::vector<std::uint8_t> rgb = random_image(96, 96, 1);
+  const at::Tensor image = input_tensor(graph, {rgb.data()}, 1, 96, 96);
+  const at::NoGradGuard no_grad;
+  const Scores whole = forward_padded(graph, params, image, {});
+  const auto context = std::find_if(graph.layers.begin(), graph.layers.end(),
+                                    [](const Layer& layer) { return layer.name == "context_32_depthwise"; });
+  const auto first = static_cast<std::size_t>(context - graph.layers.begin());
+  const std::vector<at::Tensor> before = forward_padded_before(graph, params, image, first);
+  EXPECT_EQ(std::count_if(before.begin(), before.end(), [](const at::Tensor& t) { return t.defined(); }), 5)
+      << "the last features of strides 2, 4, 8, 16, 32";
+  const Scores parts = forward_padded_from(graph, params, before, first, 96);
+  EXPECT_TRUE(at::equal(parts.values, whole.values));
+  EXPECT_EQ(parts.row_px, whole.row_px);
 }
 
 TEST(InferenceNetwork, a_core_is_the_same_wherever_it_is_cut_from) {

@@ -164,6 +164,29 @@ TEST_F(Build, a_model_that_sees_the_map_moves_roads_and_leaves_labels) {
   EXPECT_GT(rows("seen"), 100);
 }
 
+/// The village has four cells, which is too few to learn from: labels are as without.
+TEST_F(Build, tells_what_became_of_an_adaptation) {
+  fs::copy(folder / "first", folder / "adapted", fs::copy_options::recursive);
+  ASSERT_EQ(build("adapted", {"--set", "segment.adapt=true"}).exit_code, 0);
+  EXPECT_EQ(skipped_stages("adapted"), std::vector<std::string>{});
+  EXPECT_EQ(bytes_of(folder / "adapted" / "labels.tif"), bytes_of(folder / "first" / "labels.tif"));
+  const std::string findings = bytes_of(folder / "adapted" / "findings.geojson");
+  EXPECT_THAT(findings, testing::HasSubstr("segment.not_adapted"));
+  EXPECT_THAT(bytes_of(folder / "adapted" / "report.html"), testing::HasSubstr("cells with roads to learn from"));
+  const json run = json::parse(bytes_of(folder / "adapted" / "run.json"));
+  EXPECT_EQ(run.at("stages").at(0).at("numbers").at("adapt").at("kept"), false);
+  EXPECT_EQ(run.at("inputs").at("osm").size(), 1u) << "once, though two stages read it";
+}
+
+TEST_F(Build, does_not_adapt_a_model_that_sees_the_map) {
+  const auto before = snapshot(folder / "first");
+  const ToolRun run = build("first", {"--set", "segment.adapt=true", "--set", "segment.model=second_eye", "--quiet"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, testing::HasSubstr("sees the map and would learn to copy it"));
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_TRUE(snapshot(folder / "first") == before);
+}
+
 TEST_F(Build, a_source_of_the_same_name_in_another_folder_is_another_source) {
   fs::copy(folder / "first", folder / "moved", fs::copy_options::recursive);
   fs::create_directories(folder / "site" / "other");

@@ -60,6 +60,13 @@ TEST(Site, weather_is_dry_or_wet) {
   EXPECT_THAT(message_of<OptionError>(area + sources, {"network.weather=snow"}), HasSubstr("must be dry or wet"));
 }
 
+TEST(Site, the_network_adapts_to_a_site_that_asks_for_it) {
+  EXPECT_FALSE(read_site(site_file(area + sources)).adapt);
+  EXPECT_TRUE(read_site(site_file(area + sources + "[segment]\nadapt = true\n")).adapt);
+  EXPECT_THAT(message_of<OptionError>(area + sources, {"segment.adapt=very"}),
+              HasSubstr("segment.adapt must be true or false"));
+}
+
 TEST(Site, drive_logs_are_sources_that_a_site_may_have) {
   EXPECT_TRUE(read_site(site_file(area + sources)).drive_logs.empty());
   const Site site = read_site(site_file(area + sources + "drive_logs=['a.csv', 'comma/segment']\n"));

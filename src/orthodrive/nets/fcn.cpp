@@ -11,6 +11,7 @@
 #include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/nets/class_probabilities.hpp"
 #include "orthodrive/nets/fused_layers.hpp"
+#include "orthodrive/nets/padded_parts.hpp"
 
 namespace orthodrive {
 namespace {
@@ -166,31 +167,58 @@ at::Tensor find_tensor(const NetworkGraph& graph, const TensorFile& file, const 
   return tensor_from(it->second);
 }
 
-}  // namespace
-
-Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image, TrainingMode mode) {
-  const auto height = static_cast<int>(image.size(2)), width = static_cast<int>(image.size(3));
-  const std::vector<CellRange> rows = padded_ranges(graph, height), cols = padded_ranges(graph, width);
+/// Layers `first` to `end` - 1 with their padding. `outputs`: of all layers before, where they are still needed, and
+/// then of those that layers from `end` on read.
+void run_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                const std::vector<CellRange>& rows, const std::vector<CellRange>& cols, std::size_t first,
+                std::size_t end, TrainingMode mode, std::vector<at::Tensor>& outputs) {
   const std::vector<std::vector<std::size_t>> released = last_uses(graph);
-  std::vector<Cells> outputs(graph.layers.size());
-  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+  for (std::size_t i = first; i < end; ++i) {
     const Layer& layer = graph.layers[i];
     std::vector<Cells> inputs;
     for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
-      const Cells input = layer.inputs[k] < 0
-                              ? Cells{input_channels(image, layer.inputs[k]), {0, height - 1}, {0, width - 1}}
-                              : outputs[static_cast<std::size_t>(layer.inputs[k])];
+      const auto from = static_cast<std::size_t>(layer.inputs[k]);
+      const Cells input = layer.inputs[k] < 0 ? Cells{input_channels(image, layer.inputs[k]),
+                                                      {0, static_cast<int>(image.size(2)) - 1},
+                                                      {0, static_cast<int>(image.size(3)) - 1}}
+                                              : Cells{outputs[from], rows[from], cols[from]};
       inputs.push_back(layer.kind == LayerKind::add
                            ? narrowed(input, input_range(layer, k, rows[i]), input_range(layer, k, cols[i]))
                            : input);
     }
-    outputs[i] = {evaluate(layer, params[i], inputs, layer.padding, mode), rows[i], cols[i]};
-    for (const std::size_t k : released[i]) outputs[k] = {};
+    outputs[i] = evaluate(layer, params[i], inputs, layer.padding, mode);
+    for (const std::size_t k : released[i]) outputs[k] = at::Tensor();
   }
+}
+
+Scores scores_of(const NetworkGraph& graph, const at::Tensor& values, CellRange rows, CellRange cols) {
   const int shift = graph.output_shift;
-  return {outputs.back().values,
-          {rows.back().first + shift, rows.back().last + shift},
-          {cols.back().first + shift, cols.back().last + shift}};
+  return {values, {rows.first + shift, rows.last + shift}, {cols.first + shift, cols.last + shift}};
+}
+}  // namespace
+
+Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image, TrainingMode mode) {
+  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(image.size(2))),
+                               cols = padded_ranges(graph, static_cast<int>(image.size(3)));
+  std::vector<at::Tensor> outputs(graph.layers.size());
+  run_padded(graph, params, image, rows, cols, 0, graph.layers.size(), mode, outputs);
+  return scores_of(graph, outputs.back(), rows.back(), cols.back());
+}
+
+std::vector<at::Tensor> forward_padded_before(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+                                              std::size_t first) {
+  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(image.size(2))),
+                               cols = padded_ranges(graph, static_cast<int>(image.size(3)));
+  std::vector<at::Tensor> outputs(graph.layers.size());
+  run_padded(graph, params, image, rows, cols, 0, first, {}, outputs);
+  return outputs;
+}
+
+Scores forward_padded_from(const NetworkGraph& graph, NetworkParams& params, std::vector<at::Tensor> before,
+                           std::size_t first, int image_size_px) {
+  const std::vector<CellRange> cells = padded_ranges(graph, image_size_px);
+  run_padded(graph, params, {}, cells, cells, first, graph.layers.size(), {}, before);
+  return scores_of(graph, before.back(), cells.back(), cells.back());
 }
 
 at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,

@@ -40,8 +40,10 @@ json hash_source(const fs::path& file, SourceRole::Kind kind) {
 json hash_sources(const std::vector<BuildStage>& stages) {
   json hashes = json::object();
   for (const BuildStage& stage : stages)
-    for (const SourceRole& source : stage.sources)
+    for (const SourceRole& source : stage.sources) {
+      if (hashes.contains(source.role)) continue;  // several stages read it
       for (const fs::path& file : source.files) hashes[source.role].push_back(hash_source(file, source.kind));
+    }
   return hashes;
 }
 
@@ -54,6 +56,7 @@ json options_of(const Site& site) {
           {"area", hash_bytes(ring.dump())},
           {"model", site.model},
           {"crf", site.crf},
+          {"adapt", site.adapt},
           {"dtm_sampling", site.dtm_sampling},
           {"route", site.route},
           {"attribution", site.attribution}};
@@ -69,7 +72,8 @@ class KeyChain {
   }
   std::string next(const BuildStage& stage) {
     json depends_on = json::array({stage.options});
-    for (const SourceRole& source : stage.sources) depends_on.push_back(hashes_.value(source.role, json()));
+    for (const SourceRole& source : stage.sources)
+      depends_on.push_back(source.files.empty() ? json() : hashes_.value(source.role, json()));
     return key_ = hash_bytes(key_ + stage.name + depends_on.dump());
   }
   [[nodiscard]] const std::string& last() const { return key_; }

@@ -1,10 +1,14 @@
 #include "orthodrive/pipeline/run_segment.hpp"
 
+#include <fmt/format.h>
+
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/alignment_io.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/model/road_map.hpp"
+#include "orthodrive/pipeline/map_labels.hpp"
+#include "orthodrive/train/adapt_model.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -51,6 +55,31 @@ RoadAlignment by_path(const MapPlaces& places, const std::vector<PlaceAlignment>
   return result;
 }
 
+const Sources::Files& or_else(const Sources::Files& files, const Sources::Files& otherwise) {
+  return files.empty() ? otherwise : files;
+}
+
+Finding finding_of(const AdaptReport& report, Vec2 at) {
+  const std::string told =
+      report.kept ? fmt::format(
+                        "the network adapted to the site: on {} cells held back its roads agree with the map with an "
+                        "IoU of {:.3f} (before: {:.3f}; kappa {:.3f}, before: {:.3f}); it learned from {} cells",
+                        report.held_back_cells, report.after.iou, report.before.iou, report.after.kappa,
+                        report.before.kappa, report.learned_cells)
+                  : "the network as shipped, not adapted to the site: " + report.why_not;
+  return {report.kept ? Severity::info : Severity::warning, report.kept ? "segment.adapted" : "segment.not_adapted",
+          told, at.x, at.y};
+}
+
+nlohmann::json numbers_of(const AdaptReport& report) {
+  return {{"kept", report.kept},
+          {"cells", report.learned_cells},
+          {"cells_held_back", report.held_back_cells},
+          {"road_iou", {report.before.iou, report.after.iou}},
+          {"kappa", {report.before.kappa, report.after.kappa}},
+          {"kappa_with_edges", {report.before.kappa_with_edges, report.after.kappa_with_edges}}};
+}
+
 /// The rasters to write; those without a name are left out.
 struct LabelStreams {
   io::RasterStream labels;
@@ -77,20 +106,32 @@ struct LabelStreams {
 
 StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
   const fs::path model_file = io::find_model(files.model);
-  const SegmentModel& model = context.sources.model(model_file);
+  SegmentModel model = context.sources.model(model_file);
   const SiteFrame site = options.site ? *options.site : site_of_photo(files.photo);
-  if (!model.sees_map && !files.osm.empty())
+  if (options.adapt && files.osm.empty())
+    throw OptionError("adapt: give the OSM roads of the photo, too; the network learns from them");
+  if (!options.adapt && !model.sees_map && !files.osm.empty())
     throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take the model second_eye");
   const RoadNetwork no_roads;
   const RoadNetwork& roads = files.osm.empty() ? no_roads : context.sources.osm(files.osm, site).roads;
-  const RoadMap map = road_map(roads);
-  const MapPlaces places = places_of(roads);
+  const RoadNetwork& seen = model.sees_map ? roads : no_roads;
+  const RoadMap map = road_map(seen);
+  const MapPlaces places = places_of(seen);
+  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
+  std::optional<AdaptReport> adaptation;
+  if (options.adapt) {
+    const WeakLabels labels = map_labels(roads, or_else(files.buildings, files.osm),
+                                         or_else(files.surroundings, files.osm), site, model.classes);
+    const AdaptedModel adapted = adapt_model(io::read_weights(model_file), model_file.string(), photo, labels,
+                                             {.threads = context.threads}, context.monitor);
+    adaptation = adapted.report;
+    if (adapted.report.kept) model = load_model(adapted.file, model_file.string() + ", adapted");
+  }
   const SegmentOptions segment{.window_px = options.window_px,
                                .threads = context.threads,
                                .map = &map,
                                .places = places.points,
                                .crf = choose_crf(model, model_file, options, context)};
-  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
   const GridFrame frame = label_frame(photo.frame, model);
   LabelStreams streams(files, photo.crs, frame, model.classes);
   SegmentSummary segmented = segment_mosaic(
@@ -100,32 +141,50 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
     throw InputError(files.photo.string(),
                      "has no data in the area (nodata, alpha or mask); take another photo or area");
   streams.finish();
-  if (!files.alignment.empty()) io::write_alignment(files.alignment, roads, by_path(places, segmented.alignments));
-  return {.numbers = {{"photo_gsd_m", photo.frame.gsd_m},
-                      {"gsd_m", frame.gsd_m},
-                      {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
-          .findings = std::move(segmented.findings)};
+  if (!files.alignment.empty()) io::write_alignment(files.alignment, seen, by_path(places, segmented.alignments));
+  StageOutcome outcome{.numbers = {{"photo_gsd_m", photo.frame.gsd_m},
+                                   {"gsd_m", frame.gsd_m},
+                                   {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
+                       .findings = std::move(segmented.findings)};
+  if (adaptation) {
+    outcome.numbers["adapt"] = numbers_of(*adaptation);
+    outcome.findings.push_back(
+        finding_of(*adaptation, photo.frame.world_from_pixel(0.5 * photo.frame.width, 0.5 * photo.frame.height)));
+  }
+  return outcome;
 }
 
 BuildStage segment_stage(SiteBuild& build) {
   const Site& site = build.site;
   const fs::path model_file = io::find_model(site.model);
-  const RunSegmentOptions options{.site = site.frame, .crf = site.crf ? CrfUse::trained : CrfUse::none};
-  const Sources::Files osm = build.context.sources.model(model_file).sees_map ? site.osm : Sources::Files{};
+  const RunSegmentOptions options{
+      .site = site.frame, .crf = site.crf ? CrfUse::trained : CrfUse::none, .adapt = site.adapt};
+  const bool needs_map = site.adapt || build.context.sources.model(model_file).sees_map;
+  const Sources::Files none, osm = needs_map ? site.osm : none,
+                             buildings = site.adapt ? or_else(site.buildings, site.osm) : none,
+                             surroundings = site.adapt ? or_else(site.surroundings, site.osm) : none;
   return {.name = "segment",
-          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster}, {"model", {model_file}}, {"osm", osm}},
-          .options = {site.crf},
+          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
+                      {"model", {model_file}},
+                      {"osm", osm},
+                      {"buildings", buildings},
+                      {"surroundings", surroundings}},
+          .options = {site.crf, site.adapt},
           .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
           .check =
               [=, &build, &site] {
                 (void)io::raster_info(site.photo);
-                (void)choose_crf(build.context.sources.model(model_file), model_file, options, build.context);
+                const SegmentModel& model = build.context.sources.model(model_file);
+                (void)choose_crf(model, model_file, options, build.context);
+                if (site.adapt) require_adaptable(model, model_file.string());
               },
           .run =
               [=, &build, &site] {
                 return run_segment({.photo = site.photo,
                                     .model = site.model,
                                     .osm = osm,
+                                    .buildings = buildings,
+                                    .surroundings = surroundings,
                                     .labels = build.out_dir / "labels.tif",
                                     .confidence = build.out_dir / "confidence.tif",
                                     .road_probability = build.out_dir / "road_probability.tif",

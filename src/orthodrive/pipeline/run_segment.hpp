@@ -9,7 +9,8 @@ namespace orthodrive {
 struct SegmentFiles {
   std::filesystem::path photo;
   std::string model = "default";                       ///< name in a models folder, or a file
-  Sources::Files osm;                                  ///< the map beside the photo, for models that see one
+  Sources::Files osm;                                  ///< the map, for models that see one and to adapt with
+  Sources::Files buildings, surroundings;              ///< to adapt with; empty: those of `osm`
   std::filesystem::path labels;                        ///< written
   std::filesystem::path confidence, road_probability;  ///< written unless empty
   std::filesystem::path alignment;                     ///< likewise, by models that see the map (alignment_io.hpp)
@@ -28,6 +29,7 @@ struct RunSegmentOptions {
   CrfUse crf = CrfUse::none;
   int crf_iterations = 0;  ///< 0: as trained
   int window_px = 0;       ///< as SegmentOptions
+  bool adapt = false;      ///< the network first learns from the photo and its map (train/adapt_model)
 };
 
 StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context);

@@ -49,7 +49,7 @@ void check_keys(const toml::table& table, const std::string& where) {
       {"", {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
       {"sources", {"photo", "osm", "dtm", "buildings", "trees", "surroundings", "gpx", "drive_logs"}},
-      {"segment", {"model", "crf"}},
+      {"segment", {"model", "crf", "adapt"}},
       {"refine", {"weights", "driving_side"}},
       {"elevate", {"sampling"}},
       {"network", {"crg", "junction_grids", "opendrive", "weather"}},
@@ -174,6 +174,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   site.attribution = texts(table, path, "attribution", "text");
   site.model = text(table, path, "segment", "model", site.model);
   site.crf = flag(table, path, "segment", "crf", site.crf);
+  site.adapt = flag(table, path, "segment", "adapt", site.adapt);
   const std::string weights = text(table, path, "refine", "weights", "");
   if (!weights.empty()) site.refine_weights = located(weights);
   try {

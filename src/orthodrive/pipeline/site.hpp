@@ -26,6 +26,7 @@ struct Site {
   std::vector<std::string> attribution;
   std::string model = "default";         ///< name or file of the segmentation network
   bool crf = false;                      ///< refine the labels by the model's CRF
+  bool adapt = false;                    ///< the network first learns from the site's photo and map
   std::filesystem::path refine_weights;  ///< file of `orthodrive tune`; empty: the shipped weights
   DrivingSide driving_side = DrivingSide::right;
   std::string dtm_sampling = "cubic";  ///< bilinear | cubic

@@ -1,6 +1,5 @@
 #include "orthodrive/segment/segment_mosaic.hpp"
 
-#include <ATen/Parallel.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/reusing_allocator.hpp"
 #include "orthodrive/nets/single_threaded_blas.hpp"
+#include "orthodrive/nets/single_threaded_torch.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/photo_look.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
@@ -218,19 +218,6 @@ Decision classify_core(const Sources& sources, const InferenceNetwork& network, 
   return decision;
 }
 
-/// Runs ATen on one thread in every worker while it lives: we parallelise over windows, and sums inside a
-/// convolution must not depend on the number of threads.
-class SingleThreadedTorch {
- public:
-  SingleThreadedTorch() : before_(at::get_num_threads()) { at::set_num_threads(1); }
-  ~SingleThreadedTorch() { at::set_num_threads(before_); }
-  SingleThreadedTorch(const SingleThreadedTorch&) = delete;
-  SingleThreadedTorch& operator=(const SingleThreadedTorch&) = delete;
-
- private:
-  int before_;
-};
-
 Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::int64_t labelled_pixels,
                        const PhotoLook& look) {
   const Vec2 center = photo.world_from_pixel(0.5 * photo.width, 0.5 * photo.height);
@@ -250,8 +237,12 @@ Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::i
 
 }  // namespace
 
+GridFrame network_frame(const GridFrame& photo, const SegmentModel& model) {
+  return resampled_frame(photo, network_gsd(photo, model));
+}
+
 GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
-  GridFrame frame = resampled_frame(photo, network_gsd(photo, model));
+  GridFrame frame = network_frame(photo, model);
   const int factor = label_factor(photo, model);
   frame.gsd_m /= factor;
   frame.width *= factor;

@@ -43,6 +43,9 @@ struct SegmentSummary {
   Findings findings;
 };
 
+/// The frame of a photo at the scale that the model sees it at.
+[[nodiscard]] GridFrame network_frame(const GridFrame& photo, const SegmentModel& model);
+
 /// The frame of the labels of a photo: its own where it has the model's scale, else the covering grid at that scale. A
 /// photo of 0.6 of the model's GSD or less is classified at the model's finest scale and gets labels twice as fine as
 /// that, so that edges are not those of the model's pixels.
