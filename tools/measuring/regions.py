@@ -3,8 +3,8 @@
     tools/measure regions --model shipped=models/default.safetensors --model candidate=out/regions/model.safetensors
     tools/measure regions --before models/default.safetensors --left-out japan=out/left_out/japan_map/model.safetensors
 
-A left-out model is trained by models/experiments/left_out.toml, and its branch for the map by left_out_map.toml, both with --leave-out
-REGION; it is measured on all of that region, by the photo alone and with the map. `before`: the model given by --before, which it
+A left-out model is trained by models/experiments/left_out.toml, a branch for the map by left_out_map.toml, both with --leave-out REGION
+(or several), and measured on all of that region: by the photo alone, or with the map. `before`: the model given by --before, which they
 started from, by the photo alone. What is not given keeps its last values from bench/results/regions.json. Needs ../shared/data; makes
 the synthetic site and renders the painted pieces.
 """
@@ -42,8 +42,8 @@ def table(numbers):
     text = header(["held out", *models])
     text += "".join(row([name, *(f"{percent(m[name]['road_iou'])} / {percent(m[name]['mean_iou'])} / {percent(m[name]['pixel_accuracy'])}"
                                  if name in m else "-" for m in models.values())]) for name in sets)
-    kinds = ["before", "photo alone", "with map"]
-    text += "\n" + header(["region left out, all of it: road IoU", *kinds, "stated of road with map", "right"])
+    kinds = ["before", "left out", "with map"]
+    text += "\n" + header(["region left out, all of it: road IoU", "before", "left out, photo alone", "left out, with map", "stated of road with map", "right"])
     left = numbers["left_out"]
     for name in sorted(left):
         text += row([name, *(percent(left[name][kind]["road_iou"]) for kind in kinds), *(percent(left[name]["with map"][k]) for k in ("road_stated", "road_right"))])
@@ -64,9 +64,10 @@ def run(args):
             sys.exit("regions: --left-out needs --before, the model that it started from")
         for region, model in args.left_out:
             experiment, words = ROOT / "models/experiments/left_out_map.toml", ("--leave-out", region, "--set", region)
-            after = scores(tool, experiment, model, *words)
-            numbers["left_out"][region] = {"before": scores(tool, experiment, args.before, *words)[region], "photo alone": after[region],
-                                           "with map": after[region + WITH_MAP]}
+            after, of_region = scores(tool, experiment, model, *words), numbers["left_out"].setdefault(region, {})
+            of_region["before"] = scores(tool, experiment, args.before, *words)[region]
+            seen = region + WITH_MAP
+            of_region["with map" if seen in after else "left out"] = after[seen if seen in after else region]
             write_results(STORE, numbers)
         numbers["commit"] = commit()
         write_results(STORE, numbers)
