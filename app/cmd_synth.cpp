@@ -6,7 +6,6 @@
 
 #include "commands.hpp"
 #include "orthodrive/pipeline/run_synth.hpp"
-#include "orthodrive/synth/world.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -21,7 +20,7 @@ struct Arguments {
 namespace {
 std::string world_list() {
   std::string list;
-  for (const std::string& name : synth::world_names()) list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& name : world_names()) list += (list.empty() ? "" : ", ") + name;
   return list;
 }
 }  // namespace

@@ -11,7 +11,9 @@
 #include "network_support.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "roadquery/lane_type_name.hpp"
 #include "roadquery/make_road.hpp"
+#include "roadquery/road_surface.hpp"
 
 namespace orthodrive {
 namespace {
@@ -84,13 +86,21 @@ TEST(NetworkLayers, both_files_hold_the_network) {
     EXPECT_NEAR(got.lines_m, want.lines_m, 0.002 * want.lines_m) << name;
     for (const io::Feature& feature : features) {
       if (feature.tags.count("lane") && feature.tags.at("junction") == "-1") {
-        // Straight lanes of constant width: a quarter or a half of the way's area.
+        // Straight lanes of constant width; those of a way make up its area.
         const Road* road = road_by_id(map, std::stoi(feature.tags.at("road")));
         ASSERT_TRUE(road);
-        const double width = feature.tags.at("osm_id") == "11" ? 8.0 : 6.0;
-        const auto lanes = static_cast<double>(road->sections[0].left.size() + road->sections[0].right.size());
-        EXPECT_NEAR(area_m2(feature.polygons.at(0)), road->length * width / lanes, 0.03 * road->length) << name;
-        EXPECT_EQ(feature.tags.at("type"), "driving");
+        const int id = std::stoi(feature.tags.at("lane"));
+        const roadquery::LaneSection& section = road->sections[0];
+        double surface_m = 0.0;
+        for (const auto* side : {&section.left, &section.right})
+          for (const roadquery::Lane& lane : *side) {
+            const double width_m = roadquery::lane_width(lane, 0.0);
+            surface_m += width_m;
+            if (lane.id != id) continue;
+            EXPECT_NEAR(area_m2(feature.polygons.at(0)), road->length * width_m, 0.03 * road->length) << name;
+            EXPECT_EQ(feature.tags.at("type"), roadquery::lane_type_name(lane.type));
+          }
+        EXPECT_NEAR(surface_m, feature.tags.at("osm_id") == "11" ? 8.0 : 6.0, 0.01);
       }
       if (feature.tags.count("highway")) {
         EXPECT_NEAR(std::stod(feature.tags.at("length_m")), road_by_id(map, std::stoi(feature.tags.at("road")))->length,

@@ -59,17 +59,18 @@ TEST(ThinnedLines, KnowNoWidthBesideUnknownPixels) {
 
 TEST(DisturbedMap, TellsTheWayBackToTheTruth) {
   const Raster<ClassSet> allowed = across(192, 90, 12);
-  int seen = 0, moved = 0;
+  int seen = 0, moved = 0, off = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const DisturbedMap map = draw_map(allowed, {}, {.road = road, .maybe_road = parking}, seed);
     for (int row = 0; row < 192; ++row) {
-      for (int col = 40; col < 152; ++col) {
+      for (int col = 60; col < 132; ++col) {  // a field may move the ends of the line by 40 px
         const AlignmentTruth& t = map.truth.at(col, row);
         if (!t.known) continue;
         // From the pixel along the normal of the drawn line: there is the middle, row 96.
         const Vec2 truth = Vec2{col + 0.5, row + 0.5} + Vec2{t.normal_x, t.normal_y} * t.offset;
-        if (std::abs(t.normal_y) < 0.97) continue;  // waves tilt the line: along its normal lies another place
-        EXPECT_NEAR(truth.y, 96.0, 1.6);
+        if (std::abs(t.normal_y) < 0.95) continue;
+        // Waves tilt the line: along its normal lies another place than straight across.
+        off += std::abs(truth.y - 96.0) > 1.1 + std::abs(t.offset) * (1.0 - t.normal_y * t.normal_y);
         EXPECT_NEAR(t.half_width, 6.0, 0.6);
         ++seen;
         const double to_line = (map.map.at(col, row, 1) - 128) / 4.0;
@@ -79,6 +80,7 @@ TEST(DisturbedMap, TellsTheWayBackToTheTruth) {
   }
   EXPECT_GT(seen, 50000);
   EXPECT_GT(moved, seen / 10);
+  EXPECT_LT(off, seen / 1000);  // beside bends of coarse lines, where the nearest place is a corner
 }
 
 TEST(DisturbedMap, IsTheSameForTheSameSeedOnly) {

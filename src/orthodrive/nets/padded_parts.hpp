@@ -1,6 +1,10 @@
 #pragma once
 // forward_padded() in two parts, for learning that leaves the first layers as they are. Includes ATen: for .cpp files.
 
+#include <ATen/ATen.h>
+
+#include <vector>
+
 #include "orthodrive/nets/fcn.hpp"
 
 namespace orthodrive {

@@ -14,6 +14,7 @@
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
+#include "orthodrive/synth/world.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -135,6 +136,8 @@ SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, 
   return site;
 }
 }  // namespace
+
+std::vector<std::string> world_names() { return synth::world_names(); }
 
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
   SynthOptions made = options;

@@ -1,6 +1,9 @@
 #pragma once
 // `orthodrive synth`: a plan -> a synthetic site with exact truth, as files.
 
+#include <string>
+#include <vector>
+
 #include "orthodrive/pipeline/stage_context.hpp"
 #include "orthodrive/pipeline/stage_outcome.hpp"
 #include "orthodrive/synth/make_site.hpp"
@@ -14,6 +17,9 @@ struct SynthFiles {
   double track_size_m = 0.0;            ///< edge of the site round the track; 0: as small as can be
   std::filesystem::path folder;         ///< written: site.toml (last), its sources, and the truth in truth/
 };
+
+/// Worlds that SynthOptions can name (docs/synth_worlds.md).
+[[nodiscard]] std::vector<std::string> world_names();
 
 /// `preset` counts where there is no track.
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context);
