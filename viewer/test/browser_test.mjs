@@ -228,7 +228,7 @@ try {
   await checkLayers(page, siteDir);
   writeFileSync(join(siteDir, 'viewer_ground.png'), await checkGround(context, server.url));
   await checkPlaying(page);
-  await checkDriving(page);
+  await checkDriving(page, siteDir);
   await checkDashboard(context, page, server.url, siteDir);
   await checkGhost(context, server.url, siteDir);
   await checkCameras(page);

@@ -8,9 +8,21 @@ import {join} from 'node:path';
 import {changedLap, readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
 import {comparePictures} from './pictures.mjs';
 
+/** Where the lap turns least in the next seconds: a car whose wheel nobody holds stays on the road there. */
+function startOfStraight(siteDir) {
+  const lap = readLap(siteDir, ['t_s', 'heading_rad']), ahead_s = 4;
+  const turn = (from) => {
+    const rows = lap.filter(([t_s]) => t_s >= from && t_s <= from + ahead_s);
+    return Math.max(...rows.map(([, heading]) => Math.abs(Math.sin(heading - rows[0][1]))));
+  };
+  const starts = [];
+  for (let t_s = lap[0][0] + 5; t_s + ahead_s < lap.at(-1)[0]; t_s += 0.5) starts.push(t_s);
+  return starts.reduce((best, t_s) => (turn(t_s) < turn(best) ? t_s : best)) - lap[0][0];
+}
+
 /** Somebody takes over the car: it drives off on the throttle, turns with the wheel, off the road too, and stops on what is seen. */
-export async function checkDriving(page) {
-  await page.evaluate(() => (window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(5)));
+export async function checkDriving(page, siteDir) {
+  await page.evaluate((t_s) => (window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(t_s)), startOfStraight(siteDir));
   const start = await page.evaluate(() => window.orthodrive.car);
   await page.click('#drive');
   await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
