@@ -47,7 +47,7 @@ TEST(Forward, without_padding_equals_the_inside_of_a_padded_image) {
               size = 32 * ((2 * margin + 64) / 32 + 1) + graph.size_remainder;
     const std::vector<std::uint8_t> rgb = random_image(size, size, 1);
     const std::vector<std::uint8_t> map = random_map(size, size, 2);
-    const at::Tensor image = input_tensor(graph, {rgb.data(), map.data()}, 1, size, size);
+    const InputTensors image = input_tensors(graph, {rgb.data(), map.data()}, 1, size, size);
     const at::NoGradGuard no_grad;
     const Scores padded = forward_padded(graph, params, image, {});
     const CellRange rows{margin + 3, margin + 40}, cols{margin + 8, margin + 21};
@@ -63,7 +63,7 @@ TEST(Forward, in_two_parts_is_the_whole_and_gives_back_what_later_layers_do_not_
   const NetworkGraph graph = make_network("mobilenetv2-s32-fpn2", 4);
   NetworkParams params = random_params(graph);
   const std::vector<std::uint8_t> rgb = random_image(96, 96, 1);
-  const at::Tensor image = input_tensor(graph, {rgb.data()}, 1, 96, 96);
+  const InputTensors image = input_tensors(graph, {rgb.data()}, 1, 96, 96);
   const at::NoGradGuard no_grad;
   const Scores whole = forward_padded(graph, params, image, {});
   const auto context = std::find_if(graph.layers.begin(), graph.layers.end(),

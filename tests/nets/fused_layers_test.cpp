@@ -39,7 +39,7 @@ TEST(FusedLayers, give_what_the_layers_give_one_by_one) {
     const int rows = height + 2 * margin, cols = width + 2 * margin;
     std::vector<std::uint8_t> rgb(static_cast<std::size_t>(3 * rows * cols));
     for (std::uint8_t& v : rgb) v = static_cast<std::uint8_t>(255.0 * random.uniform());
-    const at::Tensor image = image_tensor(net.graph.input, rgb.data(), 1, cols, rows);
+    const InputTensors image = input_tensors(net.graph, {rgb.data(), nullptr}, 1, cols, rows);
     const ExactWindow window{{row - margin, row + height - 1 + margin},
                              {col - margin, col + width - 1 + margin},
                              {row, row + height - 1},

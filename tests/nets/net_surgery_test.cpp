@@ -67,7 +67,7 @@ TEST(NetSurgery, fully_connected_becomes_convolution) {
   EXPECT_EQ(start.report.layers.at(0).outcome, SurgeryEntry::Outcome::converted);
   NetworkParams params = params_from_file(graph, start.file, "caffe");
   const at::Tensor image = at::rand({1, 3, 4, 4});
-  const at::Tensor scores = forward_padded(graph, params, image, {}).values;
+  const at::Tensor scores = forward_padded(graph, params, {image, {}}, {}).values;
   const float* pixels = image.data_ptr<float>();  // channel, row, column: Caffe's order
   for (int o = 0; o < 2; ++o) {
     double expected = o == 0 ? 0.5 : -0.5;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double vector_scale = 4.0, width_scale = 8.0;
 
-std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)); }
+std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0) + 0.5); }
 
 /// The pixels of one axis of a box whose centres lie within reach of a segment's ends.
 struct Cells {
@@ -25,6 +25,16 @@ Cells cells_near(double a, double b, std::int64_t box_first, int box_size) {
           static_cast<int>(std::floor(std::min(high, box_size - 1.0)))};
 }
 
+/// Of these columns those within reach of the segment's endless line, in the row whose centre lies at `y` from `a`.
+Cells cols_near_line(const Cells& cols, Vec2 a, Vec2 along, double y, std::int64_t box_first) {
+  const double slope = std::abs(along.y);
+  if (slope * (cols.last - cols.first) < map_reach_px) return cols;  // level: all of them, or nearly so
+  const double middle = a.x - 0.5 - static_cast<double>(box_first) + along.x * y / along.y,
+               reach = map_reach_px * length(along) / slope + 1.0;
+  return {static_cast<int>(std::max<double>(cols.first, std::floor(middle - reach))),
+          static_cast<int>(std::min<double>(cols.last, std::ceil(middle + reach)))};
+}
+
 }  // namespace
 
 Raster<NearestLine> nearest_lines(std::span<const RoadLine> lines, const PixelBox& box) {
@@ -34,14 +44,15 @@ Raster<NearestLine> nearest_lines(std::span<const RoadLine> lines, const PixelBo
     const Polyline& points = lines[line].points;
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       const Vec2 a = points[i], along = points[i + 1] - a;
-      const double square = dot(along, along);
+      const double square = dot(along, along), per_square = square > 0.0 ? 1.0 / square : 0.0;
       const Cells rows = cells_near(a.y, points[i + 1].y, box.row, box.height),
                   cols = cells_near(a.x, points[i + 1].x, box.col, box.width);
       for (int row = rows.first; row <= rows.last; ++row) {
-        for (int col = cols.first; col <= cols.last; ++col) {
-          const Vec2 from_a =
-              Vec2{static_cast<double>(box.col + col) + 0.5, static_cast<double>(box.row + row) + 0.5} - a;
-          const double t = square > 0.0 ? std::clamp(dot(from_a, along) / square, 0.0, 1.0) : 0.0;
+        const double y = static_cast<double>(box.row + row) + 0.5 - a.y;
+        const Cells seen = cols_near_line(cols, a, along, y, box.col);
+        for (int col = seen.first; col <= seen.last; ++col) {
+          const Vec2 from_a{static_cast<double>(box.col + col) + 0.5 - a.x, y};
+          const double t = std::clamp(dot(from_a, along) * per_square, 0.0, 1.0);
           const Vec2 to_line = along * t - from_a;
           const double d = dot(to_line, to_line);
           if (d >= best.at(col, row)) continue;
@@ -63,7 +74,7 @@ Raster<std::uint8_t> map_raster(std::span<const RoadLine> lines, const Raster<Ne
     if (n.line < 0) continue;
     bytes[0] = byte_of(128.0 + vector_scale * n.to_line.x);
     bytes[1] = byte_of(128.0 + vector_scale * n.to_line.y);
-    bytes[2] = byte_of(255.0 * (1.0 - length(n.to_line) / map_reach_px));
+    bytes[2] = byte_of(255.0 * (1.0 - std::sqrt(dot(n.to_line, n.to_line)) / map_reach_px));
     bytes[3] = byte_of(width_scale * lines[static_cast<std::size_t>(n.line)].half_width);
   }
   return raster;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -51,10 +52,8 @@ at::Tensor activate(const Layer& layer, const at::Tensor& x) {
   return layer.activation == Activation::relu ? at::relu_(in_place) : in_place.clamp_(0.0, 6.0);
 }
 
-/// The photo's channels of an input, or those of the map behind them.
-at::Tensor input_channels(const at::Tensor& image, int input) {
-  if (input == map_input) return image.narrow(1, 3, image.size(1) - 3);
-  return image.size(1) == 3 ? image : image.narrow(1, 0, 3);
+const at::Tensor& read_by(const InputTensors& input, int layer_input) {
+  return layer_input == map_input ? input.map : input.photo;
 }
 
 /// The layer on tensors that already have the right cells. `padding` is 0 where nothing is padded.
@@ -128,16 +127,32 @@ Cells evaluate_fused(const FusedLayers& layers, const Cells& source, const Cells
 /// The last layer only doubles the size.
 bool half_resolution(const NetworkGraph& graph) { return graph.layers.back().kind == LayerKind::upsample_2x; }
 
+/// The last layer that reads the photo or the map, 0 where none does; fused layers read where they end.
+std::size_t last_reader(const NetworkGraph& graph, const FusionPlan* plan, int input) {
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < graph.layers.size(); ++i) {
+    const std::vector<int>& inputs = graph.layers[i].inputs;
+    if (std::find(inputs.begin(), inputs.end(), input) == inputs.end()) continue;
+    last = i;
+    while (plan && plan->step[last] == FusionPlan::inside) ++last;
+  }
+  return last;
+}
+
 /// Bytes that are alive at once, per pixel of the image.
 double peak_bytes(const NetworkGraph& graph, const FusionPlan& plan) {
   const std::vector<double> cells = cells_per_pixel(graph);
   const std::vector<std::vector<std::size_t>> released = last_uses(graph, &plan);
   const auto bytes = [&](std::size_t i) { return sizeof(float) * cells[i] * graph.layers[i].out; };
-  double alive = sizeof(float) * (3.0 + graph.map_channels), peak = alive;
+  const double photo = sizeof(float) * 3.0, map = static_cast<double>(sizeof(float)) * graph.map_channels;
+  const std::size_t photo_read = last_reader(graph, &plan, image_input), map_read = last_reader(graph, &plan, map_input);
+  double alive = photo + map, peak = alive;
   for (std::size_t i = 0; i < graph.layers.size(); ++i) {
     if (plan.step[i] == FusionPlan::inside) continue;
     alive += bytes(i);
     peak = std::max(peak, alive);
+    if (i == photo_read) alive -= photo;
+    if (i == map_read) alive -= map;
     for (const std::size_t k : released[i])
       if (plan.step[k] != FusionPlan::inside) alive -= bytes(k);
   }
@@ -169,7 +184,7 @@ at::Tensor find_tensor(const NetworkGraph& graph, const TensorFile& file, const 
 
 /// Layers `first` to `end` - 1 with their padding. `outputs`: of all layers before, where they are still needed, and
 /// then of those that layers from `end` on read.
-void run_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+void run_padded(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input,
                 const std::vector<CellRange>& rows, const std::vector<CellRange>& cols, std::size_t first,
                 std::size_t end, TrainingMode mode, std::vector<at::Tensor>& outputs) {
   const std::vector<std::vector<std::size_t>> released = last_uses(graph);
@@ -178,13 +193,13 @@ void run_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tens
     std::vector<Cells> inputs;
     for (std::size_t k = 0; k < layer.inputs.size(); ++k) {
       const auto from = static_cast<std::size_t>(layer.inputs[k]);
-      const Cells input = layer.inputs[k] < 0 ? Cells{input_channels(image, layer.inputs[k]),
-                                                      {0, static_cast<int>(image.size(2)) - 1},
-                                                      {0, static_cast<int>(image.size(3)) - 1}}
+      const Cells cells = layer.inputs[k] < 0 ? Cells{read_by(input, layer.inputs[k]),
+                                                      {0, static_cast<int>(input.photo.size(2)) - 1},
+                                                      {0, static_cast<int>(input.photo.size(3)) - 1}}
                                               : Cells{outputs[from], rows[from], cols[from]};
       inputs.push_back(layer.kind == LayerKind::add
-                           ? narrowed(input, input_range(layer, k, rows[i]), input_range(layer, k, cols[i]))
-                           : input);
+                           ? narrowed(cells, input_range(layer, k, rows[i]), input_range(layer, k, cols[i]))
+                           : cells);
     }
     outputs[i] = evaluate(layer, params[i], inputs, layer.padding, mode);
     for (const std::size_t k : released[i]) outputs[k] = at::Tensor();
@@ -197,20 +212,21 @@ Scores scores_of(const NetworkGraph& graph, const at::Tensor& values, CellRange 
 }
 }  // namespace
 
-Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image, TrainingMode mode) {
-  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(image.size(2))),
-                               cols = padded_ranges(graph, static_cast<int>(image.size(3)));
+Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input,
+                      TrainingMode mode) {
+  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(input.photo.size(2))),
+                               cols = padded_ranges(graph, static_cast<int>(input.photo.size(3)));
   std::vector<at::Tensor> outputs(graph.layers.size());
-  run_padded(graph, params, image, rows, cols, 0, graph.layers.size(), mode, outputs);
+  run_padded(graph, params, input, rows, cols, 0, graph.layers.size(), mode, outputs);
   return scores_of(graph, outputs.back(), rows.back(), cols.back());
 }
 
-std::vector<at::Tensor> forward_padded_before(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+std::vector<at::Tensor> forward_padded_before(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input,
                                               std::size_t first) {
-  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(image.size(2))),
-                               cols = padded_ranges(graph, static_cast<int>(image.size(3)));
+  const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(input.photo.size(2))),
+                               cols = padded_ranges(graph, static_cast<int>(input.photo.size(3)));
   std::vector<at::Tensor> outputs(graph.layers.size());
-  run_padded(graph, params, image, rows, cols, 0, first, {}, outputs);
+  run_padded(graph, params, input, rows, cols, 0, first, {}, outputs);
   return outputs;
 }
 
@@ -221,15 +237,21 @@ Scores forward_padded_from(const NetworkGraph& graph, NetworkParams& params, std
   return scores_of(graph, before.back(), cells.back(), cells.back());
 }
 
-at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, InputTensors input,
                          const ExactWindow& window, const FusionPlan* plan) {
   const NeededRanges rows = needed_ranges(graph, window.output_rows), cols = needed_ranges(graph, window.output_cols);
   const std::vector<std::vector<std::size_t>> released = last_uses(graph, plan);
   const std::size_t count = graph.layers.size() - (window.last_layer ? 0 : 1);
   std::vector<Cells> outputs(graph.layers.size());
   const auto output_of = [&](int layer) {
-    return layer < 0 ? Cells{input_channels(image, layer), window.image_rows, window.image_cols}
+    return layer < 0 ? Cells{read_by(input, layer), window.image_rows, window.image_cols}
                      : outputs[static_cast<std::size_t>(layer)];
+  };
+  const std::size_t photo_read = last_reader(graph, plan, image_input), map_read = last_reader(graph, plan, map_input);
+  const auto release = [&](std::size_t i) {
+    for (const std::size_t k : released[i]) outputs[k] = {};
+    if (i == photo_read) input.photo = at::Tensor();
+    if (i == map_read) input.map = at::Tensor();
   };
   for (std::size_t i = 0; i < count; ++i) {
     const Layer& layer = graph.layers[i];
@@ -239,7 +261,7 @@ at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const
       const Cells upsampled = fused.upsampled == FusedLayers::none ? Cells{} : output_of(fused.upsampled);
       outputs[i] = evaluate_fused(fused, output_of(fused.source), upsampled.values.defined() ? &upsampled : nullptr,
                                   rows.layers[i], cols.layers[i]);
-      for (const std::size_t k : released[i]) outputs[k] = {};
+      release(i);
       continue;
     }
     std::vector<Cells> inputs;
@@ -257,8 +279,9 @@ at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const
       output.rows = {2 * inputs[0].rows.first, 2 * inputs[0].rows.last + 1};
       output.cols = {2 * inputs[0].cols.first, 2 * inputs[0].cols.last + 1};
     }
+    inputs.clear();
     outputs[i] = narrowed(output, rows.layers[i], cols.layers[i]);
-    for (const std::size_t k : released[i]) outputs[k] = {};
+    release(i);
   }
   return outputs[count - 1].values;
 }
@@ -341,28 +364,39 @@ TensorFile file_from_params(const NetworkGraph& graph, const NetworkParams& para
   return file;
 }
 
-at::Tensor map_tensor(const std::uint8_t* map, int count, int width, int height) {
-  const at::Tensor bytes =
-      at::from_blob(const_cast<std::uint8_t*>(map), {count, height, width, map_raster_channels}, at::kByte);
-  const at::Tensor zero = at::tensor({128.0F, 128.0F, 0.0F, 0.0F}),
-                   scale = at::tensor({1.0F / 128.0F, 1.0F / 128.0F, 1.0F / 255.0F, 1.0F / 255.0F});
-  return bytes.to(at::kFloat).sub_(zero).mul_(scale).permute({0, 3, 1, 2});
+InputTensors InputTensors::to(at::Device device) const {
+  return {photo.to(device), map.defined() ? map.to(device) : map};
 }
 
-at::Tensor input_tensor(const NetworkGraph& graph, const NetworkInput& bytes, int count, int width, int height) {
-  const at::Tensor photo = image_tensor(graph.input, bytes.rgb, count, width, height);
-  if (graph.map_channels == 0) return photo;
-  const at::Tensor map =
-      bytes.map ? map_tensor(bytes.map, count, width, height) : at::zeros({count, graph.map_channels, height, width});
-  return at::cat({photo, map}, 1).contiguous(at::MemoryFormat::ChannelsLast);
+namespace {
+
+/// Bytes, N x H x W x channels, as (value - zero) x scale: N x channels x H x W, a view that is channels-last.
+template <std::size_t channels>
+at::Tensor normalised(const std::uint8_t* bytes, int count, int width, int height,
+                      const std::array<float, channels>& zero, const std::array<float, channels>& scale) {
+  std::array<std::array<float, 256>, channels> values;
+  for (std::size_t c = 0; c < channels; ++c)
+    for (std::size_t byte = 0; byte < 256; ++byte) values[c][byte] = (static_cast<float>(byte) - zero[c]) * scale[c];
+  const at::Tensor tensor = at::empty({count, height, width, static_cast<std::int64_t>(channels)}, at::kFloat);
+  float* out = tensor.data_ptr<float>();
+  for (std::int64_t left = tensor.numel(); left > 0; left -= channels)
+    for (std::size_t c = 0; c < channels; ++c) *out++ = values[c][*bytes++];
+  return tensor.permute({0, 3, 1, 2});
 }
 
-at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb, int count, int width, int height) {
-  const at::Tensor bytes = at::from_blob(const_cast<std::uint8_t*>(rgb), {count, height, width, 3}, at::kByte);
-  at::Tensor values = bytes.to(at::kFloat);
-  values.sub_(at::tensor({input.mean_rgb[0], input.mean_rgb[1], input.mean_rgb[2]})).mul_(input.scale);
-  if (input.bgr) values = values.flip(3);
-  return values.permute({0, 3, 1, 2});  // a view that is channels-last
+}  // namespace
+
+InputTensors input_tensors(const NetworkGraph& graph, const NetworkInput& bytes, int count, int width, int height) {
+  const InputNormalisation& n = graph.input;
+  InputTensors input{normalised<3>(bytes.rgb, count, width, height, n.mean_rgb, {n.scale, n.scale, n.scale}), {}};
+  if (n.bgr) input.photo = input.photo.flip(1).contiguous(at::MemoryFormat::ChannelsLast);
+  if (graph.map_channels == 0) return input;
+  constexpr float whole = 1.0F / 255.0F, half = 1.0F / 128.0F;
+  input.map = bytes.map
+                  ? normalised<map_raster_channels>(bytes.map, count, width, height, {128.0F, 128.0F, 0.0F, 0.0F},
+                                                    {half, half, whole, whole})
+                  : at::zeros({count, height, width, graph.map_channels}).permute({0, 3, 1, 2});
+  return input;
 }
 
 InferenceNetwork::InferenceNetwork(NetworkGraph graph, const NetworkParams& params)
@@ -389,8 +423,9 @@ void InferenceNetwork::predict(const NetworkInput& bytes, const PixelBox& core, 
   window.image_cols = {col - margin_px_, col + core.width - 1 + margin_px_};
   window.last_layer = !half;
   NetworkParams params = folded_;  // handles only
-  const at::Tensor image = input_tensor(graph_, bytes, 1, core.width + 2 * margin_px_, core.height + 2 * margin_px_);
-  const at::Tensor cells = forward_exact(graph_, params, image, window, plan_.get()).permute({0, 2, 3, 1}).contiguous();
+  InputTensors input = input_tensors(graph_, bytes, 1, core.width + 2 * margin_px_, core.height + 2 * margin_px_);
+  const at::Tensor cells =
+      forward_exact(graph_, params, std::move(input), window, plan_.get()).permute({0, 2, 3, 1}).contiguous();
   const ScoreGrid grid{cells.data_ptr<float>(), static_cast<int>(cells.size(2)), static_cast<int>(cells.size(1)),
                        graph_.output_channels()};
   const auto axis = [&](CellRange pixels, int first, int count) {

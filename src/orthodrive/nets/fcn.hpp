@@ -28,20 +28,27 @@ struct TrainingMode {
   bool of_map_only = false;              ///< update_batch_statistics of the layers of the map alone
 };
 
+/// What a network sees, N x channels x H x W each, channels-last.
+struct InputTensors {
+  at::Tensor photo;  ///< 3 channels
+  at::Tensor map;    ///< map channels; undefined for networks that see none
+  [[nodiscard]] InputTensors to(at::Device device) const;
+};
+
 /// Class scores for the pixels of a window's inner part.
 struct Scores {
   at::Tensor values;         ///< N x C x rows x cols
   CellRange row_px, col_px;  ///< the pixels of the image they belong to
 };
-/// Pads as the layers say, at the borders of the image given (N x 3 x H x W): what the reference trains with. Scores
-/// for as many pixels as come out of the layers.
-[[nodiscard]] Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+/// Pads as the layers say, at the borders of the input given: what the reference trains with. Scores for as many pixels
+/// as come out of the layers.
+[[nodiscard]] Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input,
                                     TrainingMode mode);
 
 /// Pads nothing: every layer computes exactly the cells that the wanted output depends on, so the scores are the same
-/// wherever a window begins and ends. `image`: 1 x 3 x H x W, its first pixel at absolute (row_px.first, col_px.first);
-/// it must contain needed_ranges(). With `last_layer` false the layer before the last is returned, on the cells that
-/// the last needs.
+/// wherever a window begins and ends. `input`: N = 1, its first pixel at absolute (image_rows.first, image_cols.first);
+/// it must contain needed_ranges(), and each tensor goes when the last layer has read it. With `last_layer` false the
+/// layer before the last is returned, on the cells that the last needs.
 struct ExactWindow {
   CellRange image_rows, image_cols;    ///< absolute pixels of the image given
   CellRange output_rows, output_cols;  ///< absolute pixels wanted
@@ -49,7 +56,7 @@ struct ExactWindow {
 };
 /// With a `plan` for these parameters (fused_layers.hpp) some layers run together.
 struct FusionPlan;
-[[nodiscard]] at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, const at::Tensor& image,
+[[nodiscard]] at::Tensor forward_exact(const NetworkGraph& graph, NetworkParams& params, InputTensors input,
                                        const ExactWindow& window, const FusionPlan* plan = nullptr);
 
 /// Batch norm folded into kernel and bias: the same scores with fewer passes over memory.
@@ -69,18 +76,13 @@ struct FusionPlan;
 [[nodiscard]] at::Tensor tensor_from(const NamedTensor& named);
 [[nodiscard]] std::string bias_tensor(const Layer& layer);
 
-/// RGB bytes, N x H x W x 3 -> the network's input N x 3 x H x W, channels-last.
-[[nodiscard]] at::Tensor image_tensor(const InputNormalisation& input, const std::uint8_t* rgb, int count, int width,
-                                      int height);
-
 /// Bytes that a network sees, N x H x W x channels each. Without a map (null) a network that knows one sees none.
 struct NetworkInput {
   const std::uint8_t* rgb = nullptr;
   const std::uint8_t* map = nullptr;  ///< map_raster_channels, as map_alignment.hpp encodes them
 };
-/// The photo, and behind it the map of a network that sees one: N x (3 + map channels) x H x W, channels-last.
-[[nodiscard]] at::Tensor input_tensor(const NetworkGraph& graph, const NetworkInput& bytes, int count, int width,
-                                      int height);
+[[nodiscard]] InputTensors input_tensors(const NetworkGraph& graph, const NetworkInput& bytes, int count, int width,
+                                         int height);
 
 /// The folded network for prediction. Safe from several threads.
 class InferenceNetwork {

@@ -203,10 +203,20 @@ struct MobileNetBuilder : Builder {
 struct MapBranch {
   int alignment, scores;
 };
-/// From the photo's features of stride 4 (merged, and the trunk's own, which know edges) and two convolutions of the
-/// map, with four depthwise convolutions to look around. For the classes they meet the photo's features of stride 2.
-/// Nothing of it goes back into the rest: without a map the classes are those of the network without this branch.
-MapBranch add_map_branch(MobileNetBuilder& b, int merged_4, int trunk_4, int merged_2) {
+/// Two convolutions of the map, to stride 4. They come first: nothing else reads the map, so its pixels need not stay.
+int add_map_features(MobileNetBuilder& b) {
+  const int map_2 = b.keras_conv("map_2", "map_2/kernel", "map_2_BN", map_input, 16, 3, 2, false, true, false);
+  return b.pointwise("map_4_project", b.depthwise("map_4_depthwise", map_2, 2, false), 32, true, false);
+}
+
+void mark_of_map(NetworkGraph& graph, std::size_t first) {
+  for (std::size_t i = first; i < graph.layers.size(); ++i) graph.layers[i].of_map = true;
+}
+
+/// From the features of stride 4 of the photo (merged, and the trunk's own, which know edges) and of the map, with four
+/// depthwise convolutions to look around. For the classes they meet the photo's features of stride 2. Nothing of it
+/// goes back into the rest: without a map the classes are those of the network without this branch.
+MapBranch add_map_branch(MobileNetBuilder& b, int map_4, int merged_4, int trunk_4, int merged_2) {
   const std::size_t first = b.graph.layers.size();
   const auto starting_at_zero = [&](const std::string& name, int input, int channels) {
     const int x = b.conv(name, input, channels, 1, 0, false);
@@ -218,8 +228,6 @@ MapBranch add_map_branch(MobileNetBuilder& b, int merged_4, int trunk_4, int mer
     const int channels = b.channels(input);
     return b.add({.name = name, .kind = LayerKind::upsample_2x, .inputs = {input}, .in = channels, .out = channels});
   };
-  const int map_2 = b.keras_conv("map_2", "map_2/kernel", "map_2_BN", map_input, 16, 3, 2, false, true, false),
-            map_4 = b.pointwise("map_4_project", b.depthwise("map_4_depthwise", map_2, 2, false), 32, true, false);
   const int width = b.channels(merged_4) + b.channels(trunk_4) + b.channels(map_4);
   int x = b.add({.name = "align_input",
                  .kind = LayerKind::concat,
@@ -243,13 +251,18 @@ MapBranch add_map_branch(MobileNetBuilder& b, int merged_4, int trunk_4, int mer
              .out = channels});
   x = b.pointwise("classes_project", b.depthwise("classes_depthwise", x, 1, false), channels, true, false);
   branch.scores = starting_at_zero("classes_out", x, b.graph.class_count);
-  for (std::size_t i = first; i < b.graph.layers.size(); ++i) b.graph.layers[i].of_map = true;
+  mark_of_map(b.graph, first);
   return branch;
 }
 
 void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
   b.graph.stride_px = stride_px;
-  if (with_map) b.graph.map_channels = map_raster_channels, b.graph.alignment_channels = alignment_channels;
+  int map_4 = image_input;
+  if (with_map) {
+    b.graph.map_channels = map_raster_channels, b.graph.alignment_channels = alignment_channels;
+    map_4 = add_map_features(b);
+    mark_of_map(b.graph, 0);
+  }
   int x = b.keras_conv("Conv1", "Conv1/kernel", "bn_Conv1", image_input, 32, 3, 2, false, true, true);
   x = b.pointwise("expanded_conv_project", b.depthwise("expanded_conv_depthwise", x, 1, true), 16, false, true);
   struct Group {  // table 2 of the paper: channels, repeats, stride of the first; expansion 6
@@ -303,7 +316,7 @@ void make_mobilenet(MobileNetBuilder& b, int stride_px, bool with_map) {
   const int merged_2 = x;
   x = b.score("head", x);
   if (with_map) {
-    const MapBranch branch = add_map_branch(b, merged_4, trunk_4, merged_2);
+    const MapBranch branch = add_map_branch(b, map_4, merged_4, trunk_4, merged_2);
     const int classes = b.graph.class_count, all = b.graph.output_channels();
     x = b.add({.name = "head_with_map",
                .kind = LayerKind::add,

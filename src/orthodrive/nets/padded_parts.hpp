@@ -12,7 +12,7 @@ namespace orthodrive {
 /// What comes out of the layers before `first`, where later ones read it; undefined tensors elsewhere. Batch norm runs
 /// as in prediction.
 [[nodiscard]] std::vector<at::Tensor> forward_padded_before(const NetworkGraph& graph, NetworkParams& params,
-                                                            const at::Tensor& image, std::size_t first);
+                                                            const InputTensors& input, std::size_t first);
 /// The scores that come of it, for an image of that edge.
 [[nodiscard]] Scores forward_padded_from(const NetworkGraph& graph, NetworkParams& params,
                                          std::vector<at::Tensor> before, std::size_t first, int image_size_px);

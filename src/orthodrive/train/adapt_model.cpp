@@ -138,10 +138,10 @@ std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels,
 
 // ---- the trunk
 
-at::Tensor image_of(const AdaptedNetwork& network, std::span<const Cell> cells) {
+InputTensors input_of(const AdaptedNetwork& network, std::span<const Cell> cells) {
   std::vector<std::uint8_t> rgb;
   for (const Cell& cell : cells) rgb.insert(rgb.end(), cell.rgb.data.begin(), cell.rgb.data.end());
-  return input_tensor(network.graph, {rgb.data(), nullptr}, static_cast<int>(cells.size()), cells[0].rgb.width,
+  return input_tensors(network.graph, {rgb.data(), nullptr}, static_cast<int>(cells.size()), cells[0].rgb.width,
                       cells[0].rgb.height);
 }
 
@@ -150,7 +150,7 @@ void run_trunk(const AdaptedNetwork& network, const NetworkParams& params, std::
     const SingleThreadedTorch one_thread;
     const at::NoGradGuard no_grad;
     NetworkParams own = params;  // handles only
-    cells[i].features = forward_padded_before(network.graph, own, image_of(network, {&cells[i], 1}), network.decoder);
+    cells[i].features = forward_padded_before(network.graph, own, input_of(network, {&cells[i], 1}), network.decoder);
   });
 }
 

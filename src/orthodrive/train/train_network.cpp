@@ -366,9 +366,9 @@ double Trainer::advance(const std::vector<TrainingScene>& scenes) {
   at::set_num_threads(worker_count(options.threads));
   at::manual_seed(derive_seed(derive_seed(options.seed, static_cast<std::uint64_t>(s.step)), 2));  // dropout
   const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, s.step, s.on_map());
-  const at::Tensor image =
-      input_tensor(s.graph, batch.input(), options.batch, options.crop_px, options.crop_px).to(s.device);
-  const Scores scores = forward_padded(s.graph, s.params, image,
+  const InputTensors input =
+      input_tensors(s.graph, batch.input(), options.batch, options.crop_px, options.crop_px).to(s.device);
+  const Scores scores = forward_padded(s.graph, s.params, input,
                                        {.update_batch_statistics = s.step < options.freeze_norm_from_step,
                                         .dropout = true,
                                         .of_map_only = options.map_only});
@@ -508,8 +508,9 @@ std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& sc
   for (int i = 0; i < count; ++i) {
     const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i,
                                    s.on_map());  // other crops than those learned from
-    const at::Tensor image = input_tensor(s.graph, batch.input(), 1, options.crop_px, options.crop_px).to(s.device);
-    const Scores scores = forward_padded(s.graph, params, image, {});
+    const InputTensors input =
+        input_tensors(s.graph, batch.input(), 1, options.crop_px, options.crop_px).to(s.device);
+    const Scores scores = forward_padded(s.graph, params, input, {});
     const at::Tensor unary = (-at::log_softmax(scores.values.narrow(1, 0, s.graph.class_count)
                                                    .narrow(2, scored.first - scores.row_px.first, scored.size())
                                                    .narrow(3, scored.first - scores.col_px.first, scored.size()),
