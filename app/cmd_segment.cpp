@@ -56,6 +56,7 @@ void add_segment(CLI::App& app, Context& context) {
       "a minute on two cores, with the CRF a minute and a half.\n"
       "Examples:\n"
       "  orthodrive segment ortho.tif -o labels.tif\n"
+      "  orthodrive segment ortho.tif --osm town.osm -o labels.tif --road-probability p.tif --alignment alignment.csv\n"
       "  orthodrive segment ortho.tif -o labels.tif --confidence confidence.tif --model out/train/model.safetensors\n"
       "  orthodrive segment ortho.tif --adapt --osm town.osm -o labels.tif");
   cmd->callback([command, &context] {

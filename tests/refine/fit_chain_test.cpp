@@ -62,6 +62,25 @@ TEST(FitChain, a_hidden_stretch_takes_most_of_the_shift_and_the_width_of_its_way
   EXPECT_GT(fit.sigma_width_m[35], fit.sigma_width_m[15]);
 }
 
+TEST(FitChain, is_less_sure_where_edges_are_soft) {
+  StraightScene s(0.0);
+  const ChainFit sharp = s.fit();
+  const auto cells = static_cast<std::size_t>(s.profiles.cells);
+  for (std::size_t row = 80; row < s.profiles.evidence.size(); ++row)  // the second half of the road
+    for (std::size_t k = 0; k < cells; ++k) {
+      const double t = (static_cast<double>(k) + 0.5) * s.profiles.step_m - s.profiles.half_m,
+                   road = 1.0 / (1.0 + std::exp((std::abs(t) - 3.0) / 0.45));  // a band of 1.8 m at each edge
+      s.profiles.false_positive[row * cells + k] = static_cast<float>(road);
+      s.profiles.false_negative[row * cells + k] = static_cast<float>(1.0 - road);
+    }
+  const ChainFit soft = s.fit();
+  EXPECT_NEAR(soft.shape.width_m[60], 6.0, 0.3);
+  EXPECT_GT(soft.sigma_offset_m[60], 1.0);
+  EXPECT_GT(soft.sigma_width_m[60], 2.0);
+  EXPECT_LT(sharp.sigma_offset_m[60], 0.7);
+  EXPECT_LT(soft.sigma_offset_m[20], 0.7) << "the first half is as sharp as before";
+}
+
 TEST(FitChain, stays_within_its_bounds) {
   StraightScene s(-3.0);
   s.options.search_radius_m = 1.0;

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "orthodrive/roads/path_crossings.hpp"
 #include "orthodrive/roads/path_links.hpp"
+#include "orthodrive/roads/ring_paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -11,6 +15,43 @@ RoadPath make_path(std::vector<std::pair<Vec2, std::int64_t>> nodes, const std::
   path.highway = highway;
   for (const auto& [p, id] : nodes) path.nodes.push_back({.p = p, .osm_node = id});
   return path;
+}
+
+/// One-way paths between corners of a polygon with that many, the last one back to the first.
+RoadNetwork one_way_loop(int corners, double radius_m, int parts) {
+  RoadNetwork roads;
+  const auto corner = [&](int i) {
+    const double angle = 2.0 * std::numbers::pi * i / corners;
+    return Vec2{100.0 + radius_m * std::cos(angle), 50.0 + radius_m * std::sin(angle)};
+  };
+  for (int part = 0; part < parts; ++part) {
+    const int first = corners * part / parts, last = corners * (part + 1) / parts;
+    std::vector<std::pair<Vec2, std::int64_t>> nodes;
+    for (int i = first; i <= last; ++i) nodes.emplace_back(corner(i), 1 + i % corners);
+    roads.paths.push_back(make_path(nodes));
+    roads.paths.back().oneway = Oneway::forward;
+  }
+  return roads;
+}
+
+TEST(RingPaths, are_known_by_their_form) {
+  RoadNetwork roads = one_way_loop(12, 14.0, 3);
+  roads.paths.push_back(make_path({{{114, 50}, 1}, {{180, 50}, 50}}));  // an arm, driven both ways
+  roads.paths.push_back(make_path({{{180, 60}, 51}, {{114, 50}, 1}}));  // one that leads in
+  roads.paths.back().oneway = Oneway::forward;
+  EXPECT_EQ(paths_on_rings(roads), (std::vector<bool>{true, true, true, false, false}));
+  EXPECT_EQ(paths_on_rings(one_way_loop(12, 14.0, 1)), std::vector<bool>{true});
+}
+
+TEST(RingPaths, are_no_blocks_of_houses_no_large_loops_and_no_streets_for_both_ways) {
+  const std::vector<bool> none(4, false);
+  EXPECT_EQ(paths_on_rings(one_way_loop(4, 30.0, 4)), none);
+  EXPECT_EQ(paths_on_rings(one_way_loop(16, 60.0, 4)), none);
+  RoadNetwork both_ways = one_way_loop(12, 14.0, 4);
+  both_ways.paths[2].oneway = Oneway::no;
+  EXPECT_EQ(paths_on_rings(both_ways), none);
+  both_ways.paths[2].roundabout = true;
+  EXPECT_EQ(paths_on_rings(both_ways), (std::vector<bool>{false, false, true, false}));
 }
 
 TEST(PathLinks, the_straight_way_goes_on_at_a_junction) {

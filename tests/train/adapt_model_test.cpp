@@ -94,6 +94,8 @@ TEST(AdaptModel, learns_the_streets_of_a_place_as_it_has_never_seen_one) {
   EXPECT_EQ(adapted.file.metadata, shipped_tensors().metadata);
   EXPECT_EQ(adapted.file.tensors.at("Conv1/kernel").values, shipped_tensors().tensors.at("Conv1/kernel").values)
       << "the trunk's weights stay";
+  EXPECT_EQ(adapted.file.tensors.at("align_out/kernel").values, shipped_tensors().tensors.at("align_out/kernel").values)
+      << "and the branch's for the map";
 }
 
 TEST(AdaptModel, has_the_same_bytes_with_any_number_of_threads) {
@@ -151,11 +153,7 @@ TEST(AdaptModel, says_when_there_is_too_little_to_learn_from) {
 
 TEST(AdaptModel, refuses_networks_that_it_cannot_adapt) {
   SegmentModel model = shipped_model();
-  model.sees_map = true, model.name = "mobilenetv2-s32-fpn2-map";
-  EXPECT_THAT(
-      [&] { require_adaptable(model, "second_eye"); },
-      testing::ThrowsMessage<OptionError>(testing::HasSubstr("second_eye sees the map and would learn to copy it")));
-  model.sees_map = false, model.name = "vgg16-8s";
+  model.name = "vgg16-8s";
   EXPECT_THAT([&] { require_adaptable(model, "vgg"); },
               testing::ThrowsMessage<OptionError>(testing::HasSubstr("only mobilenetv2 models adapt")));
 }

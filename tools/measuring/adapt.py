@@ -54,8 +54,8 @@ class Measuring:
     def labels(self, folder, variant, photo, osm, maps):
         """Labels, probability of road, seconds, peak memory in GB, and what became of the adaptation."""
         labels, probability = folder / f"labels_{variant}.tif", folder / f"probability_{variant}.tif"
-        adapt = [*VARIANTS[variant], "--osm", osm, *maps] if VARIANTS[variant] else []
-        words = ["segment", photo, "--model", self.args.model, "-o", labels, "--road-probability", probability, *adapt]
+        adapt = [*VARIANTS[variant], *maps] if VARIANTS[variant] else []
+        words = ["segment", photo, "--model", self.args.model, "--osm", osm, "-o", labels, "--road-probability", probability, *adapt]
         said = folder / "said.txt"
         start = time.monotonic()
         with said.open("w") as stderr:

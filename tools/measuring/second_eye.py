@@ -25,7 +25,7 @@ def add_arguments(parser):
     add_tool(parser, "out/second_eye_measured")
     add_only(parser, ["labels", "speed", *SITES, *TOWNS])
     add_table(parser)
-    parser.add_argument("--eye", type=pathlib.Path, default=ROOT / "models/second_eye.safetensors", help="a model that sees the map")
+    parser.add_argument("--eye", type=pathlib.Path, default=ROOT / "models/default.safetensors", help="a model that sees the map")
 
 
 def shift(source, target, metres):

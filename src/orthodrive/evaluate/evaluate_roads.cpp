@@ -210,7 +210,7 @@ class LineScores {
  private:
   RoadPlace measure_place(std::size_t line, const TruthPlace& at) {
     const evaluate::RoadsAcross::Query query{.p = at.p, .direction = at.direction, .reach_m = options_.search_m};
-    RoadPlace place{line, at.p, nan, nan, nan};
+    RoadPlace place{line, at.p, nan, nan, nan, nan, nan};
     const auto road = index_.find(query);
     if (road) place.offset_m = road->offset_m;
     if (const auto was = index_before_ ? index_before_->find(query) : std::nullopt) {
@@ -219,6 +219,7 @@ class LineScores {
     }
     if (!road) return place;
     const RoadNode& nearest = roads_.paths[road->path].nodes[road->segment + (road->fraction < 0.5 ? 0 : 1)];
+    place.sigma_offset_m = nearest.sigma_offset_m, place.sigma_width_m = nearest.sigma_width_m;
     offsets_.push_back(road->offset_m);
     offset_sigma_.add(road->offset_m, nearest.sigma_offset_m);
     const auto width = widths_.at(truth_.lines[line], at.segment, at.fraction, at.p, at.direction);

@@ -49,6 +49,7 @@ struct RoadPlace {
   Vec2 p;
   double offset_m = 0.0, width_error_m = 0.0;
   double offset_before_m = 0.0;
+  double sigma_offset_m = 0.0, sigma_width_m = 0.0;  ///< as the road there states them
 };
 
 struct RoadScores {

@@ -50,10 +50,13 @@ io::NumberLayer line_layer(const ScoredRoadsView& view) {
 }
 
 io::NumberLayer sample_layer(const RoadScores& scores) {
-  io::NumberLayer layer{.name = "truth_samples", .fields = {"line", "offset_m", "width_error_m", "offset_before_m"}};
+  io::NumberLayer layer{
+      .name = "truth_samples",
+      .fields = {"line", "offset_m", "width_error_m", "offset_before_m", "sigma_offset_m", "sigma_width_m"}};
   for (const RoadPlace& place : scores.places)
-    layer.rows.push_back(
-        {place.p, {static_cast<double>(place.line), place.offset_m, place.width_error_m, place.offset_before_m}});
+    layer.rows.push_back({place.p,
+                          {static_cast<double>(place.line), place.offset_m, place.width_error_m, place.offset_before_m,
+                           place.sigma_offset_m, place.sigma_width_m}});
   return layer;
 }
 }  // namespace

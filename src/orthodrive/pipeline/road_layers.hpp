@@ -23,7 +23,8 @@ void write_road_overlay(const std::filesystem::path& path, const std::filesystem
 /// A GeoPackage with the layers
 /// - false_positive, false_negative: polygons with area_m2;
 /// - truth_lines: the truth lines with mean_abs_offset_m, p95_offset_m, mean_abs_width_error_m and their places (n);
-/// - truth_samples: every place asked, with line, offset_m, width_error_m and offset_before_m; null where nothing is.
+/// - truth_samples: every place asked, with line, offset_m, width_error_m, offset_before_m and the sigmas
+///   that the road states there; null where nothing is.
 void write_road_layers(const std::filesystem::path& path, const ScoredRoadsView& view);
 
 }  // namespace orthodrive

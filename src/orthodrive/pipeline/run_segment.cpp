@@ -111,7 +111,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
   if (options.adapt && files.osm.empty())
     throw OptionError("adapt: give the OSM roads of the photo, too; the network learns from them");
   if (!options.adapt && !model.sees_map && !files.osm.empty())
-    throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take the model second_eye");
+    throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take a model that does");
   const RoadNetwork no_roads;
   const RoadNetwork& roads = files.osm.empty() ? no_roads : context.sources.osm(files.osm, site).roads;
   const RoadNetwork& seen = model.sees_map ? roads : no_roads;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "orthodrive/core/atomic_file.hpp"
@@ -50,8 +51,14 @@ OpenExperiment open_experiment(const TrainFiles& files, const StageContext& cont
   const fs::path& file = files.experiment;
   OpenExperiment open{.text = io::read_file(file)};
   open.experiment = parse_experiment(open.text, file);
-  const fs::path& more = open.experiment.data_from;
-  if (!more.empty()) add_data(open.experiment, parse_experiment(io::read_file(more), more));
+  std::set<fs::path> read{fs::weakly_canonical(file)};
+  for (fs::path more = open.experiment.data_from; !more.empty();) {
+    if (!read.insert(fs::weakly_canonical(more)).second)
+      throw InputError(more.string(), "data_from leads back here; leave one of them out");
+    const Experiment other = parse_experiment(io::read_file(more), more);
+    add_data(open.experiment, other);
+    more = other.data_from;
+  }
   if (!files.leave_out.empty()) open.experiment.leave_out = files.leave_out;
   if (!files.weights.empty()) open.experiment.weights = files.weights;
   leave_out_data(open.experiment, file.string());

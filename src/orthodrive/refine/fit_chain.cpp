@@ -17,11 +17,13 @@ constexpr double limit_weight = 10.0;  // 1/m
 // Within this length the offsets and widths of nodes differ from those of their way by one common error.
 constexpr double way_error_length_m = 30.0;
 // The error of labels has three parts. One averages out along a road, in blobs of a given length. Two do not, however
-// many nodes there are: how exactly an edge can be pointed at, in pixels of the labels; and what the labels take for
-// the edge (kerb, shoulder, parked cars), as a share of the misclassified width beside it. With the three the stated
-// standard deviations fit the errors on synthetic sites (0.2 m/px) and on the hand-drawn carriageways (0.5 m/px).
+// many nodes there are: how exactly an edge can be pointed at; and what the labels take for the edge (kerb, shoulder,
+// parked cars), as a share of the misclassified width beside it. An edge can be pointed at by some pixels of the labels
+// at best; where the band in which road and the rest are both likely is wider, by its square. Fitted on Kvarnbyn's
+// drawn carriageways and on village 99.
 constexpr double label_blob_m = 4.0;
-constexpr double pointing_px = 1.25;
+constexpr double pointing_px = 1.25, pointing_of_soft_1pm = 0.62;
+constexpr double soft_reach_m = 2.0, soft_along_m = 8.0;  // what is looked at beside an edge, and along it
 constexpr double edge_bias_share = 0.2;
 constexpr double seen_outlier_sigmas = 2.0;
 constexpr double unseen_width_share = 0.08;  // by which a hidden stretch may differ from the rest of its way
@@ -301,18 +303,44 @@ class ChainProblem {
     blocks_.scaled.insert(blocks_.scaled.end(), blocks_.classes.begin(), blocks_.classes.end());
     const Sigmas sigmas =
         estimate_sigmas(problem_, parameters_, blocks_, evidence_rows_, floor_residual, options_.spacing_m);
-    const double pointing_m = pointing_px * pixel_m;
+    const std::vector<double> soft_m = edge_softness_m();
     const double edge_bias_m = edge_bias_share * options_.strip_m * sigmas.class_residual / weights_.evidence;
-    const double edge_m = std::hypot(pointing_m, edge_bias_m);
     const auto seen = [&](std::size_t i) {
       return profiles_.evidence[std::min(i, last_ - 1) * rows_per_segment] > 0.0F;
     };
     fit_.sigma_offset_m.resize(count_), fit_.sigma_width_m.resize(count_);
     for (std::size_t i = 0; i < count_; ++i) {
+      const double pointing_m = std::max(pointing_px * pixel_m, pointing_of_soft_1pm * soft_m[i] * soft_m[i]);
+      const double edge_m = std::hypot(pointing_m, edge_bias_m);
       fit_.sigma_offset_m[i] = std::hypot(sigmas.of_parameters[2 * own(i)], pointing_m / std::sqrt(2.0));
       const double unseen_m = seen(i) ? 0.0 : unseen_width_share * width_[own(i)];
       fit_.sigma_width_m[i] = std::hypot(sigmas.of_parameters[2 * own(i) + 1], std::sqrt(2.0) * edge_m, unseen_m);
     }
+  }
+
+  /// Of each node: the width of the band at its edges in which road and the rest are both likely, the integral of
+  /// 4 p (1 - p) across it, mean of both edges over some metres; 0 where nothing is seen.
+  [[nodiscard]] std::vector<double> edge_softness_m() const {
+    std::vector<double> of_segment(last_, -1.0);
+    for (std::size_t i = 0; i < last_; ++i) {
+      double sum = 0.0;
+      int edges = 0;
+      for (std::size_t row = i * rows_per_segment; row < (i + 1) * rows_per_segment; ++row) {
+        if (profiles_.evidence[row] <= 0.0F) continue;
+        for (const double side : {0.5, -0.5}) sum += band_m(row, offset_[own(i)] + side * width_[own(i)]), ++edges;
+      }
+      if (edges > 0) of_segment[i] = sum / edges;
+    }
+    const auto reach = static_cast<std::size_t>(soft_along_m / options_.spacing_m);
+    std::vector<double> soft_m(count_, 0.0);
+    for (std::size_t i = 0; i < count_; ++i) {
+      double sum = 0.0;
+      int seen = 0;
+      for (std::size_t k = i > reach ? i - reach : 0; k < std::min(last_, i + reach); ++k)
+        if (of_segment[k] >= 0.0) sum += of_segment[k], ++seen;
+      if (seen > 0) soft_m[i] = sum / seen;
+    }
+    return soft_m;
   }
 
   [[nodiscard]] ChainFit take() {
@@ -328,6 +356,18 @@ class ChainProblem {
   template <typename... Unknowns>
   void add_scaled(ceres::CostFunction* cost, Unknowns*... unknowns) {
     blocks_.scaled.push_back(problem_.AddResidualBlock(cost, nullptr, unknowns...));
+  }
+  /// Across one edge at t.
+  [[nodiscard]] double band_m(std::size_t row, double t_m) const {
+    const auto outside = profiles_.positive_row(row), inside = profiles_.negative_row(row);
+    const auto cell_at = [&](double t) {
+      return static_cast<std::size_t>(
+          std::clamp((t + profiles_.half_m) / profiles_.step_m, 0.0, static_cast<double>(profiles_.cells)));
+    };
+    double sum = 0.0;
+    for (std::size_t k = cell_at(t_m - soft_reach_m); k < cell_at(t_m + soft_reach_m); ++k)
+      sum += 4.0 * static_cast<double>(outside[k]) * static_cast<double>(inside[k]);
+    return sum * profiles_.step_m;
   }
   /// A closed chain's last node is its first.
   [[nodiscard]] std::size_t own(std::size_t i) const { return chain_.closed && i == last_ ? 0 : i; }

@@ -7,6 +7,7 @@
 
 #include "orthodrive/roads/path_crossings.hpp"
 #include "orthodrive/roads/path_links.hpp"
+#include "orthodrive/roads/ring_paths.hpp"
 
 namespace orthodrive {
 namespace {
@@ -22,24 +23,24 @@ Vec2 point_along(std::span<const Vec2> line, std::span<const double> s, double a
 }
 
 /// Classes whose surface is what it happens to be: two ruts or a yard's drive; one-way roads above residential ones,
-/// with or without shoulders, and rings, which most maps tell by their form alone.
-bool is_of_any_width(const RoadPath& path) {
-  if (path.roundabout || path.highway == "service" || path.highway == "track") return true;
+/// with or without shoulders, and rings.
+bool is_of_any_width(const RoadPath& path, bool on_ring) {
+  if (on_ring || path.highway == "service" || path.highway == "track") return true;
   return path.oneway == Oneway::forward && path.highway != "raceway" &&
          road_rank(path.highway) >= road_rank("tertiary_link");
 }
 
 /// Standard deviation of an input width as a share of it. Measured on hand-made carriageways: default widths err by a
 /// fifth to a third; tags are of the carriageway in most cases, of the lanes alone or with pavements in some.
-double width_sigma_share(const RoadPath& path) {
+double width_sigma_share(const RoadPath& path, bool on_ring) {
   constexpr double of_any = 0.8;  // of a default width it may be twice as much
   if (path.width_source == WidthSource::tag) return 0.1;
-  if (is_of_any_width(path)) return of_any;
+  if (is_of_any_width(path, on_ring)) return of_any;
   return path.width_source == WidthSource::lanes ? 0.2 : 0.3;
 }
 
 RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::map<std::int64_t, int>& incidences,
-                   const ChainOptions& options) {
+                   const std::vector<bool>& on_ring, const ChainOptions& options) {
   RoadChain chain{.closed = paths.closed};
   for (const ChainPath& member : paths.paths) chain.pieces.push_back({member.path, member.reversed});
   Polyline osm_line;  // of the whole chain, without repeated points
@@ -49,7 +50,7 @@ RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::ma
   for (ChainPiece& piece : chain.pieces) {
     const RoadPath& path = osm.paths[piece.path];
     chain.rank = std::max(chain.rank, road_rank(path.highway));
-    const double sigma_share = width_sigma_share(path);
+    const double sigma_share = width_sigma_share(path, on_ring[piece.path]);
     std::vector<RoadNode> nodes = path.nodes;
     if (piece.reversed) std::reverse(nodes.begin(), nodes.end());
     piece.first = chain.nodes.empty() ? 0 : chain.nodes.size() - 1;
@@ -111,9 +112,10 @@ std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& 
   for (const RoadPath& path : osm.paths)
     for (const RoadNode& node : path.nodes)
       if (node.osm_node > 0) ++incidences[node.osm_node];
+  const std::vector<bool> on_ring = paths_on_rings(osm);
   std::vector<RoadChain> chains;
   for (const PathChain& paths : chain_paths(osm, link_path_ends(osm)))
-    chains.push_back(resample(osm, paths, incidences, options));
+    chains.push_back(resample(osm, paths, incidences, on_ring, options));
   return chains;
 }
 

@@ -36,18 +36,15 @@ constexpr double least_road = 0.01;  // share of a cell that is surely road, for
 constexpr int fold = 5;              // every fifth cell is held back
 constexpr std::size_t least_learned = 6, least_held_back = 2;
 
-/// The trunk stands before the first layer with weights that are not the trunk's.
+/// The network without its branch for the map: beside the map it would learn to copy it. The trunk stands before the
+/// first layer with weights that are not the trunk's.
 struct AdaptedNetwork {
   NetworkGraph graph;
   std::size_t decoder = 0;
   ClassSet road = unknown_class;
 
   AdaptedNetwork(const SegmentModel& model, const std::string& source)
-      : graph(make_network(model.name, static_cast<int>(model.classes.classes.size()))) {
-    if (model.sees_map)
-      throw OptionError(fmt::format(
-          "adapt: {} sees the map and would learn to copy it; take a model that sees the photo alone, or leave it out",
-          source));
+      : graph(make_network(without_map(model.name), static_cast<int>(model.classes.classes.size()))) {
     const auto first = std::ranges::find_if(
         graph.layers, [](const Layer& layer) { return !layer.kernel_tensor.empty() && !layer.pretrained; });
     decoder = static_cast<std::size_t>(first - graph.layers.begin());
@@ -142,7 +139,7 @@ InputTensors input_of(const AdaptedNetwork& network, std::span<const Cell> cells
   std::vector<std::uint8_t> rgb;
   for (const Cell& cell : cells) rgb.insert(rgb.end(), cell.rgb.data.begin(), cell.rgb.data.end());
   return input_tensors(network.graph, {rgb.data(), nullptr}, static_cast<int>(cells.size()), cells[0].rgb.width,
-                      cells[0].rgb.height);
+                       cells[0].rgb.height);
 }
 
 void run_trunk(const AdaptedNetwork& network, const NetworkParams& params, std::span<Cell> cells, int threads) {

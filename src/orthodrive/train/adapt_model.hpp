@@ -54,12 +54,12 @@ struct AdaptedModel {
   AdaptReport report;
 };
 
-/// Throws OptionError for networks that see a map (they would learn to copy it) and those that are no mobilenetv2.
+/// Throws OptionError for networks that are no mobilenetv2.
 void require_adaptable(const SegmentModel& model, const std::string& source);
 
 /// The decoder learns for a few hundred steps on the trunk's features of cells of the photo; every fifth cell is held
-/// back to see whether that is a gain. Deterministic. `source` names the model in messages. Throws as
-/// require_adaptable() and load_model().
+/// back to see whether that is a gain. A branch for the map stays as it is and is not asked. Deterministic. `source`
+/// names the model in messages. Throws as require_adaptable() and load_model().
 [[nodiscard]] AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
                                        const WeakLabels& labels, const AdaptOptions& options = {},
                                        Monitor* monitor = nullptr);

@@ -1,0 +1,15 @@
+#pragma once
+// Which paths traffic drives round on: maps often lack the tag of a roundabout, its form stays.
+
+#include <vector>
+
+#include "orthodrive/model/road_network.hpp"
+
+namespace orthodrive {
+
+/// For each path whether it is part of a ring: it is tagged as a roundabout, or one-way paths lead from end to end
+/// round a circle of 25 to 220 m (of every place on them the distance from the middle is within 0.8 to 1.25 of that of
+/// any other, which leaves out blocks of houses, whose corners lie 1.4 times as far out as their sides).
+[[nodiscard]] std::vector<bool> paths_on_rings(const RoadNetwork& roads);
+
+}  // namespace orthodrive
