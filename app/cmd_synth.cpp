@@ -46,6 +46,8 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->add_option("--world", options.world,
                   "season, streets, light and roofs: a name (" + world_list() +
                       ") or random, drawn by seed (default: summer in Central Europe)");
+  cmd->add_option("--textures", arguments->files.textures,
+                  "folder with textures of real photos for its surfaces (tools/paint quilt)");
   CLI::Option* size =
       cmd->add_option("--size", options.size_m,
                       "edge of the site in metres, a multiple of 10 (region: 10000; track: as small as can be)")

@@ -17,7 +17,7 @@ except ImportError as missing:
     sys.exit(77)
 sys.path.insert(0, str(SOURCE / "tools"))
 sys.dont_write_bytecode = True
-from painting import pieces, sheet, snap  # noqa: E402
+from painting import pieces, quilt, sheet, snap  # noqa: E402
 
 GSD = 0.5
 # A roof from 20.0 to 60.0 m in x and 30.0 to 50.0 m in y, green to the left of x = 80 m and grey to the right, in the piece whose corner is at 10, 20 m.
@@ -52,6 +52,27 @@ class Paint(unittest.TestCase):
         (self.root / "sheet.txt").write_text(text)
         self.paint("write", "sheet.txt", ".", "--gsd", str(GSD), "-o", name)
         return pieces.read_geojson(self.root / name, None)[0]
+
+    def test_textures_are_as_bright_as_their_surroundings_and_go_on_at_their_edges(self):
+        self.painted()
+        self.paint("render", "painted.geojson", ".", "-o", "rendered")
+        self.paint("quilt", "rendered", "--gsd", str(GSD), "--patches", "60", "-o", "textures")
+        self.assertEqual((self.root / "textures/textures.toml").read_text(), f"gsd_m = {GSD}\n")
+        self.assertFalse((self.root / "textures/water.png").exists(), "nothing is water")
+        tile = numpy.asarray(Image.open(self.root / "textures/grass.png")).astype(float)
+        self.assertEqual(tile.shape[0], tile.shape[1])
+        self.assertAlmostEqual(tile.mean(), 128.0, delta=1.0)
+        self.assertGreater(tile.std(), 2.0)
+        inside = numpy.abs(numpy.diff(tile, axis=1)).mean()
+        self.assertLess(numpy.abs(tile[:, 0] - tile[:, -1]).mean(), 1.5 * inside)
+        self.assertLess(numpy.abs(tile[0] - tile[-1]).mean(), 1.5 * inside)
+        self.assertIn("tools/paint render first", self.paint("quilt", "nowhere", "-o", "textures", code=1))
+
+    def test_a_cut_takes_the_cheapest_way(self):
+        error = numpy.ones((6, 5))
+        for row, col in enumerate([1, 2, 3, 2, 1, 0]):
+            error[row, col] = 0.0
+        self.assertEqual(quilt.cut(error).tolist(), [1, 2, 3, 2, 1, 0])
 
     def test_a_drawn_roof_moves_to_its_edges(self):
         label, ring = self.painted()["a"].coats[-1]

@@ -230,5 +230,58 @@ TEST(Worlds, random_worlds_differ_and_unknown_ones_are_refused) {
   EXPECT_THROW((void)make_preset(Preset::village, {.size_m = 300.0, .gsd_m = 1.0, .world = "moon"}), OptionError);
 }
 
+/// Half of a chessboard: columns of 1 m, bright and dark.
+PhotoTextures striped(const std::string& name) {
+  PhotoTextures textures{.gsd_m = 0.5};
+  Raster<std::uint8_t> tile(8, 8, 3);
+  for (int row = 0; row < 8; ++row)
+    for (int col = 0; col < 8; ++col)
+      for (int c = 0; c < 3; ++c) tile.at(col, row, c) = col / 2 % 2 == 0 ? 192 : 64;
+  textures.tiles.emplace(name, tile);
+  return textures;
+}
+
+TEST(PhotoTextures, keep_their_mean_at_any_scale_and_go_on_at_their_edges) {
+  for (const double gsd_m : {0.25, 0.5, 1.0, 4.0}) {
+    const TextureSampler sampler(striped("road"), gsd_m, 5);
+    const int px = static_cast<int>(4.0 / gsd_m);  // of the tile
+    double sum = 0.0, least = 2.0, most = 0.0;
+    for (int col = 0; col < px; ++col) {
+      const float f = sampler.at(Texture::road, col - 1000 * px, 3)[1];
+      EXPECT_EQ(f, sampler.at(Texture::road, col + 7 * px, 3)[1]);
+      sum += f, least = std::min<double>(least, f), most = std::max<double>(most, f);
+    }
+    EXPECT_NEAR(sum / px, 1.0, 1e-5) << gsd_m;
+    EXPECT_NEAR(most - least, gsd_m < 2.0 ? 1.0 : 0.0, gsd_m < 2.0 ? 0.3 : 1e-5) << gsd_m;
+  }
+  const TextureSampler sampler(striped("road"), 0.5, 5);
+  EXPECT_EQ(sampler.at(Texture::grass, 1, 2), (std::array{1.0f, 1.0f, 1.0f})) << "no tile";
+}
+
+TEST(PhotoTextures, show_on_their_class_alone_and_leave_the_truth_as_it_is) {
+  SynthOptions options{.size_m = 300.0, .gsd_m = 0.5, .seed = 3, .world = "baltic"};
+  const SynthSite plain = make_preset(Preset::grid, options);
+  const PhotoTextures textures = striped("road");
+  options.textures = &textures;
+  const SynthSite textured = make_preset(Preset::grid, options);
+  EXPECT_TRUE(textured.labels.labels.data == plain.labels.labels.data);
+  std::size_t changed_roads = 0, roads = 0, changed_roofs = 0, roofs = 0;
+  const Raster<std::uint8_t>& labels = plain.labels.labels;
+  for (int row = 1; row + 1 < labels.height; ++row)
+    for (int col = 1; col + 1 < labels.width; ++col) {
+      bool alone = true;  // the optics blur a pixel into its neighbours
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) alone &= labels.at(col + i, row + j) == labels.at(col, row);
+      if (!alone) continue;
+      const int change = std::abs(plain.photo.rgb.at(col, row, 1) - textured.photo.rgb.at(col, row, 1));
+      if (labels.at(col, row) == 1) ++roads, changed_roads += change > 10;
+      if (labels.at(col, row) == 3) ++roofs, changed_roofs += change > 0;
+    }
+  EXPECT_GT(roads, 1000u);
+  EXPECT_GT(changed_roads, roads / 2);
+  EXPECT_GT(roofs, 500u);
+  EXPECT_EQ(changed_roofs, 0u);
+}
+
 }  // namespace
 }  // namespace orthodrive::synth

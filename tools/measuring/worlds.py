@@ -15,6 +15,7 @@ def listed_sites():
 def add_arguments(parser):
     add_tool(parser)
     parser.add_argument("--only", default="", metavar="TEXT", help="sites whose name contains this")
+    parser.add_argument("--textures", type=pathlib.Path, help="textures of photos for them, as tools/paint quilt writes them")
     parser.add_argument("--experiment", type=float, metavar="WEIGHT", help="make none: print tables whose weights sum to this")
 
 
@@ -27,5 +28,6 @@ def run(args):
     tool = Tool(args.tool)
     for name, (preset, world, seed, size, gsd) in sites.items():
         start = time.monotonic()
-        tool.synth(ROOT / "out/synth" / name, "--preset", preset, "--world", world, "--seed", seed, "--size", size, "--gsd", gsd)
+        more = ["--textures", args.textures] if args.textures else []
+        tool.synth(ROOT / "out/synth" / name, "--preset", preset, "--world", world, "--seed", seed, "--size", size, "--gsd", gsd, *more)
         print(f"{name}: {time.monotonic() - start:.1f} s", flush=True)

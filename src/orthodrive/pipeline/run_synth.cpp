@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string_view>
 
 #include "orthodrive/core/atomic_file.hpp"
@@ -11,6 +12,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/pipeline/toml_section.hpp"
 #include "orthodrive/synth/make_region.hpp"
 #include "orthodrive/synth/plan_from_track.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
@@ -57,6 +59,27 @@ void write_rasters(const fs::path& folder, const SynthSite& site) {
   io::write_dtm(folder / "dtm_10m.tif", site.dtm_10m);
   io::write_labels(folder / "truth/labels.tif", site.labels);
   io::write_dtm(folder / "truth/dtm_1m.tif", site.true_dtm);
+}
+
+/// What `tools/paint quilt` wrote: textures.toml and a PNG a class.
+PhotoTextures read_textures(const fs::path& folder) {
+  const fs::path file = folder / "textures.toml";
+  const toml::table table = parse_toml(io::read_file(file), file);
+  TomlSection section(table, file);
+  PhotoTextures textures;
+  section.require("gsd_m");
+  section.read("gsd_m", textures.gsd_m);
+  section.finish();
+  if (!(textures.gsd_m >= 0.05 && textures.gsd_m <= 2.0))
+    throw InputError(file.string(), fmt::format("'gsd_m' is {}, need 0.05 to 2 metres a pixel", textures.gsd_m));
+  for (const ClassInfo& info : default_class_table().classes) {
+    const fs::path tile = folder / (info.name + ".png");
+    if (fs::exists(tile)) textures.tiles.emplace(info.name, io::read_image(tile));
+  }
+  if (textures.tiles.empty())
+    throw InputError(folder.string(),
+                     "has no textures: need road.png, grass.png and others; make them with tools/paint quilt");
+  return textures;
 }
 
 /// Writes the rasters on the way.
@@ -142,6 +165,8 @@ std::vector<std::string> world_names() { return synth::world_names(); }
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
   SynthOptions made = options;
   made.threads = context.threads;
+  std::optional<PhotoTextures> textures;
+  if (!files.textures.empty()) made.textures = &textures.emplace(read_textures(files.textures));
   SynthSite site;
   if (!files.track.empty()) {
     site = make_track_site(files, made, context);

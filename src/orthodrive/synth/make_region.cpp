@@ -252,6 +252,8 @@ RegionFrames region_frames(const SitePlan& plan, const SynthOptions& options) {
   if (options.tile_px < 16 || options.tile_px > 8192)
     throw OptionError(fmt::format("tile_px is {}, need 16 to 8192", options.tile_px));
   if (!options.world.empty()) throw OptionError("sites that are made tile by tile have no worlds: leave out --world");
+  if (options.textures)
+    throw OptionError("sites that are made tile by tile have no textures of photos: leave out --textures");
   const Vec2 corner = plan.world_from_local;
   const double size = plan.size_m;
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));

@@ -79,13 +79,11 @@ SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Mon
   const std::vector<RoadSample> samples = sample_roads(plan, terrain, 1.0);
   const int photo_px = static_cast<int>(std::ceil(size / options.gsd_m - 1e-6));
   const GridFrame photo_frame{0.0, size, options.gsd_m, photo_px, photo_px};
-  const SceneSource source{plan,
-                           samples,
-                           objects,
-                           earth,
-                           earth_frame,
-                           static_cast<std::uint32_t>(derive_seed(options.seed, 7)),
-                           world ? &*world : nullptr};
+  const auto seed = static_cast<std::uint32_t>(derive_seed(options.seed, 7));
+  std::optional<TextureSampler> textures;
+  if (options.textures) textures.emplace(*options.textures, options.gsd_m, seed);
+  const SceneSource source{
+      plan, samples, objects, earth, earth_frame, seed, world ? &*world : nullptr, textures ? &*textures : nullptr};
   {
     const SceneRaster scene = rasterize_scene(source, photo_frame, options.threads);
     report(0.35);

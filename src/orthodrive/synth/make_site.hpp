@@ -10,6 +10,7 @@
 #include "orthodrive/model/osm_data.hpp"
 #include "orthodrive/model/rasters.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/synth/photo_textures.hpp"
 
 namespace orthodrive {
 
@@ -25,8 +26,9 @@ struct SynthOptions {
   double osm_offset_max_m = 3.6;  ///< ... and at most so far; 0 and 0: OSM nodes lie on the true lines
   double dtm_1m_sigma_m = 0.05;   ///< noise of the heights
   double dtm_10m_sigma_m = 0.10;
-  int threads = 0;     ///< 0 = all cores; the result does not depend on it
-  std::string world;   ///< what the site looks like (synth/world.hpp): a name or "random"; empty: the plain one
+  int threads = 0;    ///< 0 = all cores; the result does not depend on it
+  std::string world;  ///< what the site looks like (synth/world.hpp): a name or "random"; empty: the plain one
+  const PhotoTextures* textures = nullptr;  ///< of real photos; none: surfaces as the generator paints them
   int tile_px = 1024;  ///< edge of the tiles that a region is made of; the result does not depend on it
 };
 /// Throws OptionError.

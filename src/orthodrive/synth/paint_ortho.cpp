@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/synth/mood.hpp"
 #include "orthodrive/synth/noise.hpp"
 #include "orthodrive/synth/pavement.hpp"
+#include "orthodrive/synth/photo_textures.hpp"
 
 namespace orthodrive::synth {
 namespace {
@@ -90,6 +92,7 @@ class Painter {
     } else {
       albedo = car(source_.objects.cars[static_cast<std::size_t>(object - counts_.houses - counts_.trees)], p);
     }
+    if (source_.textures != nullptr) add_detail(albedo, object, col, row);
     float lambert = roughness > 0.0f ? 1.0f + roughness * (relief_shade(col, row) - 1.0f) : 1.0f;
     if (!on_deck(col, row)) lambert *= terrain_shade(p);
     const float sunlight = static_cast<float>(lit_.at(col, row)) / 255.0f * lambert;
@@ -111,6 +114,45 @@ class Painter {
   [[nodiscard]] Rgb under_twigs(const Rgb& below, int col, int row, Vec2 p) const {
     const float share = static_cast<float>(scene_.twigs.at(col, row)) / 255.0f;
     return share > 0.0f ? mix(below, mood_.foliage * (0.95f + 0.25f * fractal(p, 0.8, 94, 2)), share) : below;
+  }
+
+  /// Of real photos; cars, kerbs and pools stay as they are.
+  void add_detail(Rgb& albedo, std::int32_t object, int col, int row) const {
+    std::optional<Texture> texture;
+    if (object < 0) {
+      texture = texture_of(scene_.cover.at(col, row));
+    } else if (object < counts_.houses + counts_.trees) {
+      texture = object < counts_.houses ? Texture::building : Texture::vegetation;
+    }
+    if (!texture) return;
+    const Rgb factors = source_.textures->at(*texture, scene_.frame.first_col + col, scene_.frame.first_row + row);
+    for (std::size_t i = 0; i < 3; ++i) albedo[i] *= factors[i];
+  }
+  [[nodiscard]] static std::optional<Texture> texture_of(Cover cover) {
+    switch (cover) {
+      case Cover::road:
+        return Texture::road;
+      case Cover::parking:
+      case Cover::paved:
+        return Texture::parking;
+      case Cover::field:
+      case Cover::meadow:
+      case Cover::lawn:
+      case Cover::verge:
+        return Texture::grass;
+      case Cover::garden_bed:
+      case Cover::forest_floor:
+      case Cover::gravel:
+      case Cover::gravel_trap:
+      case Cover::sidewalk:
+        return Texture::ground;
+      case Cover::water:
+        return Texture::water;
+      case Cover::kerb:
+      case Cover::pool:
+        break;
+    }
+    return std::nullopt;
   }
 
   [[nodiscard]] float relief_shade(int col, int row) const {

@@ -15,6 +15,7 @@ enum class Crop : std::uint8_t { wheat, rape, ploughed, stubble, maize, hay };
 constexpr int crop_count = 6;
 
 struct World;
+class TextureSampler;
 
 /// What the pixels are made from. All in local metres.
 struct SceneSource {
@@ -24,7 +25,8 @@ struct SceneSource {
   const BareEarth& earth;
   const GridFrame& earth_frame;
   std::uint32_t seed = 0;
-  const World* world = nullptr;  ///< none: the plain one
+  const World* world = nullptr;              ///< none: the plain one
+  const TextureSampler* textures = nullptr;  ///< none: surfaces as the generator paints them
 };
 
 struct SceneRaster {
