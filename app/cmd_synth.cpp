@@ -1,8 +1,11 @@
 // orthodrive synth: a synthetic site with exact truth.
 
+#include <fmt/format.h>
+
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "orthodrive/pipeline/run_synth.hpp"
@@ -15,21 +18,16 @@ struct Arguments {
   SynthFiles files;
   SynthOptions options;
 };
-}  // namespace
 
-namespace {
-std::string world_list() {
-  std::string list;
-  for (const std::string& name : world_names()) list += (list.empty() ? "" : ", ") + name;
-  return list;
-}
+const std::map<std::string, Preset> presets{{"village", Preset::village},   {"circuit", Preset::circuit},
+                                            {"junction", Preset::junction}, {"region", Preset::region},
+                                            {"grid", Preset::grid},         {"lanes", Preset::lanes},
+                                            {"farmland", Preset::farmland}};
 }  // namespace
 
 void add_synth(CLI::App& app, Context& context) {
-  static const std::map<std::string, Preset> presets{{"village", Preset::village},   {"circuit", Preset::circuit},
-                                                     {"junction", Preset::junction}, {"region", Preset::region},
-                                                     {"grid", Preset::grid},         {"lanes", Preset::lanes},
-                                                     {"farmland", Preset::farmland}};
+  std::vector<std::string> names;
+  for (const auto& [name, preset] : presets) names.push_back(name);
   auto arguments = std::make_shared<Arguments>();
   CLI::App* cmd = app.add_subcommand("synth",
                                      "Makes a synthetic site with exact truth.\n"
@@ -37,15 +35,15 @@ void add_synth(CLI::App& app, Context& context) {
                                      "(labels.tif, roads.gpkg, surface.geojson, centrelines.geojson, dtm_1m.tif).");
   SynthOptions& options = arguments->options;
   CLI::Option* preset =
-      cmd->add_option("--preset", arguments->preset,
-                      "kind of site: village, circuit, junction, region, grid, lanes, farmland")
-          ->check(CLI::IsMember({"village", "circuit", "junction", "region", "grid", "lanes", "farmland"}))
+      cmd->add_option("--preset", arguments->preset, fmt::format("kind of site: {}", fmt::join(names, ", ")))
+          ->check(CLI::IsMember(names))
           ->capture_default_str();
   cmd->add_option("--seed", options.seed, "same seed, same bytes")->capture_default_str();
   cmd->add_option("-o,--output", arguments->files.folder, "folder to write to")->required();
   cmd->add_option("--world", options.world,
-                  "season, streets, light and roofs: a name (" + world_list() +
-                      ") or random, drawn by seed (default: summer in Central Europe)");
+                  fmt::format("season, streets, light and roofs: a name ({}) or random, drawn by seed (default: summer "
+                              "in Central Europe)",
+                              fmt::join(world_names(), ", ")));
   cmd->add_option("--textures", arguments->files.textures,
                   "folder with textures of real photos for its surfaces (tools/paint quilt)");
   CLI::Option* size =

@@ -1,6 +1,7 @@
 """Measures a model and writes the numbers into its card, between its marks.
 
-Needs the data in ../shared/data and the synthetic sites that models/default.toml names (made here when missing).
+Needs the data in ../shared/data, the painted pieces (tools/measure painted) and the synthetic sites that models/regions.toml names (made here
+when missing).
 """
 import re
 
@@ -18,7 +19,7 @@ def cell(value):
 
 def run(args):
     tool, card = Tool(args.tool), args.card
-    experiment, model = card.with_suffix(".toml"), card.with_suffix(".safetensors")
+    experiment, model = ROOT / "models/regions.toml", card.with_suffix(".safetensors")
     # The synthetic sites of the experiment: folders are named PRESET-SEED.
     for folder in re.findall(r'^folder = "(.*)"', experiment.read_text(), re.M):
         site = (experiment.parent / folder).resolve()
