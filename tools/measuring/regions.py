@@ -1,7 +1,7 @@
 """Regions x models: road IoU on held-out data, and on regions left out of the training. Writes docs/measured/regions.md.
 
-    tools/measure regions --model shipped=models/default.safetensors --model candidate=out/regions/model.safetensors
-    tools/measure regions --before models/default.safetensors --left-out japan=out/left_out/japan_map/model.safetensors
+    tools/measure regions --model default=models/default.safetensors --model third=out/worlds/model.safetensors
+    tools/measure regions --before models/training/two_towns.safetensors --left-out japan=out/left_out/japan_map/model.safetensors
 
 A left-out model is trained by models/experiments/left_out.toml, a branch for the map by left_out_map.toml, both with --leave-out REGION
 (or several), and measured on all of that region: by the photo alone, or with the map. `before`: the model given by --before, which they
@@ -67,7 +67,9 @@ def run(args):
             after, of_region = scores(tool, experiment, model, *words), numbers["left_out"].setdefault(region, {})
             of_region["before"] = scores(tool, experiment, args.before, *words)[region]
             seen = region + WITH_MAP
-            of_region["with map" if seen in after else "left out"] = after[seen if seen in after else region]
+            of_region["left out"] = after[region]
+            if seen in after:
+                of_region["with map"] = after[seen]
             write_results(STORE, numbers)
         numbers["commit"] = commit()
         write_results(STORE, numbers)
