@@ -131,8 +131,9 @@ def measure_piece(args, name, identifier, features):
     line = next(f for f in features if f["geometry"]["type"] == "LineString")["geometry"]["coordinates"]
     cut_photo(name, line, photo)
     cut_map(name, line, osm)
-    given = refine.segment(tool, photo, folder)
-    tool("refine", "--osm", osm, "--labels", given["labels"], "--road-probability", given["probability"], "-o", roads)
+    labels, probability, alignment = folder / "labels.tif", folder / "road_probability.tif", folder / "alignment.csv"
+    tool("segment", photo, "--osm", osm, "-o", labels, "--road-probability", probability, "--alignment", alignment)
+    tool("refine", "--osm", osm, "--labels", labels, "--road-probability", probability, "--alignment", alignment, "-o", roads)
     if features[0]["properties"]["kind"] == "gore":
         tool("network", "--roads", roads, "-o", network, "--geojson", layers)
         lanes = [ring for f in json.loads(layers.read_text())["features"] if f["properties"].get("type") not in (None, "sidewalk") and f["geometry"]["type"] == "Polygon"
