@@ -230,7 +230,7 @@ TEST(Worlds, random_worlds_differ_and_unknown_ones_are_refused) {
   EXPECT_THROW((void)make_preset(Preset::village, {.size_m = 300.0, .gsd_m = 1.0, .world = "moon"}), OptionError);
 }
 
-/// Half of a chessboard: columns of 1 m, bright and dark.
+/// Stripes of 1 m, bright and dark.
 PhotoTextures striped(const std::string& name) {
   PhotoTextures textures{.gsd_m = 0.5};
   Raster<std::uint8_t> tile(8, 8, 3);

@@ -145,7 +145,8 @@ double peak_bytes(const NetworkGraph& graph, const FusionPlan& plan) {
   const std::vector<std::vector<std::size_t>> released = last_uses(graph, &plan);
   const auto bytes = [&](std::size_t i) { return sizeof(float) * cells[i] * graph.layers[i].out; };
   const double photo = sizeof(float) * 3.0, map = static_cast<double>(sizeof(float)) * graph.map_channels;
-  const std::size_t photo_read = last_reader(graph, &plan, image_input), map_read = last_reader(graph, &plan, map_input);
+  const std::size_t photo_read = last_reader(graph, &plan, image_input),
+                    map_read = last_reader(graph, &plan, map_input);
   double alive = photo + map, peak = alive;
   for (std::size_t i = 0; i < graph.layers.size(); ++i) {
     if (plan.step[i] == FusionPlan::inside) continue;
@@ -212,8 +213,7 @@ Scores scores_of(const NetworkGraph& graph, const at::Tensor& values, CellRange 
 }
 }  // namespace
 
-Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input,
-                      TrainingMode mode) {
+Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input, TrainingMode mode) {
   const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(input.photo.size(2))),
                                cols = padded_ranges(graph, static_cast<int>(input.photo.size(3)));
   std::vector<at::Tensor> outputs(graph.layers.size());
@@ -221,8 +221,8 @@ Scores forward_padded(const NetworkGraph& graph, NetworkParams& params, const In
   return scores_of(graph, outputs.back(), rows.back(), cols.back());
 }
 
-std::vector<at::Tensor> forward_padded_before(const NetworkGraph& graph, NetworkParams& params, const InputTensors& input,
-                                              std::size_t first) {
+std::vector<at::Tensor> forward_padded_before(const NetworkGraph& graph, NetworkParams& params,
+                                              const InputTensors& input, std::size_t first) {
   const std::vector<CellRange> rows = padded_ranges(graph, static_cast<int>(input.photo.size(2))),
                                cols = padded_ranges(graph, static_cast<int>(input.photo.size(3)));
   std::vector<at::Tensor> outputs(graph.layers.size());
@@ -392,10 +392,9 @@ InputTensors input_tensors(const NetworkGraph& graph, const NetworkInput& bytes,
   if (n.bgr) input.photo = input.photo.flip(1).contiguous(at::MemoryFormat::ChannelsLast);
   if (graph.map_channels == 0) return input;
   constexpr float whole = 1.0F / 255.0F, half = 1.0F / 128.0F;
-  input.map = bytes.map
-                  ? normalised<map_raster_channels>(bytes.map, count, width, height, {128.0F, 128.0F, 0.0F, 0.0F},
-                                                    {half, half, whole, whole})
-                  : at::zeros({count, height, width, graph.map_channels}).permute({0, 3, 1, 2});
+  input.map = bytes.map ? normalised<map_raster_channels>(bytes.map, count, width, height, {128.0F, 128.0F, 0.0F, 0.0F},
+                                                          {half, half, whole, whole})
+                        : at::zeros({count, height, width, graph.map_channels}).permute({0, 3, 1, 2});
   return input;
 }
 

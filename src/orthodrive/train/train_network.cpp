@@ -508,8 +508,7 @@ std::vector<CrfSample> Trainer::crf_samples(const std::vector<TrainingScene>& sc
   for (int i = 0; i < count; ++i) {
     const Batch batch = draw_batch(scenes, options, s.metadata.gsd_m, options.steps + i,
                                    s.on_map());  // other crops than those learned from
-    const InputTensors input =
-        input_tensors(s.graph, batch.input(), 1, options.crop_px, options.crop_px).to(s.device);
+    const InputTensors input = input_tensors(s.graph, batch.input(), 1, options.crop_px, options.crop_px).to(s.device);
     const Scores scores = forward_padded(s.graph, params, input, {});
     const at::Tensor unary = (-at::log_softmax(scores.values.narrow(1, 0, s.graph.class_count)
                                                    .narrow(2, scored.first - scores.row_px.first, scored.size())
