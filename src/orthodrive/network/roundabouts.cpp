@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "orthodrive/geo/roundness.hpp"
 #include "orthodrive/network/fit_circle.hpp"
 #include "orthodrive/network/rings.hpp"
 
@@ -125,11 +126,8 @@ class CircleFinder {
     if (ring.size() < 8 || arms < min_assumed_arms) return false;
     for (const auto& [path, segments] : segments_of_path)
       if (segments + 1 != roads_.paths[path].nodes.size()) return false;
-    ring.push_back(ring.front());
-    const double length = length_m(ring);
-    ring.pop_back();
-    return length >= min_assumed_m &&
-           side_ * 4.0 * std::numbers::pi * signed_area_m2(ring) / (length * length) > min_assumed_roundness;
+    const double around_m = length_m(ring) + distance(ring.back(), ring.front());
+    return around_m >= min_assumed_m && side_ * roundness(ring) > min_assumed_roundness;
   }
 
   const RoadNetwork& roads_;

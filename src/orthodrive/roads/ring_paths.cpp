@@ -1,29 +1,17 @@
 #include "orthodrive/roads/ring_paths.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
+
+#include "orthodrive/geo/roundness.hpp"
 
 namespace orthodrive {
 namespace {
 
-constexpr double least_round_m = 25.0, most_round_m = 220.0, roundness = 0.8;
+constexpr double least_round_m = 25.0, most_round_m = 220.0, least_roundness = 0.92;
 constexpr std::size_t most_parts = 12;
-
-bool is_round(const Polyline& closed) {
-  constexpr double step_m = 1.0;
-  Polyline places;
-  for (std::size_t i = 0; i + 1 < closed.size(); ++i) {
-    const Vec2 side = closed[i + 1] - closed[i];
-    const int steps = std::max(1, static_cast<int>(length(side) / step_m));
-    for (int k = 0; k < steps; ++k) places.push_back(closed[i] + side * (k / static_cast<double>(steps)));
-  }
-  Vec2 middle;
-  for (const Vec2 p : places) middle = middle + (p - closed.front()) * (1.0 / static_cast<double>(places.size()));
-  middle = middle + closed.front();
-  const auto [nearest, farthest] = std::ranges::minmax(places, {}, [&](Vec2 p) { return distance(p, middle); });
-  return distance(nearest, middle) >= roundness * distance(farthest, middle);
-}
 
 class RingSearch {
  public:
@@ -65,10 +53,11 @@ class RingSearch {
   }
 
   bool accept(const std::vector<std::size_t>& parts) {
-    Polyline closed;
+    Ring ring;
     for (const std::size_t part : parts)
-      for (const RoadNode& node : roads_.paths[part].nodes) closed.push_back(node.p);
-    if (!is_round(closed)) return false;
+      for (std::size_t i = 0; i + 1 < roads_.paths[part].nodes.size(); ++i)
+        ring.push_back(roads_.paths[part].nodes[i].p);
+    if (std::abs(roundness(ring)) < least_roundness) return false;
     for (const std::size_t part : parts) on_ring_[part] = true;
     return true;
   }

@@ -8,8 +8,7 @@
 namespace orthodrive {
 
 /// For each path whether it is part of a ring: it is tagged as a roundabout, or one-way paths lead from end to end
-/// round a circle of 25 to 220 m (of every place on them the distance from the middle is within 0.8 to 1.25 of that of
-/// any other, which leaves out blocks of houses, whose corners lie 1.4 times as far out as their sides).
+/// round a circle of 25 to 220 m. Of blocks of houses the roundness (geo/roundness) is too small.
 [[nodiscard]] std::vector<bool> paths_on_rings(const RoadNetwork& roads);
 
 }  // namespace orthodrive
