@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "orthodrive/geo/roundness.hpp"
 #include "orthodrive/math/cholesky.hpp"
 #include "orthodrive/network/fit_circle.hpp"
 
@@ -60,8 +61,7 @@ class RingFinder {
       tagged = tagged && path_of(part.piece).roundabout;
     }
     if (length < min_ring_m) return false;
-    const double roundness = side_ * 4.0 * std::numbers::pi * signed_area_m2(ring) / (length * length);
-    return roundness > (tagged ? min_tagged_roundness : min_roundness);
+    return side_ * roundness(ring) > (tagged ? min_tagged_roundness : min_roundness);
   }
 
   const RoadNetwork& roads_;
