@@ -11,7 +11,7 @@ namespace {
 
 constexpr double vector_scale = 4.0, width_scale = 8.0;
 
-std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0) + 0.5); }
+std::uint8_t byte_of(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
 
 /// The pixels of one axis of a box whose centres lie within reach of a segment's ends.
 struct Cells {
