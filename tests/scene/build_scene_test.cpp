@@ -3,8 +3,10 @@
 #include <numbers>
 #include <set>
 
+#include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/scene/archived_tiles.hpp"
 #include "scene_site.hpp"
 
 namespace orthodrive {
@@ -696,6 +698,62 @@ TEST(BuildScene, neither_threads_nor_blocks_change_a_byte) {
       EXPECT_EQ(tile.texture_rgb.data, other.texture_rgb.data);
       EXPECT_EQ(tile.labels.data, other.labels.data);
     }
+  }
+}
+
+/// A tile of any level, as bytes.
+using TileBytes = std::map<std::tuple<int, int, int>, std::string>;
+class TileBytesSink {
+ public:
+  void write(const SceneTile& tile) {
+    ByteWriter writer;
+    writer(tile);
+    const std::lock_guard lock(mutex_);
+    EXPECT_TRUE(tiles.emplace(std::tuple(tile.level, tile.column, tile.row), writer.take()).second) << "twice";
+  }
+  TileBytes tiles;
+
+ private:
+  std::mutex mutex_;
+};
+
+TEST(BuildScene, parts_made_by_several_processes_are_the_whole) {
+  const FullSite site;
+  const SceneSource source = source_of(site.input());
+  for (const int block_tiles : {1, 2}) {  // four parts below one coarse tile; one part with all levels
+    SCOPED_TRACE(block_tiles);
+    const SceneOptions options{.block_tiles = block_tiles, .threads = 2};
+    TileBytesSink whole;
+    const SceneResult expected = build_scene(
+        source, [&](const SceneTile& tile, Vec3) { whole.write(tile); }, options);
+    ASSERT_EQ(expected.levels, 2);
+
+    const std::size_t count = count_scene_parts(source, options);
+    ASSERT_EQ(count, block_tiles == 1 ? 4U : 1U);
+    std::vector<std::string> made(count);
+    TileBytesSink shared;
+    for (const std::size_t worker : {0U, 1U}) {  // the last part of four is left
+      std::vector<std::size_t> parts;
+      for (std::size_t i = worker; i < std::min(count, std::size_t{3}); i += 2) parts.push_back(i);
+      build_scene_parts(source, parts,
+                        {.write = [&](std::size_t, const SceneTile& tile, Vec3) { shared.write(tile); },
+                         .finish = [&](std::size_t part, const std::string& bytes) { made[part] = bytes; }},
+                        options);
+    }
+    const auto taken = [&](std::size_t part) { return made[part].empty() ? std::nullopt : std::optional(made[part]); };
+    const SceneResult result = build_scene(
+        source, [&](const SceneTile& tile, Vec3) { shared.write(tile); }, options, nullptr, taken);
+    EXPECT_EQ(shared.tiles, whole.tiles);
+    EXPECT_EQ(result.tiles, expected.tiles);
+    EXPECT_EQ(result.road_triangles, expected.road_triangles);
+    EXPECT_EQ(result.road_surface_m2, expected.road_surface_m2);
+    EXPECT_EQ(result.buildings, expected.buildings);
+    EXPECT_EQ(result.findings.size(), expected.findings.size());
+
+    made[0].resize(made[0].size() / 2);
+    EXPECT_THROW((void)build_scene(
+                     source, [](const SceneTile&, Vec3) {}, options, nullptr, taken),
+                 InputError);
   }
 }
 

@@ -112,6 +112,67 @@ TEST(SegmentMosaic, what_fails_in_reading_or_writing_ends_the_run_whatever_waits
               ThrowsMessage<InputError>(HasSubstr("photo.tif: truncated")));
 }
 
+/// A road along the painted one, three metres off.
+RoadMap map_of_painted_photo() {
+  RoadLine line{.half_width = 4.0};
+  for (int i = 0; i <= 12; ++i) line.points.push_back({500000.0 + 20.0 * i, 6400000.0 - 63.0});
+  return RoadMap({line});
+}
+
+TEST(SegmentMosaic, windows_made_elsewhere_are_taken_as_they_would_be_made_here) {
+  const Photo photo = painted_photo(300, 200, 0.5);
+  const RoadMap map = map_of_painted_photo();
+  std::vector<Vec2> places;
+  for (int i = 1; i < 70; ++i) places.push_back({500000.0 + 2.0 * i, 6400000.0 - 63.0});
+  SegmentOptions options{.window_px = 90, .threads = 2, .map = &map, .places = places};
+  const auto segment = [&] {
+    Raster<std::uint8_t> labels(photo.frame.width, photo.frame.height);
+    const SegmentSummary summary = segment_mosaic(
+        source_of(photo), shipped_model(),
+        [&](const PixelBox& box, const LabelledPixels& pixels) {
+          for (int row = 0; row < box.height; ++row)
+            for (int col = 0; col < box.width; ++col)
+              labels.at(static_cast<int>(box.col) + col, static_cast<int>(box.row) + row) = pixels.labels.at(col, row);
+        },
+        options);
+    return std::pair(labels, summary);
+  };
+  const auto [labels, summary] = segment();
+  ASSERT_TRUE(std::ranges::any_of(summary.alignments, [](const PlaceAlignment& a) { return a.sigma_m > 0.0; }));
+
+  // Two workers share the windows but for the last, which is left for segment_mosaic() to make.
+  const std::size_t count = count_windows(source_of(photo), shipped_model(), options);
+  ASSERT_EQ(count, 12U);
+  std::vector<std::string> made(count);
+  for (const int worker : {0, 1}) {
+    std::vector<std::size_t> windows;
+    for (std::size_t i = static_cast<std::size_t>(worker); i + 1 < count; i += 2) windows.push_back(i);
+    segment_windows(
+        source_of(photo), shipped_model(), windows,
+        [&](std::size_t window, const std::string& bytes) { made[window] = bytes; }, options);
+  }
+  std::atomic<int> taken{0};
+  options.made = [&](std::size_t window) -> std::optional<std::string> {
+    if (made[window].empty()) return std::nullopt;
+    ++taken;
+    return made[window];
+  };
+  const auto [labels_of_made, summary_of_made] = segment();
+  EXPECT_EQ(taken, 11);
+  EXPECT_EQ(labels_of_made.data, labels.data);
+  EXPECT_EQ(summary_of_made.labelled_pixels, summary.labelled_pixels);
+  ASSERT_EQ(summary_of_made.alignments.size(), summary.alignments.size());
+  for (std::size_t i = 0; i < summary.alignments.size(); ++i) {
+    EXPECT_EQ(summary_of_made.alignments[i].displacement_m, summary.alignments[i].displacement_m) << i;
+    EXPECT_EQ(summary_of_made.alignments[i].sigma_m, summary.alignments[i].sigma_m) << i;
+  }
+
+  made[3].pop_back();
+  EXPECT_THAT(segment, ThrowsMessage<InputError>(HasSubstr("window 3")));
+  made[3] = made[11 - 1];  // a window of another size
+  EXPECT_THAT(segment, ThrowsMessage<InputError>(HasSubstr("window 3")));
+}
+
 TEST(OrderedDelivery, any_order_of_finishing_is_delivered_by_index_and_few_wait) {
   constexpr std::size_t count = 500, ahead = 6;
   std::vector<std::size_t> delivered;

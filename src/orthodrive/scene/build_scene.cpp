@@ -4,11 +4,8 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <mutex>
 #include <unordered_map>
 
-#include "orthodrive/core/memory.hpp"
-#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/geo/spatial_index.hpp"
@@ -17,7 +14,6 @@
 #include "orthodrive/scene/kerbs.hpp"
 #include "orthodrive/scene/scene_layout.hpp"
 #include "orthodrive/scene/tile_features.hpp"
-#include "orthodrive/scene/tile_levels.hpp"
 #include "orthodrive/scene/tile_materials.hpp"
 #include "orthodrive/scene/tile_texture.hpp"
 #include "orthodrive/scene/triangulate.hpp"
@@ -371,18 +367,6 @@ void add_mesh_of(std::span<const StructureFace> faces, MeshKind kind, SurfaceMat
   meshes.push_back(std::move(mesh));
 }
 
-double plan_area_m2(const TriMesh& mesh) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const auto at = [&](std::size_t k) {
-      const auto& p = mesh.positions[mesh.indices[i + k]];
-      return Vec2{p[0], p[1]};
-    };
-    twice += cross(at(1) - at(0), at(2) - at(0));
-  }
-  return 0.5 * twice;
-}
-
 }  // namespace
 
 SceneSource source_of(const SceneInput& input) {
@@ -517,101 +501,6 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     tile.classes = layout.labels->classes;
   }
   return tile;
-}
-
-namespace {
-
-/// Blocks in the order of the tiles, of which each holds a row.
-struct Block {
-  TileAddress address;
-  std::span<const TileAddress> tiles;
-};
-
-std::vector<Block> blocks_of(const std::vector<TileAddress>& tiles, int block_tiles) {
-  const auto block_of = [&](TileAddress a) {
-    const auto down = [&](int v) { return static_cast<int>(std::floor(static_cast<double>(v) / block_tiles)); };
-    return TileAddress{down(a.column), down(a.row)};
-  };
-  std::vector<Block> blocks;
-  for (std::size_t first = 0, end = 0; first < tiles.size(); first = end) {
-    const TileAddress address = block_of(tiles[first]);
-    while (end < tiles.size() && block_of(tiles[end]) == address) ++end;
-    blocks.push_back({address, std::span(tiles).subspan(first, end - first)});
-  }
-  return blocks;
-}
-
-void add_tile(const SceneTile& tile, SceneResult& result) {
-  result.tiles += tile.meshes.empty() ? 0 : 1;
-  for (const TriMesh& mesh : tile.meshes) {
-    if (mesh.kind == MeshKind::terrain) result.terrain_triangles += mesh.indices.size() / 3;
-    if (mesh.kind != MeshKind::road) continue;
-    result.road_triangles += mesh.indices.size() / 3;
-    result.road_surface_m2 += plan_area_m2(mesh);
-  }
-}
-
-std::span<const PlacedBuilding* const> buildings_in(const SceneLayout& layout, TileAddress address) {
-  const auto found = layout.buildings_in.find(address);
-  return found == layout.buildings_in.end() ? std::span<const PlacedBuilding* const>{} : found->second;
-}
-
-SceneResult build_block(const SceneLayout& layout, std::span<const TileAddress> tiles, TileLevels& levels,
-                        const std::function<void()>& after_each) {
-  std::vector<SceneResult> parts(tiles.size());
-  parallel_for(tiles.size(), layout.options.threads, [&](std::size_t i) {
-    SceneTile tile = build_scene_tile(layout, tiles[i]);
-    add_tile(tile, parts[i]);
-    const auto buildings = buildings_in(layout, tiles[i]);
-    parts[i].buildings = buildings.size();
-    if (const auto found = layout.trees_in.find(tiles[i]); found != layout.trees_in.end())
-      parts[i].trees = found->second.size();
-    levels.finish(std::move(tile), buildings);
-    after_each();
-  });
-  SceneResult sum;
-  for (const SceneResult& part : parts) sum += part;
-  sum.findings = layout.findings;
-  return sum;
-}
-
-}  // namespace
-
-SceneResult& SceneResult::operator+=(const SceneResult& other) {
-  tiles += other.tiles, terrain_triangles += other.terrain_triangles, road_triangles += other.road_triangles;
-  road_surface_m2 += other.road_surface_m2;
-  buildings += other.buildings, trees += other.trees;
-  findings.insert(findings.end(), other.findings.begin(), other.findings.end());
-  return *this;
-}
-
-SceneResult build_scene(const SceneSource& source, const std::function<void(const SceneTile&, Vec3)>& write,
-                        const SceneOptions& options, Monitor* monitor) {
-  if (monitor) monitor->progress(0.0, "scene");
-  const auto frame = std::make_shared<const SceneFrame>(source, options);
-  const SceneWindows windows(source, *frame);
-  TileLevels levels(frame->tiles, [&](const SceneTile& tile) { write(tile, frame->origin); });
-  const std::vector<Block> blocks = blocks_of(levels.order(), options.block_tiles);
-  std::vector<SceneResult> parts(blocks.size());
-  std::mutex mutex;
-  std::size_t done = 0;
-  const auto after_each = [&] {
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(frame->tiles.size()), "scene");
-  };
-  // Two at a time: while one is laid out, which is one thread's work in places, the other has tiles to build.
-  constexpr int blocks_at_a_time = 2;
-  parallel_for(blocks.size(), std::min(blocks_at_a_time, worker_count(options.threads)), [&](std::size_t i) {
-    parts[i] = build_block(*lay_out_block(frame, windows, block_box(blocks[i].address, options.block_tiles)),
-                           blocks[i].tiles, levels, after_each);
-    release_free_memory();
-  });
-  SceneResult result;
-  for (const SceneResult& part : parts) result += part;
-  result.findings.insert(result.findings.begin(), frame->findings.begin(), frame->findings.end());
-  result.levels = 1 + levels.coarse_levels();
-  return result;
 }
 
 }  // namespace orthodrive

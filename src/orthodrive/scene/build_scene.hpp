@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
@@ -96,10 +97,26 @@ struct SceneResult {
   SceneResult& operator+=(const SceneResult& other);
 };
 
+/// Takes tiles from worker threads.
+using TileSink = std::function<void(const SceneTile& tile, Vec3 site_origin)>;
+/// Bytes that build_scene_parts() left of a part, perhaps on another machine; nothing: the part is made now.
+using MadeParts = std::function<std::optional<std::string>(std::size_t part)>;
+
 /// All tiles of all levels (scene/coarse_tile.hpp), in parallel, each handed to `write` from a worker thread as soon as
 /// it is done, and forgotten when the one above it is. Laid out block by block: of rasters, meshes and what is drawn
-/// only that of a few blocks is held at a time.
-SceneResult build_scene(const SceneSource& source, const std::function<void(const SceneTile&, Vec3 site_origin)>& write,
-                        const SceneOptions& options = {}, Monitor* monitor = nullptr);
+/// only that of a few blocks is held at a time. Tiles of parts made before are not handed over again.
+SceneResult build_scene(const SceneSource& source, const TileSink& write, const SceneOptions& options = {},
+                        Monitor* monitor = nullptr, const MadeParts& made = {});
+
+/// A part is a block of SceneOptions::block_tiles with all levels that lie in it.
+[[nodiscard]] std::size_t count_scene_parts(const SceneSource& source, const SceneOptions& options = {});
+/// What becomes of the parts that a process makes.
+struct PartSink {
+  std::function<void(std::size_t part, const SceneTile& tile, Vec3 site_origin)> write;
+  std::function<void(std::size_t part, const std::string& bytes)> finish;  ///< after its last tile
+};
+/// Makes some of the parts of build_scene(), with the same source and options, one after the other.
+void build_scene_parts(const SceneSource& source, std::span<const std::size_t> parts, const PartSink& sink,
+                       const SceneOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

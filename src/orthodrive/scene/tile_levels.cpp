@@ -43,7 +43,21 @@ void TileLevels::finish(SceneTile tile, std::span<const PlacedBuilding* const> b
   hand_up(0, finished.address, std::move(finished));
 }
 
+void TileLevels::stop_at(int level, std::function<void(FinishedTile)> keep) {
+  last_level_ = level;
+  keep_ = std::move(keep);
+}
+
+void TileLevels::adopt(int level, FinishedTile tile) {
+  const TileAddress address = tile.address;
+  if (level < coarse_levels()) hand_up(level, address, std::move(tile));
+}
+
 void TileLevels::hand_up(int level, TileAddress address, FinishedTile tile) {
+  if (level == last_level_) {
+    keep_(std::move(tile));
+    return;
+  }
   const TileAddress parent = parent_of(address);
   Parts parts;
   {

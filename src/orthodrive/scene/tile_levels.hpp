@@ -16,6 +16,12 @@ namespace orthodrive::scene {
 /// finishes the last of its parts and depends on these alone, so neither threads nor their order change it.
 class TileLevels {
  public:
+  /// What the level above needs of a tile.
+  struct FinishedTile {
+    TileAddress address;
+    std::unique_ptr<const SceneTile> tile;  ///< null without a mesh
+    std::vector<PlacedBuilding> buildings;  ///< that may show on the levels above
+  };
   /// Called with every tile that has a mesh, from any thread.
   using Write = std::function<void(const SceneTile&)>;
   TileLevels(const std::vector<TileAddress>& addresses, Write write);
@@ -27,12 +33,13 @@ class TileLevels {
   /// Each tile once, with the buildings in it; those without a mesh too.
   void finish(SceneTile tile, std::span<const PlacedBuilding* const> buildings);
 
+  /// Where several processes share a scene: finished tiles of this level go to `keep`, from any thread, and no level
+  /// above is made.
+  void stop_at(int level, std::function<void(FinishedTile)> keep);
+  /// A tile that another process kept, in place of all tiles below it.
+  void adopt(int level, FinishedTile tile);
+
  private:
-  struct FinishedTile {
-    TileAddress address;
-    std::unique_ptr<const SceneTile> tile;  ///< null without a mesh
-    std::vector<PlacedBuilding> buildings;  ///< that may show on the levels above
-  };
   struct Parts {
     std::size_t missing = 0;
     std::vector<FinishedTile> tiles;
@@ -42,6 +49,8 @@ class TileLevels {
   std::vector<TileAddress> order_;
   std::vector<std::map<TileAddress, Parts>> levels_;  ///< level 1 first
   Write write_;
+  int last_level_ = -1;  ///< that is made here; -1: all are
+  std::function<void(FinishedTile)> keep_;
   std::mutex mutex_;
 };
 

@@ -18,6 +18,10 @@ struct PhotoLook {
 
   PhotoLook& operator+=(const PhotoLook& other);
 };
+template <typename Archive>
+void fields(Archive& archive, PhotoLook& look) {
+  archive(look.pixels, look.luminance, look.chroma, look.white, look.red);
+}
 /// Of the valid pixels (not 0) of a part of `rgb`: width x height from column `left`, row `top`.
 [[nodiscard]] PhotoLook look_of(const Raster<std::uint8_t>& rgb, const Raster<std::uint8_t>& valid, int left, int top,
                                 int width, int height);

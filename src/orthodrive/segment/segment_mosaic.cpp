@@ -9,8 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/model/archived_fields.hpp"
 #include "orthodrive/nets/class_probabilities.hpp"
 #include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/reusing_allocator.hpp"
@@ -77,17 +79,23 @@ std::vector<PixelBox> plan_cores(const GridFrame& frame, int core_px) {
   return cores;
 }
 
+/// What is found in a window.
 struct Decision {
   LabelledPixels pixels;
   std::int64_t labelled_pixels = 0;
   PhotoLook look;
+  std::vector<PlaceAlignment> alignments;  ///< one a place asked for in the window
 };
+template <typename Archive>
+void fields(Archive& archive, Decision& d) {
+  archive(d.pixels.labels, d.pixels.confidence, d.pixels.road_probability, d.labelled_pixels, d.look, d.alignments);
+}
 
 /// `core` is what to decide, `seen` where `valid` and `probabilities` lie, both in label pixels.
 Decision decide(const PixelBox& core, const PixelBox& seen, const Raster<std::uint8_t>& valid,
                 const Raster<float>& probabilities, const std::vector<std::size_t>& road_classes) {
   const Raster<std::uint8_t> nothing(core.width, core.height);
-  Decision decision{{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata), nothing, nothing}, 0, {}};
+  Decision decision{{Raster<std::uint8_t>(core.width, core.height, 1, label_nodata), nothing, nothing}, 0, {}, {}};
   if (probabilities.empty()) return decision;
   const int left = static_cast<int>(core.col - seen.col), top = static_cast<int>(core.row - seen.row);
   const auto byte_of = [](float p) { return static_cast<std::uint8_t>(std::lround(std::min(p, 1.0F) * 255.0F)); };
@@ -147,15 +155,6 @@ void refine(const CrfModel& crf, const PhotoWindow& photo, const PixelBox& box, 
   dense.infer(crf.parameters, unary, scores.data, &workspace);
 }
 
-/// What is classified: the photo at the network's scale and, where labels are finer, at theirs.
-struct Sources {
-  PhotoSource photo;
-  std::optional<PhotoSource> fine;
-  int factor = 1;
-  const RoadMap* map = nullptr;
-  std::span<const Vec2> places;
-};
-
 /// For each core the places in it.
 std::vector<std::vector<std::size_t>> places_by_core(std::span<const Vec2> places, const GridFrame& frame, int core_px,
                                                      std::size_t cores) {
@@ -180,43 +179,123 @@ void keep_channels(Raster<float>& raster, int channels) {
   raster.channels = channels;
 }
 
-/// `asked`: the places in the core; their alignments are written.
-Decision classify_core(const Sources& sources, const InferenceNetwork& network, const std::optional<CrfModel>& crf,
-                       const std::vector<std::size_t>& road_classes, const PixelBox& core,
-                       const std::vector<std::size_t>& asked, std::vector<PlaceAlignment>& alignments) {
-  const int factor = sources.factor;
-  const PixelBox predicted = intersection(core.grown(crf_margin_px(crf)), pixels_of(sources.photo.frame)),
-                 seen = predicted.grown(network.margin_px());
-  const PhotoWindow window = sources.photo.read(seen);
-  const PixelBox fine_core = scaled(core, factor), fine_box = scaled(predicted, factor);
-  const PhotoWindow fine = sources.fine ? sources.fine->read(fine_box) : part_of(window, seen, predicted);
-  if (!shows_photo(fine.valid, fine_box, fine_core)) return decide(fine_core, fine_box, fine.valid, {}, road_classes);
-  Raster<float> scores(fine_box.width, fine_box.height, network.output_channels());
-  const Raster<std::uint8_t> map =
-      network.sees_map() ? sources.map->read(sources.photo.frame, seen) : Raster<std::uint8_t>{};
-  network.predict({window.rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor,
-                  scores.data.data());
-  const GridFrame& frame = sources.photo.frame;
-  for (const std::size_t i : asked) {
-    const Vec2 p = frame.pixel_from_world(sources.places[i]);
-    const Vec2 pixel{std::floor(factor * p.x), std::floor(factor * p.y)};
+/// All that deciding a window needs. Borrows the model and the options' map and places.
+class Mosaic {
+ public:
+  Mosaic(const PhotoSource& source, const SegmentModel& model, const SegmentOptions& options)
+      : factor_(label_factor(source.frame, model)),
+        with_map_(model.sees_map && options.map && !options.map->empty()),
+        network_(model.sees_map && !with_map_ ? *model.without_map : *model.network),
+        map_(options.map),
+        places_(with_map_ ? options.places : std::span<const Vec2>{}),
+        crf_(options.crf),
+        road_classes_(road_classes_of(model.classes)),
+        photo_(resample_source(source, network_gsd(source.frame, model))) {
+    const int window_px = options.window_px == 0 ? suitable_window_px(network_, crf_, factor_) : options.window_px;
+    if (window_px < 1) throw OptionError(fmt::format("window of {} px: take 1 or more", window_px));
+    if (crf_ && crf_->parameters.classes != network_.class_count())
+      throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
+                                    crf_->parameters.classes, network_.class_count()));
+    if (factor_ > 1) fine_ = resample_source(source, label_frame(source.frame, model));
+    cores_ = plan_cores(photo_.frame, window_px);
+    asked_ = places_by_core(places_, photo_.frame, window_px, cores_.size());
+  }
+  [[nodiscard]] std::size_t windows() const { return cores_.size(); }
+  [[nodiscard]] std::size_t places() const { return places_.size(); }
+  [[nodiscard]] PixelBox label_box(std::size_t window) const { return scaled(cores_[window], factor_); }
+  /// The places in a window, in the order of its alignments.
+  [[nodiscard]] const std::vector<std::size_t>& places_in(std::size_t window) const { return asked_[window]; }
+
+  [[nodiscard]] Decision decide_window(std::size_t window) const;
+
+ private:
+  [[nodiscard]] std::vector<PlaceAlignment> alignments_in(std::size_t window, const Raster<float>& scores,
+                                                          const Raster<std::uint8_t>& valid,
+                                                          const PixelBox& fine_box) const;
+
+  int factor_ = 1;  ///< label pixels along one of the network's
+  bool with_map_ = false;
+  const InferenceNetwork& network_;
+  const RoadMap* map_ = nullptr;
+  std::span<const Vec2> places_;
+  std::optional<CrfModel> crf_;
+  std::vector<std::size_t> road_classes_;
+  PhotoSource photo_;                ///< at the network's scale
+  std::optional<PhotoSource> fine_;  ///< where labels are finer, at theirs
+  std::vector<PixelBox> cores_;
+  std::vector<std::vector<std::size_t>> asked_;
+};
+
+std::vector<PlaceAlignment> Mosaic::alignments_in(std::size_t window, const Raster<float>& scores,
+                                                  const Raster<std::uint8_t>& valid, const PixelBox& fine_box) const {
+  const GridFrame& frame = photo_.frame;
+  std::vector<PlaceAlignment> alignments;
+  for (const std::size_t i : asked_[window]) {
+    const Vec2 p = frame.pixel_from_world(places_[i]);
+    const Vec2 pixel{std::floor(factor_ * p.x), std::floor(factor_ * p.y)};
     const int col = static_cast<int>(pixel.x - static_cast<double>(fine_box.col)),
               row = static_cast<int>(pixel.y - static_cast<double>(fine_box.row));
-    const Vec2 from_center = p - (pixel + Vec2{0.5, 0.5}) * (1.0 / factor);
-    if (fine.valid.at(col, row))
-      alignments[i] = place_alignment(&scores.at(col, row, network.class_count()), from_center, frame.gsd_m);
+    const Vec2 from_center = p - (pixel + Vec2{0.5, 0.5}) * (1.0 / factor_);
+    alignments.push_back(valid.at(col, row)
+                             ? place_alignment(&scores.at(col, row, network_.class_count()), from_center, frame.gsd_m)
+                             : PlaceAlignment{});
   }
-  keep_channels(scores, network.class_count());
-  if (crf) {
-    refine(*crf, fine, fine_box, factor, scores);
+  return alignments;
+}
+
+Decision Mosaic::decide_window(std::size_t window) const {
+  const PixelBox& core = cores_[window];
+  const PixelBox predicted = intersection(core.grown(crf_margin_px(crf_)), pixels_of(photo_.frame)),
+                 seen = predicted.grown(network_.margin_px());
+  const PhotoWindow photo = photo_.read(seen);
+  const PixelBox fine_core = scaled(core, factor_), fine_box = scaled(predicted, factor_);
+  const PhotoWindow fine = fine_ ? fine_->read(fine_box) : part_of(photo, seen, predicted);
+  if (!shows_photo(fine.valid, fine_box, fine_core)) {
+    Decision nothing = decide(fine_core, fine_box, fine.valid, {}, road_classes_);
+    nothing.alignments.resize(asked_[window].size());
+    return nothing;
+  }
+  Raster<float> scores(fine_box.width, fine_box.height, network_.output_channels());
+  const Raster<std::uint8_t> map = network_.sees_map() ? map_->read(photo_.frame, seen) : Raster<std::uint8_t>{};
+  network_.predict({photo.rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor_,
+                   scores.data.data());
+  std::vector<PlaceAlignment> alignments = alignments_in(window, scores, fine.valid, fine_box);
+  keep_channels(scores, network_.class_count());
+  if (crf_) {
+    refine(*crf_, fine, fine_box, factor_, scores);
   } else {
     softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
   }
-  Decision decision = decide(fine_core, fine_box, fine.valid, scores, road_classes);
+  Decision decision = decide(fine_core, fine_box, fine.valid, scores, road_classes_);
   decision.look = look_of(fine.rgb, fine.valid, static_cast<int>(fine_core.col - fine_box.col),
                           static_cast<int>(fine_core.row - fine_box.row), fine_core.width, fine_core.height);
+  decision.alignments = std::move(alignments);
   return decision;
 }
+
+/// Of bytes that segment_windows() made.
+Decision decision_of(const std::string& bytes, const Mosaic& mosaic, std::size_t window) {
+  Decision decision;
+  ByteReader reader(bytes, fmt::format("window {}", window));
+  reader(decision);
+  reader.finish();
+  const PixelBox box = mosaic.label_box(window);
+  for (const Raster<std::uint8_t>* raster :
+       {&decision.pixels.labels, &decision.pixels.confidence, &decision.pixels.road_probability})
+    if (raster->width != box.width || raster->height != box.height || raster->channels != 1 ||
+        raster->data.size() != static_cast<std::size_t>(box.width) * static_cast<std::size_t>(box.height))
+      throw InputError(fmt::format("window {}", window), "is a window of another photo; remove it and run again");
+  if (decision.alignments.size() != mosaic.places_in(window).size())
+    throw InputError(fmt::format("window {}", window), "is a window of another map; remove it and run again");
+  return decision;
+}
+
+/// One worker a window, each with its own thread alone.
+struct OneThreadAWindow {
+  SingleThreadedTorch torch;
+  SingleThreadedBlas blas;
+  ReuseTensorMemory memory;
+};
 
 Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::int64_t labelled_pixels,
                        const PhotoLook& look) {
@@ -250,51 +329,62 @@ GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
   return frame;
 }
 
+std::size_t count_windows(const PhotoSource& photo, const SegmentModel& model, const SegmentOptions& options) {
+  return Mosaic(photo, model, options).windows();
+}
+
+void segment_windows(const PhotoSource& photo, const SegmentModel& model, std::span<const std::size_t> windows,
+                     const std::function<void(std::size_t, const std::string&)>& keep, const SegmentOptions& options,
+                     Monitor* monitor) {
+  const Mosaic mosaic(photo, model, options);
+  const OneThreadAWindow one_thread;
+  const auto make = [&](std::size_t i) {
+    if (monitor && monitor->cancelled()) return;
+    const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
+    ByteWriter writer;
+    writer(mosaic.decide_window(windows[i]));
+    keep(windows[i], writer.take());
+  };
+  parallel_for(windows.size(), options.threads, make, [&](std::size_t done) {
+    if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(windows.size()), "segment");
+  });
+  if (monitor && monitor->cancelled()) throw Error("segment: cancelled");
+}
+
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,
                               const SegmentOptions& options, Monitor* monitor) {
-  const int factor = label_factor(source.frame, model);
-  const bool with_map = model.sees_map && options.map && !options.map->empty();
-  const InferenceNetwork& network = model.sees_map && !with_map ? *model.without_map : *model.network;
-  const int window_px = options.window_px == 0 ? suitable_window_px(network, options.crf, factor) : options.window_px;
-  if (window_px < 1) throw OptionError(fmt::format("window of {} px: take 1 or more", window_px));
-  Sources sources{resample_source(source, network_gsd(source.frame, model)), {}, factor, options.map, options.places};
-  const GridFrame frame = label_frame(source.frame, model);
-  if (factor > 1) sources.fine = resample_source(source, frame);
-  const std::vector<PixelBox> cores = plan_cores(sources.photo.frame, window_px);
-  SegmentSummary summary{.frame = frame};
-  if (!with_map) sources.places = {};
-  summary.alignments.resize(sources.places.size());
-  const auto asked = places_by_core(sources.places, sources.photo.frame, window_px, cores.size());
-  if (options.crf && options.crf->parameters.classes != network.class_count()) {
-    throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
-                                  options.crf->parameters.classes, network.class_count()));
-  }
-  const std::vector<std::size_t> road_classes = road_classes_of(model.classes);
-  const SingleThreadedTorch single_threaded;
-  const SingleThreadedBlas single_threaded_blas;
-  const ReuseTensorMemory reuse_memory;
+  const Mosaic mosaic(source, model, options);
+  SegmentSummary summary{.frame = label_frame(source.frame, model)};
+  summary.alignments.resize(mosaic.places());
+  const OneThreadAWindow one_thread;
   // A window without photo takes no time: its worker may run ahead of the others by this many.
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
   PhotoLook look;
-  OrderedDelivery<Decision> delivery(ahead, [&](std::size_t index, const Decision& decision) {
+  OrderedDelivery<Decision> delivery(ahead, [&](std::size_t window, const Decision& decision) {
     look += decision.look;
     summary.labelled_pixels += decision.labelled_pixels;
-    sink(scaled(cores[index], factor), decision.pixels);
+    const std::vector<std::size_t>& places = mosaic.places_in(window);
+    for (std::size_t i = 0; i < places.size(); ++i) summary.alignments[places[i]] = decision.alignments[i];
+    sink(mosaic.label_box(window), decision.pixels);
   });
-  const auto classify = [&](std::size_t index) {
+  const auto decide_window = [&](std::size_t window) {
+    if (options.made)
+      if (const std::optional<std::string> bytes = options.made(window)) return decision_of(*bytes, mosaic, window);
+    const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
+    return mosaic.decide_window(window);
+  };
+  const auto classify = [&](std::size_t window) {
     if (monitor && monitor->cancelled()) delivery.stop();
-    if (!delivery.wait_for_room(index)) return;
+    if (!delivery.wait_for_room(window)) return;
     try {
-      const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-      delivery.hand_over(index, classify_core(sources, network, options.crf, road_classes, cores[index], asked[index],
-                                              summary.alignments));
+      delivery.hand_over(window, decide_window(window));
     } catch (...) {
       delivery.stop();
       throw;
     }
   };
-  parallel_for(cores.size(), options.threads, classify, [&](std::size_t done) {
-    if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(cores.size()), "segment");
+  parallel_for(mosaic.windows(), options.threads, classify, [&](std::size_t done) {
+    if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(mosaic.windows()), "segment");
   });
   if (monitor && monitor->cancelled()) throw Error("segment: cancelled");
   summary.findings = find_oddities(source.frame, model, summary.labelled_pixels, look);

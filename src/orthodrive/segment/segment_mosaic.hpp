@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
@@ -24,6 +25,9 @@ struct SegmentOptions {
   std::span<const Vec2>
       places;                   ///< on the map's lines, in the photo's CRS: where a model that sees it tells alignments
   std::optional<CrfModel> crf;  ///< refines the probabilities before they are decided; none: the network alone
+  /// What segment_windows() left of a window, perhaps on another machine; nothing: it is made now. Safe from any
+  /// thread. None: all are made now.
+  std::function<std::optional<std::string>(std::size_t window)> made;
 };
 
 /// What is decided about the pixels of a box; probabilities are 0..255 = 0..1.
@@ -56,6 +60,15 @@ struct SegmentSummary {
 /// and a few finished ones: some 0.8 GB a worker at the default window, whatever the mosaic.
 [[nodiscard]] SegmentSummary segment_mosaic(const PhotoSource& photo, const SegmentModel& model, const LabelSink& sink,
                                             const SegmentOptions& options = {}, Monitor* monitor = nullptr);
+
+/// Into how many windows segment_mosaic() cuts the photo.
+[[nodiscard]] std::size_t count_windows(const PhotoSource& photo, const SegmentModel& model,
+                                        const SegmentOptions& options);
+/// Makes some of the windows of segment_mosaic(), with the same options, and hands each to `keep` as bytes for
+/// SegmentOptions::made, from changing threads.
+void segment_windows(const PhotoSource& photo, const SegmentModel& model, std::span<const std::size_t> windows,
+                     const std::function<void(std::size_t window, const std::string& bytes)>& keep,
+                     const SegmentOptions& options, Monitor* monitor = nullptr);
 
 struct SegmentResult {
   LabelMap labels;           ///< on label_frame()
