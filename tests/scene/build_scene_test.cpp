@@ -641,7 +641,7 @@ std::map<TileAddress, SceneTile> build_all(const FullSite& site, const SceneOpti
   std::mutex mutex;
   result = build_scene(
       source_of(site.input()),
-      [&](const SceneTile& tile, Vec3) {
+      [&](const SceneTile& tile) {
         const std::lock_guard lock(mutex);
         if (tile.level == 0) tiles[{tile.column, tile.row}] = tile;
       },
@@ -717,32 +717,34 @@ class TileBytesSink {
   std::mutex mutex_;
 };
 
-TEST(BuildScene, parts_made_by_several_processes_are_the_whole) {
+TEST(BuildScene, cells_made_by_several_processes_are_the_whole) {
   const FullSite site;
   const SceneSource source = source_of(site.input());
-  for (const int block_tiles : {1, 2}) {  // four parts below one coarse tile; one part with all levels
+  for (const int block_tiles : {1, 2}) {  // four cells below one coarse tile; one cell with all levels
     SCOPED_TRACE(block_tiles);
     const SceneOptions options{.block_tiles = block_tiles, .threads = 2};
     TileBytesSink whole;
     const SceneResult expected = build_scene(
-        source, [&](const SceneTile& tile, Vec3) { whole.write(tile); }, options);
+        source, [&](const SceneTile& tile) { whole.write(tile); }, options);
     ASSERT_EQ(expected.levels, 2);
 
-    const std::size_t count = count_scene_parts(source, options);
+    const std::size_t count = count_scene_cells(source, options);
     ASSERT_EQ(count, block_tiles == 1 ? 4U : 1U);
     std::vector<std::string> made(count);
     TileBytesSink shared;
-    for (const std::size_t worker : {0U, 1U}) {  // the last part of four is left
-      std::vector<std::size_t> parts;
-      for (std::size_t i = worker; i < std::min(count, std::size_t{3}); i += 2) parts.push_back(i);
-      build_scene_parts(source, parts,
-                        {.write = [&](std::size_t, const SceneTile& tile, Vec3) { shared.write(tile); },
-                         .finish = [&](std::size_t part, const std::string& bytes) { made[part] = bytes; }},
+    std::size_t now = 0;
+    for (const std::size_t worker : {0U, 1U}) {  // the last cell of four is left
+      std::vector<std::size_t> cells;
+      for (std::size_t i = worker; i < std::min(count, std::size_t{3}); i += 2) cells.push_back(i);
+      build_scene_cells(source, cells,
+                        {.begin = [&](std::size_t cell) { now = cell; },
+                         .write = [&](const SceneTile& tile) { shared.write(tile); },
+                         .finish = [&](const std::string& bytes) { made[now] = bytes; }},
                         options);
     }
-    const auto taken = [&](std::size_t part) { return made[part].empty() ? std::nullopt : std::optional(made[part]); };
+    const auto taken = [&](std::size_t cell) { return made[cell].empty() ? std::nullopt : std::optional(made[cell]); };
     const SceneResult result = build_scene(
-        source, [&](const SceneTile& tile, Vec3) { shared.write(tile); }, options, nullptr, taken);
+        source, [&](const SceneTile& tile) { shared.write(tile); }, options, nullptr, taken);
     EXPECT_EQ(shared.tiles, whole.tiles);
     EXPECT_EQ(result.tiles, expected.tiles);
     EXPECT_EQ(result.road_triangles, expected.road_triangles);
@@ -752,7 +754,7 @@ TEST(BuildScene, parts_made_by_several_processes_are_the_whole) {
 
     made[0].resize(made[0].size() / 2);
     EXPECT_THROW((void)build_scene(
-                     source, [](const SceneTile&, Vec3) {}, options, nullptr, taken),
+                     source, [](const SceneTile&) {}, options, nullptr, taken),
                  InputError);
   }
 }

@@ -31,7 +31,7 @@ Tiles build(const SceneInput& input, int threads, SceneResult* result = nullptr)
   std::mutex mutex;
   const SceneResult built =
       build_scene(source_of(input),
-                  [&](const SceneTile& tile, Vec3) {
+                  [&](const SceneTile& tile) {
                     const std::lock_guard lock(mutex);
                     EXPECT_TRUE(tiles.emplace(Key{tile.level, tile.column, tile.row}, tile).second);
                   },

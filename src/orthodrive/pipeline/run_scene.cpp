@@ -6,6 +6,7 @@
 #include <set>
 
 #include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/overlay.hpp"
@@ -17,12 +18,20 @@
 #include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/model/sample_height.hpp"
 #include "orthodrive/report/site_pictures.hpp"
+#include "orthodrive/scene/archived_tiles.hpp"
 #include "orthodrive/scene/plan_grid.hpp"
 #include "orthodrive/scene/surface_texture.hpp"
 #include "orthodrive/scene/terrain_windows.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
+
+namespace io {
+template <typename Archive>
+void fields(Archive& archive, TileEntry& e) {
+  archive(e.uri, e.level, e.column, e.row, e.origin, e.bounds, e.min_z_m, e.max_z_m, e.geometric_error_m);
+}
+}  // namespace io
 
 namespace {
 /// The roads' CRS; by the photo's name for it when both are the same.
@@ -124,7 +133,58 @@ class TilePicture {
   std::size_t most_ = 0;
 };
 
-/// Takes tiles from any thread.
+/// Tiles whose files are in a folder. Takes them from any thread.
+class TileList {
+ public:
+  void add(const SceneTile& tile, io::TileEntry entry, bool for_picture) {
+    const std::lock_guard lock(mutex_);
+    entries_.push_back(std::move(entry));
+    for (const TriMesh& mesh : tile.meshes)
+      for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
+    for (const InstancedMesh& copied : tile.instanced)
+      for (const MeshPart& part : copied.mesh.parts) materials_.insert(part.material);
+    if (for_picture && tile.level == 0) picture_.offer(tile);
+  }
+  void add(const TileList& other) {
+    const std::lock_guard lock(mutex_);
+    entries_.insert(entries_.end(), other.entries_.begin(), other.entries_.end());
+    materials_.insert(other.materials_.begin(), other.materials_.end());
+    picture_.offer(other.picture_.best());
+  }
+  [[nodiscard]] const std::vector<io::TileEntry>& entries() const { return entries_; }
+  [[nodiscard]] std::vector<SurfaceMaterial> materials() const { return {materials_.begin(), materials_.end()}; }
+  [[nodiscard]] const SceneTile& picture() const { return picture_.best(); }
+
+  [[nodiscard]] std::string bytes() const {
+    ByteWriter writer;
+    writer(entries_, materials(), picture_.best());
+    return writer.take();
+  }
+  void read(const std::string& bytes, const std::string& name) {
+    ByteReader reader(bytes, name);
+    std::vector<SurfaceMaterial> materials;
+    SceneTile picture;
+    reader(entries_, materials, picture);
+    reader.finish();
+    materials_ = {materials.begin(), materials.end()};
+    picture_.offer(picture);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<io::TileEntry> entries_;
+  std::set<SurfaceMaterial> materials_;
+  TilePicture picture_;
+};
+
+/// What a process leaves of a cell: the list of its tiles, and what the scene needs of it.
+std::string cell_bytes(const TileList& tiles, const std::string& scene) {
+  ByteWriter writer;
+  writer(tiles.bytes(), scene);
+  return writer.take();
+}
+
+/// Where the tiles of a scene are written.
 class TileFolder {
  public:
   TileFolder(const SceneFiles& files, const io::TileFileOptions& options)
@@ -134,55 +194,93 @@ class TileFolder {
         options_(options) {
     fs::create_directories(folder_.path());
   }
-  void write(const SceneTile& tile, Vec3 site_origin) {
-    io::TileEntry entry = io::write_tile_glb(folder_.path(), tile, options_);
-    const std::lock_guard lock(mutex_);
-    entries_.push_back(std::move(entry));
-    for (const TriMesh& mesh : tile.meshes)
-      for (const MeshPart& part : mesh.parts) materials_.insert(part.material);
-    for (const InstancedMesh& copied : tile.instanced)
-      for (const MeshPart& part : copied.mesh.parts) materials_.insert(part.material);
-    origin_ = site_origin;
-    if (!picture_file_.empty() && tile.level == 0) picture_.offer(tile);
+  void write(const SceneTile& tile) {
+    tiles_.add(tile, io::write_tile_glb(folder_.path(), tile, options_), !picture_file_.empty());
   }
-  [[nodiscard]] bool empty() const { return entries_.empty(); }
-  void finish(const Crs& crs, int threads, Findings& findings) {
-    materials_.erase(SurfaceMaterial::photo);
-    const std::vector<SurfaceMaterial> materials(materials_.begin(), materials_.end());
+  /// The tiles of a cell that another process has made. Returns what the scene needs of it.
+  std::optional<std::string> take(const CellStore& store, std::size_t cell) {
+    const std::optional<std::string> bytes = store.load(cell);
+    if (!bytes) return std::nullopt;
+    const std::string name = store.folder(cell).string();
+    std::string list, scene;
+    ByteReader reader(*bytes, name);
+    reader(list, scene);
+    reader.finish();
+    TileList tiles;
+    tiles.read(list, name);
+    for (const io::TileEntry& entry : tiles.entries()) {
+      std::error_code failed;
+      fs::copy_file(store.folder(cell) / entry.uri, folder_.path() / entry.uri, failed);
+      if (failed)
+        throw InputError(
+            (store.folder(cell) / entry.uri).string(),
+            fmt::format("cannot be copied ({}); remove its folder and make the cell again", failed.message()));
+    }
+    tiles_.add(tiles);
+    return scene;
+  }
+  [[nodiscard]] bool empty() const { return tiles_.entries().empty(); }
+  void finish(const Crs& crs, Vec3 origin, int threads, Findings& findings) {
+    std::vector<SurfaceMaterial> materials = tiles_.materials();
+    std::erase(materials, SurfaceMaterial::photo);
     parallel_for(materials.size(), threads, [&](std::size_t i) {
       io::write_material(folder_.path(), materials[i], scene::make_surface_texture(materials[i]));
     });
-    io::write_tileset(folder_.path(), entries_, crs, origin_, findings);
+    io::write_tileset(folder_.path(), tiles_.entries(), crs, origin, findings);
     folder_.commit();
-    if (!picture_file_.empty()) io::write_png(picture_file_, picture_of_tile(picture_.best(), scene_tile_m, 900).rgb);
+    if (!picture_file_.empty()) io::write_png(picture_file_, picture_of_tile(tiles_.picture(), scene_tile_m, 900).rgb);
   }
 
  private:
   AtomicFile folder_;
   fs::path picture_file_;
   io::TileFileOptions options_;
-  std::mutex mutex_;
-  std::vector<io::TileEntry> entries_;
-  std::set<SurfaceMaterial> materials_;
-  Vec3 origin_;
-  TilePicture picture_;
+  TileList tiles_;
 };
+
+SceneOptions scene_options(const RunSceneOptions& options, const StageContext& context) {
+  SceneOptions scene = options.scene;
+  scene.threads = context.threads;
+  return scene;
+}
 }  // namespace
+
+std::size_t count_scene_cells(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
+  const SceneInputs inputs(files, options, context);
+  return count_scene_cells(inputs.source(inputs.placed.site.area), scene_options(options, context));
+}
+
+void make_scene_cells(const SceneFiles& files, const RunSceneOptions& options, std::span<const std::size_t> cells,
+                      const CellStore& store, StageContext& context) {
+  const SceneInputs inputs(files, options, context);
+  std::optional<CellFolder> folder;
+  std::optional<TileList> tiles;
+  const auto begin = [&](std::size_t cell) { folder.emplace(store, cell), tiles.emplace(); };
+  const CellSink sink{.begin = begin,
+                      .write =
+                          [&](const SceneTile& tile) {
+                            tiles->add(tile, io::write_tile_glb(folder->folder(), tile, options.files),
+                                       !files.picture.empty());
+                          },
+                      .finish = [&](const std::string& scene) { folder->commit(cell_bytes(*tiles, scene)); }};
+  build_scene_cells(inputs.source(inputs.placed.site.area), cells, sink, scene_options(options, context),
+                    context.monitor);
+}
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
   const SceneInputs inputs(files, options, context);
   const SiteFrame& site = inputs.placed.site;
   Findings findings = inputs.findings;
   TileFolder folder(files, options.files);
-  SceneOptions scene_options = options.scene;
-  scene_options.threads = context.threads;
+  MadeCells made;
+  if (options.cells) made = [&](std::size_t cell) { return folder.take(*options.cells, cell); };
   const SceneResult scene = build_scene(
-      inputs.source(site.area), [&](const SceneTile& tile, Vec3 site_origin) { folder.write(tile, site_origin); },
-      scene_options, context.monitor);
+      inputs.source(site.area), [&](const SceneTile& tile) { folder.write(tile); }, scene_options(options, context),
+      context.monitor, made);
   if (folder.empty())
     throw InputError(files.photo.string(),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
-  folder.finish(site.crs, context.threads, findings);
+  folder.finish(site.crs, scene.origin, context.threads, findings);
   if (!files.terrain_grid.empty()) {
     const HeightSource heights = inputs.heights();
     HeightGrid filled{heights.crs, heights.frame, heights.read(pixels_of(heights.frame)), {}};
@@ -221,21 +319,20 @@ StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, S
   const SceneInputs inputs(files, {}, context);
   const SiteFrame& site = inputs.placed.site;
   Findings findings = inputs.findings;
-  SceneOptions scene_options = options.scene;
-  scene_options.threads = context.threads;
+  SceneOptions of_scene = options.scene;
+  of_scene.threads = context.threads;
   std::mutex mutex;
   std::vector<SceneTile> tiles;
-  Vec3 origin;
-  const auto keep = [&](const SceneTile& tile, Vec3 site_origin) {
+  const auto keep = [&](const SceneTile& tile) {
     if (tile.level > 0) return;
     const std::lock_guard lock(mutex);
     tiles.push_back(tile);
-    origin = site_origin;
   };
   const SceneResult scene =
-      build_scene(inputs.source(part_of_area(site.area, options.bounds)), keep, scene_options, context.monitor);
+      build_scene(inputs.source(part_of_area(site.area, options.bounds)), keep, of_scene, context.monitor);
   std::ranges::sort(tiles, {}, [](const SceneTile& tile) { return std::pair(tile.column, tile.row); });
-  io::write_area_glb(options.glb, tiles, origin, [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
+  io::write_area_glb(options.glb, tiles, scene.origin,
+                     [](SurfaceMaterial of) { return scene::make_surface_texture(of); });
   std::size_t meshes = 0, copies = 0;
   for (const SceneTile& tile : tiles) {
     meshes += tile.meshes.size();
@@ -245,8 +342,8 @@ StageOutcome run_export(const SceneFiles& files, const ExportOptions& options, S
   return {.numbers = {{"tiles", tiles.size()}, {"meshes", meshes}, {"trees", copies}},
           .findings = std::move(findings),
           .summary = {fmt::format("{}: {} tiles with {} meshes, {} trees; origin {:.0f} {:.0f} {:.0f} of {}",
-                                  options.glb.string(), tiles.size(), meshes, copies, origin.x, origin.y, origin.z,
-                                  site.crs.definition)}};
+                                  options.glb.string(), tiles.size(), meshes, copies, scene.origin.x, scene.origin.y,
+                                  scene.origin.z, site.crs.definition)}};
 }
 
 BuildStage scene_stage(SiteBuild& build) {
@@ -254,22 +351,31 @@ BuildStage scene_stage(SiteBuild& build) {
   const std::vector<fs::path>& buildings = site.buildings.empty() ? site.osm : site.buildings;
   const std::vector<fs::path>& trees = site.trees.empty() ? site.osm : site.trees;
   const std::vector<fs::path>& surroundings = site.surroundings.empty() ? site.osm : site.surroundings;
+  const SceneFiles files{.network = build.out_dir / "roads.xodr",
+                         .photo = site.photo,
+                         .labels = build.out_dir / "labels.tif",
+                         .dtm = site.dtm,
+                         .buildings = buildings,
+                         .trees = trees,
+                         .surroundings = surroundings,
+                         .folder = build.out_dir / "scene",
+                         .picture = build.out_dir / ".orthodrive/scene_tile.png"};
+  const RunSceneOptions options{.site = site.frame};
   return {.name = "scene",
           .sources = {{"buildings", buildings}, {"trees", trees}, {"surroundings", surroundings}},
           .options = {site.attribution},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
-          .run = [&build, &site, buildings, trees, surroundings] {
-            return run_scene({.network = build.out_dir / "roads.xodr",
-                              .photo = site.photo,
-                              .labels = build.out_dir / "labels.tif",
-                              .dtm = site.dtm,
-                              .buildings = buildings,
-                              .trees = trees,
-                              .surroundings = surroundings,
-                              .folder = build.out_dir / "scene",
-                              .picture = build.out_dir / ".orthodrive/scene_tile.png"},
-                             {.site = site.frame}, build.context);
-          }};
+          .run =
+              [=, &build] {
+                RunSceneOptions run = options;
+                run.cells = build.cells;
+                return run_scene(files, run, build.context);
+              },
+          .shared = SharedWork{.count_cells = [=, &build] { return count_scene_cells(files, options, build.context); },
+                               .make_cells =
+                                   [=, &build](std::span<const std::size_t> cells, const CellStore& store) {
+                                     make_scene_cells(files, options, cells, store, build.context);
+                                   }}};
 }
 
 }  // namespace orthodrive

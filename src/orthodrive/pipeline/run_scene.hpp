@@ -24,9 +24,16 @@ struct RunSceneOptions {
   std::optional<SiteFrame> site;
   SceneOptions scene;
   io::TileFileOptions files;
+  const CellStore* cells = nullptr;  ///< cells that other processes have made, or may have
 };
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);
+
+/// The cells that run_scene() would make, for other processes. Their tiles lie in the folders of the cells.
+[[nodiscard]] std::size_t count_scene_cells(const SceneFiles& files, const RunSceneOptions& options,
+                                            StageContext& context);
+void make_scene_cells(const SceneFiles& files, const RunSceneOptions& options, std::span<const std::size_t> cells,
+                      const CellStore& store, StageContext& context);
 
 struct ExportOptions {
   std::filesystem::path glb;   ///< written

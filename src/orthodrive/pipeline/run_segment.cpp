@@ -102,54 +102,96 @@ struct LabelStreams {
     if (road_probability) road_probability->finish();
   }
 };
+
+/// All that labelling a site reads.
+struct SegmentInputs {
+  SegmentInputs(const SegmentFiles& files, const RunSegmentOptions& run, StageContext& context)
+      : model_file(io::find_model(files.model)),
+        model(context.sources.model(model_file)),
+        site(run.site ? *run.site : site_of_photo(files.photo)) {
+    if (run.adapt && files.osm.empty())
+      throw OptionError("adapt: give the OSM roads of the photo, too; the network learns from them");
+    if (!run.adapt && !model.sees_map && !files.osm.empty())
+      throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take a model that does");
+    if (!files.osm.empty()) roads = &context.sources.osm(files.osm, site).roads;
+    map = road_map(seen());
+    places = places_of(seen());
+    photo = io::open_photo(files.photo, site, {.threads = context.threads});
+    crf = choose_crf(model, model_file, run, context);
+    window_px = run.window_px;
+    threads = context.threads;
+  }
+  SegmentInputs(const SegmentInputs&) = delete;
+  /// The roads that the network sees.
+  [[nodiscard]] const RoadNetwork& seen() const {
+    static const RoadNetwork none;
+    return roads && model.sees_map ? *roads : none;
+  }
+  [[nodiscard]] SegmentOptions options() const {
+    return {.window_px = window_px, .threads = threads, .map = &map, .places = places.points, .crf = crf};
+  }
+
+  fs::path model_file;
+  SegmentModel model;
+  SiteFrame site;
+  const RoadNetwork* roads = nullptr;
+  RoadMap map;
+  MapPlaces places;
+  PhotoSource photo;
+  std::optional<CrfModel> crf;
+  int window_px = 0, threads = 0;
+};
 }  // namespace
 
+std::size_t count_segment_cells(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
+  const SegmentInputs in(files, options, context);
+  return count_windows(in.photo, in.model, in.options());
+}
+
+void make_segment_cells(const SegmentFiles& files, const RunSegmentOptions& options, std::span<const std::size_t> cells,
+                        const CellStore& store, StageContext& context) {
+  const SegmentInputs in(files, options, context);
+  segment_windows(
+      in.photo, in.model, cells,
+      [&](std::size_t window, const std::string& bytes) { CellFolder(store, window).commit(bytes); }, in.options(),
+      context.monitor);
+}
+
 StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
-  const fs::path model_file = io::find_model(files.model);
-  SegmentModel model = context.sources.model(model_file);
-  const SiteFrame site = options.site ? *options.site : site_of_photo(files.photo);
-  if (options.adapt && files.osm.empty())
-    throw OptionError("adapt: give the OSM roads of the photo, too; the network learns from them");
-  if (!options.adapt && !model.sees_map && !files.osm.empty())
-    throw OptionError(model_file.string() + " sees no map: leave the OSM roads out, or take a model that does");
-  const RoadNetwork no_roads;
-  const RoadNetwork& roads = files.osm.empty() ? no_roads : context.sources.osm(files.osm, site).roads;
-  const RoadNetwork& seen = model.sees_map ? roads : no_roads;
-  const RoadMap map = road_map(seen);
-  const MapPlaces places = places_of(seen);
-  const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
+  SegmentInputs in(files, options, context);
   std::optional<AdaptReport> adaptation;
   if (options.adapt) {
-    const WeakLabels labels = map_labels(roads, or_else(files.buildings, files.osm),
-                                         or_else(files.surroundings, files.osm), site, model.classes);
-    const AdaptedModel adapted = adapt_model(io::read_weights(model_file), model_file.string(), photo, labels,
+    const WeakLabels labels = map_labels(*in.roads, or_else(files.buildings, files.osm),
+                                         or_else(files.surroundings, files.osm), in.site, in.model.classes);
+    const AdaptedModel adapted = adapt_model(io::read_weights(in.model_file), in.model_file.string(), in.photo, labels,
                                              {.threads = context.threads}, context.monitor);
     adaptation = adapted.report;
-    if (adapted.report.kept) model = load_model(adapted.file, model_file.string() + ", adapted");
+    if (adapted.report.kept) {
+      in.model = load_model(adapted.file, in.model_file.string() + ", adapted");
+      in.crf = choose_crf(in.model, in.model_file, options, context);
+    }
   }
-  const SegmentOptions segment{.window_px = options.window_px,
-                               .threads = context.threads,
-                               .map = &map,
-                               .places = places.points,
-                               .crf = choose_crf(model, model_file, options, context)};
-  const GridFrame frame = label_frame(photo.frame, model);
-  LabelStreams streams(files, photo.crs, frame, model.classes);
+  SegmentOptions segment = in.options();
+  if (options.cells) segment.made = [&](std::size_t window) { return options.cells->load(window); };
+  const GridFrame frame = label_frame(in.photo.frame, in.model);
+  LabelStreams streams(files, in.photo.crs, frame, in.model.classes);
   SegmentSummary segmented = segment_mosaic(
-      photo, model, [&](const PixelBox& box, const LabelledPixels& pixels) { streams.write(box, pixels); }, segment,
-      context.monitor);
+      in.photo, in.model, [&](const PixelBox& box, const LabelledPixels& pixels) { streams.write(box, pixels); },
+      segment, context.monitor);
   if (options.site && segmented.labelled_pixels == 0)
     throw InputError(files.photo.string(),
                      "has no data in the area (nodata, alpha or mask); take another photo or area");
   streams.finish();
-  if (!files.alignment.empty()) io::write_alignment(files.alignment, seen, by_path(places, segmented.alignments));
-  StageOutcome outcome{.numbers = {{"photo_gsd_m", photo.frame.gsd_m},
+  if (!files.alignment.empty())
+    io::write_alignment(files.alignment, in.seen(), by_path(in.places, segmented.alignments));
+  StageOutcome outcome{.numbers = {{"photo_gsd_m", in.photo.frame.gsd_m},
                                    {"gsd_m", frame.gsd_m},
                                    {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
                        .findings = std::move(segmented.findings)};
   if (adaptation) {
     outcome.numbers["adapt"] = numbers_of(*adaptation);
-    outcome.findings.push_back(
-        finding_of(*adaptation, photo.frame.world_from_pixel(0.5 * photo.frame.width, 0.5 * photo.frame.height)));
+    outcome.findings.push_back(finding_of(
+        *adaptation, in.photo.frame.world_from_pixel(0.5 * in.photo.frame.width, 0.5 * in.photo.frame.height)));
   }
   return outcome;
 }
@@ -163,6 +205,22 @@ BuildStage segment_stage(SiteBuild& build) {
   const Sources::Files none, osm = needs_map ? site.osm : none,
                              buildings = site.adapt ? or_else(site.buildings, site.osm) : none,
                              surroundings = site.adapt ? or_else(site.surroundings, site.osm) : none;
+  const SegmentFiles files{.photo = site.photo,
+                           .model = site.model,
+                           .osm = osm,
+                           .buildings = buildings,
+                           .surroundings = surroundings,
+                           .labels = build.out_dir / "labels.tif",
+                           .confidence = build.out_dir / "confidence.tif",
+                           .road_probability = build.out_dir / "road_probability.tif",
+                           .alignment = build.out_dir / ".orthodrive/alignment.csv"};
+  std::optional<SharedWork> shared;
+  if (!site.adapt)  // a network that adapts learns from all of the site first
+    shared = {.count_cells = [=, &build] { return count_segment_cells(files, options, build.context); },
+              .make_cells =
+                  [=, &build](std::span<const std::size_t> cells, const CellStore& store) {
+                    make_segment_cells(files, options, cells, store, build.context);
+                  }};
   return {.name = "segment",
           .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
                       {"model", {model_file}},
@@ -179,18 +237,12 @@ BuildStage segment_stage(SiteBuild& build) {
                 if (site.adapt) require_adaptable(model, model_file.string());
               },
           .run =
-              [=, &build, &site] {
-                return run_segment({.photo = site.photo,
-                                    .model = site.model,
-                                    .osm = osm,
-                                    .buildings = buildings,
-                                    .surroundings = surroundings,
-                                    .labels = build.out_dir / "labels.tif",
-                                    .confidence = build.out_dir / "confidence.tif",
-                                    .road_probability = build.out_dir / "road_probability.tif",
-                                    .alignment = build.out_dir / ".orthodrive/alignment.csv"},
-                                   options, build.context);
-              }};
+              [=, &build] {
+                RunSegmentOptions run = options;
+                if (!run.adapt) run.cells = build.cells;
+                return run_segment(files, run, build.context);
+              },
+          .shared = shared};
 }
 
 }  // namespace orthodrive

@@ -87,36 +87,38 @@ class SceneLayout;
 [[nodiscard]] SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address);
 
 struct SceneResult {
+  Vec3 origin;                                                       ///< as scene_origin()
   int levels = 1;                                                    ///< of detail
   std::size_t tiles = 0, terrain_triangles = 0, road_triangles = 0;  ///< of level 0
   double road_surface_m2 = 0.0;  ///< in plan; bridges and what they cross both count
   std::size_t buildings = 0, trees = 0;
   Findings findings;
 
-  /// Adds all but the levels.
+  /// Adds all but origin and levels.
   SceneResult& operator+=(const SceneResult& other);
 };
 
 /// Takes tiles from worker threads.
-using TileSink = std::function<void(const SceneTile& tile, Vec3 site_origin)>;
-/// Bytes that build_scene_parts() left of a part, perhaps on another machine; nothing: the part is made now.
-using MadeParts = std::function<std::optional<std::string>(std::size_t part)>;
+using TileSink = std::function<void(const SceneTile& tile)>;
+/// Bytes that build_scene_cells() left of a cell, perhaps on another machine; nothing: the cell is made now.
+using MadeCells = std::function<std::optional<std::string>(std::size_t cell)>;
 
 /// All tiles of all levels (scene/coarse_tile.hpp), in parallel, each handed to `write` from a worker thread as soon as
 /// it is done, and forgotten when the one above it is. Laid out block by block: of rasters, meshes and what is drawn
-/// only that of a few blocks is held at a time. Tiles of parts made before are not handed over again.
+/// only that of a few blocks is held at a time. Tiles of cells made before are not handed over again.
 SceneResult build_scene(const SceneSource& source, const TileSink& write, const SceneOptions& options = {},
-                        Monitor* monitor = nullptr, const MadeParts& made = {});
+                        Monitor* monitor = nullptr, const MadeCells& made = {});
 
-/// A part is a block of SceneOptions::block_tiles with all levels that lie in it.
-[[nodiscard]] std::size_t count_scene_parts(const SceneSource& source, const SceneOptions& options = {});
-/// What becomes of the parts that a process makes.
-struct PartSink {
-  std::function<void(std::size_t part, const SceneTile& tile, Vec3 site_origin)> write;
-  std::function<void(std::size_t part, const std::string& bytes)> finish;  ///< after its last tile
+/// A cell is a block of SceneOptions::block_tiles with all levels that lie in it.
+[[nodiscard]] std::size_t count_scene_cells(const SceneSource& source, const SceneOptions& options = {});
+/// What becomes of the cells that a process makes, one after the other.
+struct CellSink {
+  std::function<void(std::size_t cell)> begin;
+  TileSink write;
+  std::function<void(const std::string& bytes)> finish;  ///< after its last tile
 };
-/// Makes some of the parts of build_scene(), with the same source and options, one after the other.
-void build_scene_parts(const SceneSource& source, std::span<const std::size_t> parts, const PartSink& sink,
+/// Makes some of the cells of build_scene(), with the same source and options, one after the other.
+void build_scene_cells(const SceneSource& source, std::span<const std::size_t> cells, const CellSink& sink,
                        const SceneOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

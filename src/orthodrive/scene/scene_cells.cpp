@@ -1,4 +1,4 @@
-// A scene block by block: all of it, or the parts that a process of several makes.
+// A scene block by block: all of it, or the cells that a process of several makes.
 
 #include <fmt/format.h>
 
@@ -69,19 +69,19 @@ std::span<const PlacedBuilding* const> buildings_in(const SceneLayout& layout, T
 
 SceneResult build_block(const SceneLayout& layout, std::span<const TileAddress> tiles, TileLevels& levels,
                         const std::function<void()>& after_each) {
-  std::vector<SceneResult> parts(tiles.size());
+  std::vector<SceneResult> of_tile(tiles.size());
   parallel_for(tiles.size(), layout.options.threads, [&](std::size_t i) {
     SceneTile tile = build_scene_tile(layout, tiles[i]);
-    add_tile(tile, parts[i]);
+    add_tile(tile, of_tile[i]);
     const auto buildings = buildings_in(layout, tiles[i]);
-    parts[i].buildings = buildings.size();
+    of_tile[i].buildings = buildings.size();
     if (const auto found = layout.trees_in.find(tiles[i]); found != layout.trees_in.end())
-      parts[i].trees = found->second.size();
+      of_tile[i].trees = found->second.size();
     levels.finish(std::move(tile), buildings);
     after_each();
   });
   SceneResult sum;
-  for (const SceneResult& part : parts) sum += part;
+  for (const SceneResult& part : of_tile) sum += part;
   sum.findings = layout.findings;
   return sum;
 }
@@ -98,8 +98,8 @@ SceneResult& SceneResult::operator+=(const SceneResult& other) {
 
 namespace {
 
-/// What a process leaves of a part: the numbers, and what the level above needs.
-struct ScenePart {
+/// What a process leaves of a cell: the numbers, and what the level above needs.
+struct SceneCell {
   SceneResult numbers;
   TileAddress address;  ///< of the block
   bool has_tile = false;
@@ -107,16 +107,16 @@ struct ScenePart {
   std::vector<PlacedBuilding> buildings;
 };
 template <typename Archive>
-void fields(Archive& archive, ScenePart& p) {
+void fields(Archive& archive, SceneCell& p) {
   SceneResult& n = p.numbers;
   archive(n.tiles, n.terrain_triangles, n.road_triangles, n.road_surface_m2, n.buildings, n.trees, n.findings,
           p.address.column, p.address.row, p.has_tile, p.buildings);
   if (p.has_tile) archive(p.tile);
 }
 
-ScenePart part_of_bytes(const std::string& bytes, std::size_t part, TileAddress block) {
-  const std::string name = fmt::format("part {} of the scene", part);
-  ScenePart read;
+SceneCell cell_of_bytes(const std::string& bytes, std::size_t cell, TileAddress block) {
+  const std::string name = fmt::format("cell {} of the scene", cell);
+  SceneCell read;
   ByteReader reader(bytes, name);
   reader(read);
   reader.finish();
@@ -124,19 +124,19 @@ ScenePart part_of_bytes(const std::string& bytes, std::size_t part, TileAddress 
   return read;
 }
 
-/// A scene as it is cut into parts.
-struct SceneParts {
-  SceneParts(const SceneSource& source, const SceneOptions& options, TileLevels::Write write)
+/// A scene as it is cut into cells.
+struct SceneCells {
+  SceneCells(const SceneSource& source, const SceneOptions& options, TileLevels::Write write)
       : frame(std::make_shared<const SceneFrame>(source, options)),
         windows(source, *frame),
         levels(frame->tiles, std::move(write)),
         blocks(blocks_of(levels.order(), options.block_tiles)),
         level(std::countr_zero(static_cast<unsigned>(options.block_tiles))) {}
 
-  [[nodiscard]] SceneResult build(std::size_t part, const std::function<void()>& after_each) {
+  [[nodiscard]] SceneResult build(std::size_t cell, const std::function<void()>& after_each) {
     const int block_tiles = frame->options.block_tiles;
-    SceneResult result = build_block(*lay_out_block(frame, windows, block_box(blocks[part].address, block_tiles)),
-                                     blocks[part].tiles, levels, after_each);
+    SceneResult result = build_block(*lay_out_block(frame, windows, block_box(blocks[cell].address, block_tiles)),
+                                     blocks[cell].tiles, levels, after_each);
     release_free_memory();
     return result;
   }
@@ -144,8 +144,8 @@ struct SceneParts {
   std::shared_ptr<const SceneFrame> frame;
   SceneWindows windows;
   TileLevels levels;
-  std::vector<Block> blocks;  ///< one a part
-  int level;                  ///< of the tile that covers a part
+  std::vector<Block> blocks;  ///< one a cell
+  int level;                  ///< of the tile that covers a cell
 };
 
 /// Counts tiles from any thread.
@@ -170,20 +170,18 @@ class TileProgress {
 }  // namespace
 
 SceneResult build_scene(const SceneSource& source, const TileSink& write, const SceneOptions& options, Monitor* monitor,
-                        const MadeParts& made) {
-  Vec3 origin;
-  SceneParts scene(source, options, [&](const SceneTile& tile) { write(tile, origin); });
-  origin = scene.frame->origin;
+                        const MadeCells& made) {
+  SceneCells scene(source, options, write);
   TileProgress progress(scene.frame->tiles.size(), monitor);
   std::vector<SceneResult> numbers(scene.blocks.size());
   // Two at a time: while one is laid out, which is one thread's work in places, the other has tiles to build.
   constexpr int blocks_at_a_time = 2;
   parallel_for(scene.blocks.size(), std::min(blocks_at_a_time, worker_count(options.threads)), [&](std::size_t i) {
     if (const std::optional<std::string> bytes = made ? made(i) : std::nullopt) {
-      ScenePart part = part_of_bytes(*bytes, i, scene.blocks[i].address);
-      numbers[i] = std::move(part.numbers);
-      TileLevels::FinishedTile tile{.address = part.address, .buildings = std::move(part.buildings)};
-      if (part.has_tile) tile.tile = std::make_unique<const SceneTile>(std::move(part.tile));
+      SceneCell cell = cell_of_bytes(*bytes, i, scene.blocks[i].address);
+      numbers[i] = std::move(cell.numbers);
+      TileLevels::FinishedTile tile{.address = cell.address, .buildings = std::move(cell.buildings)};
+      if (cell.has_tile) tile.tile = std::make_unique<const SceneTile>(std::move(cell.tile));
       scene.levels.adopt(scene.level, std::move(tile));
       progress.add(scene.blocks[i].tiles.size());
     } else {
@@ -191,37 +189,36 @@ SceneResult build_scene(const SceneSource& source, const TileSink& write, const 
     }
   });
   SceneResult result;
-  for (const SceneResult& part : numbers) result += part;
+  for (const SceneResult& cell : numbers) result += cell;
   result.findings.insert(result.findings.begin(), scene.frame->findings.begin(), scene.frame->findings.end());
+  result.origin = scene.frame->origin;
   result.levels = 1 + scene.levels.coarse_levels();
   return result;
 }
 
-std::size_t count_scene_parts(const SceneSource& source, const SceneOptions& options) {
-  return SceneParts(source, options, [](const SceneTile&) {}).blocks.size();
+std::size_t count_scene_cells(const SceneSource& source, const SceneOptions& options) {
+  return SceneCells(source, options, [](const SceneTile&) {}).blocks.size();
 }
 
-void build_scene_parts(const SceneSource& source, std::span<const std::size_t> parts, const PartSink& sink,
+void build_scene_cells(const SceneSource& source, std::span<const std::size_t> cells, const CellSink& sink,
                        const SceneOptions& options, Monitor* monitor) {
-  std::size_t part = 0, tiles = 0;
-  Vec3 origin;
-  ScenePart made;
-  SceneParts scene(source, options, [&](const SceneTile& tile) { sink.write(part, tile, origin); });
-  origin = scene.frame->origin;
+  std::size_t tiles = 0;
+  SceneCell made;
+  SceneCells scene(source, options, sink.write);
   scene.levels.stop_at(scene.level, [&](TileLevels::FinishedTile tile) {
     made.has_tile = tile.tile != nullptr;
     if (tile.tile) made.tile = *tile.tile;
     made.buildings = std::move(tile.buildings);
   });
-  for (const std::size_t i : parts) tiles += scene.blocks.at(i).tiles.size();
+  for (const std::size_t i : cells) tiles += scene.blocks.at(i).tiles.size();
   TileProgress progress(tiles, monitor);
-  for (const std::size_t i : parts) {
-    part = i;
+  for (const std::size_t i : cells) {
+    sink.begin(i);
     made = {.address = scene.blocks[i].address};
     made.numbers = scene.build(i, [&] { progress.add(1); });
     ByteWriter writer;
     writer(made);
-    sink.finish(i, writer.take());
+    sink.finish(writer.take());
   }
 }
 
