@@ -255,8 +255,14 @@ BuildStage scene_stage(SiteBuild& build) {
   const std::vector<fs::path>& trees = site.trees.empty() ? site.osm : site.trees;
   const std::vector<fs::path>& surroundings = site.surroundings.empty() ? site.osm : site.surroundings;
   return {.name = "scene",
-          .sources = {{"buildings", buildings}, {"trees", trees}, {"surroundings", surroundings}},
-          .options = {site.attribution},
+          .version = 1,
+          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
+                      {"dtm", site.dtm, SourceRole::Kind::raster},
+                      {"buildings", buildings},
+                      {"trees", trees},
+                      {"surroundings", surroundings}},
+          .options = frame_options(site.frame),
+          .reads = {"roads.xodr", "labels.tif"},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
           .run = [&build, &site, buildings, trees, surroundings] {
             return run_scene({.network = build.out_dir / "roads.xodr",

@@ -163,13 +163,16 @@ BuildStage segment_stage(SiteBuild& build) {
   const Sources::Files none, osm = needs_map ? site.osm : none,
                              buildings = site.adapt ? or_else(site.buildings, site.osm) : none,
                              surroundings = site.adapt ? or_else(site.surroundings, site.osm) : none;
+  nlohmann::json options_in_key = frame_options(site.frame);
+  options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
+          .version = 1,
           .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
                       {"model", {model_file}},
                       {"osm", osm},
                       {"buildings", buildings},
                       {"surroundings", surroundings}},
-          .options = {site.crf, site.adapt},
+          .options = options_in_key,
           .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
           .check =
               [=, &build, &site] {
