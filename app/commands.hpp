@@ -2,6 +2,8 @@
 // One function a sub-command: it declares its options and what happens when it is called.
 
 #include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
 
 #include "orthodrive/core/monitor.hpp"
 
@@ -12,6 +14,8 @@ struct Context {
   Monitor* monitor = nullptr;  ///< bar and messages on stderr
   int threads = 0;             ///< --threads: 0 = all cores
   int exit_code = 0;
+  std::function<void(const std::string& stage)> set_stage;  ///< tells the monitor which stage runs
+  std::function<void(const char* text)> last_words;         ///< on stderr, whatever --quiet says
 };
 
 void add_synth(CLI::App& app, Context& context);
@@ -26,6 +30,8 @@ void add_export(CLI::App& app, Context& context);
 void add_drive(CLI::App& app, Context& context);
 void add_fmu(CLI::App& app, Context& context);
 void add_build(CLI::App& app, Context& context);
+void add_plan(CLI::App& app, Context& context);
+void add_cells(CLI::App& app, Context& context);
 void add_view(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_tune(CLI::App& app, Context& context);

@@ -1,12 +1,11 @@
-// The command line: parse, read, call, write. Exit codes: 0 done, 1 data or processing, 2 usage.
+// The command line: parse, read, call, write. Exit codes: 0 done, 1 data or processing, 2 usage, 128 + n ended by
+// signal n.
 
-#include <fmt/format.h>
 #include <malloc.h>
-
-#include <cstdio>
 
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/stop.hpp"
 #include "terminal_monitor.hpp"
 
 int main(int argc, char** argv) {
@@ -14,7 +13,9 @@ int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   using namespace orthodrive::app;
   TerminalMonitor monitor;
-  Context context{.monitor = &monitor};
+  Context context{.monitor = &monitor,
+                  .set_stage = [&monitor](const std::string& stage) { monitor.set_stage(stage); },
+                  .last_words = [&monitor](const char* text) { monitor.fail(text); }};
   CLI::App app{
       "Orthodrive turns orthophotos, OpenStreetMap roads and terrain models into drivable virtual environments."};
   app.set_version_flag("--version", ORTHODRIVE_VERSION);
@@ -24,9 +25,14 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_flag("-q,--quiet", monitor.quiet, "no messages and no progress bar on stderr");
-  app.footer("Exit codes: 0 done, 1 data or processing, 2 usage.");
+  app.add_flag("--json", monitor.json,
+               "log on stderr as JSON lines: time, level, stage, then message, or progress with rate_per_s and "
+               "remaining_s");
+  app.footer("Exit codes: 0 done, 1 data or processing, 2 usage, 128 + n ended by signal n (Ctrl-C: 130).");
 
   add_build(app, context);
+  add_plan(app, context);
+  add_cells(app, context);
   add_synth(app, context);
   add_train(app, context);
   add_segment(app, context);
@@ -48,12 +54,13 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? 0 : 2;
   } catch (const orthodrive::OptionError& error) {
-    monitor.clear_bar();
-    fmt::print(stderr, "orthodrive: {}\n", error.what());
+    monitor.fail(error.what());
     return 2;
+  } catch (const orthodrive::Stopped& stopped) {
+    monitor.fail(stopped.what());
+    return 128 + stopped.signal;
   } catch (const std::exception& error) {
-    monitor.clear_bar();
-    fmt::print(stderr, "orthodrive: {}\n", error.what());
+    monitor.fail(error.what());
     return 1;
   }
   monitor.clear_bar();

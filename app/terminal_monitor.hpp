@@ -1,45 +1,39 @@
 #pragma once
-// What a person at a terminal sees of a run.
+// What a person at a terminal, or a program that reads a log, sees of a run.
 
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/core/progress_clock.hpp"
 
 namespace orthodrive::app {
 
-/// Messages and a progress bar on stderr; the bar only on a terminal.
+/// Messages and a progress bar on stderr; the bar only on a terminal. With `json` a JSON object per line instead: time
+/// (UTC), level, stage, then message, or progress (0..1) with rate_per_s and remaining_s. Ends a run that was asked to
+/// stop (core/stop.hpp): info and progress throw Stopped then.
 class TerminalMonitor final : public Monitor {
  public:
+  TerminalMonitor();
   bool quiet = false;
-  void info(std::string_view message) override {
-    if (quiet) return;
-    clear_bar();
-    fmt::print(stderr, "{}\n", message);
-  }
-  void progress(double fraction, std::string_view what) override {
-    if (quiet || !terminal_) return;
-    const int percent = static_cast<int>(fraction * 100.0);
-    if (percent == last_percent_ && what == last_what_) return;
-    last_percent_ = percent, last_what_ = what;
-    constexpr int cells = 30;
-    const int full = percent * cells / 100;
-    fmt::print(stderr, "\r\033[K{:<12} [{:#>{}}{:.>{}}] {:3d} %", what, "", full, "", cells - full, percent);
-    std::fflush(stderr);
-    drawn_ = true;
-  }
-  void clear_bar() {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
-    drawn_ = false;
-  }
+  bool json = false;
+  void info(std::string_view message) override;
+  void progress(double fraction, std::string_view what) override;
+  /// The stage that the following lines belong to.
+  void set_stage(std::string stage) { stage_ = std::move(stage); }
+  /// A last line of a run, whatever `quiet` says.
+  void fail(std::string_view message);
+  void clear_bar();
 
  private:
-  bool terminal_ = isatty(STDERR_FILENO) != 0, drawn_ = false;
+  void draw(double fraction, std::string_view what, const std::optional<ProgressPace>& pace);
+  void log(std::string_view level, std::string_view message) const;
+
+  bool terminal_ = false, drawn_ = false;
   int last_percent_ = -1;
-  std::string last_what_;
+  double last_s_ = -1.0;  ///< of the last line or bar
+  std::string last_what_, stage_;
+  ProgressClock clock_;
 };
 
 }  // namespace orthodrive::app

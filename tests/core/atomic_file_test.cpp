@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -55,16 +56,42 @@ TEST(AtomicFile, replaces_a_folder_as_a_whole) {
 
 TEST(AtomicFile, what_a_killed_process_left_is_removed_and_a_living_ones_is_not) {
   const fs::path folder = fresh_folder("stale");
-  AtomicFile mine(folder / "scene");
-  fs::create_directories(mine.path());
+  const fs::path living = folder / (".scene.partial-" + std::to_string(getppid()));
+  fs::create_directories(living);
   const fs::path dead = folder / ".labels.partial-2147483646.tif";  // beyond every pid_max
   std::ofstream(dead) << "half";
+  const fs::path replaced = folder / ".scene.old.partial-2147483646";
+  fs::create_directories(replaced / "below");
+  const fs::path same_id = folder / (".roads.partial-" + std::to_string(getpid()) + ".gpkg");
+  std::ofstream(same_id) << "of an earlier process with our id";
   std::ofstream(folder / "labels.tif") << "whole";
   remove_stale_atomic_files(folder);
   EXPECT_FALSE(fs::exists(dead));
-  EXPECT_TRUE(fs::exists(mine.path()));
+  EXPECT_FALSE(fs::exists(replaced));
+  EXPECT_FALSE(fs::exists(same_id));
+  EXPECT_TRUE(fs::exists(living));
   EXPECT_TRUE(fs::exists(folder / "labels.tif"));
   remove_stale_atomic_files(folder / "nowhere");
+}
+
+TEST(AtomicFile, a_process_that_ends_at_once_leaves_no_temporary) {
+  const fs::path folder = fresh_folder("ended");
+  EXPECT_EXIT(
+      {
+        AtomicFile labels(folder / "labels.tif"), scene(folder / "scene");
+        std::ofstream(labels.path()) << "half";
+        std::ofstream(labels.path().string() + ".ovr.tmp") << "GDAL's";
+        fs::create_directories(scene.path() / "below");
+        AtomicFile whole(folder / "roads.xodr");
+        std::ofstream(whole.path()) << "whole";
+        whole.commit();
+        remove_own_atomic_files();
+        _exit(7);
+      },
+      testing::ExitedWithCode(7), "");
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder)) left.push_back(entry.path().filename());
+  EXPECT_EQ(left, std::vector<std::string>{"roads.xodr"});
 }
 
 TEST(AtomicFile, a_full_disk_is_an_error_that_names_the_file) {

@@ -25,8 +25,13 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Removes the temporaries that killed processes left in a folder (not below it).
+/// Removes the temporaries that killed processes left in a folder (not below it). Those of this process count as left
+/// behind, too: call it before the first AtomicFile. In a container a process often has the id of the one before it.
 void remove_stale_atomic_files(const std::filesystem::path& folder);
+
+/// Before a process ends without unwinding: removes the temporaries of all its AtomicFiles that are not committed, with
+/// what libraries left beside them. From then on nothing can be made or committed: such a call waits forever.
+void remove_own_atomic_files();
 
 /// Writes text to a file through AtomicFile. Throws Error naming the file when the disk is full or not writable.
 void write_text_file(const std::filesystem::path& target, std::string_view text);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/stop.hpp"
 
 namespace orthodrive {
 namespace {
@@ -28,8 +29,10 @@ std::string hash_file(const std::filesystem::path& path) {
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
   XXH3_128bits_reset(state.get());
   std::vector<char> buffer(1 << 20);
-  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), in.gcount() > 0)
+  while (in.read(buffer.data(), static_cast<std::streamsize>(buffer.size())), in.gcount() > 0) {
+    throw_if_stopped();
     XXH3_128bits_update(state.get(), buffer.data(), static_cast<std::size_t>(in.gcount()));
+  }
   if (in.bad()) throw InputError(path.string(), "reading failed");
   return hex(XXH3_128bits_digest(state.get()));
 }

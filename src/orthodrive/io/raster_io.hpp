@@ -23,6 +23,9 @@ struct RasterInfo {
 };
 /// Throws InputError when the file is missing, not a raster, truncated, or without georeferencing.
 [[nodiscard]] RasterInfo raster_info(const std::filesystem::path& path);
+/// The file and what GDAL reads with it: world files, masks, overviews, .aux.xml, the sources of a VRT. The path alone
+/// when no raster can be opened there. Sorted, the path first.
+[[nodiscard]] std::vector<std::filesystem::path> raster_files(const std::filesystem::path& path);
 
 struct ReadPhotoOptions {
   double gsd_m = 0.0;  ///< 0: the photo's own, rounded to a centimetre

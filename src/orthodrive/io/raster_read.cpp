@@ -42,6 +42,20 @@ void warp(const fs::path& path, GDALDataset& source, GDALDataset& target, std::v
 
 }  // namespace
 
+std::vector<fs::path> raster_files(const fs::path& path) {
+  GdalErrors errors;
+  const DatasetPtr dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  std::vector<fs::path> files;
+  if (dataset) {
+    const std::unique_ptr<char*, decltype(&CSLDestroy)> list(dataset->GetFileList(), CSLDestroy);
+    for (char** file = list.get(); file && *file; ++file)
+      if (fs::path(*file) != path) files.emplace_back(*file);
+  }
+  std::sort(files.begin(), files.end());
+  files.insert(files.begin(), path);
+  return files;
+}
+
 RasterInfo raster_info(const fs::path& path) {
   const DatasetPtr dataset = open_dataset(path, GDAL_OF_RASTER);
   const Georeference g = georeference_of(path, *dataset);

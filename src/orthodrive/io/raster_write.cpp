@@ -9,6 +9,7 @@
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/stop.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/raster_support.hpp"
 
@@ -27,6 +28,8 @@ struct RemoveLeftovers {
   ~RemoveLeftovers() { remove_leftovers(unfinished); }
 };
 
+/// GDAL asks after every block; FALSE ends the copy.
+int CPL_STDCALL go_on(double, const char*, void*) { return stop_requested() ? FALSE : TRUE; }
 }  // namespace
 
 void create_copy(const fs::path& target, const char* driver_name, GDALDataset& source,
@@ -37,9 +40,10 @@ void create_copy(const fs::path& target, const char* driver_name, GDALDataset& s
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(driver_name);
   GdalOptions list(options);
   GdalErrors errors;
-  DatasetPtr made(driver->CreateCopy(out.path().c_str(), &source, FALSE, list.get(), nullptr, nullptr));
+  DatasetPtr made(driver->CreateCopy(out.path().c_str(), &source, FALSE, list.get(), go_on, nullptr));
   const bool created = made != nullptr;
   made.reset();  // what GDAL still held is written now, and may fail now
+  throw_if_stopped();
   if (!created || errors.any())
     throw Error(fmt::format("{}: cannot be written ({}); is the disk full or the folder read-only?", target.string(),
                             errors.text()));

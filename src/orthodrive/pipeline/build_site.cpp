@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
 #include "orthodrive/core/atomic_file.hpp"
-#include "orthodrive/core/hash.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/core/stop.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/pipeline/output_lock.hpp"
 #include "orthodrive/pipeline/run_drive.hpp"
 #include "orthodrive/pipeline/run_elevate.hpp"
 #include "orthodrive/pipeline/run_network.hpp"
@@ -14,6 +18,7 @@
 #include "orthodrive/pipeline/run_scene.hpp"
 #include "orthodrive/pipeline/run_segment.hpp"
 #include "orthodrive/pipeline/score.hpp"
+#include "orthodrive/pipeline/watched_sources.hpp"
 
 namespace orthodrive {
 namespace {
@@ -26,72 +31,46 @@ std::vector<BuildStage> stages_of(SiteBuild& build) {
           network_stage(build), scene_stage(build),  drive_stage(build)};
 }
 
-json hash_source(const fs::path& file, SourceRole::Kind kind) {
-  json source{{"file", file.filename().string()}, {"hash", hash_file(file)}};
-  if (kind == SourceRole::Kind::raster) {  // it may have its place in a file beside it, which counts as well
-    json outline = json::array();
-    for (const Vec2 p : io::raster_info(file).outline_lonlat.outer) outline.push_back({p.x, p.y});
-    source["outline_hash"] = hash_bytes(outline.dump());
-  }
-  return source;
-}
-
-/// By role; roles without a file are left out.
-json hash_sources(const std::vector<BuildStage>& stages) {
-  json hashes = json::object();
-  for (const BuildStage& stage : stages)
-    for (const SourceRole& source : stage.sources) {
-      if (hashes.contains(source.role)) continue;  // several stages read it
-      for (const fs::path& file : source.files) hashes[source.role].push_back(hash_source(file, source.kind));
-    }
-  return hashes;
-}
-
-/// Everything of a site that is not a file and changes results.
+/// Everything of a site that is not a file, for run.json.
 json options_of(const Site& site) {
-  json ring = json::array();
-  for (const Vec2 p : site.frame.area.outer) ring.push_back({p.x, p.y});
-  return {{"name", site.name},
-          {"crs", site.frame.crs.definition},
-          {"area", hash_bytes(ring.dump())},
-          {"model", site.model},
-          {"crf", site.crf},
-          {"adapt", site.adapt},
-          {"dtm_sampling", site.dtm_sampling},
-          {"route", site.route},
-          {"attribution", site.attribution}};
+  json options = frame_options(site.frame);
+  options.update({{"name", site.name},
+                  {"model", site.model},
+                  {"crf", site.crf},
+                  {"adapt", site.adapt},
+                  {"dtm_sampling", site.dtm_sampling},
+                  {"route", site.route},
+                  {"attribution", site.attribution}});
+  return options;
 }
 
-/// A key stands for the tool, the options and the sources of a stage and of all before it: one change runs what follows
-/// again.
-class KeyChain {
- public:
-  KeyChain(const json& site_options, const json& hashes)
-      : hashes_(hashes),
-        key_(hash_bytes(hash_file("/proc/self/exe") + site_options.at("crs").dump() + site_options.at("area").dump())) {
-  }
-  std::string next(const BuildStage& stage) {
-    json depends_on = json::array({stage.options});
-    for (const SourceRole& source : stage.sources)
-      depends_on.push_back(source.files.empty() ? json() : hashes_.value(source.role, json()));
-    return key_ = hash_bytes(key_ + stage.name + depends_on.dump());
-  }
-  [[nodiscard]] const std::string& last() const { return key_; }
+/// Hashes of what the stages so far left behind; none for what is not made yet.
+using OutputHashes = std::map<std::string, std::optional<std::string>>;
 
- private:
-  const json& hashes_;
-  std::string key_;
-};
-
-StageRecord run_stage(const BuildStage& stage, const std::string& key, StageCache& cache, StageContext& context) {
-  if (cache.holds(stage.name, key)) {
-    context.info(fmt::format("{:<9} unchanged, taken over", stage.name));
-    return cache.load(stage.name);
+StageDependencies dependencies_of(const BuildStage& stage, const WatchedSources& sources, const OutputHashes& made) {
+  StageDependencies now{.version = stage.version, .options = stage.options, .sources = sources.of(stage)};
+  for (const std::string& name : stage.reads) {
+    const auto found = made.find(name);
+    if (found == made.end()) throw std::logic_error("stage " + stage.name + " reads " + name + ", which none writes");
+    now.reads[name] = found->second;
   }
-  StageRecord record = cache.run(stage.name, key, stage.outputs, stage.run);
-  context.info(fmt::format("{:<9} {:6.1f} s  {:5.0f} MB", stage.name, record.seconds,
-                           static_cast<double>(record.peak_memory_bytes) / 1e6));
-  return record;
+  return now;
+}
+
+/// Sources that stay in memory are read without opening a file: a stage that forgets one would be taken over too often.
+void require_declared(const BuildStage& stage, const std::set<std::string>& asked) {
+  for (const std::string& role : asked)
+    if (std::ranges::find(stage.sources, role, &SourceRole::role) == stage.sources.end())
+      throw std::logic_error("stage " + stage.name + " reads the source " + role + " and does not declare it");
+}
+
+/// The temporaries of processes that were killed: in every folder that a build writes into.
+void remove_leftovers(const fs::path& out_dir, const std::vector<BuildStage>& stages) {
+  std::set<fs::path> folders{out_dir, out_dir / ".orthodrive"};
+  for (const BuildStage& stage : stages)
+    for (const std::string& output : stage.outputs)
+      if (fs::is_directory(out_dir / output)) folders.insert(out_dir / output);
+  for (const fs::path& folder : folders) remove_stale_atomic_files(folder);
 }
 
 /// Of the result and of the input against the site's truth; null without truth.
@@ -110,36 +89,189 @@ json to_json(const StageRecord& record) {
           {"numbers", record.outcome.numbers},
           {"findings", record.outcome.findings.size()}};
 }
+
+/// Nothing where one process does all of a stage, or where all cells are made.
+std::optional<CellsToMake> missing_cells(const BuildStage& stage, const fs::path& out_dir,
+                                         const StageDependencies& now) {
+  if (!stage.shared) return std::nullopt;
+  CellsToMake cells{.stage = stage.name, .all = stage.shared->count_cells()};
+  cells.missing = CellStore(out_dir, stage.name, key_of(stage.name, now)).missing(cells.all);
+  if (cells.missing.empty()) return std::nullopt;
+  return cells;
+}
+
+/// The stages of one build with all that decides whether they run.
+class StageRunner {
+ public:
+  StageRunner(SiteBuild& build, const WatchedSources& sources, FileHashes& hashes)
+      : build_(build), sources_(sources), hashes_(hashes), cache_(build.out_dir, hashes) {}
+
+  /// Nothing where cells of the stage are missing and others are to make them: `waits_for` says which.
+  std::optional<StageRecord> run(const BuildStage& stage, bool leave_cells, std::optional<CellsToMake>& waits_for) {
+    const StageDependencies now = dependencies_of(stage, sources_, made_);
+    const bool unchanged = cache_.changes(stage.name, now, stage.outputs).reasons.empty();
+    if (!unchanged && leave_cells) waits_for = missing_cells(stage, build_.out_dir, now);
+    if (waits_for) return std::nullopt;
+    StageRecord record = unchanged ? take_over(stage) : make(stage, now);
+    for (const auto& [name, hash] : record.outputs) made_[name] = hash;
+    return record;
+  }
+  /// The report is not a cached stage: it shows the timings, which change. It costs a few seconds.
+  StageRecord report(const std::vector<StageRecord>& records, const json& scores) {
+    return cache_.run("report", {}, {}, [&] { return run_report(build_, records, scores); });
+  }
+
+ private:
+  StageRecord take_over(const BuildStage& stage) {
+    build_.context.info(fmt::format("{:<9} unchanged, taken over", stage.name));
+    return cache_.load(stage.name);
+  }
+  StageRecord make(const BuildStage& stage, const StageDependencies& now) {
+    const CellStore cells(build_.out_dir, stage.name, key_of(stage.name, now));
+    build_.cells = &cells;
+    StageRecord record = cache_.run(stage.name, now, stage.outputs, [&] {
+      (void)build_.context.sources.take_asked();
+      StageOutcome outcome = stage.run();
+      require_declared(stage, build_.context.sources.take_asked());
+      sources_.require_unchanged(stage);
+      return outcome;
+    });
+    build_.context.info(fmt::format("{:<9} {:6.1f} s  {:5.0f} MB", stage.name, record.seconds,
+                                    static_cast<double>(record.peak_memory_bytes) / 1e6));
+    hashes_.keep();
+    build_.cells = nullptr;
+    CellStore::remove(build_.out_dir, stage.name);
+    return record;
+  }
+
+  SiteBuild& build_;
+  const WatchedSources& sources_;
+  FileHashes& hashes_;
+  StageCache cache_;
+  OutputHashes made_;
+};
+
+constexpr const char* private_folder = ".orthodrive";
 }  // namespace
 
 BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOptions& options, Monitor* monitor) {
   SiteBuild build{site, out_dir, {.threads = options.threads, .monitor = monitor}};
   const std::vector<BuildStage> stages = stages_of(build);
-  for (const BuildStage& stage : stages)
+  WatchedSources sources(stages);
+  for (const BuildStage& stage : stages) {
+    throw_if_stopped();
     if (stage.check) stage.check();
-  const json hashes = hash_sources(stages), site_options = options_of(site);
+  }
+  FileHashes hashes(out_dir / private_folder / "hashes.json");
+  sources.read(hashes);
 
-  remove_stale_atomic_files(out_dir);
-  StageCache cache(out_dir);
-  KeyChain keys(site_options, hashes);
+  const OutputLock lock(out_dir / private_folder / "lock", monitor);
+  remove_leftovers(out_dir, stages);
+  StageRunner runner(build, sources, hashes);
   BuildResult result;
-  for (const BuildStage& stage : stages)
-    result.stages.push_back(run_stage(stage, keys.next(stage), cache, build.context));
+  const auto tell = [&](const std::string& stage) {
+    throw_if_stopped();
+    if (options.at_stage) options.at_stage(stage);
+  };
+  for (const BuildStage& stage : stages) {
+    tell(stage.name);
+    const std::optional<StageRecord> record = runner.run(stage, options.leave_cells, result.waits_for);
+    if (!record) {
+      hashes.keep();
+      return result;
+    }
+    result.stages.push_back(*record);
+  }
+  tell("report");
 
   Findings findings;
   for (const StageRecord& record : result.stages) append(findings, record.outcome.findings);
   const json scores = score_build(site, out_dir);
-  // The report is not a cached stage: it shows the timings, which change. It costs a few seconds.
-  result.stages.push_back(
-      cache.run("report", keys.last(), {}, [&] { return run_report(build, result.stages, scores); }));
+  result.stages.push_back(runner.report(result.stages, scores));
   io::write_findings(out_dir / "findings.geojson", findings, site.frame.crs);
 
-  json run{{"tool", "orthodrive"}, {"version", options.version},      {"site", site_options},
-           {"inputs", hashes},     {"attribution", site.attribution}, {"stages", json::array()}};
+  json run{{"tool", "orthodrive"},    {"version", options.version},      {"site", options_of(site)},
+           {"inputs", sources.all()}, {"attribution", site.attribution}, {"stages", json::array()}};
   for (const StageRecord& record : result.stages) run["stages"].push_back(to_json(record));
   if (!scores.is_null()) run["scores"] = scores;
   write_text_file(out_dir / "run.json", run.dump(1) + "\n");
+  hashes.keep();
+  tell("");
   return result;
+}
+
+namespace {
+/// A build seen by who runs none of its stages.
+struct BuildView {
+  BuildView(const Site& site, const fs::path& out_dir, const BuildOptions& options, Monitor* monitor)
+      : build{site, out_dir, {.threads = options.threads, .monitor = monitor}},
+        stages(stages_of(build)),
+        sources(stages),
+        hashes(out_dir / private_folder / "hashes.json"),
+        cache(out_dir, hashes) {
+    sources.read(hashes);
+  }
+  /// The first stage that would run, with what it depends on.
+  [[nodiscard]] std::optional<std::pair<const BuildStage*, StageDependencies>> next() const {
+    OutputHashes made;
+    for (const BuildStage& stage : stages) {
+      StageDependencies now = dependencies_of(stage, sources, made);
+      if (!cache.changes(stage.name, now, stage.outputs).reasons.empty()) return std::pair(&stage, std::move(now));
+      for (const auto& [name, hash] : cache.load(stage.name).outputs) made[name] = hash;
+    }
+    return std::nullopt;
+  }
+
+  SiteBuild build;
+  std::vector<BuildStage> stages;
+  WatchedSources sources;
+  FileHashes hashes;
+  StageCache cache;
+};
+}  // namespace
+
+std::optional<CellsToMake> cells_to_make(const Site& site, const fs::path& out_dir, const BuildOptions& options) {
+  const BuildView view(site, out_dir, options, nullptr);
+  const auto next = view.next();
+  return next ? missing_cells(*next->first, out_dir, next->second) : std::nullopt;
+}
+
+std::size_t make_cells(const Site& site, const fs::path& out_dir, const CellChunk& chunk, const BuildOptions& options,
+                       Monitor* monitor) {
+  const BuildView view(site, out_dir, options, monitor);
+  const auto next = view.next();
+  if (!next || !next->first->shared) return 0;
+  const auto& [stage, now] = *next;
+  const CellStore store(out_dir, stage->name, key_of(stage->name, now));
+  std::vector<std::size_t> cells = store.missing(stage->shared->count_cells());
+  std::erase_if(cells, [&](std::size_t cell) { return cell % chunk.chunks != chunk.chunk; });
+  if (cells.empty()) return 0;
+  stage->shared->make_cells(cells, store);
+  view.sources.require_unchanged(*stage);
+  return cells.size();
+}
+
+std::vector<StageForecast> explain_build(const Site& site, const fs::path& out_dir) {
+  SiteBuild build{site, out_dir, {}};
+  const std::vector<BuildStage> stages = stages_of(build);
+  FileHashes hashes(out_dir / private_folder / "hashes.json");
+  WatchedSources sources(stages);
+  sources.read(hashes);
+  const StageCache cache(out_dir, hashes);
+  OutputHashes made;
+  std::vector<StageForecast> forecasts;
+  for (const BuildStage& stage : stages) {
+    using Fate = StageForecast::Fate;
+    StageChanges changes = cache.changes(stage.name, dependencies_of(stage, sources, made), stage.outputs);
+    const Fate fate = !changes.reasons.empty()   ? Fate::runs
+                      : !changes.unknown.empty() ? Fate::depends
+                                                 : Fate::taken_over;
+    for (const std::string& name : stage.outputs) made[name] = std::nullopt;
+    if (fate == Fate::taken_over)
+      for (const auto& [name, hash] : cache.load(stage.name).outputs) made[name] = hash;
+    forecasts.push_back({stage.name, fate, std::move(changes)});
+  }
+  return forecasts;
 }
 
 }  // namespace orthodrive

@@ -23,8 +23,7 @@ struct SiteBuild {
   const CellStore* cells = nullptr;  ///< of the stage that runs: what other processes have made of it
 };
 
-/// Source files in one role. Their content counts; of rasters the outline as well, which may stand in a file beside
-/// them.
+/// Source files in one role. Their content counts; of rasters that of the files beside them as well.
 struct SourceRole {
   enum class Kind { file, raster };
   std::string role;  ///< key of "inputs" in run.json
@@ -38,14 +37,21 @@ struct SharedWork {
   std::function<void(std::span<const std::size_t> cells, const CellStore& store)> make_cells;
 };
 
+/// The result of a stage depends on its version, sources, options and what it reads of earlier stages, and on nothing
+/// else: these four are its key.
 struct BuildStage {
   std::string name;
+  int version = 1;  ///< raise it when the same inputs give other outputs, numbers or findings (docs/build.md)
   std::vector<SourceRole> sources;
-  nlohmann::json options;            ///< everything of the site that is no file and changes the result of this stage
+  nlohmann::json options;            ///< by name: everything of the site that is no file and changes the result
+  std::vector<std::string> reads;    ///< outputs of earlier stages that it opens
   std::vector<std::string> outputs;  ///< files and folders below out_dir
   std::function<void()> check;       ///< opens the sources, before anything is written; may be empty
   std::function<StageOutcome()> run;
   std::optional<SharedWork> shared;  ///< none: one process does it all
 };
+
+/// The area and its CRS as options of a stage that is cut to them.
+[[nodiscard]] nlohmann::json frame_options(const SiteFrame& frame);
 
 }  // namespace orthodrive

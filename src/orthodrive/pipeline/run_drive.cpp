@@ -175,10 +175,13 @@ StageOutcome run_drive(const DriveFiles& files, const RunDriveOptions& options, 
 
 BuildStage drive_stage(SiteBuild& build) {
   const Site& site = build.site;
+  const std::vector<std::string> network =
+      site.crg.empty() ? std::vector<std::string>{"roads.xodr"} : std::vector<std::string>{"roads.xodr", "roads_crg"};
   return {.name = "drive",
+          .version = 1,
           .sources = {{"vehicle", {vehicle_file("family"), vehicle_file("sports")}}},
-          // It needs the network only, but keys run in one chain: a new photo drives again, which costs a second.
-          .options = {site.route},
+          .options = {{"drive.route", site.route}},
+          .reads = network,
           .outputs = {"drive", ".orthodrive/lap_plots.html"},
           .run = [&build, &site] {
             return run_drive({.network = build.out_dir / "roads.xodr",

@@ -67,9 +67,15 @@ BuildStage elevate_stage(SiteBuild& build) {
   Sources::Files log_files;
   for (const fs::path& log : site.drive_logs)
     for (const fs::path& file : io::drive_log_files(log)) log_files.push_back(file);
+  nlohmann::json options = frame_options(site.frame);
+  options["elevate.sampling"] = site.dtm_sampling;
+  options["refine.driving_side"] = to_string(site.driving_side);
   return {.name = "elevate",
-          .sources = {{"dtm", site.dtm, SourceRole::Kind::raster}, {"drive_logs", log_files}},
-          .options = {site.dtm_sampling, to_string(site.driving_side)},
+          .version = 1,
+          // The road graph shows the map's roads as well.
+          .sources = {{"dtm", site.dtm, SourceRole::Kind::raster}, {"drive_logs", log_files}, {"osm", site.osm}},
+          .options = options,
+          .reads = {".orthodrive/refined.gpkg"},
           .outputs = {"roads.gpkg", "road_graph.geojson"},
           .check =
               [&build, &site] {

@@ -130,9 +130,15 @@ BuildStage network_stage(SiteBuild& build) {
   const Site& site = build.site;
   const bool surfaces = !site.crg.empty();
   return {.name = "network",
-          // The route counts where surfaces are made of it.
-          .options = {site.name, to_string(site.driving_side), site.crg, site.opendrive, to_string(site.weather),
-                      surfaces ? site.route : "", site.junction_grids ? "junction grids" : ""},
+          .version = 1,
+          .options = {{"name", site.name},
+                      {"refine.driving_side", to_string(site.driving_side)},
+                      {"network.crg", site.crg},
+                      {"network.opendrive", site.opendrive},
+                      {"network.weather", to_string(site.weather)},
+                      {"drive.route", surfaces ? site.route : ""},  // counts where surfaces are made of it
+                      {"network.junction_grids", site.junction_grids}},
+          .reads = {"roads.gpkg"},
           .outputs =
               surfaces ? std::vector<std::string>{"roads.xodr", "roads_crg"} : std::vector<std::string>{"roads.xodr"},
           .run = [&build, &site] {

@@ -111,9 +111,13 @@ StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& option
 BuildStage refine_stage(SiteBuild& build) {
   const Site& site = build.site;
   const Sources::Files weights = site.refine_weights.empty() ? Sources::Files{} : Sources::Files{site.refine_weights};
+  nlohmann::json options = frame_options(site.frame);
+  options["refine.driving_side"] = to_string(site.driving_side);
   return {.name = "refine",
+          .version = 1,
           .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
-          .options = {to_string(site.driving_side)},
+          .options = options,
+          .reads = {"labels.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
           .outputs = {".orthodrive/refined.gpkg"},
           .check =
               [&build, &site] {

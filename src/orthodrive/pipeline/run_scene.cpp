@@ -362,8 +362,14 @@ BuildStage scene_stage(SiteBuild& build) {
                          .picture = build.out_dir / ".orthodrive/scene_tile.png"};
   const RunSceneOptions options{.site = site.frame};
   return {.name = "scene",
-          .sources = {{"buildings", buildings}, {"trees", trees}, {"surroundings", surroundings}},
-          .options = {site.attribution},
+          .version = 1,
+          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
+                      {"dtm", site.dtm, SourceRole::Kind::raster},
+                      {"buildings", buildings},
+                      {"trees", trees},
+                      {"surroundings", surroundings}},
+          .options = frame_options(site.frame),
+          .reads = {"roads.xodr", "labels.tif"},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
           .run =
               [=, &build] {

@@ -221,13 +221,16 @@ BuildStage segment_stage(SiteBuild& build) {
                   [=, &build](std::span<const std::size_t> cells, const CellStore& store) {
                     make_segment_cells(files, options, cells, store, build.context);
                   }};
+  nlohmann::json options_in_key = frame_options(site.frame);
+  options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
+          .version = 1,
           .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
                       {"model", {model_file}},
                       {"osm", osm},
                       {"buildings", buildings},
                       {"surroundings", surroundings}},
-          .options = {site.crf, site.adapt},
+          .options = options_in_key,
           .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
           .check =
               [=, &build, &site] {

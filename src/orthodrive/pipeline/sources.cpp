@@ -44,18 +44,23 @@ Terrain read_terrain(const Sources::Files& files, const SiteFrame& site) {
 }
 
 const OsmRoads& Sources::osm(const Files& files, const SiteFrame& site) {
+  if (!files.empty()) asked_.insert("osm");
   return kept(osm_, [&] { return read_all_osm(files, site); });
 }
 const io::GpxTraces& Sources::gpx(const Files& files, const SiteFrame& site) {
+  if (!files.empty()) asked_.insert("gpx");
   return kept(gpx_, [&] { return io::read_gpx(files, site); });
 }
 const io::DriveLogs& Sources::drive_logs(const Files& files, const SiteFrame& site) {
+  if (!files.empty()) asked_.insert("drive_logs");
   return kept(drive_logs_, [&] { return io::read_drive_logs(files, site); });
 }
 const Terrain& Sources::terrain(const Files& dtm, const SiteFrame& site) {
+  if (!dtm.empty()) asked_.insert("dtm");
   return kept(terrain_, [&] { return read_terrain(dtm, site); });
 }
 const SegmentModel& Sources::model(const fs::path& file) {
+  asked_.insert("model");
   return kept(model_, [&] { return load_model(io::read_weights(file), file.string()); });
 }
 

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "orthodrive/core/monitor.hpp"
@@ -35,8 +37,12 @@ class Sources {
   const io::DriveLogs& drive_logs(const Files& files, const SiteFrame& site);
   const Terrain& terrain(const Files& dtm, const SiteFrame& site);
   const SegmentModel& model(const std::filesystem::path& file);
+  /// Roles asked for since the last call ("osm", "gpx", "drive_logs", "dtm", "model"); those without files are not
+  /// counted. What is kept in memory opens no file: this shows what a stage depends on.
+  [[nodiscard]] std::set<std::string> take_asked() { return std::exchange(asked_, {}); }
 
  private:
+  std::set<std::string> asked_;
   std::optional<OsmRoads> osm_;
   std::optional<io::GpxTraces> gpx_;
   std::optional<io::DriveLogs> drive_logs_;

@@ -1,12 +1,15 @@
 #pragma once
 // Items that workers finish in any order, handed on in the order of their index, with few waiting.
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <utility>
+
+#include "orthodrive/core/stop.hpp"
 
 namespace orthodrive {
 
@@ -19,10 +22,11 @@ class OrderedDelivery {
   OrderedDelivery(std::size_t ahead, std::function<void(std::size_t, const Item&)> deliver)
       : ahead_(ahead), deliver_(std::move(deliver)) {}
 
-  /// False when the delivery was stopped.
+  /// False when the delivery was stopped, or the process is to end (whoever was to make the next item may be gone).
   [[nodiscard]] bool wait_for_room(std::size_t index) {
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return stopped_ || index < next_ + ahead_; });
+    while (!room_.wait_for(lock, std::chrono::milliseconds(100), [&] { return stopped_ || index < next_ + ahead_; }))
+      if (stop_requested()) return false;
     return !stopped_;
   }
 

@@ -1,0 +1,29 @@
+#pragma once
+// One process at a time writes into an output folder.
+
+#include <filesystem>
+#include <string>
+
+#include "orthodrive/core/monitor.hpp"
+
+namespace orthodrive {
+
+/// Holds FILE (with host and process id of its holder) by flock while it lives, and removes it then. The system lets go
+/// of it when the process is killed. Throws Error that names the holder when another process has it. Where the file
+/// system knows no flock, a living process on the same host is refused; one on another host cannot be seen, which the
+/// monitor is told.
+class OutputLock {
+ public:
+  explicit OutputLock(std::filesystem::path file, Monitor* monitor = nullptr);
+  ~OutputLock();
+  OutputLock(const OutputLock&) = delete;
+  OutputLock& operator=(const OutputLock&) = delete;
+
+ private:
+  void write_holder() const;
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+};
+
+}  // namespace orthodrive

@@ -1,0 +1,228 @@
+// Kills, stops, full disks, folders without permission, sources that change: the same bytes in the end, or one clear
+// line and nothing lost.
+
+#include <fcntl.h>
+#include <signal.h>
+
+#include <chrono>
+#include <fstream>
+#include <random>
+#include <thread>
+
+#include "faults/small_site.hpp"
+
+namespace orthodrive {
+namespace {
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+std::vector<std::string> temporaries_in(const fs::path& folder) {
+  std::vector<std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().filename().string().find(".partial-") != std::string::npos) found.push_back(entry.path());
+  return found;
+}
+
+/// A build that gets a signal after some time. Exit code of the build; negative when it was over before.
+struct Interrupted {
+  int exit_code = 0;
+  double seconds_to_end = 0.0;
+  std::string err;
+};
+Interrupted interrupt(const SmallBuild& small, int signal, double after_s) {
+  const fs::path out = small.folder() / "stdout", err = small.folder() / "stderr";
+  const pid_t child = start_program(small.command({"--threads", "2"}), out, err);
+  std::this_thread::sleep_for(std::chrono::duration<double>(after_s));
+  const auto start = Clock::now();
+  kill(child, signal);
+  Interrupted result{.exit_code = wait_for(child)};
+  result.seconds_to_end = seconds_since(start);
+  result.err = bytes_of(err);
+  return result;
+}
+
+double seconds_of_a_build(const SmallBuild& small) {
+  fs::remove_all(small.out());
+  const auto start = Clock::now();
+  EXPECT_EQ(small.build({"--threads", "2"}).exit_code, 0);
+  return seconds_since(start);
+}
+
+TEST(Faults, ctrl_c_ends_soon_and_cleanly_and_the_next_build_goes_on) {
+  const SmallBuild small;
+  const double whole_s = seconds_of_a_build(small);
+  std::mt19937 random(5);
+  int stopped = 0;
+  for (const int signal : {SIGINT, SIGTERM, SIGINT, SIGINT}) {
+    fs::remove_all(small.out());
+    const double after_s = whole_s * (0.05 + 0.85 * static_cast<double>(random()) / std::mt19937::max());
+    const Interrupted run = interrupt(small, signal, after_s);
+    if (run.exit_code == 0) continue;  // it was faster this time
+    ++stopped;
+    EXPECT_EQ(run.exit_code, 128 + signal) << run.err;
+    EXPECT_LT(run.seconds_to_end, 5.0) << "2 s on a machine that does nothing else";
+    EXPECT_TRUE(run.err.ends_with("orthodrive: stopped; run again to go on\n")) << run.err;
+    if (fs::exists(small.out())) {
+      EXPECT_THAT(temporaries_in(small.out()), testing::IsEmpty());
+      EXPECT_FALSE(fs::exists(small.out() / ".orthodrive/lock"));
+    }
+    ASSERT_EQ(small.build().exit_code, 0);
+    small.expect_results_of_undisturbed_build();
+  }
+  EXPECT_GE(stopped, 2);
+}
+
+TEST(Faults, a_killed_build_goes_on_to_the_same_bytes) {
+  const SmallBuild small;
+  const double whole_s = seconds_of_a_build(small);
+  std::mt19937 random(7);
+  fs::remove_all(small.out());
+  int killed = 0;
+  for (int i = 0; i < 4; ++i)
+    killed +=
+        interrupt(small, SIGKILL, whole_s * 0.5 * static_cast<double>(random()) / std::mt19937::max()).exit_code ==
+                128 + SIGKILL
+            ? 1
+            : 0;
+  EXPECT_GE(killed, 2);
+  ASSERT_EQ(small.build().exit_code, 0);
+  EXPECT_THAT(temporaries_in(small.out()), testing::IsEmpty());
+  small.expect_results_of_undisturbed_build();
+}
+
+/// One line on standard error that names the file, exit code 1, no temporary; then the same command finishes.
+void expect_one_line(const SmallBuild& small, const ToolRun& run, const std::string& named, const std::string& what) {
+  EXPECT_EQ(run.exit_code, 1) << what << "\n" << run.err;
+  EXPECT_EQ(lines_of(run.err), 1u) << what << "\n" << run.err;
+  EXPECT_THAT(run.err, testing::StartsWith("orthodrive: ")) << what;
+  EXPECT_THAT(run.err, HasSubstr(named)) << what;
+  EXPECT_THAT(temporaries_in(small.out()), testing::IsEmpty()) << what;
+}
+
+struct Output {
+  const char* stage;  ///< that writes it
+  const char* file;   ///< part of the names of the file and of its temporary
+  const char* named;  ///< in the message
+};
+const Output outputs[] = {
+    {"segment", "labels.", "labels.tif"},
+    {"segment", "alignment.", "alignment.csv"},
+    {"refine", "refined.", "refined.gpkg"},
+    {"elevate", "roads.", "roads.gpkg"},
+    {"elevate", "road_graph.", "road_graph.geojson"},
+    {"network", "roads.", "roads.xodr"},
+    {"scene", ".glb", ".glb"},
+    {"scene", "tileset.", "tileset"},
+    {"drive", "lap.", "drive/lap.csv"},
+    {"", "report.partial", "report.html"},
+    {"", "findings.", "findings.geojson"},
+    {"", "run.partial", "run.json"},
+};
+
+void spoil_each_output(const Arguments& settings, const char* what) {
+  const SmallBuild small;
+  for (const Output& output : outputs) {
+    if (output.stage[0] != '\0') small.forget_from(output.stage);
+    Arguments all = settings;
+    all.push_back(std::string("SHIM_FILE=") + output.file);
+    const ToolRun run = small.build_with(all, {"--quiet"});
+    expect_one_line(small, run, output.named, std::string(what) + " at " + output.file);
+  }
+  ASSERT_EQ(small.build().exit_code, 0);
+  small.expect_results_of_undisturbed_build();
+}
+
+TEST(Faults, a_full_disk_is_one_line_wherever_it_strikes) { spoil_each_output({"SHIM_CALL=write"}, "no room"); }
+
+TEST(Faults, a_disk_that_fills_up_within_a_file_is_one_line) {
+  spoil_each_output({"SHIM_CALL=write", "SHIM_BYTES=600"}, "room for 600 bytes");
+}
+
+TEST(Faults, a_folder_that_may_not_be_written_is_one_line) {
+  spoil_each_output({"SHIM_CALL=open", "SHIM_ERRNO=" + std::to_string(EACCES)}, "no permission");
+}
+
+TEST(Faults, what_fails_at_the_end_of_a_file_is_noticed) { spoil_each_output({"SHIM_CALL=close"}, "close"); }
+
+TEST(Faults, a_file_that_cannot_take_its_place_is_one_line) {
+  spoil_each_output({"SHIM_CALL=rename", "SHIM_ERRNO=" + std::to_string(EROFS)}, "rename");
+}
+
+TEST(Faults, a_read_only_folder_is_one_line_and_keeps_what_it_holds) {
+  const SmallBuild small;
+  const auto before = snapshot(small.out());
+  const ToolRun run = small.build_with(
+      {"SHIM_CALL=open", "SHIM_ERRNO=" + std::to_string(EROFS), "SHIM_FILE=" + small.out().string()}, {"--quiet"});
+  expect_one_line(small, run, ".orthodrive/lock", "read-only");
+  EXPECT_TRUE(snapshot(small.out()) == before);
+}
+
+/// The file grows while the network looks at the photo.
+TEST(Faults, a_source_that_changes_under_way_is_one_line_and_the_stage_does_not_count) {
+  const SmallBuild small;
+  fs::remove_all(small.out());
+  const fs::path err = small.folder() / "stderr";
+  const pid_t child = start_program(small.command({"--quiet"}), small.folder() / "stdout", err);
+  while (!fs::exists(small.out() / ".orthodrive/lock")) std::this_thread::sleep_for(1ms);
+  std::ofstream(small.site() / "roads.osm", std::ios::app) << "<!-- -->\n";
+  EXPECT_EQ(wait_for(child), 1);
+  EXPECT_EQ(lines_of(bytes_of(err)), 1u) << bytes_of(err);
+  EXPECT_THAT(bytes_of(err), HasSubstr("roads.osm: changed while stage segment read it"));
+  EXPECT_FALSE(fs::exists(small.out() / ".orthodrive/segment.json"));
+  ASSERT_EQ(small.build().exit_code, 0);
+  small.expect_results_of_undisturbed_build();
+}
+
+TEST(Faults, a_second_build_into_the_folder_is_refused_with_the_name_of_the_first) {
+  const SmallBuild small;
+  for (const std::string lock : {"SHIM_OTHER=1", "SHIM_NO_FLOCK=1"}) {
+    small.forget_from("segment");
+    const fs::path err = small.folder() / "stderr";
+    Arguments first{"/usr/bin/env", std::string("LD_PRELOAD=") + FAULT_SHIM, lock};
+    const Arguments tool = small.command({"--quiet"});
+    first.insert(first.end(), tool.begin(), tool.end());
+    const pid_t child = start_program(first, small.folder() / "stdout", err);
+    while (bytes_of(small.out() / ".orthodrive/lock").find('\n') == std::string::npos) std::this_thread::sleep_for(1ms);
+    const ToolRun second = small.build_with({lock}, {"--quiet"});
+    EXPECT_EQ(second.exit_code, 1) << lock;
+    EXPECT_EQ(lines_of(second.err), 1u) << second.err;
+    std::array<char, 256> host{};
+    gethostname(host.data(), host.size() - 1);
+    EXPECT_THAT(second.err, HasSubstr("process " + std::to_string(child) + " on " + host.data())) << lock;
+    EXPECT_EQ(small.build({"--explain"}).exit_code, 0) << "looking is allowed";
+    EXPECT_EQ(wait_for(child), 0) << bytes_of(err);
+    small.expect_results_of_undisturbed_build();
+    EXPECT_FALSE(fs::exists(small.out() / ".orthodrive/lock"));
+  }
+}
+
+/// What a killed process on another host left does not stop anybody.
+TEST(Faults, a_lock_of_a_process_that_is_gone_is_none) {
+  const SmallBuild small;
+  write_bytes(small.out() / ".orthodrive/lock", "elsewhere 4711\n");
+  EXPECT_EQ(small.build({"--quiet"}).exit_code, 0);
+  write_bytes(small.out() / ".orthodrive/lock", "elsewhere 4711\n");
+  const ToolRun run = small.build_with({"SHIM_NO_FLOCK=1"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.err, HasSubstr("process 4711 on elsewhere"));
+}
+
+TEST(Faults, clocks_that_jump_change_nothing) {
+  const SmallBuild small;
+  // Everything from a day that is yet to come: nothing is trusted, nothing is wrong.
+  for (const auto& entry : fs::recursive_directory_iterator(small.folder()))
+    if (entry.is_regular_file()) fs::last_write_time(entry.path(), fs::file_time_type::clock::now() + 48h);
+  ASSERT_EQ(small.build({"--quiet"}).exit_code, 0);
+  EXPECT_EQ(small.stages_run(), std::vector<std::string>{});
+  for (const auto& entry : fs::recursive_directory_iterator(small.folder()))
+    if (entry.is_regular_file()) fs::last_write_time(entry.path(), fs::file_time_type{} + 1h);
+  ASSERT_EQ(small.build({"--quiet"}).exit_code, 0);
+  EXPECT_EQ(small.stages_run(), std::vector<std::string>{});
+}
+
+}  // namespace
+}  // namespace orthodrive
