@@ -2,11 +2,9 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <httplib.h>
 #include <pthread.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -21,6 +19,7 @@
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/find_resource.hpp"
+#include "view_server.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -49,38 +48,6 @@ void check_site(const std::filesystem::path& folder) {
   if (!std::filesystem::exists(folder / "scene" / "tileset.json"))
     throw InputError(folder.string(),
                      "holds no scene/tileset.json; build the site first: orthodrive build site.toml -o DIR");
-}
-
-void configure(httplib::Server& server, const std::filesystem::path& site, const std::filesystem::path& viewer) {
-  // httplib's default is SO_REUSEPORT, with which two servers share a port without an error and answer in turns.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-  });
-  server.set_keep_alive_timeout(1);         // seconds; stopping waits for idle connections
-  server.set_keep_alive_max_count(10'000);  // a page with its tiles asks for hundreds of files
-  server.set_tcp_nodelay(true);             // head and body are sent one after the other
-  // httplib packs text with Brotli at its best and slowest: a second for 0.5 MB, on a line that needs no packing. It
-  // does so where the request allows it, and has no switch.
-  server.set_pre_routing_handler([](const httplib::Request& request, httplib::Response&) {
-    const_cast<httplib::Request&>(request).headers.erase(
-        "Accept-Encoding");  // httplib's own object, which is not const
-    return httplib::Server::HandlerResponse::Unhandled;
-  });
-  server.set_default_headers({{"Cache-Control", "no-cache"}});  // a site may be built anew under the same address
-  for (const auto& [extension, type] : {std::pair{"glb", "model/gltf-binary"},
-                                        {"gltf", "model/gltf+json"},
-                                        {"json", "application/json"},
-                                        {"geojson", "application/geo+json"},
-                                        {"csv", "text/csv"},
-                                        {"wasm", "application/wasm"},
-                                        {"tif", "image/tiff"},
-                                        {"gpkg", "application/geopackage+sqlite3"},
-                                        {"xodr", "application/xml"}})
-    server.set_file_extension_and_mimetype_mapping(extension, type);
-  // Mount points refuse paths that climb out of their folder. The first match wins.
-  server.set_mount_point("/site/", site.string());
-  server.set_mount_point("/", viewer.string());
 }
 
 int bind_port(httplib::Server& server, int port) {
@@ -128,9 +95,10 @@ void serve_until_signal(httplib::Server& server) {
 void view(const ViewOptions& options, Monitor* monitor) {
   check_site(options.folder);
   const std::filesystem::path viewer = viewer_folder();
-  httplib::Server server;
-  configure(server, options.folder, viewer);
-  const std::string url = fmt::format("http://{}:{}/", host, bind_port(server, options.port));
+  ViewServer server(ViewFiles(options.folder, viewer));
+  const int port = bind_port(server, options.port);
+  server.expect_calls(port);
+  const std::string url = fmt::format("http://{}:{}/", host, port);
   fmt::print("{}\n", url);
   std::fflush(stdout);
   monitor->info(fmt::format("serving {} until Ctrl-C", options.folder.string()));

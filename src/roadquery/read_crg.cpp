@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -247,6 +248,9 @@ std::size_t value_size(CrgFormat format) {
 CrgFile parse_crg(std::string_view bytes, const std::string& name) { return DataReader(bytes, name).read(); }
 
 CrgFile read_crg(const std::string& path) {
+  // OpenDRIVE files name them: a device or a pipe would never end.
+  if (std::error_code unknown; std::filesystem::is_other(path, unknown))
+    throw std::runtime_error(path + ": is no file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw std::runtime_error(path + ": cannot be opened: " + std::strerror(errno));
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};

@@ -9,8 +9,10 @@
 #include <iterator>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/memory.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/crs.hpp"
+#include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/scene_io.hpp"
 #include "orthodrive/io/tileset_io.hpp"
 #include "scratch.hpp"
@@ -133,6 +135,72 @@ TEST_F(TileReader, broken_files_are_read_or_refused_in_one_line) {
     }
     EXPECT_GT(refused, 100);
   }
+}
+
+/// Addresses of tiles become paths: nothing but the name of a tile is one.
+TEST_F(TileReader, tiles_lie_in_the_folder) {
+  (void)write(false);
+  std::ifstream stream(folder / "tileset.json");
+  const std::string whole((std::istreambuf_iterator<char>(stream)), {});
+  const std::string name = "tile_1042_11250.glb";
+  ASSERT_NE(whole.find(name), std::string::npos);
+  fs::create_directories(folder / "tile_1_2.glb");
+  std::ofstream(scratch / "tile_1_2.glb") << "secret";
+  for (const std::string uri :
+       {"../tile_1_2.glb", "tile_1_2.glb/../../tile_1_2.glb", "/tile_1_2.glb", "tile_1_2.glb\\u0000",
+        "http://a/tile_1_2.glb", "tile_99999999999999999999_2.glb", "tile_1_2.gltf", "level1_1.glb", ""}) {
+    std::string changed = whole;
+    changed.replace(changed.find(name), name.size(), uri);
+    std::ofstream(folder / "tileset.json") << changed;
+    EXPECT_THROW((void)io::read_tileset(folder), InputError) << uri;
+  }
+}
+
+/// A small file that says it is large, or that says the same thing many times, is refused before memory is taken.
+TEST_F(TileReader, small_files_do_not_become_large) {
+  std::string deep = R"({"asset": {"extras": {"orthodrive": {"origin": [0, 0, 0]}}}, "root": )";
+  constexpr int levels = 100'000;
+  for (int i = 0; i < levels; ++i) deep += R"({"children": [)";
+  deep += "{}";
+  for (int i = 0; i < levels; ++i) deep += "]}";
+  std::ofstream(folder / "tileset.json") << deep << "}";
+  EXPECT_THROW((void)io::read_tileset(folder), InputError);
+
+  const auto glb = [&](std::string json, std::size_t bytes) {
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const auto word = [](std::size_t value) {
+      std::string text(4, '\0');
+      for (char& c : text) c = static_cast<char>(value & 255), value >>= 8;
+      return text;
+    };
+    std::ofstream(folder / "tile_0_0.glb", std::ios::binary)
+        << "glTF" << word(2) << word(28 + json.size() + bytes) << word(json.size()) << "JSON" << json << word(bytes)
+        << std::string("BIN\0", 4) << std::string(bytes, '\xa0');
+    const std::uint64_t before = peak_memory_bytes();
+    EXPECT_THROW((void)io::read_tile_glb({.path = folder / "tile_0_0.glb"}), InputError);
+    EXPECT_LT(peak_memory_bytes(), before + (std::uint64_t{1} << 30));
+  };
+  const std::string mesh = R"("meshes": [{"name": "terrain", "primitives": [{"indices": 0,
+    "attributes": {"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 0}}]}], )";
+  glb("{" + mesh +
+          R"("nodes": [{"mesh": 0}], "accessors": [{"componentType": 5126, "type": "VEC3", "count": 9, "bufferView": 0}],
+    "bufferViews": [{"byteLength": 40, "extensions": {"EXT_meshopt_compression": {"byteLength": 40, "count": 4000000,
+    "byteStride": 256, "mode": "ATTRIBUTES"}}}]})",
+      40);
+  std::string nodes;
+  for (int i = 0; i < 20'000; ++i) nodes += R"({"mesh": 0},)";
+  nodes.pop_back();
+  glb("{" + mesh + R"("nodes": [)" + nodes + R"(], "accessors": [{"componentType": 5121, "type": "VEC3", "count": 30000,
+    "bufferView": 0}], "bufferViews": [{"byteLength": 90000}]})",
+      90'000);
+}
+
+/// Pictures inside of files are pictures: other formats of GDAL's refer to files and addresses.
+TEST(DecodeImage, takes_pictures_only) {
+  const std::string vrt =
+      R"(<VRTDataset rasterXSize="1" rasterYSize="1"><VRTRasterBand dataType="Byte" band="1"><SimpleSource>
+<SourceFilename>/etc/hostname</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>)";
+  EXPECT_THROW((void)io::decode_image({reinterpret_cast<const std::uint8_t*>(vrt.data()), vrt.size()}), InputError);
 }
 
 TEST_F(TileReader, another_tileset_is_refused) {

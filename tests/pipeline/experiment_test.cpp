@@ -61,6 +61,11 @@ TEST(Experiment, mistakes_are_named_with_their_line) {
               ThrowsMessage<InputError>(HasSubstr("'steps' must be a number")));
   EXPECT_THAT(parse(small, "steps = 20", "steps = = 20"), ThrowsMessage<InputError>(HasSubstr("x.toml:4")));
   EXPECT_THAT(parse(small, "name = \"town\"", ""), ThrowsMessage<InputError>(HasSubstr("'name' is missing")));
+  for (const char* name :
+       {"../town", "/tmp/town", "a/b", ".town", "", "a\\\\b", "a\\u0007"})  // previews would lie elsewhere
+    EXPECT_THAT(parse(small, "name = \"town\"", "name = \"" + std::string(name) + "\""),
+                ThrowsMessage<InputError>(HasSubstr("'name' is used as the name of a file")))
+        << name;
   EXPECT_THAT(parse(small, "3.0, 4.0]", "3.0]"),
               ThrowsMessage<InputError>(HasSubstr("must be [west, south, east, north]")));
 }

@@ -324,6 +324,9 @@ TEST(RoadCrgs, what_says_nothing_known_is_refused) {
   RoadMap missing_file = map_with({});
   missing_file.roads[0].surface[0].file = "none.crg";
   expect_refused(missing_file, "none.crg: cannot be opened");
+  missing_file.roads[0].surface[0].file = "/dev/zero";  // has no end
+  expect_refused(missing_file, "/dev/zero: is no file");
+  missing_file.roads[0].surface[0].file = "none.crg";
   std::ofstream(folder.path / "none.crg") << "$CT\n$ROAD_CRG\nREFERENCE_LINE_INCREMENT = x\n";
   expect_refused(missing_file, "none.crg: line 3: 'x'");
   write_grid(folder.path / "none.crg", waves, "$ROAD_CRG_OPTS\nBORDER_MODE_U = 9\n$ROAD_CRG\n");

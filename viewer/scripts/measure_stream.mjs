@@ -42,7 +42,7 @@ async function withPage(query, {watch, note = () => {}, pixels = 1}, work) {
   const server = await serveSite(tool, siteDir);
   let context;
   try {
-    context = await openBrowser(profile, pixels);
+    context = await openBrowser(profile, {pixels});
     const page = context.pages()[0] ?? (await context.newPage());
     await page.goto('about:blank');
     await context.exposeFunction('streamNote', note);

@@ -13,7 +13,7 @@ import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
 import {SelfDrive} from './self_drive';
-import {fetchOptional, type Site} from './site';
+import {fetchOptional, type Site, siteUrl} from './site';
 import type {VehicleShape} from './vehicle_shape';
 
 type HeightAt = (x_m: number, y_m: number, z_m: number) => number | undefined;
@@ -115,7 +115,7 @@ export class Drive {
   /** A lap below the site's folder beside the first. */
   async loadGhost(file: string): Promise<void> {
     try {
-      const response = await fetchOptional(`site/${file}`);
+      const response = await fetchOptional(siteUrl(file));
       if (!response) throw new Error(`The site has no ${file}, so there is no other lap beside the first.`);
       this.setGhost(await response.text(), file);
       this.ghostFile = file;

@@ -65,6 +65,13 @@ export async function fetchOptional(url: string, headers: Record<string, string>
   return response;
 }
 
+/** Address of a file that somebody named: it must lie in the site's folder. */
+export function siteUrl(file: string): string {
+  const names = file.split('/');
+  if (names.some((name) => name === '' || name.startsWith('.'))) throw new Error(`${file} is no file in the folder of the site: give its path below that folder.`);
+  return `site/${names.map(encodeURIComponent).join('/')}`;
+}
+
 export async function loadSite(): Promise<Site> {
   const tilesetResponse = await fetchOptional(tilesetUrl);
   if (!tilesetResponse) throw new Error(`${tilesetUrl} is missing: build the site, then open it with "orthodrive view DIR"`);

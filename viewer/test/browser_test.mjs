@@ -9,6 +9,7 @@ import {join} from 'node:path';
 
 import {checkDashboard, checkDriving, checkGhost} from './drive_checks.mjs';
 import {checkGround} from './ground_checks.mjs';
+import {checkHostileTexts} from './hostile_checks.mjs';
 import {checkLayers} from './layer_checks.mjs';
 import {checkNarrow, checkTouch} from './narrow_checks.mjs';
 import {readLap, sceneShot, waitUntilDrawn} from './page_helpers.mjs';
@@ -238,6 +239,7 @@ try {
   await checkNarrow(page, siteDir);
   await checkTouch(context, server.url, siteDir);
   assert.deepEqual(problems, [], 'the page reports errors');
+  await checkHostileTexts(context, server.url, siteDir);
   await checkBrokenTile(context, server.url);
   await checkNoWebGl(context, server.url);
 } finally {

@@ -36,16 +36,20 @@ export async function waitUntilDrawn(page) {
   });
 }
 
-/** Hides the page's cards, which lie over the picture. */
-export function hideCards(page) {
-  return page.addStyleTag({content: '.card, footer, #message { visibility: hidden }'});
+/** Hides the page's cards, which lie over the picture, or shows them again. The page's policy refuses style elements. */
+export function hideCards(page, hidden = true) {
+  return page.evaluate((hide) => {
+    const sheet = (window.withoutCards ??= new CSSStyleSheet());
+    sheet.replaceSync(hide ? '.card, footer, #message { visibility: hidden }' : '');
+    if (!document.adoptedStyleSheets.includes(sheet)) document.adoptedStyleSheets.push(sheet);
+  }, hidden);
 }
 
 /** The picture without the page's cards. */
 export async function sceneShot(page) {
   await waitUntilDrawn(page);
-  const style = await hideCards(page);
+  await hideCards(page);
   const png = await page.screenshot();
-  await style.evaluate((element) => element.remove());
+  await hideCards(page, false);
   return png;
 }

@@ -26,11 +26,12 @@ export async function serveSite(tool, siteDir, environment = {}) {
 }
 
 /** Debian's Chromium with a fresh profile, no background traffic, and WebGL drawn by the processor; `pixels`: for each of the page's. */
-export function openBrowser(profileDir, pixels = 1) {
+export function openBrowser(profileDir, {pixels = 1, bypassCSP = false} = {}) {
   return chromium.launchPersistentContext(profileDir, {
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     viewport: {width: 1280, height: 800},
     deviceScaleFactor: pixels,
+    bypassCSP,
     args: [
       '--headless=new', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
       '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',

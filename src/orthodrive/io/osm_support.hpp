@@ -43,11 +43,20 @@ inline void check_tags(const osmium::OSMObject& object) {
     throw std::runtime_error(fmt::format("a tag of object {} holds a zero byte", object.id()));
 }
 
+/// What a file unpacks to in memory, at most: so many times its size, and some. A node takes some bytes of a PBF file and
+/// 64 of memory; a file that was made to exhaust the memory unpacks to ten thousand times its size.
+constexpr std::uintmax_t most_expansion = 1000, expansion_slack_bytes = std::uintmax_t{256} << 20;
+
 /// Reads the nodes, ways or relations of a file; `use` gets each buffer once its tags are known to be sound.
 template <typename F>
 void read_osm_buffers(const std::filesystem::path& path, osmium::osm_entity_bits::type entities, F&& use) {
   osmium::io::Reader reader(path.string(), entities);
+  const std::uintmax_t most_bytes = most_expansion * std::filesystem::file_size(path) + expansion_slack_bytes;
+  std::uintmax_t bytes = 0;
   while (osmium::memory::Buffer buffer = reader.read()) {
+    bytes += buffer.committed();
+    if (bytes > most_bytes)
+      throw std::runtime_error(fmt::format("it unpacks to more than {} times its size", most_expansion));
     for (const osmium::OSMObject& object : buffer.select<osmium::OSMObject>()) check_tags(object);
     use(buffer);
   }

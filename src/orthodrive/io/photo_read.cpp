@@ -286,7 +286,14 @@ Photo read_photo_native(const fs::path& path) {
 }
 
 namespace {
+/// All of a picture is held in memory, and a small file may say that it is huge.
+constexpr std::int64_t most_picture_pixels = std::int64_t{1} << 30;
+
 Raster<std::uint8_t> pixels_of(const fs::path& path, const DatasetPtr& source) {
+  if (std::int64_t{source->GetRasterXSize()} * source->GetRasterYSize() > most_picture_pixels)
+    throw InputError(path.string(),
+                     fmt::format("has {} x {} pixels, at most {} are read as one picture; cut it",
+                                 source->GetRasterXSize(), source->GetRasterYSize(), most_picture_pixels));
   const DatasetPtr view = as_rgb(path, *source);
   GDALDataset& rgb = view ? *view : *source;
   Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
@@ -319,7 +326,9 @@ Raster<std::uint8_t> decode_image(std::span<const std::uint8_t> bytes) {
       &name, [](const std::string* file) { VSIUnlink(file->c_str()); });
   constexpr int largest_px = 8192;
   GdalErrors errors;
-  const DatasetPtr source(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER));
+  // Other formats refer to files and addresses: a picture inside a file must be a picture.
+  const char* const pictures[] = {"PNG", "JPEG", "WEBP", nullptr};
+  const DatasetPtr source(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER, pictures));
   if (!source) throw InputError("an image", fmt::format("cannot be decoded ({})", errors.text()));
   if (source->GetRasterXSize() > largest_px || source->GetRasterYSize() > largest_px)
     throw InputError("an image", fmt::format("has more than {} pixels a side", largest_px));

@@ -10,9 +10,11 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <span>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
 #include "orthodrive/io/raster_io.hpp"
 
 namespace orthodrive::io {
@@ -100,6 +102,10 @@ class Glb {
     if (count > size_of_all || offset > size_of_all || stride > size_of_all ||
         (count > 0 && (count - 1) * stride + width * size > size_of_all - offset))
       throw Error(fmt::format("accessor {} reaches beyond its view", index));
+    // Any number of meshes may show the same accessor, each with a copy of its own.
+    constexpr std::size_t most_numbers = 50'000'000;  // of a file; our tiles have some 100 000
+    if (count * width > most_numbers - numbers_read_) throw Error("its meshes are absurdly large");
+    numbers_read_ += count * width;
     std::vector<double> values;
     values.reserve(count * width);
     for (std::size_t i = 0; i < count; ++i)
@@ -143,9 +149,9 @@ class Glb {
   }
 
   const View& unpacked(std::size_t index) {
+    const Json& view = json.at("bufferViews").at(index);
     if (views_.size() <= index) views_.resize(index + 1);
     if (views_[index]) return *views_[index];
-    const Json& view = json.at("bufferViews").at(index);
     View& result = views_[index].emplace();
     result.stride = view.value("byteStride", std::size_t{0});
     if (!view.contains("extensions")) {
@@ -156,8 +162,10 @@ class Glb {
     const Json& packed = view.at("extensions").at("EXT_meshopt_compression");
     const auto from = part(packed);
     const std::size_t count = packed.at("count"), stride = packed.at("byteStride");
-    constexpr std::size_t largest_stride = 256, largest = std::size_t{1} << 30;
-    if (stride == 0 || stride > largest_stride || count > largest / stride) throw Error("a view is absurdly large");
+    // The codec needs two bits for 16 bytes that are alike: a view does not expand further.
+    constexpr std::size_t largest_stride = 256, most_expansion = 64, slack = 65536;
+    if (stride == 0 || stride > largest_stride || count > (most_expansion * from.size() + slack) / stride)
+      throw Error("a view is absurdly large");
     result.bytes.resize(count * stride);
     result.stride = view.value("byteStride", std::size_t{0});
     const bool are_indices = packed.at("mode") == "TRIANGLES";
@@ -175,7 +183,7 @@ class Glb {
   }
 
   std::vector<std::uint8_t> bytes_;
-  std::size_t bin_ = 0;
+  std::size_t bin_ = 0, numbers_read_ = 0;
   std::vector<std::optional<View>> views_;
 };
 
@@ -232,19 +240,33 @@ std::vector<MeshInstance> read_copies(Glb& glb, const Json& attributes) {
   return copies;
 }
 
-void add_tiles(const Json& tile, const fs::path& folder, Vec3 site_origin, std::vector<TileFile>& files) {
+/// The level, column and row that the name of a tile says. No other text: it becomes a path.
+void read_tile_name(const std::string& uri, TileFile& file) {
+  constexpr std::size_t longest = 64;  // of a name whose numbers fit
+  static const std::regex form("(?:level([0-9]{1,2})|tile)_(-?[0-9]{1,9})_(-?[0-9]{1,9})\\.glb");
+  std::smatch parts;
+  if (uri.size() > longest || !std::regex_match(uri, parts, form))
+    throw Error("tile \"" + printable(uri) + "\" is none of ours");
+  if (parts[1].matched) file.level = std::stoi(parts[1]);
+  file.column = std::stoi(parts[2]), file.row = std::stoi(parts[3]);
+}
+
+constexpr int deepest = 64;  // levels of a tileset: each has tiles of twice the size
+
+void add_tiles(const Json& tile, const fs::path& folder, Vec3 site_origin, std::vector<TileFile>& files,
+               int depth = 0) {
+  if (depth > deepest) throw Error(fmt::format("tiles lie in each other more than {} deep", deepest));
   if (tile.contains("content")) {
     const std::string uri = tile.at("content").at("uri");
     TileFile file{.path = folder / uri, .geometric_error_m = tile.at("geometricError")};
-    if (std::sscanf(uri.c_str(), "level%d_%d_%d.glb", &file.level, &file.column, &file.row) != 3 &&
-        std::sscanf(uri.c_str(), "tile_%d_%d.glb", &file.column, &file.row) != 2)
-      throw Error("tile \"" + uri + "\" is none of ours");
+    read_tile_name(uri, file);
     const Json& origin = tile.at("extras").at("origin");
     file.origin = site_origin + Vec3{origin.at(0), origin.at(1), origin.at(2)};
     file.bytes = fs::file_size(file.path);
     files.push_back(std::move(file));
   }
-  for (const Json& child : tile.value("children", Json::array())) add_tiles(child, folder, site_origin, files);
+  for (const Json& child : tile.value("children", Json::array()))
+    add_tiles(child, folder, site_origin, files, depth + 1);
 }
 
 /// What reading throws, with the file's name.
@@ -254,7 +276,7 @@ auto named(const fs::path& path, const Read& read) {
     return read();
   } catch (const std::exception& error) {
     throw InputError(path.string(),
-                     fmt::format("is no tile of ours: {}; write it with `orthodrive scene`", error.what()));
+                     fmt::format("is no tile of ours: {}; write it with `orthodrive scene`", printable(error.what())));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/plain_name.hpp"
 #include "orthodrive/pipeline/toml_section.hpp"
 
 namespace orthodrive {
@@ -37,10 +38,17 @@ PaintRule read_rule(TomlSection& section) {
   return rule;
 }
 
+/// Previews are files of this name.
+void read_name(TomlSection& section, std::string& name) {
+  section.read("name", name);
+  if (!is_plain_name(name))
+    section.fail_here("'name' is used as the name of a file: no '/', no '.' in front, at most 200 characters");
+}
+
 MapData read_map(TomlSection& section) {
   MapData map;
   for (const char* key : {"name", "photo", "bbox_wgs84", "background"}) section.require(key);
-  section.read("name", map.name);
+  read_name(section, map.name);
   section.read("photo", map.photo);
   section.read_box("bbox_wgs84", [&](const Box2& box) { map.area_lonlat = box; });
   section.read_box("held_out_bbox_wgs84", [&](const Box2& box) { map.held_out_lonlat = box; });
@@ -53,7 +61,7 @@ MapData read_map(TomlSection& section) {
 ImageData read_images(TomlSection& section) {
   ImageData data;
   for (const char* key : {"name", "images", "labels", "palette"}) section.require(key);
-  section.read("name", data.name);
+  read_name(section, data.name);
   section.read("images", data.images);
   section.read("labels", data.labels);
   section.read("gsd_m", data.gsd_m);
@@ -76,7 +84,7 @@ ImageData read_images(TomlSection& section) {
 RasterData read_raster(TomlSection& section) {
   RasterData data;
   section.require("name");
-  section.read("name", data.name);
+  read_name(section, data.name);
   std::filesystem::path folder;
   section.read("folder", folder);
   if (!folder.empty()) data.photo = folder / "ortho.tif", data.labels = folder / "truth" / "labels.tif";
@@ -101,7 +109,7 @@ RasterData read_raster(TomlSection& section) {
 PolygonData read_polygons(TomlSection& section) {
   PolygonData data;
   for (const char* key : {"name", "photo", "polygons"}) section.require(key);
-  section.read("name", data.name);
+  read_name(section, data.name);
   section.read("photo", data.photo);
   section.read("polygons", data.polygons);
   section.read("pieces", data.pieces);
