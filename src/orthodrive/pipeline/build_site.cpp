@@ -25,8 +25,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// All stages in their order.
+/// All stages in their order. Throws InputError for a source that is not there.
 std::vector<BuildStage> stages_of(SiteBuild& build) {
+  require_site_files(build.site);
   return {segment_stage(build), refine_stage(build), elevate_stage(build),
           network_stage(build), scene_stage(build),  drive_stage(build)};
 }
@@ -184,7 +185,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   }
   tell("report");
 
-  Findings findings;
+  Findings findings = site.findings;
   for (const StageRecord& record : result.stages) append(findings, record.outcome.findings);
   const json scores = score_build(site, out_dir);
   result.stages.push_back(runner.report(result.stages, scores));
