@@ -18,6 +18,7 @@
 #include "orthodrive/pipeline/run_scene.hpp"
 #include "orthodrive/pipeline/run_segment.hpp"
 #include "orthodrive/pipeline/score.hpp"
+#include "orthodrive/pipeline/side_files.hpp"
 #include "orthodrive/pipeline/watched_sources.hpp"
 
 namespace orthodrive {
@@ -196,6 +197,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   for (const StageRecord& record : result.stages) run["stages"].push_back(to_json(record));
   if (!scores.is_null()) run["scores"] = scores;
   write_text_file(out_dir / "run.json", run.dump(1) + "\n");
+  write_side_files(site, out_dir, options.version);
   hashes.keep();
   tell("");
   return result;
