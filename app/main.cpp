@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
                "remaining_s");
   app.footer("Exit codes: 0 done, 1 data or processing, 2 usage, 128 + n ended by signal n (Ctrl-C: 130).");
 
+  add_new(app, context);
   add_build(app, context);
   add_plan(app, context);
   add_cells(app, context);

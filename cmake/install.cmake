@@ -2,6 +2,7 @@
 # relative to itself (core/find_resource.hpp), so the folders below P have fixed names.
 install(TARGETS orthodrive orthodrive-train RUNTIME DESTINATION bin)
 install(TARGETS fmu_roads fmu_car LIBRARY DESTINATION share/orthodrive/fmu)
+install(DIRECTORY catalogue/ DESTINATION share/orthodrive/catalogue)
 install(DIRECTORY models/ DESTINATION share/orthodrive/models PATTERN truth EXCLUDE)
 # Built by `npm run build` or not: `orthodrive view` says when it is missing.
 install(DIRECTORY viewer/dist/ DESTINATION share/orthodrive/viewer OPTIONAL)

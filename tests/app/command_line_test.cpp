@@ -8,9 +8,9 @@ namespace {
 using testing::AnyOf;
 using testing::HasSubstr;
 
-const std::vector<std::string> commands{"build",   "plan",   "synth",    "train",   "segment",
-                                        "forests", "refine", "elevate",  "network", "scene",
-                                        "drive",   "view",   "evaluate", "tune",    "export"};
+const std::vector<std::string> commands{"new",     "build",    "plan",    "synth",   "train", "segment",
+                                        "forests", "refine",   "elevate", "network", "scene", "drive",
+                                        "view",    "evaluate", "tune",    "export"};
 
 TEST(CommandLine, help_lists_all_commands) {
   const ToolRun run = run_tool({"--help"});

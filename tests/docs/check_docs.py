@@ -20,7 +20,7 @@ METHOD_LINES = 120  # two screens beyond formulas: lines of indented blocks do n
 LINE_WIDTH = 160  # of prose, so that a page is not made short by long lines
 FREE = {"architecture.md", "glossary.md", "reference.md"}  # lists, not methods
 SENTENCES = ["dense CRF", "angle variation", "moving average", "alpha blending", "normals at tile borders"]
-TOP = {"app", "bench", "cmake", "docs", "examples", "models", "sites", "src", "tests", "tools", "viewer"}
+TOP = {"app", "bench", "catalogue", "cmake", "docs", "examples", "models", "sites", "src", "tests", "tools", "viewer"}
 SUFFIXES = ["", ".hpp", ".cpp", ".h", ".inl", ".toml", ".md", ".py", ".mjs"]
 # What a build or a synthetic site leaves behind; some folders have the names of rooms.
 OUTPUTS = {"scene/tileset.json", "scene/*.glb", "drive/lap.csv", "drive/report.html", "crf/..."}

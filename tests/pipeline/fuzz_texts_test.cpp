@@ -8,10 +8,13 @@
 #include <numbers>
 
 #include "fuzz/expect_survives.hpp"
+#include "orthodrive/io/area_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/model/site_area.hpp"
 #include "orthodrive/nets/model_metadata.hpp"
 #include "orthodrive/pipeline/experiment.hpp"
 #include "orthodrive/pipeline/network_spec.hpp"
+#include "orthodrive/pipeline/site.hpp"
 #include "orthodrive/synth/track_table.hpp"
 
 namespace orthodrive::fuzz {
@@ -92,6 +95,43 @@ TEST(FuzzTexts, network_toml) {
 }
 TEST(FuzzTexts, experiment_toml) {
   expect_survives("a.toml", experiment, [](const fs::path& file) { (void)parse_experiment(bytes_of(file), file); });
+}
+
+const std::string site = R"(name = "K"
+[area]
+crs = "auto"
+polygon = [[12.0, 57.0], [12.1, 57.0], [12.05, 57.1], [12.0, 57.0]]
+[sources]
+photo = "p.tif"
+osm = ["r.osm"]
+dtm = ["a.tif", "b.tif"]
+gpx = "t.gpx"
+[segment]
+crf = true
+[refine]
+driving_side = "left"
+[network]
+crg = ["way/7"]
+opendrive = "1.8"
+weather = "wet"
+[drive]
+route = "auto"
+[attribution]
+text = ["a", "b"]
+[truth]
+dir = "truth"
+)";
+
+TEST(FuzzTexts, site_toml) {
+  expect_survives("a.toml", site, [](const fs::path& file) { (void)read_site(file); });
+}
+TEST(FuzzTexts, area_geojson) {
+  const std::string sample =
+      R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"MultiPolygon",)"
+      R"("coordinates":[[[[12.0,57.0],[12.1,57.0],[12.05,57.1],[12.0,57.0]]]]}}]})";
+  expect_survives("a.geojson", sample, [](const fs::path& file) {
+    for (const Polygon& polygon : io::read_areas(file)) (void)site_frame_of(polygon);
+  });
 }
 
 TEST(FuzzTexts, track_table) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "orthodrive/core/atomic_file.hpp"
@@ -57,14 +58,15 @@ TEST(Site, overrides_take_toml_values_and_bare_words) {
 TEST(Site, weather_is_dry_or_wet) {
   EXPECT_EQ(read_site(site_file(area + sources)).weather, Weather::dry);
   EXPECT_EQ(read_site(site_file(area + sources + "[network]\nweather = \"wet\"\n")).weather, Weather::wet);
-  EXPECT_THAT(message_of<OptionError>(area + sources, {"network.weather=snow"}), HasSubstr("must be dry or wet"));
+  EXPECT_THAT(message_of<OptionError>(area + sources, {"network.weather=snow"}),
+              HasSubstr("--set network.weather=snow: 'network.weather' must be dry or wet"));
 }
 
 TEST(Site, the_network_adapts_to_a_site_that_asks_for_it) {
   EXPECT_FALSE(read_site(site_file(area + sources)).adapt);
   EXPECT_TRUE(read_site(site_file(area + sources + "[segment]\nadapt = true\n")).adapt);
   EXPECT_THAT(message_of<OptionError>(area + sources, {"segment.adapt=very"}),
-              HasSubstr("segment.adapt must be true or false"));
+              HasSubstr("'segment.adapt' must be true or false"));
 }
 
 TEST(Site, drive_logs_are_sources_that_a_site_may_have) {
@@ -84,7 +86,8 @@ TEST(Site, gpx_tracks_are_sources_that_a_site_may_have) {
   EXPECT_TRUE(site.gpx[1].is_absolute());
   EXPECT_EQ(site.gpx[1].filename(), "c.gpx");
   EXPECT_EQ(site.driving_side, DrivingSide::left);
-  EXPECT_THAT(message_of<OptionError>(area + sources + "[refine]\ndriving_side='up'\n"), HasSubstr("driving_side"));
+  EXPECT_THAT(message_of<InputError>(area + sources + "[refine]\ndriving_side='up'\n"),
+              HasSubstr("site.toml:8: 'refine.driving_side' must be right or left, not 'up'"));
 }
 
 TEST(Site, network_files_are_chosen_in_their_section) {
@@ -95,20 +98,118 @@ TEST(Site, network_files_are_chosen_in_their_section) {
       read_site(site_file(area + sources + "[network]\ncrg=['way/7', 'all-of-route']\nopendrive='1.8'\n"));
   EXPECT_EQ(site.crg, (std::vector<std::string>{"way/7", "all-of-route"}));
   EXPECT_EQ(site.opendrive, "1.8");
-  EXPECT_THAT(message_of<OptionError>(area + sources + "[network]\nopendrive='1.6'\n"), HasSubstr("network.opendrive"));
+  EXPECT_THAT(message_of<InputError>(area + sources + "[network]\nopendrive='1.6'\n"), HasSubstr("network.opendrive"));
 }
 
-TEST(Site, mistakes_are_told_with_file_and_place) {
-  EXPECT_THAT(message_of<OptionError>(area + sources + "[drive]\nrute='x'\n"),
-              AllOf(HasSubstr("drive.rute"), HasSubstr("route")));
-  EXPECT_THAT(message_of<InputError>("name = \n"), HasSubstr("line 1"));
-  EXPECT_THAT(message_of<OptionError>(sources), HasSubstr("[area]"));
-  EXPECT_THAT(message_of<OptionError>(area), HasSubstr("sources.photo"));
-  EXPECT_THAT(message_of<OptionError>("[area]\nbbox_wgs84=[12.1, 57, 12.0, 58]\n" + sources), HasSubstr("west < east"));
-  EXPECT_THAT(message_of<OptionError>("[area]\nbounds=[0, 0, 10, 10]\n" + sources), HasSubstr("area.crs"));
-  EXPECT_THAT(message_of<Error>("[area]\ncrs='EPSG:1'\nbounds=[0, 0, 10, 10]\n" + sources), HasSubstr("EPSG:1"));
+/// What a site file says of itself, after the name of the file.
+struct Mistake {
+  std::string text, message;
+};
+
+TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
+  const std::vector<Mistake> mistakes{
+      {"name = \n", ":1: "},
+      {area + sources + "[drive]\nrute='x'\n", ":8: 'drive.rute' is not known here; did you mean 'route'?"},
+      {area + sources + "[dirve]\nroute='x'\n", ":7: 'dirve' is not known here; did you mean 'drive'?"},
+      {area + sources + "[xyz]\n", ":7: 'xyz' is not known here; known are: area, attribution, "},
+      {area + "[sources]\nfoto='p.tif'\nosm='r.osm'\ndtm='a.tif'\n",
+       ":4: 'sources.foto' is not known here; did you mean"},
+      {area + "[sources]\nphoto='p.tif'\ndtm='a.tif'\n", ":3: 'sources.osm' is missing here"},
+      {area, ": 'sources.photo' is missing here"},
+      {area + "sources = 3\n", ":3: 'area.sources' is not known here"},
+      {"sources = 3\n" + area, ":1: 'sources' must be a section: [sources]"},
+      {area + sources + "[segment]\ncrf='yes'\n", ":8: 'segment.crf' must be true or false"},
+      {area + sources + "[segment]\nmodel=7\n", ":8: 'segment.model' must be a text"},
+      {area + sources + "gpx=[1]\n", ":7: 'sources.gpx' has an entry of the wrong type"},
+      {area + sources + "gpx=1\n", ":7: 'sources.gpx' must be a text or a list of texts"},
+      {area + sources + "trees=''\n", ":7: 'sources.trees' is empty"},
+      {area + sources + "[elevate]\nsampling='cubik'\n",
+       ":8: 'elevate.sampling' must be bilinear or cubic, not 'cubik'; did you mean 'cubic'?"},
+      {area + sources + "[network]\njunction_grids=true\n", ":8: 'network.junction_grids' needs network.opendrive"},
+      {area + "[sources]\nphoto=['a.tif','b.tif']\nosm='r.osm'\ndtm='a.tif'\n", ":4: 'sources.photo' names 2 files"},
+      {area + "[sources]\nphoto='WMTS:https://x/y.xml'\nosm='r.osm'\ndtm='a.tif'\n", "an address and no file"},
+      {sources, ": [area] needs one of bbox_wgs84"},
+      {"[area]\n" + sources, ":1: [area] needs one of bbox_wgs84"},
+      {"[area]\nbbox_wgs84=[12.1, 57, 12.0, 57.1]\n" + sources,
+       ":2: 'area.bbox_wgs84': 12.1,57,12,57.1: west is east of east, need west,south,east,north in degrees; did you "
+       "mean 12,57,12.1,57.1?"},
+      {"[area]\nbbox_wgs84=[12.1, 57, 12.0]\n" + sources, ":2: 'area.bbox_wgs84' must be [west, south, east, north]"},
+      {"[area]\nbounds=[0, 0, 100, 100]\n" + sources, ":2: 'area.bounds' needs area.crs"},
+      {"[area]\ncrs='EPSG:1'\nbounds=[0, 0, 100, 100]\n" + sources, ":2: 'area.crs': CRS 'EPSG:1' is unknown"},
+      {"[area]\ncrs='EPSG:4326'\nbounds=[0, 0, 100, 100]\n" + sources, ":2: 'area.crs': CRS 'EPSG:4326' has degrees"},
+      {"[area]\ncrs='EPSG:32633'\nbounds=[0, 0, 100, 30]\n" + sources, ":3: 'area.bounds': is 100 x 30 m"},
+      {"[area]\npolygon=[[12.0,57.0],[12.1,57.0],[12.1,57.1]]\n" + sources, "ring 1 of a polygon is not closed"},
+      {"[area]\npolygon=[[12.0,57.0],[12.1,57.1],[12.1,57.0],[12.0,57.1],[12.0,57.0]]\n" + sources,
+       "its outer ring crosses or touches itself near 12.050000, 57.050000"},
+      {"[area]\npolygon='none.geojson'\n" + sources, ":2: 'area.polygon': "},
+  };
+  for (const Mistake& mistake : mistakes) {
+    SCOPED_TRACE(mistake.text);
+    const std::string message = message_of<InputError>(mistake.text);
+    EXPECT_THAT(message, HasSubstr("site.toml"));
+    EXPECT_THAT(message, HasSubstr(mistake.message));
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
   EXPECT_THAT(message_of<OptionError>(area + sources, {"nonsense"}), HasSubstr("section.key=value"));
+  EXPECT_THAT(message_of<OptionError>(area + sources, {"sources.foto=x.tif"}),
+              HasSubstr("--set sources.foto=x.tif: 'sources.foto' is not known here; did you mean 'photo'?"));
+  EXPECT_THAT(message_of<OptionError>(area + sources, {"drive.route=[1]"}), HasSubstr("--set drive.route=[1]: "));
   EXPECT_THROW((void)read_site("/nonexistent/site.toml"), InputError);
+}
+
+TEST(Site, a_polygon_is_an_area_inline_or_out_of_geojson) {
+  const std::string ring = "[[12.0,57.0],[12.1,57.0],[12.05,57.1],[12.0,57.0]]";
+  const Site inline_ring = read_site(site_file("[area]\npolygon=" + ring + "\n" + sources));
+  EXPECT_EQ(inline_ring.frame.crs.definition, "EPSG:32633");
+  EXPECT_NEAR(area_m2(inline_ring.frame.area), 0.5 * 6080.0 * 11140.0, 2e5);
+  const std::string hole = "[[12.04,57.01],[12.04,57.02],[12.06,57.02],[12.04,57.01]]";
+  const Site with_hole = read_site(site_file("[area]\npolygon=[" + ring + "," + hole + "]\n" + sources));
+  ASSERT_EQ(with_hole.frame.area.holes.size(), 1u);
+  EXPECT_LT(area_m2(with_hole.frame.area), area_m2(inline_ring.frame.area));
+
+  const fs::path file = site_file("[area]\npolygon='place.geojson'\n" + sources);
+  const auto geojson = [&](const std::string& geometry) {
+    write_text_file(
+        file.parent_path() / "place.geojson",
+        R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":)" + geometry + "}]}");
+  };
+  geojson(R"({"type":"Polygon","coordinates":[)" + ring + "]}");
+  EXPECT_EQ(read_site(file).frame.area.outer, inline_ring.frame.area.outer);
+  geojson(R"({"type":"MultiPolygon","coordinates":[[)" + ring + "],[" + hole + "]]}");
+  EXPECT_THAT([&] { (void)read_site(file); }, testing::ThrowsMessage<InputError>(HasSubstr("holds 2 polygons")));
+  geojson(
+      R"({"type":"Polygon","coordinates":[[[500000,6000000],[500100,6000000],[500100,6000100],[500000,6000000]]]})");
+  EXPECT_THAT([&] { (void)read_site(file); }, testing::ThrowsMessage<InputError>(HasSubstr("save it in WGS84")));
+  geojson(R"({"type":"Point","coordinates":[12,57]})");
+  EXPECT_THAT([&] { (void)read_site(file); }, testing::ThrowsMessage<InputError>(HasSubstr("holds no polygon")));
+  write_text_file(file.parent_path() / "place.geojson", "{");
+  EXPECT_THAT([&] { (void)read_site(file); }, testing::ThrowsMessage<InputError>(HasSubstr("is no GeoJSON")));
+}
+
+TEST(Site, a_file_that_is_not_there_is_told_with_its_line) {
+  const fs::path file = site_file(area + sources + "[truth]\ndir = 'truth'\n");
+  const Site site = read_site(file);  // reading alone looks for no source: they may still have to be fetched
+  for (const char* name : {"a.tif", "b.tif", "p.tif", "r.osm"}) {
+    fs::remove(file.parent_path() / name);
+  }
+  EXPECT_THAT([&] { require_site_files(site); },
+              testing::ThrowsMessage<InputError>(AllOf(HasSubstr("site.toml:6: 'dtm'"), HasSubstr("a.tif"))));
+  for (const char* name : {"a.tif", "b.tif", "p.tif"}) write_text_file(file.parent_path() / name, "");
+  EXPECT_THAT([&] { require_site_files(site); }, testing::ThrowsMessage<InputError>(HasSubstr("site.toml:5: 'osm'")));
+  write_text_file(file.parent_path() / "r.osm", "");
+  EXPECT_THAT([&] { require_site_files(site); }, testing::ThrowsMessage<InputError>(HasSubstr("site.toml:8: 'dir'")));
+  fs::create_directories(file.parent_path() / "truth");
+  EXPECT_NO_THROW(require_site_files(site));
+  fs::remove_all(file.parent_path());
+}
+
+TEST(Site, an_area_far_from_its_meridian_is_a_finding) {
+  EXPECT_TRUE(read_site(site_file(area + sources)).findings.empty());
+  const Site site = read_site(site_file("[area]\ncrs='EPSG:32631'\nbbox_wgs84=[12.0, 57, 12.1, 57.1]\n" + sources));
+  ASSERT_EQ(site.findings.size(), 1u);
+  EXPECT_EQ(site.findings[0].code, "area.off_meridian");
+  EXPECT_THAT(site.findings[0].message, HasSubstr("9.1 degrees"));
+  EXPECT_TRUE(std::isfinite(site.findings[0].x_m));
 }
 
 TEST(Site, the_sites_of_the_repository_parse) {

@@ -12,6 +12,7 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/ogr_support.hpp"
+#include "orthodrive/io/qgis_style.hpp"
 #include "orthodrive/io/vector_io.hpp"
 
 namespace orthodrive::io {
@@ -230,6 +231,35 @@ void write_signs(GDALDataset& dataset, const std::vector<NodeSign>& signs, const
     add_feature(layer, row, file, errors);
   }
 }
+
+/// The table in which QGIS looks for styles of a GeoPackage's layers, as QGIS makes it.
+void write_styles(GDALDataset& dataset, const std::string& file, const GdalErrors& errors) {
+  constexpr Field fields[] = {{"f_table_catalog", OFTString},
+                              {"f_table_schema", OFTString},
+                              {"f_table_name", OFTString},
+                              {"f_geometry_column", OFTString},
+                              {"styleName", OFTString},
+                              {"styleQML", OFTString},
+                              {"styleSLD", OFTString},
+                              {"useAsDefault", OFTInteger},
+                              {"description", OFTString},
+                              {"owner", OFTString},
+                              {"ui", OFTString},
+                              {"update_time", OFTDateTime}};
+  OGRLayer& layer = create_layer(dataset, "layer_styles", wkbNone, nullptr, fields);
+  for (const char* name : {"centrelines", "surface"}) {
+    OGRFeature row(layer.GetLayerDefn());
+    for (const char* empty : {"f_table_catalog", "f_table_schema", "styleSLD", "owner"}) row.SetField(empty, "");
+    row.SetField("f_table_name", name);
+    row.SetField("f_geometry_column", dataset.GetLayerByName(name)->GetGeometryColumn());
+    row.SetField("styleName", "orthodrive");
+    row.SetField("styleQML", qgis_road_style(name).c_str());
+    row.SetField("useAsDefault", 1);
+    row.SetField("description", "by highway");
+    row.SetField("update_time", 2000, 1, 1, 0, 0, 0.0F, 100);  // the same bytes at any time
+    add_feature(layer, row, file, errors);
+  }
+}
 }  // namespace
 
 void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vector<RoughnessStretch>& roughness) {
@@ -240,6 +270,7 @@ void write_roads(const fs::path& path, const RoadNetwork& roads, const std::vect
     if (!roughness.empty()) write_roughness(dataset, reference, roads, roughness, path.string(), errors);
     write_restrictions(dataset, roads.restrictions, path.string(), errors);
     write_signs(dataset, roads.signs, path.string(), errors);
+    write_styles(dataset, path.string(), errors);
   });
 }
 

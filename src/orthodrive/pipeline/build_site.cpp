@@ -18,6 +18,7 @@
 #include "orthodrive/pipeline/run_scene.hpp"
 #include "orthodrive/pipeline/run_segment.hpp"
 #include "orthodrive/pipeline/score.hpp"
+#include "orthodrive/pipeline/side_files.hpp"
 #include "orthodrive/pipeline/watched_sources.hpp"
 
 namespace orthodrive {
@@ -25,8 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// All stages in their order.
+/// All stages in their order. Throws InputError for a source that is not there.
 std::vector<BuildStage> stages_of(SiteBuild& build) {
+  require_site_files(build.site);
   return {segment_stage(build), refine_stage(build), elevate_stage(build),
           network_stage(build), scene_stage(build),  drive_stage(build)};
 }
@@ -184,7 +186,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   }
   tell("report");
 
-  Findings findings;
+  Findings findings = site.findings;
   for (const StageRecord& record : result.stages) append(findings, record.outcome.findings);
   const json scores = score_build(site, out_dir);
   result.stages.push_back(runner.report(result.stages, scores));
@@ -195,6 +197,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   for (const StageRecord& record : result.stages) run["stages"].push_back(to_json(record));
   if (!scores.is_null()) run["scores"] = scores;
   write_text_file(out_dir / "run.json", run.dump(1) + "\n");
+  write_side_files(site, out_dir, options.version);
   hashes.keep();
   tell("");
   return result;

@@ -114,7 +114,7 @@ BuildStage refine_stage(SiteBuild& build) {
   nlohmann::json options = frame_options(site.frame);
   options["refine.driving_side"] = to_string(site.driving_side);
   return {.name = "refine",
-          .version = 1,
+          .version = 2,
           .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
           .options = options,
           .reads = {"labels.tif", "road_probability.tif", ".orthodrive/alignment.csv"},

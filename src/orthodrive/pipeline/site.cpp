@@ -1,204 +1,234 @@
 #include "orthodrive/pipeline/site.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <map>
-#include <optional>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
+#include "orthodrive/io/area_reader.hpp"
+#include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/model/site_area.hpp"
+#include "orthodrive/pipeline/toml_section.hpp"
 
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 
-toml::table parse(const fs::path& path) {
-  if (!fs::exists(path))
-    throw InputError(path.string(), "no such site file; `orthodrive synth -o DIR` makes one to start from");
-  try {
-    return toml::parse_file(path.string());
-  } catch (const toml::parse_error& error) {
-    throw InputError(path.string(), fmt::format("line {}: {}", error.source().begin.line, error.description()));
+/// Paths as the file means them: relative to itself.
+class SiteFolder {
+ public:
+  SiteFolder(const fs::path& file, Site& site)
+      : folder_(file.has_parent_path() ? file.parent_path() : fs::path(".")), site_(site) {}
+  /// Refuses what only looks like a path, and keeps where it was named.
+  fs::path locate(const TomlSection& section, const char* key, const std::string& name) const {
+    if (name.empty()) section.fail_at(key, "is empty; give a file, relative to the site file");
+    if (name != printable(name)) section.fail_at(key, "has a control character in its path");
+    for (const char* mark : {"://", "WMTS:", "WMS:", "WCS:", "/vsi"})
+      if (name.find(mark) != std::string::npos)
+        section.fail_at(key,
+                        fmt::format("is '{}', an address and no file; put it into a [[fetch]] table, and name here "
+                                    "the file that `orthodrive fetch` makes of it",
+                                    name));
+    const fs::path path = (folder_ / name).lexically_normal();
+    section.at(key, [&] { site_.named_at.emplace(path, fmt::format("{}: '{}'", section.place_of(key), key)); });
+    return path;
   }
-}
-
-void apply_override(toml::table& table, const std::string& text) {
-  const auto equals = text.find('='), dot = text.find('.');
-  const bool top_level = dot == std::string::npos || dot > equals;
-  if (equals == std::string::npos || equals == 0) throw OptionError("--set " + text + ": expected section.key=value");
-  const std::string section = top_level ? "" : text.substr(0, dot);
-  const std::string key = top_level ? text.substr(0, equals) : text.substr(dot + 1, equals - dot - 1);
-  const std::string value = text.substr(equals + 1);
-  toml::table parsed;
-  try {
-    parsed = toml::parse(fmt::format("{} = {}", key, value));
-  } catch (const toml::parse_error&) {  // a bare word: drive.route=Circuit
-    parsed.insert_or_assign(key, value);
+  void read(TomlSection& section, const char* key, std::vector<fs::path>& paths) const {
+    std::vector<std::string> names;
+    section.read_texts(key, names);
+    for (const std::string& name : names) paths.push_back(locate(section, key, name));
   }
-  if (!section.empty() && !table.contains(section)) table.insert(section, toml::table{});
-  toml::table* target = section.empty() ? &table : table[section].as_table();
-  if (!target) throw OptionError("--set " + text + ": '" + section + "' is not a section");
-  for (auto&& [k, v] : parsed) target->insert_or_assign(k, v);
-}
+  void read(TomlSection& section, const char* key, fs::path& path) const {
+    std::string name;
+    section.read(key, name);
+    if (section.has(key)) path = locate(section, key, name);
+  }
 
-void check_keys(const toml::table& table, const std::string& where) {
-  static const std::map<std::string, std::vector<std::string>> known{
-      {"", {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth"}},
-      {"area", {"crs", "bounds", "bbox_wgs84"}},
-      {"sources", {"photo", "osm", "dtm", "buildings", "trees", "surroundings", "gpx", "drive_logs"}},
-      {"segment", {"model", "crf", "adapt"}},
-      {"refine", {"weights", "driving_side"}},
-      {"elevate", {"sampling"}},
-      {"network", {"crg", "junction_grids", "opendrive", "weather"}},
-      {"drive", {"route"}},
-      {"attribution", {"text"}},
-      {"truth", {"dir"}}};
-  const auto check = [&](const std::string& section, const toml::table& part) {
-    const auto& keys = known.at(section);
-    for (auto&& [key, value] : part) {
-      if (std::find(keys.begin(), keys.end(), std::string(key.str())) == keys.end())
-        throw OptionError(fmt::format("{}: unknown key '{}{}{}', expected one of: {}", where, section,
-                                      section.empty() ? "" : ".", key.str(), fmt::join(keys, ", ")));
+ private:
+  fs::path folder_;
+  Site& site_;
+};
+
+/// [[lon, lat], ...] or a list of such rings, each closed as in GeoJSON.
+Polygon read_rings(const TomlSection& area, const toml::array& list) {
+  const auto read_ring = [&](const toml::array& points) {
+    Ring ring;
+    for (const toml::node& node : points) {
+      const toml::array* point = node.as_array();
+      const auto lon = point && point->size() == 2 ? (*point)[0].value<double>() : std::nullopt;
+      const auto lat = lon ? (*point)[1].value<double>() : std::nullopt;
+      if (!lat) area.fail(node, "'area.polygon' must be a ring of [longitude, latitude] or a list of such rings");
+      ring.push_back({*lon, *lat});
     }
+    return ring;
   };
-  check("", table);
-  for (const auto& [section, keys] : known) {
-    if (section.empty() || !table.contains(section)) continue;
-    const toml::table* part = table[section].as_table();
-    if (!part) throw OptionError(where + ": '" + section + "' must be a section");
-    check(section, *part);
-  }
-}
-
-std::string text(const toml::table& table, const fs::path& file, const char* section, const char* key,
-                 std::string fallback) {
-  const auto node = table[section][key];
-  if (!node) return fallback;
-  if (const auto value = node.value<std::string>()) return *value;
-  throw OptionError(fmt::format("{}: {}.{} must be a text", file.string(), section, key));
-}
-
-bool flag(const toml::table& table, const fs::path& file, const char* section, const char* key, bool fallback) {
-  const auto node = table[section][key];
-  if (!node) return fallback;
-  if (const auto value = node.value_exact<bool>()) return *value;
-  throw OptionError(fmt::format("{}: {}.{} must be true or false", file.string(), section, key));
-}
-
-std::vector<std::string> texts(const toml::table& table, const fs::path& file, const char* section, const char* key) {
-  const auto node = table[section][key];
-  std::vector<std::string> result;
-  if (const auto one = node.value<std::string>()) result.push_back(*one);
-  if (const toml::array* many = node.as_array())
-    for (const auto& item : *many) {
-      const auto value = item.value<std::string>();
-      if (!value) throw OptionError(fmt::format("{}: {}.{} must hold texts", file.string(), section, key));
-      result.push_back(*value);
+  const toml::array* first = list.empty() ? nullptr : list[0].as_array();
+  std::vector<Ring> rings;
+  if (first && !first->empty() && (*first)[0].is_array()) {
+    for (const toml::node& node : list) {
+      if (!node.is_array()) area.fail(node, "'area.polygon' must be a list of rings");
+      rings.push_back(read_ring(*node.as_array()));
     }
-  return result;
+  } else {
+    rings.push_back(read_ring(list));
+  }
+  return io::polygon_of_rings(std::move(rings));
 }
 
-std::optional<std::array<double, 4>> box(const toml::table& table, const fs::path& file, const char* key) {
-  const toml::array* values = table["area"][key].as_array();
-  if (!values) return std::nullopt;
-  std::array<double, 4> result{};
-  bool good = values->size() == 4;
-  for (std::size_t i = 0; good && i < 4; ++i) {
-    const auto value = (*values)[i].value<double>();
-    good = value && std::isfinite(*value);
-    if (good) result[i] = *value;
+Polygon read_polygon(TomlSection& area, const fs::path& file) {
+  const toml::node* node = area.find("polygon");
+  Polygon polygon;
+  if (node->is_array()) {
+    area.at("polygon", [&] { polygon = read_rings(area, *node->as_array()); });
+    return polygon;
   }
-  if (!good || result[0] >= result[2] || result[1] >= result[3])
-    throw OptionError(
-        fmt::format("{}: area.{} must be four numbers: west, south, east, north with west < east and south < north",
-                    file.string(), key));
-  return result;
+  fs::path path;
+  area.read("polygon", path);
+  path = (file.has_parent_path() ? path : fs::path(".") / path).lexically_normal();
+  area.at("polygon", [&] { polygon = io::read_area(path); });
+  return polygon;
 }
 
-SiteFrame read_frame(const toml::table& table, const fs::path& file) {
-  const auto lonlat = box(table, file, "bbox_wgs84"), metric = box(table, file, "bounds");
-  const std::string crs = text(table, file, "area", "crs", "auto");
-  if (lonlat.has_value() == metric.has_value())
-    throw OptionError(file.string() +
-                      ": [area] needs bbox_wgs84 (degrees) or bounds (metres, with crs), and only one of them");
-  SiteFrame frame;
-  if (metric) {
-    if (crs == "auto") throw OptionError(file.string() + ": area.bounds needs area.crs, for example \"EPSG:32633\"");
-    const auto [west, south, east, north] = *metric;
-    frame.crs = {crs};
-    (void)proj_string(frame.crs);  // an unknown CRS is told here, not three stages later
-    frame.area.outer = {{west, south}, {east, south}, {east, north}, {west, north}};
-    return frame;
-  }
-  const auto [west, south, east, north] = *lonlat;
-  frame.crs = crs == "auto" ? utm_crs(0.5 * (west + east), 0.5 * (south + north)) : Crs{crs};
-  const CoordinateTransform transform(Crs{"EPSG:4326"}, frame.crs);
-  const Vec2 corners[4] = {{west, south}, {east, south}, {east, north}, {west, north}};
-  constexpr int steps = 32;  // an edge of a few km bends by millimetres between two points
-  for (int c = 0; c < 4; ++c)
-    for (int i = 0; i < steps; ++i)
-      frame.area.outer.push_back(transform.target_from_source(corners[c] + (corners[(c + 1) % 4] - corners[c]) *
-                                                                               (i / static_cast<double>(steps))));
+std::array<double, 4> read_box(TomlSection& area, const char* key) {
+  std::array<double, 4> box{};
+  area.read_box(key, [&](const Box2& b) { box = {b.min_x, b.min_y, b.max_x, b.max_y}; });
+  return box;
+}
+
+SiteFrame read_bounds(TomlSection& area, const std::string& crs) {
+  if (crs == "auto") area.fail_at("bounds", "needs area.crs, for example \"EPSG:32633\"");
+  const auto [west, south, east, north] = read_box(area, "bounds");
+  if (!(west < east && south < north && std::isfinite(east - west) && std::isfinite(north - south)))
+    area.fail_at("bounds", "must be west, south, east, north in metres with west < east and south < north");
+  const SiteFrame frame{{crs}, {{{west, south}, {east, south}, {east, north}, {west, north}}, {}}};
+  area.at("crs", [&] { check_crs(frame.crs); });
+  area.at("bounds", [&] { check_area(frame); });
   return frame;
+}
+
+void read_area(TomlSection area, const fs::path& file, Site& site) {
+  std::string crs = "auto";
+  area.read("crs", crs);
+  for (const char* key : {"bounds", "bbox_wgs84", "polygon"}) (void)area.find(key);
+  area.finish();
+  const int given = int{area.has("bounds")} + int{area.has("bbox_wgs84")} + int{area.has("polygon")};
+  if (given != 1)
+    area.fail_here(
+        "[area] needs one of bbox_wgs84 (degrees), polygon (degrees; a GeoJSON file or rings) and bounds "
+        "(metres, with crs)");
+  if (area.has("bounds")) {
+    site.frame = read_bounds(area, crs);
+    return;
+  }
+  const char* key = area.has("polygon") ? "polygon" : "bbox_wgs84";
+  Polygon lonlat;
+  if (area.has("polygon")) {
+    lonlat = read_polygon(area, file);
+  } else {
+    const std::array<double, 4> box = read_box(area, key);
+    area.at(key, [&] { lonlat = polygon_of_box(box); });
+  }
+  area.at(key, [&] { site.frame = site_frame_of(lonlat, crs); });
+  site.findings = findings_of_area(lonlat, site.frame);
+}
+
+void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
+  std::vector<std::string> photos;
+  sources.read_texts("photo", photos);
+  folder.read(sources, "osm", site.osm);
+  folder.read(sources, "dtm", site.dtm);
+  folder.read(sources, "buildings", site.buildings);
+  folder.read(sources, "trees", site.trees);
+  folder.read(sources, "surroundings", site.surroundings);
+  folder.read(sources, "gpx", site.gpx);
+  folder.read(sources, "drive_logs", site.drive_logs);
+  sources.finish();
+  for (const char* key : {"photo", "osm", "dtm"}) sources.require(key);
+  if (photos.size() > 1)
+    sources.fail_at("photo", fmt::format("names {} files, and a site has one photo; join them first, for example with "
+                                         "`gdalbuildvrt photo.vrt FILES`",
+                                         photos.size()));
+  if (photos.empty()) sources.fail_at("photo", "is an empty list; name a file");
+  site.photo = folder.locate(sources, "photo", photos.front());
+  if (site.osm.empty()) sources.fail_at("osm", "is an empty list; name a file");
+  if (site.dtm.empty()) sources.fail_at("dtm", "is an empty list; name a file");
+}
+
+void read_stage_options(TomlSection& root, const SiteFolder& folder, Site& site) {
+  TomlSection segment = root.section("segment");
+  segment.read("model", site.model);
+  segment.read("crf", site.crf);
+  segment.read("adapt", site.adapt);
+  segment.finish();
+
+  TomlSection refine = root.section("refine");
+  folder.read(refine, "weights", site.refine_weights);
+  std::string side = to_string(site.driving_side);
+  refine.read_choice("driving_side", side, {"right", "left"});
+  site.driving_side = driving_side_of(side);
+  refine.finish();
+
+  TomlSection elevate = root.section("elevate");
+  elevate.read_choice("sampling", site.dtm_sampling, {"bilinear", "cubic"});
+  elevate.finish();
+
+  TomlSection network = root.section("network");
+  network.read_texts("crg", site.crg);
+  network.read_choice("opendrive", site.opendrive, {"1.7", "1.8"});
+  network.read("junction_grids", site.junction_grids);
+  std::string weather = to_string(site.weather);
+  network.read_choice("weather", weather, {"dry", "wet"});
+  site.weather = weather_of(weather);
+  network.finish();
+  if (site.junction_grids && site.opendrive != "1.8")
+    network.fail_at("junction_grids", "needs network.opendrive = \"1.8\"");
+
+  TomlSection drive = root.section("drive");
+  drive.read("route", site.route);
+  drive.finish();
 }
 
 }  // namespace
 
 Site read_site(const fs::path& path, const std::vector<std::string>& overrides) {
-  toml::table table = parse(path);
-  for (const std::string& item : overrides) apply_override(table, item);
-  check_keys(table, path.string());
+  if (!fs::is_regular_file(path))
+    throw InputError(path.string(),
+                     "no such site file; `orthodrive new` writes one for a place on earth, `orthodrive "
+                     "synth -o DIR` makes one to try");
+  toml::table table = parse_toml(io::read_file(path), path);
+  for (const std::string& item : overrides) override_toml(table, item);
 
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const auto located = [&](const std::string& name) { return (folder / name).lexically_normal(); };
   Site site;
-  site.name = table["name"].value_or(path.stem().string());
-  site.frame = read_frame(table, path);
-  for (const char* key : {"photo", "osm", "dtm"})
-    if (texts(table, path, "sources", key).empty())
-      throw OptionError(fmt::format("{}: sources.{} is missing", path.string(), key));
-  site.photo = located(texts(table, path, "sources", "photo").front());
-  for (const std::string& name : texts(table, path, "sources", "osm")) site.osm.push_back(located(name));
-  for (const std::string& name : texts(table, path, "sources", "buildings")) site.buildings.push_back(located(name));
-  for (const std::string& name : texts(table, path, "sources", "trees")) site.trees.push_back(located(name));
-  for (const std::string& name : texts(table, path, "sources", "surroundings"))
-    site.surroundings.push_back(located(name));
-  for (const std::string& name : texts(table, path, "sources", "gpx")) site.gpx.push_back(located(name));
-  for (const std::string& name : texts(table, path, "sources", "dtm")) site.dtm.push_back(located(name));
-  for (const std::string& name : texts(table, path, "sources", "drive_logs")) site.drive_logs.push_back(located(name));
-  const std::string truth = text(table, path, "truth", "dir", "");
-  if (!truth.empty()) site.truth_dir = located(truth);
-  site.attribution = texts(table, path, "attribution", "text");
-  site.model = text(table, path, "segment", "model", site.model);
-  site.crf = flag(table, path, "segment", "crf", site.crf);
-  site.adapt = flag(table, path, "segment", "adapt", site.adapt);
-  const std::string weights = text(table, path, "refine", "weights", "");
-  if (!weights.empty()) site.refine_weights = located(weights);
-  try {
-    site.driving_side = driving_side_of(text(table, path, "refine", "driving_side", "right"));
-  } catch (const OptionError& error) {
-    throw OptionError(fmt::format("{}: refine: {}", path.string(), error.what()));
-  }
-  site.dtm_sampling = text(table, path, "elevate", "sampling", site.dtm_sampling);
-  if (site.dtm_sampling != "bilinear" && site.dtm_sampling != "cubic")
-    throw OptionError(path.string() + ": elevate.sampling must be bilinear or cubic");
-  site.crg = texts(table, path, "network", "crg");
-  site.opendrive = text(table, path, "network", "opendrive", site.opendrive);
-  if (site.opendrive != "1.7" && site.opendrive != "1.8")
-    throw OptionError(path.string() + ": network.opendrive must be \"1.7\" or \"1.8\"");
-  site.junction_grids = flag(table, path, "network", "junction_grids", site.junction_grids);
-  if (site.junction_grids && site.opendrive != "1.8")
-    throw OptionError(path.string() + ": network.junction_grids needs network.opendrive = \"1.8\"");
-  try {
-    site.weather = weather_of(text(table, path, "network", "weather", "dry"));
-  } catch (const OptionError& error) {
-    throw OptionError(fmt::format("{}: network: {}", path.string(), error.what()));
-  }
-  site.route = text(table, path, "drive", "route", site.route);
+  site.name = path.stem().string();
+  const SiteFolder folder(path, site);
+  TomlSection root(table, path);
+  root.read("name", site.name);
+  TomlSection area = root.section("area"), sources = root.section("sources"), truth = root.section("truth"),
+              attribution = root.section("attribution");
+  for (const char* key : {"segment", "refine", "elevate", "network", "drive"}) (void)root.find_table(key);
+  (void)root.find("fetch");  // where the sources come from: of `orthodrive fetch`
+  root.finish();
+
+  read_area(std::move(area), path, site);
+  read_sources(std::move(sources), folder, site);
+  read_stage_options(root, folder, site);
+  folder.read(truth, "dir", site.truth_dir);
+  truth.finish();
+  attribution.read_texts("text", site.attribution);
+  attribution.finish();
   return site;
+}
+
+void require_site_files(const Site& site) {
+  for (const auto& [path, place] : site.named_at) {
+    std::error_code unknown;
+    if (!fs::exists(path, unknown))
+      throw InputError(place,
+                       fmt::format("there is no {}; correct the path, or `orthodrive fetch` it when the site file "
+                                   "has a [[fetch]] table for it",
+                                   path.string()));
+  }
 }
 
 }  // namespace orthodrive

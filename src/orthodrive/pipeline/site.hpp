@@ -2,9 +2,11 @@
 // site.toml: the area, the sources and the options that differ from the defaults.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "orthodrive/core/finding.hpp"
 #include "orthodrive/model/driving_side.hpp"
 #include "orthodrive/model/road_material.hpp"
 #include "orthodrive/model/site_frame.hpp"
@@ -35,10 +37,17 @@ struct Site {
   bool junction_grids = false;         ///< surfaces of junctions as OpenDRIVE 1.8 has them, too; needs 1.8
   Weather weather = Weather::dry;      ///< of the friction that roads.xodr states
   std::string route = "auto";          ///< closed way to drive: its name, or "auto"
+  Findings findings;                   ///< odd about the area
+  /// Where the site names its files: "site.toml:12: 'sources.photo'".
+  std::map<std::filesystem::path, std::string> named_at;
 };
 
 /// Reads a site file. `overrides` are "section.key=value" texts in TOML syntax (bare words are taken as strings).
-/// Throws InputError for a missing or malformed file (with the line) and OptionError for unknown keys and wrong types.
+/// Whatever is wrong is told in one line with its place, and with the closest known word for a key or value that is not
+/// known: InputError for what stands in the file, OptionError for what stands in an override.
 [[nodiscard]] Site read_site(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
+
+/// Throws InputError for the first file that the site names and that is not there, with its place in the site file.
+void require_site_files(const Site& site);
 
 }  // namespace orthodrive

@@ -5,6 +5,8 @@
 #include <toml++/toml.h>
 
 #include <filesystem>
+#include <functional>
+#include <limits>
 #include <set>
 #include <string>
 #include <string_view>
@@ -16,18 +18,21 @@
 
 namespace orthodrive {
 
-[[nodiscard]] inline toml::table parse_toml(std::string_view text, const std::filesystem::path& file) {
-  try {
-    return toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}", file.string(), error.source().begin.line), std::string(error.description()));
-  }
-}
+/// Throws InputError with the line of a syntax error.
+[[nodiscard]] toml::table parse_toml(std::string_view text, const std::filesystem::path& file);
 
-/// One table of the file: hands out its values and knows which keys nobody asked for.
+/// Puts "section.key=value" of a command line over what the file says. What is wrong in it is told as an OptionError
+/// that quotes the text, whenever it shows up. Bare words are taken as texts.
+void override_toml(toml::table& table, const std::string& text);
+
+/// One table of the file: hands out its values and knows which keys nobody asked for. All that is wrong is told in one
+/// line with file, line and key: InputError, or OptionError for what came with override_toml.
 class TomlSection {
  public:
-  TomlSection(const toml::table& table, const std::filesystem::path& file) : table_(table), file_(file) {}
+  /// `name` is how messages call the section: "drive" for the keys "drive.route"; empty for the whole file and for
+  /// tables of lists, whose keys are called without it.
+  TomlSection(const toml::table& table, const std::filesystem::path& file, std::string name = "")
+      : table_(table), file_(file), name_(std::move(name)) {}
 
   template <typename T>
   void read(const char* key, T& value) {
@@ -35,15 +40,23 @@ class TomlSection {
     if (!node) return;
     if constexpr (std::is_same_v<T, std::filesystem::path>) {
       const auto text = node->value<std::string>();
-      if (!text) fail(*node, fmt::format("'{}' must be a path", key));
+      if (!text) fail(*node, fmt::format("{} must be a path", called(key)));
       value = file_.parent_path() / *text;
-    } else if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+    } else if constexpr (std::is_same_v<T, bool>) {
+      const auto flag = node->value_exact<bool>();
+      if (!flag) fail(*node, fmt::format("{} must be true or false", called(key)));
+      value = *flag;
+    } else if constexpr (std::is_arithmetic_v<T>) {
       const auto number = node->value<double>();
-      if (!number) fail(*node, fmt::format("'{}' must be a number", key));
+      if (!number) fail(*node, fmt::format("{} must be a number", called(key)));
+      if constexpr (std::is_integral_v<T>)
+        if (!(*number >= static_cast<double>(std::numeric_limits<T>::min()) &&
+              *number < static_cast<double>(std::numeric_limits<T>::max())))
+          fail(*node, fmt::format("{} is {}: out of range", called(key), *number));
       value = static_cast<T>(*number);
     } else {
       const auto found = node->value<T>();
-      if (!found) fail(*node, fmt::format("'{}' has the wrong type", key));
+      if (!found) fail(*node, fmt::format("{} must be a text", called(key)));
       value = *found;
     }
   }
@@ -52,14 +65,20 @@ class TomlSection {
   void read(const char* key, std::vector<T>& values) {
     const toml::node* node = find(key);
     if (!node) return;
-    if (!node->is_array()) fail(*node, fmt::format("'{}' must be a list", key));
+    if (!node->is_array()) fail(*node, fmt::format("{} must be a list", called(key)));
     values.clear();
     for (const toml::node& entry : *node->as_array()) {
       const auto value = entry.value<T>();
-      if (!value) fail(entry, fmt::format("'{}' has an entry of the wrong type", key));
+      if (!value) fail(entry, fmt::format("{} has an entry of the wrong type", called(key)));
       values.push_back(*value);
     }
   }
+
+  /// A text, or a list of texts.
+  void read_texts(const char* key, std::vector<std::string>& values);
+
+  /// A text out of `choices`.
+  void read_choice(const char* key, std::string& value, const std::vector<std::string>& choices);
 
   /// west, south, east, north
   template <typename Take>
@@ -67,7 +86,7 @@ class TomlSection {
     std::vector<double> box;
     read(key, box);
     if (!table_.contains(key)) return;
-    if (box.size() != 4) fail(*table_.get(key), fmt::format("'{}' must be [west, south, east, north]", key));
+    if (box.size() != 4) fail(*table_.get(key), fmt::format("{} must be [west, south, east, north]", called(key)));
     take(Box2{box[0], box[1], box[2], box[3]});
   }
 
@@ -75,7 +94,7 @@ class TomlSection {
   void for_each_table(const char* key, const Visit& visit) {
     const toml::node* node = find(key);
     if (!node) return;
-    if (!node->is_array_of_tables()) fail(*node, fmt::format("'{}' must be a list of tables", key));
+    if (!node->is_array_of_tables()) fail(*node, fmt::format("{} must be a list of tables", called(key)));
     for (const toml::node& entry : *node->as_array()) {
       TomlSection section(*entry.as_table(), file_);
       visit(section);
@@ -83,36 +102,46 @@ class TomlSection {
     }
   }
 
-  const toml::table* find_table(const char* key) {
-    const toml::node* node = find(key);
-    if (node && !node->is_table()) fail(*node, fmt::format("'{}' must be a table", key));
-    return node ? node->as_table() : nullptr;
-  }
+  const toml::table* find_table(const char* key);
 
-  [[noreturn]] void fail_here(const std::string& what) const { fail(table_, what); }
+  /// The section of that name; an empty one where the file has none.
+  [[nodiscard]] TomlSection section(const char* key);
 
-  void require(const char* key) const {
-    if (!table_.contains(key)) fail(table_, fmt::format("'{}' is missing here", key));
-  }
-
-  void finish() const {
-    for (const auto& [key, node] : table_) {
-      if (!used_.contains(std::string(key.str()))) fail(node, fmt::format("'{}' is not known here", key.str()));
-    }
-  }
-
-  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-    throw InputError(fmt::format("{}:{}", file_.string(), node.source().begin.line), what);
-  }
-
- private:
+  /// The value as it is, for what no other function here reads; null: not there.
   const toml::node* find(const char* key) {
     used_.insert(key);
     return table_.get(key);
   }
 
+  [[nodiscard]] bool has(const char* key) const { return table_.contains(key); }
+
+  /// "site.toml:12" or "--set drive.route=x", of the key or, where there is none, of the section.
+  [[nodiscard]] std::string place_of(const char* key) const;
+
+  /// Runs `body`; an Error in it is told with the place of the key.
+  void at(const char* key, const std::function<void()>& body) const;
+
+  [[noreturn]] void fail_here(const std::string& what) const { fail(table_, what); }
+  [[noreturn]] void fail_at(const char* key, const std::string& what) const;
+
+  void require(const char* key) const {
+    if (!table_.contains(key)) fail(table_, fmt::format("{} is missing here", called(key)));
+  }
+
+  /// Throws for the first key that nobody asked for, with the closest of those that were.
+  void finish() const;
+
+  [[noreturn]] void fail(const toml::node& node, const std::string& what) const;
+
+ private:
+  [[nodiscard]] std::string called(std::string_view key) const {
+    return fmt::format("'{}{}{}'", name_, name_.empty() ? "" : ".", key);
+  }
+  [[nodiscard]] std::string place_of(const toml::node& node) const;
+
   const toml::table& table_;
   const std::filesystem::path& file_;
+  std::string name_;
   std::set<std::string> used_;
 };
 

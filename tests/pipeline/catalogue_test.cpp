@@ -1,0 +1,285 @@
+// The catalogue that comes with the tool, and site files made of it. Nothing here asks a server.
+
+#include "orthodrive/pipeline/catalogue.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "io/scratch.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/pipeline/new_site.hpp"
+#include "orthodrive/pipeline/site.hpp"
+#include "paths.hpp"
+
+namespace orthodrive {
+namespace {
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+const Catalogue& catalogue() {
+  static const Catalogue read = read_catalogue(paths::in_source("catalogue"));
+  return read;
+}
+
+const CatalogueSource& source(const std::string& id) {
+  for (const CatalogueSource& entry : catalogue().sources)
+    if (entry.id == id) return entry;
+  throw Error("no source " + id);
+}
+
+Polygon around(double lon, double lat, double half_deg = 0.01) {
+  return polygon_of_box({lon - half_deg, lat - half_deg, lon + half_deg, lat + half_deg});
+}
+
+NewSiteOptions at(double lon, double lat, double half_deg = 0.01) {
+  return {.name = "Here",
+          .area = around(lon, lat, half_deg),
+          .box = LonLatBox{lon - half_deg, lat - half_deg, lon + half_deg, lat + half_deg}};
+}
+
+TEST(Catalogue, every_entry_is_complete) {
+  std::set<std::string> whats;
+  for (const CatalogueSource& entry : catalogue().sources) {
+    SCOPED_TRACE(entry.id);
+    whats.insert(entry.what);
+    for (const std::string* text :
+         {&entry.name, &entry.licence, &entry.licence_url, &entry.attribution, &entry.checked, &entry.checked_against})
+      EXPECT_FALSE(text->empty());
+    EXPECT_TRUE(entry.licence_url.starts_with("https://"));
+    if (entry.kind == "wmts") {
+      EXPECT_FALSE(entry.layer.empty());
+      EXPECT_FALSE(entry.tile_matrix_set.empty());
+    }
+    if (entry.kind == "wms") EXPECT_FALSE(entry.layer.empty());
+    if (entry.kind == "xyz")
+      for (const char* field : {"{z}", "{x}", "{y}"}) EXPECT_THAT(entry.url, HasSubstr(field));
+    // A url with fields of cells has cells, and the other way round.
+    const bool has_fields = entry.url.find("{west") != std::string::npos ||
+                            entry.url.find("{sw}") != std::string::npos || entry.url.find("{nw}") != std::string::npos;
+    EXPECT_EQ(has_fields, entry.cells.has_value());
+    if (entry.what == "photo") EXPECT_LE(entry.resolution_m, 1.0);
+  }
+  EXPECT_EQ(whats, (std::set<std::string>{"photo", "terrain", "osm"}));
+  std::set<std::string> extracts;
+  for (const CatalogueArea& area : catalogue().areas) EXPECT_TRUE(extracts.insert(area.geofabrik).second) << area.id;
+}
+
+TEST(Catalogue, capitals_lie_in_their_countries_and_neighbours_do_not) {
+  const std::vector<std::tuple<double, double, std::string>> places{
+      {16.37, 48.21, "at-basemap"},   {7.45, 46.95, "ch-swissimage"}, {2.35, 48.86, "fr-bdortho"},
+      {8.74, 41.92, "fr-bdortho"},    {6.96, 50.94, "de-nw-dop"},     {11.58, 48.14, "de-by-dop20"},
+      {4.90, 52.37, "nl-luchtfoto"},  {18.07, 59.33, "se-ortofoto"},  {14.42, 50.09, "cz-ortofoto"},
+      {-104.99, 39.74, "us-naip"},    {-80.19, 25.76, "us-naip"},     {139.77, 35.68, "jp-gsi-photo"},
+      {127.68, 26.21, "jp-gsi-photo"}};
+  for (const auto& [lon, lat, id] : places) {
+    EXPECT_EQ(coverage_of(catalogue(), source(id), around(lon, lat)), 1.0) << id;
+    for (const CatalogueSource& other : catalogue().sources)
+      if (other.what == "photo" && other.areas != source(id).areas)
+        EXPECT_EQ(coverage_of(catalogue(), other, around(lon, lat)), 0.0) << id << " in " << other.id;
+  }
+  for (const auto& [lon, lat] : {std::pair{13.40, 52.52}, {19.04, 47.50}, {0.0, 0.0}})  // Berlin, Budapest, the sea
+    for (const CatalogueSource& other : catalogue().sources)
+      if (other.what == "photo") EXPECT_EQ(coverage_of(catalogue(), other, around(lon, lat)), 0.0) << other.id;
+  const double half = coverage_of(catalogue(), source("de-by-dop20"), polygon_of_box({12.9, 47.9, 13.1, 48.1}));
+  EXPECT_GT(half, 0.05);  // the border to Austria
+  EXPECT_LT(half, 0.95);
+}
+
+TEST(Catalogue, the_extract_is_the_smallest_that_holds_the_place) {
+  EXPECT_EQ(extract_area(catalogue(), around(11.58, 48.14))->geofabrik, "europe/germany/bayern");
+  EXPECT_EQ(extract_area(catalogue(), around(13.40, 52.52))->geofabrik, "europe/germany");
+  EXPECT_EQ(extract_area(catalogue(), around(-104.99, 39.74))->geofabrik, "north-america/us/colorado");
+  EXPECT_EQ(extract_area(catalogue(), around(0.0, 0.0)), nullptr);
+  EXPECT_EQ(extract_area(catalogue(), polygon_of_box({11, 46.5, 12, 48.5})), nullptr);  // Germany and Austria
+}
+
+TEST(Catalogue, addresses_of_cells_are_those_of_the_servers) {
+  EXPECT_THAT(cell_urls(source("copernicus-glo30"), around(11.58, 48.14)),
+              ElementsAre("https://copernicus-dem-30m.s3.amazonaws.com/Copernicus_DSM_COG_10_N48_00_E011_00_DEM/"
+                          "Copernicus_DSM_COG_10_N48_00_E011_00_DEM.tif"));
+  EXPECT_THAT(cell_urls(source("copernicus-glo30"), polygon_of_box({-0.1, -0.1, 0.1, 0.1})),
+              ElementsAre(HasSubstr("_S01_00_W001_00_"), HasSubstr("_S01_00_E000_00_"), HasSubstr("_N00_00_W001_00_"),
+                          HasSubstr("_N00_00_E000_00_")));
+  EXPECT_THAT(cell_urls(source("us-3dep-10m"), around(-105.5, 40.5)),
+              ElementsAre("https://prd-tnm.s3.amazonaws.com/StagedProducts/Elevation/13/TIFF/current/n41w106/"
+                          "USGS_13_n41w106.tif"));
+  EXPECT_THAT(cell_urls(source("de-by-dgm1"), around(11.575, 48.137, 0.001)),
+              Contains("https://download1.bayernwolke.de/a/dgm/dgm1/691_5334.tif"));
+  EXPECT_THAT(cell_urls(source("at-als-dtm"), around(16.37, 48.21)),
+              ElementsAre("https://data.bev.gv.at/download/ALS/DTM/20250915/"
+                          "ALS_DTM_CRS3035RES50000mN2800000E4750000.tif"));
+  const std::vector<std::string> ahn = cell_urls(source("nl-ahn"), around(5.0, 52.1, 0.002));
+  EXPECT_THAT(ahn.front(), HasSubstr("&WIDTH=2000&HEIGHT=2000"));
+  for (const std::string& url : ahn) EXPECT_THAT(url, Not(HasSubstr("{")));
+  EXPECT_THAT(
+      [] {
+        (void)cell_urls(source("nl-ahn"), polygon_of_box({3.5, 51.0, 6.5, 53.0}));
+      },
+      ThrowsMessage<OptionError>(HasSubstr("more than 10000")));
+}
+
+TEST(Catalogue, mistakes_in_its_files_are_told_with_their_line) {
+  const Scratch scratch;
+  const std::string area = "[[area]]\nid = 'A'\nname = 'a'\nrings = [[[0,0],[1,0],[1,1],[0,0]]]\n";
+  const std::string photo =
+      "[[source]]\nid = 'p'\nname = 'p'\nwhat = 'photo'\nareas = ['A']\nkind = 'xyz'\nurl = "
+      "'https://x/{z}/{x}/{y}'\nresolution_m = 1\nlicence = 'l'\nattribution = 'a'\nchecked = 'memory'\n";
+  const auto message = [&](const std::string& areas, const std::string& photos, const std::string& terrain = "") {
+    write_bytes(scratch / "areas.toml", areas);
+    write_bytes(scratch / "photo.toml", photos);
+    write_bytes(scratch / "terrain.toml", terrain);
+    write_bytes(scratch / "osm.toml", "");
+    try {
+      (void)read_catalogue(scratch.folder());
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(message(area, photo), "none");
+  EXPECT_THAT(message(area, photo + "layr = 'x'\n"),
+              HasSubstr("photo.toml:12: 'layr' is not known here; did you mean 'layer'?"));
+  EXPECT_THAT(message(area, photo + photo), HasSubstr("photo.toml:13: 'id' 'p' is there already"));
+  EXPECT_THAT(message("", photo), HasSubstr("names 'A', which areas.toml does not have"));
+  EXPECT_THAT(message("[[area]]\nid = 'A'\nname = 'a'\nrings = [[[0,0],[1,0],[1,1]]]\n", photo),
+              HasSubstr("areas.toml:4: a ring needs three corners and its first one again"));
+  EXPECT_THAT(message(area, photo, photo), HasSubstr("terrain.toml:4: 'what' must be terrain, not 'photo'"));
+  std::string terrain = photo;
+  terrain.replace(terrain.find("'photo'"), 7, "'terrain'");
+  EXPECT_THAT(message(area, photo, terrain), HasSubstr("needs vertical_datum and vertical_unit"));
+}
+
+TEST(NewSite, the_best_sources_of_a_place_are_chosen) {
+  EXPECT_THAT(new_site(catalogue(), at(16.37, 48.21)).sources, ElementsAre("at-basemap", "osm-overpass", "at-als-dtm"));
+  EXPECT_THAT(new_site(catalogue(), at(11.58, 48.14)).sources,
+              ElementsAre("de-by-dop20", "osm-overpass", "de-by-dgm1"));
+  EXPECT_THAT(new_site(catalogue(), at(-105.2, 40.0)).sources, ElementsAre("us-naip", "osm-overpass", "us-3dep-1m"));
+  // Where the national model has to be fetched by hand, the world's goes in.
+  EXPECT_THAT(new_site(catalogue(), at(7.45, 46.95)).sources,
+              ElementsAre("ch-swissimage", "osm-overpass", "copernicus-glo30"));
+  // More than Overpass should be asked for.
+  EXPECT_THAT(new_site(catalogue(), at(11.58, 48.44, 0.13)).sources,
+              ElementsAre("de-by-dop20", "osm-geofabrik", "de-by-dgm1"));
+}
+
+TEST(NewSite, what_it_writes_is_a_site_file_with_a_fetch_table_a_source) {
+  const Scratch scratch;
+  const NewSite made = new_site(catalogue(), at(14.42, 50.09));
+  EXPECT_TRUE(made.findings.empty());
+  write_bytes(scratch / "here.toml", made.text);
+  const Site site = read_site(scratch / "here.toml");
+  EXPECT_EQ(site.name, "Here");
+  EXPECT_EQ(site.frame.crs.definition, "EPSG:32633");
+  EXPECT_NEAR(area_m2(site.frame.area), area_m2(site_frame_of(around(14.42, 50.09)).area), 1e-6);
+  EXPECT_EQ(site.photo, scratch / "sources/photo.tif");  // of a WMS
+  EXPECT_EQ(site.attribution.size(), 3u);
+  std::size_t tables = 0;
+  for (auto at = made.text.find("[[fetch]]"); at != std::string::npos; at = made.text.find("[[fetch]]", at + 1))
+    ++tables;
+  EXPECT_EQ(tables, 3u);
+  EXPECT_THAT(made.text, AllOf(HasSubstr("vertical_datum = \"Bpv\""), HasSubstr("layer = \"GR_ORTFOTORGB\""),
+                               HasSubstr("to = \"sources/roads.osm\""), HasSubstr("resolution_m = 0.2\n")));
+  EXPECT_THAT(new_site(catalogue(), at(11.58, 48.44, 0.13)).text,
+              HasSubstr("url = \"https://download.geofabrik.de/europe/germany/bayern-latest.osm.pbf\""));
+}
+
+TEST(NewSite, a_polygon_and_odd_names_survive_writing_and_reading) {
+  const Scratch scratch;
+  NewSiteOptions options = at(14.42, 50.09);
+  options.box.reset();
+  options.name = "U \"Zlatého\" \\ lva\n\x01";
+  options.area.holes.push_back({{14.418, 50.088}, {14.418, 50.092}, {14.422, 50.092}});
+  write_bytes(scratch / "here.toml", new_site(catalogue(), options).text);
+  const Site site = read_site(scratch / "here.toml");
+  EXPECT_EQ(site.name, options.name);
+  ASSERT_EQ(site.frame.area.holes.size(), 1u);
+  EXPECT_NEAR(area_m2(site.frame.area), area_m2(site_frame_of(options.area).area), 5.0);
+}
+
+TEST(NewSite, a_border_with_very_many_corners_is_simplified_and_said) {
+  NewSiteOptions options = at(14.42, 50.09);
+  options.box.reset();
+  options.area.outer.clear();
+  for (int i = 0; i < 9000; ++i) {
+    const double angle = 2.0 * 3.14159265358979 * i / 9000, radius = 0.05 + 1e-5 * (i % 2);
+    options.area.outer.push_back({14.42 + radius * std::cos(angle), 50.09 + radius * std::sin(angle)});
+  }
+  const NewSite made = new_site(catalogue(), options);
+  ASSERT_FALSE(made.findings.empty());
+  EXPECT_EQ(made.findings.back().code, "new.simplified");
+  const Scratch scratch;
+  write_bytes(scratch / "here.toml", made.text);
+  EXPECT_NEAR(area_m2(read_site(scratch / "here.toml").frame.area) / area_m2(site_frame_of(options.area).area), 1.0,
+              2e-3);
+}
+
+TEST(NewSite, local_files_take_the_place_of_sources) {
+  NewSiteOptions options = at(0.0, 0.0);  // the sea
+  options.photo_file = "my photo.tif";
+  options.osm_file = "../roads.osm";
+  options.dtm_files = {"a.tif", "b.tif"};
+  const Scratch scratch;
+  const NewSite made = new_site(catalogue(), options);
+  EXPECT_TRUE(made.sources.empty());
+  EXPECT_THAT(made.text, Not(HasSubstr("[[fetch]]")));
+  write_bytes(scratch / "here.toml", made.text);
+  const Site site = read_site(scratch / "here.toml");
+  EXPECT_EQ(site.photo, scratch / "my photo.tif");
+  EXPECT_EQ(site.dtm.size(), 2u);
+}
+
+TEST(NewSite, terrain_that_covers_a_part_gets_the_worlds_beside_it) {
+  const NewSiteOptions options = at(13.0, 48.0, 0.05);  // the border of Bavaria and Austria
+  const NewSite made = new_site(catalogue(), options);
+  EXPECT_EQ(made.sources.back(), "copernicus-glo30");
+  EXPECT_THAT(made.text, HasSubstr("dtm = [\"sources/dtm.tif\", \"sources/dtm_world.tif\"]"));
+  EXPECT_FALSE(made.findings.empty());
+  EXPECT_EQ(made.findings[0].code, "new.partly_covered");
+}
+
+TEST(NewSite, what_cannot_be_says_what_to_do) {
+  const auto message = [](NewSiteOptions options) {
+    try {
+      (void)new_site(catalogue(), options);
+    } catch (const OptionError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_THAT(message(at(0.0, 0.0)), AllOf(HasSubstr("no photo of the catalogue can be fetched for 0.00000, 0.00000"),
+                                           HasSubstr("Austria"), HasSubstr("--photo-file")));
+  EXPECT_THAT(message(at(50.09, 14.42)),
+              HasSubstr("with longitude first it would be --bbox 14.41,50.08,14.43,50.1, where cz-ortofoto is"));
+  EXPECT_THAT(message(at(18.07, 59.33)), HasSubstr("se-ortofoto covers it: Needs an account"));
+  EXPECT_THAT(message(at(14.5, 49.8, 0.4)), HasSubstr("km2, and a site at most 2500"));
+  NewSiteOptions options = at(14.42, 50.09);
+  options.photo = "cz-ortfoto";
+  EXPECT_THAT(message(options),
+              HasSubstr("--photo cz-ortfoto: the catalogue has no such source; did you mean 'cz-ortofoto'?"));
+  options.photo = "at-basemap";
+  EXPECT_THAT(message(options), HasSubstr("--photo at-basemap: it lies elsewhere (AT)"));
+  options.photo = "copernicus-glo30";
+  EXPECT_THAT(message(options), HasSubstr("no such source"));
+  // A source that has to be fetched by hand can be named: the site file says how.
+  NewSiteOptions swedish = at(18.07, 59.33);
+  swedish.photo = "se-ortofoto";
+  const NewSite made = new_site(catalogue(), swedish);
+  EXPECT_EQ(made.findings.front().code, "new.by_hand");
+}
+
+TEST(NewSite, the_table_lists_what_covers_an_area) {
+  const Polygon munich = around(11.58, 48.14);
+  const std::string here = source_table(catalogue(), &munich), all = source_table(catalogue(), nullptr);
+  EXPECT_THAT(here, AllOf(HasSubstr("de-by-dop20"), HasSubstr("copernicus-glo30"), Not(HasSubstr("at-basemap"))));
+  for (const CatalogueSource& entry : catalogue().sources) EXPECT_THAT(all, HasSubstr(entry.id));
+}
+
+}  // namespace
+}  // namespace orthodrive
