@@ -18,17 +18,15 @@ using ::testing::MatchesRegex;
 class Cells : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    scratch = new Scratch;
-    ASSERT_EQ(
-        run_tool({"-q", "synth", "--seed", "4", "--size", "560", "--gsd", "0.5", "-o", site().parent_path()}).exit_code,
-        0);
+    std::string pattern = (fs::temp_directory_path() / "orthodrive-cells-XXXXXX").string();
+    scratch = mkdtemp(pattern.data());
+    ASSERT_EQ(run_tool({"-q", "synth", "--seed", "4", "--size", "520", "--gsd", "0.25", "-o", site().parent_path()})
+                  .exit_code,
+              0);
     ASSERT_EQ(run_tool({"-q", "build", site(), "-o", folder() / "whole"}).exit_code, 0);
   }
-  static void TearDownTestSuite() {
-    delete scratch;
-    scratch = nullptr;
-  }
-  static fs::path folder() { return scratch->folder(); }
+  static void TearDownTestSuite() { fs::remove_all(scratch); }
+  static fs::path folder() { return scratch; }
   static fs::path site() { return folder() / "site" / "site.toml"; }
   static fs::path out() { return folder() / "shared"; }
   static Arguments words(const std::string& sub, Arguments more = {}) {
@@ -55,9 +53,9 @@ class Cells : public testing::Test {
       });
     for (std::thread& process : processes) process.join();
   }
-  static Scratch* scratch;
+  static fs::path scratch;
 };
-Scratch* Cells::scratch = nullptr;
+fs::path Cells::scratch;
 
 TEST_F(Cells, several_processes_make_the_bytes_of_one_whoever_is_killed) {
   fs::remove_all(out());
@@ -122,8 +120,8 @@ TEST_F(Cells, of_other_options_are_not_taken_and_damaged_ones_are_told) {
   EXPECT_THAT(cells("merge").out, HasSubstr("segment: 1 of 4 cells"));
 }
 
-TEST_F(Cells, chunks_out_of_range_are_refused) {
-  const ToolRun run = cells("run", {"--chunk", "3", "--chunks", "3"});
+TEST(CellsCommand, chunks_out_of_range_are_refused) {
+  const ToolRun run = run_tool({"cells", "run", "site.toml", "-o", "out", "--chunk", "3", "--chunks", "3"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("--chunk 3: there are 3 chunks, from 0 to 2"));
 }
