@@ -10,6 +10,16 @@ install(FILES models/default.safetensors models/default.toml models/default.md D
 install(DIRECTORY models/classes models/networks models/vehicles DESTINATION share/orthodrive/models COMPONENT orthodrive)
 # Built by `npm run build` or not: `orthodrive view` says when it is missing.
 install(DIRECTORY viewer/dist/ DESTINATION share/orthodrive/viewer COMPONENT orthodrive OPTIONAL)
+# The tool writes its manual pages and completions of shells itself.
+set(HELP ${PROJECT_BINARY_DIR}/help)
+install(CODE "execute_process(COMMAND \"$<TARGET_FILE:orthodrive>\" -q help-files \"${HELP}\" COMMAND_ERROR_IS_FATAL ANY)
+  file(GLOB PAGES \"${HELP}/*.1\")
+  execute_process(COMMAND gzip -9nf \${PAGES} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT orthodrive)
+install(DIRECTORY ${HELP}/ DESTINATION share/man/man1 COMPONENT orthodrive FILES_MATCHING PATTERN "*.1.gz")
+install(FILES ${HELP}/orthodrive.bash DESTINATION share/bash-completion/completions RENAME orthodrive COMPONENT orthodrive)
+set(ZSH_FOLDER $<IF:$<BOOL:${ORTHODRIVE_PACKAGE}>,vendor-completions,site-functions>)  # Debian keeps those of packages apart
+install(FILES ${HELP}/orthodrive.zsh DESTINATION share/zsh/${ZSH_FOLDER} RENAME _orthodrive COMPONENT orthodrive)
+install(FILES ${HELP}/orthodrive.fish DESTINATION share/fish/vendor_completions.d COMPONENT orthodrive)
 if(NOT ORTHODRIVE_PACKAGE)  # Debian's packages say it in share/doc/NAME/copyright
   install(FILES LICENSE cmake/third_party_licences.txt DESTINATION share/orthodrive/licences COMPONENT orthodrive)
 endif()
