@@ -36,5 +36,7 @@ void add_cells(CLI::App& app, Context& context);
 void add_view(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_tune(CLI::App& app, Context& context);
+void add_version(CLI::App& app, Context& context);
+void add_help_files(CLI::App& app, Context& context);
 
 }  // namespace orthodrive::app

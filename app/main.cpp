@@ -48,6 +48,8 @@ int main(int argc, char** argv) {
   add_view(app, context);
   add_evaluate(app, context);
   add_tune(app, context);
+  add_version(app, context);
+  add_help_files(app, context);
 
   try {
     app.parse(argc, argv);

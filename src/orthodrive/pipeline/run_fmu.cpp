@@ -17,12 +17,10 @@ namespace {
 
 /// Beside the program as it is built, or in the installed tree.
 fs::path shared_library(const std::string& identifier) {
-  std::vector<fs::path> folders = resource_folders("fmu", "build/release/fmu");
   std::error_code unknown;
-  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-  if (!unknown) folders.insert(folders.begin(), program.parent_path() / "fmu");
-  return find_resource(folders, identifier + ".so", "the FMU's shared library",
-                       "build the target fmu_roads or fmu_car");
+  const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  return find_resource({folder / "fmu", folder.parent_path() / "lib/orthodrive/fmu"}, identifier + ".so",
+                       "the FMU's shared library", "build the target fmu_roads or fmu_car");
 }
 
 void add_network(const FmuFiles& files, std::vector<io::FmuResource>& resources) {
