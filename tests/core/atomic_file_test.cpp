@@ -78,7 +78,8 @@ TEST(AtomicFile, a_process_that_ends_at_once_leaves_no_temporary) {
   const fs::path folder = fresh_folder("ended");
   EXPECT_EXIT(
       {
-        AtomicFile labels(folder / "labels.tif"), scene(folder / "scene");
+        AtomicFile labels(folder / "labels.tif");
+        AtomicFile scene(folder / "scene");
         std::ofstream(labels.path()) << "half";
         std::ofstream(labels.path().string() + ".ovr.tmp") << "GDAL's";
         fs::create_directories(scene.path() / "below");
