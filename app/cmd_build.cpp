@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "orthodrive/pipeline/build_site.hpp"
+#include "orthodrive/pipeline/run_fetch.hpp"
 
 namespace orthodrive::app {
 
@@ -31,6 +32,7 @@ void add_build(CLI::App& app, Context& context) {
       "  orthodrive build site.toml -o out --set drive.route=\"Circuit\" --set elevate.sampling=bilinear");
   cmd->callback([args, &context, &app] {
     const Site site = read_site(args->site, args->overrides);
+    fetch_what_lacks(site, context.monitor);
     build_site(site, args->out, {.threads = context.threads, .version = app.version()}, context.monitor);
     fmt::print("{}\n", (args->out / "report.html").string());
   });

@@ -25,6 +25,7 @@ void add_scene(CLI::App& app, Context& context);
 void add_export(CLI::App& app, Context& context);
 void add_drive(CLI::App& app, Context& context);
 void add_fmu(CLI::App& app, Context& context);
+void add_fetch(CLI::App& app, Context& context);
 void add_build(CLI::App& app, Context& context);
 void add_view(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);

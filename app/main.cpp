@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   app.footer("Exit codes: 0 done, 1 data or processing, 2 usage.");
 
   add_build(app, context);
+  add_fetch(app, context);
   add_synth(app, context);
   add_train(app, context);
   add_segment(app, context);

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/pipeline/site_fetch.hpp"
 
 namespace orthodrive {
 namespace {
@@ -46,7 +47,9 @@ void apply_override(toml::table& table, const std::string& text) {
 
 void check_keys(const toml::table& table, const std::string& where) {
   static const std::map<std::string, std::vector<std::string>> known{
-      {"", {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth"}},
+      {"",
+       {"name", "area", "sources", "segment", "refine", "elevate", "network", "drive", "attribution", "truth",
+        "fetch"}},
       {"area", {"crs", "bounds", "bbox_wgs84"}},
       {"sources", {"photo", "osm", "dtm", "buildings", "trees", "surroundings", "gpx", "drive_logs"}},
       {"segment", {"model", "crf", "adapt"}},
@@ -171,7 +174,8 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   for (const std::string& name : texts(table, path, "sources", "drive_logs")) site.drive_logs.push_back(located(name));
   const std::string truth = text(table, path, "truth", "dir", "");
   if (!truth.empty()) site.truth_dir = located(truth);
-  site.attribution = texts(table, path, "attribution", "text");
+  site.fetch = read_fetch_tables(table, path);
+  site.attribution = merged_attribution(texts(table, path, "attribution", "text"), site.fetch);
   site.model = text(table, path, "segment", "model", site.model);
   site.crf = flag(table, path, "segment", "crf", site.crf);
   site.adapt = flag(table, path, "segment", "adapt", site.adapt);
