@@ -34,7 +34,7 @@ AREA, ZOOM = (12.022, 57.654, 12.030, 57.658), 17  # 480 x 450 m, 0.64 m a pixel
 CONFIG = """
 services:
   wmts: {restful: true, kvp: true}
-  tms: {use_grid_names: false}
+  tms: {use_grid_names: true}
   wms: {srs: ['EPSG:3857', 'EPSG:32633', 'EPSG:4326'], image_formats: ['image/jpeg', 'image/png']}
 layers:
   - {name: ortho, title: Photo, tile_sources: [photo, photo_utm], sources: [photo]}
@@ -47,13 +47,13 @@ caches:
   photo_utm:
     grids: [utm]
     sources: [photo]
-    format: image/png
+    format: image/jpeg
     meta_size: [1, 1]
     meta_buffer: 0
     cache: {type: file, directory: FOLDER/utm}
     image: {resampling_method: bicubic}
 grids:
-  quad: {base: GLOBAL_WEBMERCATOR, num_levels: 18}
+  quad: {base: GLOBAL_MERCATOR, srs: 'EPSG:3857', num_levels: 18}
   utm: {srs: 'EPSG:32633', bbox: [300000, 6380000, 340000, 6420000], origin: nw, res: [4, 2, 1, 0.5]}
 globals:
   image: {resampling_method: bicubic, jpeg_quality: 95}
@@ -174,8 +174,12 @@ class MapProxy(unittest.TestCase):
         self.assertIn("MBTiles holds web mercator only; name it .tif", said)
 
     def test_tms(self):
-        self.fetch("tms.mbtiles", kind="tms", url=self.url + "/tms/1.0.0/ortho/EPSG900913/{z}/{x}/{y}.jpeg", resolution_m=0.7)
+        self.fetch("tms.mbtiles", kind="tms", url=self.url + "/tiles/1.0.0/ortho/quad/{z}/{x}/{y}.jpeg")
         self.check_place("tms.mbtiles", 2.5)
+
+    def test_xyz(self):
+        self.fetch("xyz.mbtiles", kind="xyz", url=self.url + "/tiles/1.0.0/ortho/quad/{z}/{x}/{y}.jpeg?origin=nw")
+        self.check_place("xyz.mbtiles", 2.5)
 
     def test_wms(self):
         self.fetch("wms.mbtiles", kind="wms", url=self.url + "/service", layer="ortho")
@@ -193,4 +197,4 @@ class MapProxy(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], warnings="ignore")  # MapProxy leaves files open

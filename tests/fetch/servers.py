@@ -56,7 +56,7 @@ class Server:
                 body = self.rfile.read(int(self.headers.get("Content-Length") or 0))
                 reply = answer(self.command, self.path, self.headers, body)
                 with outer.lock:
-                    outer.log.append((self.path, reply[0] if isinstance(reply, tuple) else 0, dict(self.headers)))
+                    outer.log.append((self.path, reply[0] if isinstance(reply, tuple) else 0, {**self.headers, "method": self.command}))
                 if callable(reply):
                     return reply(self)
                 status, headers, content = reply

@@ -140,9 +140,31 @@ std::set<TileAddress> take_over(const FetchJob& job, const TilePlan& plan, TileS
   return stale;
 }
 
+struct TileRange {
+  TileAddress first, last;
+};
+TileRange range_of(const std::vector<TileAddress>& tiles) {
+  TileRange range{tiles.front(), tiles.front()};
+  for (const TileAddress& t : tiles) {
+    range.first = {std::min(range.first.column, t.column), std::min(range.first.row, t.row)};
+    range.last = {std::max(range.last.column, t.column), std::max(range.last.row, t.row)};
+  }
+  return range;
+}
+
+Box2 extent_of(const TilePlan& plan) {
+  const TileRange range = range_of(plan.tiles);
+  const Box2 first = bounds_of_tile(plan.matrix, range.first), last = bounds_of_tile(plan.matrix, range.last);
+  return {first.min_x, last.min_y, last.max_x, first.max_y};
+}
+
 std::map<std::string, std::string> mbtiles_metadata(const FetchJob& job, const TilePlan& plan,
                                                     const std::string& format) {
-  const Box2 box = lonlat_box(job.site, 0.0, job.source.to_text);
+  // Of whole tiles: GDAL cuts the picture at these bounds, and resampling looks beyond the area.
+  const Box2 extent = extent_of(plan);
+  const CoordinateTransform lonlat_from_mercator(plan.crs, Crs{"EPSG:4326"});
+  const Vec2 south_west = lonlat_from_mercator.target_from_source({extent.min_x, extent.min_y});
+  const Vec2 north_east = lonlat_from_mercator.target_from_source({extent.max_x, extent.max_y});
   const std::string zoom = std::to_string(*plan.zoom);
   std::map<std::string, std::string> metadata{
       {"name", job.source.to.stem().string()},
@@ -151,7 +173,7 @@ std::map<std::string, std::string> mbtiles_metadata(const FetchJob& job, const T
       {"format", format},
       {"minzoom", zoom},
       {"maxzoom", zoom},
-      {"bounds", fmt::format("{:.7f},{:.7f},{:.7f},{:.7f}", box.min_x, box.min_y, box.max_x, box.max_y)},
+      {"bounds", fmt::format("{:.7f},{:.7f},{:.7f},{:.7f}", south_west.x, south_west.y, north_east.x, north_east.y)},
       {"plan", plan.identity}};
   if (!job.source.attribution.empty()) metadata["attribution"] = job.source.attribution;
   if (!job.source.licence.empty()) metadata["description"] = "Licence: " + job.source.licence;
@@ -159,25 +181,21 @@ std::map<std::string, std::string> mbtiles_metadata(const FetchJob& job, const T
 }
 
 void write_mosaic(const FetchJob& job, const TilePlan& plan, const TileStore& store) {
-  std::int64_t first_column = plan.tiles.front().column, last_column = first_column;
-  std::int64_t first_row = plan.tiles.front().row, last_row = first_row;
-  for (const TileAddress& t : plan.tiles) {
-    first_column = std::min(first_column, t.column), last_column = std::max(last_column, t.column);
-    first_row = std::min(first_row, t.row), last_row = std::max(last_row, t.row);
-  }
-  const Box2 corner = bounds_of_tile(plan.matrix, {first_column, first_row});
+  const auto [first, last] = range_of(plan.tiles);
+  const TileAddress corner_tile = first;
+  const Box2 corner = bounds_of_tile(plan.matrix, first);
   const io::TileMosaic mosaic{plan.crs,
                               corner.min_x,
                               corner.max_y,
                               plan.matrix.resolution,
                               plan.matrix.tile_width,
                               plan.matrix.tile_height,
-                              static_cast<int>(last_column - first_column + 1),
-                              static_cast<int>(last_row - first_row + 1)};
+                              static_cast<int>(last.column - first.column + 1),
+                              static_cast<int>(last.row - first.row + 1)};
   io::write_tile_mosaic(
       job.source.to, mosaic,
       [&](int column, int row) -> std::optional<Raster<std::uint8_t>> {
-        const auto stored = store.get({first_column + column, first_row + row});
+        const auto stored = store.get({corner_tile.column + column, corner_tile.row + row});
         if (!stored || stored->missing) return std::nullopt;
         return io::decode_tile(stored->bytes);
       },
