@@ -3,8 +3,8 @@
 import json
 import os
 import pathlib
+import random
 import re
-import signal
 import sqlite3
 import subprocess
 import sys
@@ -58,6 +58,14 @@ class Case(unittest.TestCase):
 
     def record(self, name="photo.mbtiles"):
         return json.loads((self.root / (name + ".source.json")).read_text())
+
+
+def wait_until(true, seconds=30):
+    end = time.time() + seconds
+    while not true():
+        if time.time() > end:
+            raise AssertionError("waited in vain")
+        time.sleep(0.02)
 
 
 def xyz(server, **more):
@@ -213,28 +221,27 @@ class Faults(Case):
         self.assertGreater(max(times), until[0])
 
     def test_killed_at_any_time_it_goes_on_to_the_same_bytes(self):
-        origin = self.serve(servers.tile_origin(delay_s=0.004))
+        origin = self.serve(servers.tile_origin(delay_s=0.02))
         self.site(xyz(origin, resolution_m=0.2))
         self.fetch()
         whole = (self.root / "photo.mbtiles").read_bytes()
         count = len(tiles_of(self.root / "photo.mbtiles"))
-        for seconds in (0.3, 1.2):
+        for tiles_a_life in (40, 110):  # from one kill to the next
             for file in self.root.glob("photo*"):
                 file.unlink()
             origin.log.clear()
-            kills = 0
+            kills, asked = 0, 0
             while True:
                 run = subprocess.Popen([TOOL, "-q", "fetch", self.root / "site.toml", "--connections", "1"])
-                try:
-                    self.assertEqual(run.wait(seconds), 0)
+                wait_until(lambda: run.poll() is not None or len(origin.log) >= asked + tiles_a_life)
+                if run.poll() is not None:
+                    self.assertEqual(run.returncode, 0)
                     break
-                except subprocess.TimeoutExpired:
-                    run.send_signal(signal.SIGKILL)
-                    run.wait()
-                    kills += 1
-                    self.assertFalse((self.root / "photo.mbtiles").exists())
-                    self.assertLess(kills, 60)
-                    seconds += 0.3  # some loses its last second each time
+                time.sleep(1.1)  # a batch is kept each second
+                run.kill()
+                run.wait()
+                asked, kills = len(origin.log), kills + 1
+                self.assertLess(kills, 20)
             self.assertGreaterEqual(kills, 1)
             self.assertEqual((self.root / "photo.mbtiles").read_bytes(), whole)
             self.assertLess(len(origin.log), count * (1 + kills))
@@ -244,7 +251,7 @@ class Faults(Case):
         origin = self.serve(servers.tile_origin(delay_s=0.05))
         self.site(xyz(origin, resolution_m=0.2))
         first = subprocess.Popen([TOOL, "-q", "fetch", self.root / "site.toml", "--connections", "1"])
-        time.sleep(1.5)
+        wait_until(lambda: len(origin.log) > 3)
         self.assertIn("another process fetches into it", self.fetch(code=1))
         first.kill()
         first.wait()
@@ -321,10 +328,18 @@ class Rasters(Case):
     def test_faults_of_the_server_are_asked_again(self):
         big = make_cog(self.root / "big.tif", heights(1500, 1200))
         (self.root / "big.tif").unlink()
-        proxy = self.serve(servers.FaultProxy(self.serve(servers.file_origin({"/big.tif": big})), share=0.6, seed=3, faults=["503", "429"]))
-        self.site(self.table(proxy))
+        behind = self.serve(servers.file_origin({"/big.tif": big}))
+        proxy = self.serve(servers.FaultProxy(behind, share=0.0))
+        good, asked = proxy.forward, []
+
+        def answer(method, path, headers, body):
+            asked.append(method)
+            return (503, {}, b"") if method == "GET" and asked.count("GET") % 2 else good(path, headers)
+
+        flaky = self.serve(servers.Server(answer))
+        self.site(self.table(flaky))
         self.fetch()
-        self.assertGreater(sum(proxy.done.values()), 0)
+        self.assertGreaterEqual(asked.count("GET"), 2)
         self.assertGreater(gdal.Open(str(self.root / "dtm.tif")).ReadAsArray().min(), 100)
 
     def test_several_rasters_become_one_in_the_unit_that_is_said(self):
@@ -361,10 +376,11 @@ class Rasters(Case):
 
 def osm_text(columns=40, rows=40, west=15.68, south=50.02, step=0.001):
     """A grid of nodes with a way along every row, a house, and a wood of two ways of which one lies far off."""
-    text = ['<?xml version="1.0"?><osm version="0.6">']
+    text, draw = ['<?xml version="1.0"?><osm version="0.6">'], random.Random(1)
+    near = lambda degrees: f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"  # without chance a PBF file would be a bomb of zeros
     for row in range(rows):
         for column in range(columns):
-            text.append(f'<node id="{row * columns + column + 1}" version="1" lat="{south + row * step:.7f}" lon="{west + column * step:.7f}" user="someone" uid="7"/>')
+            text.append(f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" lon="{near(west + column * step)}" user="someone" uid="7"/>')
     for row in range(rows):
         refs = "".join(f'<nd ref="{row * columns + c + 1}"/>' for c in range(columns))
         text.append(f'<way id="{row + 1}" version="1" user="someone" uid="7">{refs}<tag k="highway" v="residential"/></way>')
@@ -389,7 +405,7 @@ class Osm(Case):
         rows = {row + 1 for row in range(40) if 50.03 - 0.0027 <= 50.02 + row * 0.001 <= 50.036 + 0.0027}
         self.assertEqual(ids["way"], rows | {900, 901})  # whole wood
         self.assertEqual(ids["node"], {(row - 1) * 40 + c for row in rows for c in range(1, 41)} | {1, 2})
-        self.assertEqual(ids["relation"], {5, 6} if 901 in rows else {5})
+        self.assertEqual(ids["relation"], {5})  # the route has nothing in the area
         self.assertNotIn("someone", (self.root / "roads.osm").read_text())
 
     def extract(self, columns=300, rows=100):
@@ -398,8 +414,9 @@ class Osm(Case):
         self.site({"to": "all.osm.pbf", "kind": "osm_extract", "url": "region.osm"}, area=(15.4, 49.9, 15.9, 50.2))
         self.fetch()
         reader = gdal.OpenEx(str(self.root / "all.osm.pbf"), gdal.OF_VECTOR)
-        lines = reader.GetLayerByName("lines")
+        lines = reader.ExecuteSQL("SELECT osm_id FROM lines WHERE highway = 'residential'")
         self.assertEqual(sum(1 for _ in lines), rows)
+        reader.ReleaseResultSet(lines)
         content = (self.root / "all.osm.pbf").read_bytes()
         for file in self.root.glob("*"):
             file.unlink()
@@ -450,7 +467,7 @@ class Osm(Case):
 
         def begin_and_kill():
             run = subprocess.Popen([TOOL, "-q", "fetch", self.root / "site.toml"], env=env)
-            time.sleep(1.0)
+            wait_until(lambda: any(p.stat().st_size > 10000 for p in (self.root / "store").glob("*.part")))
             run.kill()
             run.wait()
 
@@ -504,7 +521,7 @@ class Osm(Case):
     def test_an_extract_of_elsewhere(self):
         (self.root / "region.osm").write_text(osm_text(west=3.0))
         self.site({"to": "roads.osm", "kind": "osm_extract", "url": "region.osm"})
-        self.assertIn("holds nothing of the area: it covers longitude 3.0", self.fails())
+        self.assertIn("holds nothing of the area: it covers longitude 2.99997..3.03", self.fails())
         (self.root / "region.osm").write_text(osm_text()[:-3000])
         self.assertIn("region.osm: not an OSM file", self.fails())
 
@@ -516,14 +533,14 @@ class Wmts(Case):
         left, top, pixel = 540000.0, 5550000.0, 0.8
         matrix = lambda name, gsd, count: (f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
                                            f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth><MatrixHeight>{count}</MatrixHeight></TileMatrix>")
-        template = "URL/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
+        template = "SERVER/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
         text = ('<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1"><Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>'
                 f'<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" resourceType="tile" template="{template}"/></Layer>'
                 f'<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>{matrix("a", 3.2, 100)}{matrix("b", pixel, 400)}</TileMatrixSet></Contents></Capabilities>')
 
         def answer(method, path, headers, body):
             if "xml" in path:
-                return 200, {"Content-Type": "text/xml"}, text.replace("URL", origin.url).encode()
+                return 200, {"Content-Type": "text/xml"}, text.replace("SERVER", origin.url).encode()
             row, column = map(int, re.search(r"/b/(\d+)/(\d+)\.png", path).groups())
             if (row + column) % 3 == 0:
                 return 404, {}, b""

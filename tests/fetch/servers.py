@@ -202,6 +202,7 @@ class FaultProxy(Server):
                 return reply
             return self.broken(fault, path, headers, forward)
 
+        self.forward = forward
         super().__init__(answer)
 
     def broken(self, fault, path, headers, forward):

@@ -42,7 +42,7 @@ class Selection {
   }
   /// Second look at ways: those that multipolygons asked for.
   void complete(const osmium::Way& way) {
-    if (is_usable(way.id()) && ways_.get(index_of(way.id()))) take_nodes(way);
+    if (is_usable(way.id()) && completing_.get(index_of(way.id()))) take_nodes(way);
   }
   [[nodiscard]] bool keeps(const osmium::OSMObject& object) const {
     if (!is_usable(object.id())) return false;
@@ -51,7 +51,7 @@ class Selection {
       case osmium::item_type::node:
         return nodes_.get(id);
       case osmium::item_type::way:
-        return ways_.get(id);
+        return ways_.get(id) || completing_.get(id);
       default:
         return relations_.get(id);
     }
@@ -89,7 +89,7 @@ class Selection {
     const char* kind = relation.tags()["type"];
     if (!kind || std::strcmp(kind, "multipolygon") != 0) return;
     for (const osmium::RelationMember& member : relation.members())
-      if (member.type() == osmium::item_type::way && is_usable(member.ref())) ways_.set(index_of(member.ref()));
+      if (member.type() == osmium::item_type::way && is_usable(member.ref())) completing_.set(index_of(member.ref()));
   }
   void take_nodes(const osmium::Way& way) {
     for (const osmium::NodeRef& ref : way.nodes())
@@ -98,6 +98,7 @@ class Selection {
 
   Box2 box_, seen_{180.0, 90.0, -180.0, -90.0};
   Ids inside_, nodes_, ways_, relations_;
+  Ids completing_;  ///< ways that only multipolygons ask for
   int last_kind_ = 0;
   bool any_ = false;
 };

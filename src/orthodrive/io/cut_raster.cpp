@@ -128,6 +128,7 @@ struct HttpManners {
   ScopedGdalOption agent{"GDAL_HTTP_USERAGENT", "orthodrive (map data for an area, asked once and kept)"};
   ScopedGdalOption no_listing{"GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR"},
       merge{"GDAL_HTTP_MERGE_CONSECUTIVE_RANGES", "YES"};
+  ScopedGdalOption one_by_one{"GDAL_HTTP_MULTIRANGE", "SERIAL"};  // GDAL 3.6 asks several ranges at once only once
 };
 }  // namespace
 
@@ -157,8 +158,16 @@ CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& sit
       part->GetRasterBand(b)->SetUnitType(options.vertical_unit.c_str());
   int has_nodata = 0;
   (void)part->GetRasterBand(1)->GetNoDataValue(&has_nodata);
-  create_copy(to, "COG", *part,
-              is_photo(*part) && !has_nodata ? photo_cog_options({.jpeg_quality = 95}) : dtm_cog_options());
+  try {
+    create_copy(to, "COG", *part,
+                is_photo(*part) && !has_nodata ? photo_cog_options({.jpeg_quality = 95}) : dtm_cog_options());
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    const bool of_server = what.find("response_code") != std::string::npos || what.find("HTTP") != std::string::npos ||
+                           what.find("CURL") != std::string::npos || what.find("Curl") != std::string::npos;
+    if (!of_server) throw;  // of the disk
+    throw InputError(names.front(), fmt::format("cannot be read to its end: {}; run it again", printable(what)));
+  }
   return {crs_of(g.reference), gsd_m * coarser, part->GetRasterXSize(), part->GetRasterYSize()};
 }
 
