@@ -7,6 +7,7 @@
 #include "commands.hpp"
 #include "orthodrive/core/stop.hpp"
 #include "orthodrive/pipeline/build_site.hpp"
+#include "orthodrive/pipeline/run_fetch.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -66,6 +67,7 @@ void add_build(CLI::App& app, Context& context) {
     const Site site = read_site(args->site, args->overrides);
     if (args->explain) return explain(site, args->out);
     const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
+    fetch_what_lacks(site, context.monitor);
     build_site(site, args->out, {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage},
                context.monitor);
     fmt::print("{}\n", (args->out / "report.html").string());

@@ -30,6 +30,7 @@ void add_export(CLI::App& app, Context& context);
 void add_drive(CLI::App& app, Context& context);
 void add_fmu(CLI::App& app, Context& context);
 void add_new(CLI::App& app, Context& context);
+void add_fetch(CLI::App& app, Context& context);
 void add_build(CLI::App& app, Context& context);
 void add_plan(CLI::App& app, Context& context);
 void add_cells(CLI::App& app, Context& context);

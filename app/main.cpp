@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_build(app, context);
   add_plan(app, context);
   add_cells(app, context);
+  add_fetch(app, context);
   add_synth(app, context);
   add_train(app, context);
   add_segment(app, context);

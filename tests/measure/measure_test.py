@@ -38,7 +38,7 @@ class Measure(unittest.TestCase):
 
     def test_pages_are_what_the_last_results_say(self):
         for words, page in ((["site", "--table"], "site"), (["refine", "--table"], "refine"), (["heights", "--table"], "elevate"), (["banking", "--table"], "banking"),
-                            (["network", "--table"], "network"), (["opendrive", "--table"], "network"), (["vehicle", "--table"], "vehicle"),
+                            (["network", "--table"], "network"), (["fetch", "--table"], "fetch"), (["opendrive", "--table"], "network"), (["vehicle", "--table"], "vehicle"),
                             (["every-road", "--table"], "every_road"), (["scene", "--table"], "scene"), (["regions", "--table"], "regions"), (["second-eye", "--table"], "second_eye"), (["wide-roads", "--table"], "road_surface"), (["adapt", "--table"], "adapt"),
                             (["segment", "--table"], "segment"), (["networks", "write"], "segment")):
             before = self.page(page)

@@ -9,6 +9,7 @@
 #include "orthodrive/io/area_reader.hpp"
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/model/site_area.hpp"
+#include "orthodrive/pipeline/site_fetch.hpp"
 #include "orthodrive/pipeline/toml_section.hpp"
 
 namespace orthodrive {
@@ -207,7 +208,7 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   TomlSection area = root.section("area"), sources = root.section("sources"), truth = root.section("truth"),
               attribution = root.section("attribution");
   for (const char* key : {"segment", "refine", "elevate", "network", "drive"}) (void)root.find_table(key);
-  (void)root.find("fetch");  // where the sources come from: of `orthodrive fetch`
+  (void)root.find("fetch");  // site_fetch.hpp reads it
   root.finish();
 
   read_area(std::move(area), path, site);
@@ -217,6 +218,8 @@ Site read_site(const fs::path& path, const std::vector<std::string>& overrides) 
   truth.finish();
   attribution.read_texts("text", site.attribution);
   attribution.finish();
+  site.fetch = read_fetch_tables(table, path);
+  site.attribution = merged_attribution(std::move(site.attribution), site.fetch);
   return site;
 }
 

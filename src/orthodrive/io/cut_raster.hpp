@@ -1,0 +1,32 @@
+#pragma once
+// The part of large rasters, here or on a server, that a site needs.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "orthodrive/model/site_frame.hpp"
+
+namespace orthodrive::io {
+
+struct CutRasterOptions {
+  double margin_m = 100.0;    ///< around the area
+  double gsd_m = 0.0;         ///< 0 or finer than the raster: its own pixels
+  std::string vertical_unit;  ///< of heights, "m", "ft" or "us-ft": where the raster does not say it
+  int attempts = 8;           ///< of a request to a server
+  double stall_s = 30.0;
+};
+struct CutRaster {
+  Crs crs;
+  double gsd_m = 0.0;
+  int width = 0, height = 0;
+};
+
+/// Writes a cloud-optimised GeoTIFF of the part around the area, on the raster's own grid. Several rasters must share
+/// their CRS; the first covers the later ones. Of servers GDAL reads ranges, not whole files. Names are GDAL's; those
+/// of http(s) may be files alone, no lists that lead on to other files. Throws InputError where they show nothing of
+/// the area.
+CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& site, const std::filesystem::path& to,
+                     const CutRasterOptions& options);
+
+}  // namespace orthodrive::io

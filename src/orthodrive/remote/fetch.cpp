@@ -1,0 +1,62 @@
+#include "orthodrive/remote/fetch.hpp"
+
+#include <fmt/format.h>
+
+#include "orthodrive/core/atomic_file.hpp"
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/remote/fetch_kinds.hpp"
+
+namespace orthodrive::remote {
+
+std::string size_text(double bytes) {
+  return bytes >= 1e9   ? fmt::format("{:.1f} GB", bytes / 1e9)
+         : bytes >= 1e6 ? fmt::format("{:.1f} MB", bytes / 1e6)
+                        : fmt::format("{:.0f} kB", bytes / 1e3);
+}
+
+namespace {
+FetchOutcome fetch_kind(const FetchJob& job, SourceRecord& record) {
+  switch (job.source.kind) {
+    case FetchKind::cog:
+    case FetchKind::raster:
+      return fetch_raster(job, record);
+    case FetchKind::osm_extract:
+      return fetch_osm_extract(job, record);
+    case FetchKind::overpass:
+      return fetch_overpass(job, record);
+    default:
+      return fetch_tiles(job, record);
+  }
+}
+}  // namespace
+
+FetchOutcome fetch(const FetchSource& source, const SiteFrame& site, const FetchOptions& options, Monitor* monitor) {
+  const LocalState state = local_state(source, site);
+  FetchOutcome there{.taken_over = true};
+  if (state == LocalState::users_own) {
+    there.summary = "is there and was not made by fetch: left as it is (move it away to fetch it)";
+    return there;
+  }
+  if (state == LocalState::complete && !options.refresh) {
+    there.summary = "is there already";
+    return there;
+  }
+  Secrets secrets;
+  HttpClient client(options.http, secrets, monitor);
+  remove_stale_atomic_files(source.to.has_parent_path() ? source.to.parent_path() : ".");
+  SourceRecord record{.request = request_hash(source, site)};
+  const FetchJob job{source, site, options, monitor, secrets, client};
+  try {
+    FetchOutcome outcome = fetch_kind(job, record);
+    if (options.dry_run) return outcome;
+    record.url = secrets.hide(source.urls.empty() ? source.url : source.urls.front());
+    write_record(source, record);
+    return outcome;
+  } catch (const OptionError& error) {
+    throw OptionError(secrets.hide(error.what()));
+  } catch (const std::exception& error) {  // messages of libraries may quote an address
+    throw Error(secrets.hide(error.what()));
+  }
+}
+
+}  // namespace orthodrive::remote

@@ -1,0 +1,30 @@
+#pragma once
+// How the kinds of sources are fetched. Internal to remote.
+
+#include "orthodrive/remote/fetch.hpp"
+#include "orthodrive/remote/secrets.hpp"
+#include "orthodrive/remote/source_record.hpp"
+
+namespace orthodrive::remote {
+
+struct FetchJob {
+  const FetchSource& source;
+  const SiteFrame& site;
+  const FetchOptions& options;
+  Monitor* monitor;
+  Secrets& secrets;
+  HttpClient& client;
+  void info(std::string_view text) const {
+    if (monitor) monitor->info(text);
+  }
+};
+
+FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record);
+FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record);
+FetchOutcome fetch_osm_extract(const FetchJob& job, SourceRecord& record);
+FetchOutcome fetch_overpass(const FetchJob& job, SourceRecord& record);
+
+/// "12.3 MB", "45 kB"
+[[nodiscard]] std::string size_text(double bytes);
+
+}  // namespace orthodrive::remote

@@ -1,0 +1,47 @@
+// A raster, or several, cut by the area: GDAL reads what is needed of it.
+#include <fmt/format.h>
+
+#include "orthodrive/core/error.hpp"
+#include "orthodrive/io/cut_raster.hpp"
+#include "orthodrive/remote/fetch_kinds.hpp"
+#include "orthodrive/remote/url_template.hpp"
+
+namespace orthodrive::remote {
+namespace {
+namespace fs = std::filesystem;
+
+/// Paths are relative to the site file; what has a colon or begins with / is GDAL's.
+std::string located(const FetchJob& job, const std::string& name) {
+  const std::string resolved = job.secrets.resolve(name);
+  if (is_http(resolved) || resolved.find(':') != std::string::npos || resolved.starts_with('/')) return resolved;
+  return (job.source.folder / resolved).lexically_normal().string();
+}
+}  // namespace
+
+FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
+  const std::string suffix = job.source.to.extension().string();
+  if (suffix != ".tif" && suffix != ".tiff")
+    throw OptionError(fmt::format("{}: a raster becomes a GeoTIFF, name it .tif", job.source.to_text));
+  std::vector<std::string> names;
+  for (const std::string& name : job.source.urls.empty() ? std::vector<std::string>{job.source.url} : job.source.urls)
+    names.push_back(located(job, name));
+  FetchOutcome outcome;
+  if (job.options.dry_run) {
+    outcome.summary = fmt::format("the part of {} raster{} around the area", names.size(), names.size() > 1 ? "s" : "");
+    return outcome;
+  }
+  job.info(fmt::format("{}: reads the part of the area of {} raster{}", job.source.to_text, names.size(),
+                       names.size() > 1 ? "s" : ""));
+  const io::CutRaster cut = io::cut_raster(names, job.site, job.source.to,
+                                           {.gsd_m = job.source.resolution_m,
+                                            .vertical_unit = job.source.vertical_unit,
+                                            .attempts = job.options.http.attempts,
+                                            .stall_s = job.options.http.stall_s});
+  record.crs = cut.crs.definition.size() < 100 ? cut.crs.definition : "", record.resolution_m = cut.gsd_m;
+  record.bytes = outcome.bytes = static_cast<std::int64_t>(fs::file_size(job.source.to));
+  outcome.summary = fmt::format("{} x {} pixels of {:.2f} m, {}", cut.width, cut.height, cut.gsd_m,
+                                size_text(static_cast<double>(record.bytes)));
+  return outcome;
+}
+
+}  // namespace orthodrive::remote

@@ -1,0 +1,41 @@
+#include "orthodrive/remote/fetch_source.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <utility>
+
+#include "orthodrive/core/error.hpp"
+
+namespace orthodrive::remote {
+namespace {
+constexpr std::array<std::pair<FetchKind, const char*>, 8> kinds = {{{FetchKind::wmts, "wmts"},
+                                                                     {FetchKind::xyz, "xyz"},
+                                                                     {FetchKind::tms, "tms"},
+                                                                     {FetchKind::wms, "wms"},
+                                                                     {FetchKind::cog, "cog"},
+                                                                     {FetchKind::overpass, "overpass"},
+                                                                     {FetchKind::osm_extract, "osm_extract"},
+                                                                     {FetchKind::raster, "raster"}}};
+}  // namespace
+
+FetchKind fetch_kind_of(const std::string& name) {
+  std::string known;
+  for (const auto& [kind, text] : kinds) {
+    if (name == text) return kind;
+    known += (known.empty() ? "" : ", ") + std::string(text);
+  }
+  throw OptionError(fmt::format("unknown kind '{}', expected one of: {}", name, known));
+}
+
+const char* name_of(FetchKind kind) {
+  for (const auto& [known, text] : kinds)
+    if (known == kind) return text;
+  return "";
+}
+
+bool is_tiled(FetchKind kind) {
+  return kind == FetchKind::wmts || kind == FetchKind::xyz || kind == FetchKind::tms || kind == FetchKind::wms;
+}
+
+}  // namespace orthodrive::remote

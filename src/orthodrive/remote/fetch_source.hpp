@@ -1,0 +1,32 @@
+#pragma once
+// A [[fetch]] table of a site file: a source on a server, and the local file that it becomes.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace orthodrive::remote {
+
+enum class FetchKind { wmts, xyz, tms, wms, cog, overpass, osm_extract, raster };
+
+struct FetchSource {
+  FetchKind kind = FetchKind::xyz;
+  std::filesystem::path to;       ///< the local file
+  std::string to_text;            ///< as the site file has it, for messages
+  std::string url;                ///< with {env:NAME} for keys; xyz and tms: a template
+  std::vector<std::string> urls;  ///< of raster and cog, where one is not enough
+  std::filesystem::path folder;   ///< of the site file: local paths in `url` are relative to it
+  std::string subdomains;         ///< one letter each for {s}
+  std::string layer, style, format, tile_matrix_set, time;
+  double resolution_m = 0.5;  ///< wanted edge of a pixel on the ground; of raster and cog 0 = as it is
+  int min_zoom = 0, max_zoom = 22;
+  std::string licence, attribution;
+  std::string vertical_datum, vertical_unit;  ///< of terrain; empty: not known
+};
+
+/// "wmts" and so on; throws OptionError that names the kinds.
+[[nodiscard]] FetchKind fetch_kind_of(const std::string& name);
+[[nodiscard]] const char* name_of(FetchKind kind);
+[[nodiscard]] bool is_tiled(FetchKind kind);
+
+}  // namespace orthodrive::remote
