@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/stop.hpp"
 #include "orthodrive/remote/http_state.hpp"
 #include "orthodrive/remote/http_transfer.hpp"
 
@@ -103,6 +104,7 @@ class Run {
       while (finish_one()) {
       }
       if (work_.idle) work_.idle();
+      throw_if_stopped();
       if (curl_multi_poll(multi_.get(), nullptr, 0, wait_ms(), nullptr) != CURLM_OK)
         throw Error("libcurl: cannot wait");
     }
