@@ -116,8 +116,13 @@ void remove_own_atomic_files() {
   unfinished().mutex.lock();  // and never unlocked: the process is over
   std::error_code ignored;
   for (const fs::path& temporary : unfinished().temporaries)
-    for (const fs::path& path : entries_with(temporary.parent_path(), temporary.filename().string()))
-      fs::remove_all(path, ignored);
+    for (const fs::path& path : entries_with(temporary.parent_path(), temporary.filename().string())) {
+      // Threads go on: under another name they do not find the folder to put more into it.
+      fs::path gone = path;
+      gone += ".gone";
+      fs::rename(path, gone, ignored);
+      fs::remove_all(fs::exists(gone, ignored) ? gone : path, ignored);
+    }
 }
 
 void write_text_file(const fs::path& target, std::string_view text) {

@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "orthodrive/core/atomic_file.hpp"
 
@@ -13,12 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 std::atomic<int> asked_by{0};  // one process, one wish to end: the only state that stages share
 
-/// The next of these signals within the time; 0 if none came.
-int wait_for_signal(const sigset_t& signals, std::chrono::milliseconds most) {
-  const timespec time{most.count() / 1000, (most.count() % 1000) * 1000000};
-  const int signal = sigtimedwait(&signals, nullptr, &time);
-  return signal > 0 ? signal : 0;
-}
+void on_signal(int signal) { asked_by = signal; }
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may not wait");
 }  // namespace
 
 void request_stop(int signal) noexcept { asked_by = signal; }
@@ -27,9 +25,11 @@ void throw_if_stopped() {
   if (const int signal = asked_by) throw Stopped(signal);
 }
 
+// A handler, and not a mask with sigwait(): libraries start threads as they are loaded (OpenBLAS), which would take the
+// signals that the others mask.
 struct StopOnSignals::State {
   StopOptions options;
-  sigset_t signals{}, mask_before{};
+  std::vector<std::pair<int, struct sigaction>> before;
   std::atomic<bool> done{false};
   std::thread watch;
 
@@ -40,32 +40,32 @@ struct StopOnSignals::State {
   }
   void run() const {
     constexpr std::chrono::milliseconds tick{50};
-    int signal = 0;
-    while (!done && signal == 0) signal = wait_for_signal(signals, tick);
-    if (signal == 0) return;
-    request_stop(signal);
+    while (!done && !stop_requested()) std::this_thread::sleep_for(tick);
     const auto until = Clock::now() + options.patience;
-    while (!done && Clock::now() < until) (void)wait_for_signal(signals, tick);  // a second Ctrl-C says nothing new
-    if (!done) end_now(signal);
+    while (!done && Clock::now() < until) std::this_thread::sleep_for(tick);
+    if (!done) end_now(asked_by);
   }
 };
 
 StopOnSignals::StopOnSignals(StopOptions options) : state_(std::make_unique<State>()) {
   state_->options = std::move(options);
-  sigemptyset(&state_->signals);
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;  // libraries do not expect interrupted calls
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {};
     sigaction(signal, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) sigaddset(&state_->signals, signal);
+    if (before.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+    state_->before.emplace_back(signal, before);
   }
-  pthread_sigmask(SIG_BLOCK, &state_->signals, &state_->mask_before);
   state_->watch = std::thread([state = state_.get()] { state->run(); });
 }
 
 StopOnSignals::~StopOnSignals() {
   state_->done = true;
   state_->watch.join();
-  pthread_sigmask(SIG_SETMASK, &state_->mask_before, nullptr);
+  for (const auto& [signal, action] : state_->before) sigaction(signal, &action, nullptr);
 }
 
 }  // namespace orthodrive

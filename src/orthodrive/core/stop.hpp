@@ -28,8 +28,7 @@ struct StopOptions {
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP are requests to stop. What does not come to such a place in time (one
 /// long call of a library) is ended where it is: temporaries of AtomicFile are removed, then the process exits with 128
-/// + the signal. A signal that was ignored before (nohup) stays ignored. Make one at a time, before any other thread
-/// exists: threads inherit that they do not receive these signals.
+/// + the signal. A signal that was ignored before (nohup) stays ignored. Make one at a time.
 class StopOnSignals {
  public:
   explicit StopOnSignals(StopOptions options = {});

@@ -176,11 +176,11 @@ int fclose(FILE* file) {
   return EOF;
 }
 int rename(const char* from, const char* to) {
-  if (fails(to, "rename")) return -1;
+  if (fails(from, "rename") || fails(to, "rename")) return -1;
   return next<int(const char*, const char*)>("rename")(from, to);
 }
 int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
-  if (fails(to, "rename")) return -1;
+  if (fails(from, "rename") || fails(to, "rename")) return -1;
   return next<int(int, const char*, int, const char*, unsigned)>("renameat2")(from_folder, from, to_folder, to, flags);
 }
 int mkdir(const char* path, mode_t mode) {
