@@ -32,6 +32,7 @@ THIRD_PARTY = {
     "train": {"ATen"},
     "segment": {"ATen"},
     "io": {"fmt", "gdal", "ogr", "osmium", "nlohmann"},  # *_support.hpp: for the .cpp files of io
+    "remote": {"curl", "sqlite3"},  # http_transfer.hpp, sqlite.hpp: for the .cpp files of remote
     "pipeline": {"fmt", "nlohmann", "toml++"},  # run.json, site.toml
     "report": {"nlohmann"},  # the record of a run, which the page shows
     "app": {"CLI", "fmt", "posix"},
