@@ -35,6 +35,7 @@ std::vector<Feature> read_features(const fs::path& path, const Crs& target_crs) 
   std::vector<Feature> features;
   GdalErrors errors;
   for (OGRLayer* layer : dataset->GetLayers()) {
+    if (layer->GetGeomType() == wkbNone) continue;  // a table: styles, signs
     if (!layer->GetSpatialRef())
       throw InputError(
           path.string(),

@@ -117,9 +117,9 @@ class Glb {
 
   /// The picture that a material shows, if it lies in the file.
   [[nodiscard]] std::span<const std::uint8_t> picture_of(const Json& material) const {
-    const Json& shown = material.value("pbrMetallicRoughness", Json::object());
-    if (!shown.contains("baseColorTexture")) return {};
-    const Json& texture = json.at("textures").at(shown.at("baseColorTexture").at("index").get<std::size_t>());
+    const auto shown = material.find("pbrMetallicRoughness");
+    if (shown == material.end() || !shown->contains("baseColorTexture")) return {};
+    const Json& texture = json.at("textures").at(shown->at("baseColorTexture").at("index").get<std::size_t>());
     const Json& source = texture.contains("source") ? texture : texture.at("extensions").at("EXT_texture_webp");
     const Json& image = json.at("images").at(source.at("source").get<std::size_t>());
     if (!image.contains("bufferView")) return {};
@@ -265,8 +265,9 @@ void add_tiles(const Json& tile, const fs::path& folder, Vec3 site_origin, std::
     file.bytes = fs::file_size(file.path);
     files.push_back(std::move(file));
   }
-  for (const Json& child : tile.value("children", Json::array()))
-    add_tiles(child, folder, site_origin, files, depth + 1);
+  const auto children = tile.find("children");  // by reference: a copy descends all levels
+  if (children == tile.end()) return;
+  for (const Json& child : *children) add_tiles(child, folder, site_origin, files, depth + 1);
 }
 
 /// What reading throws, with the file's name.
@@ -303,7 +304,9 @@ SceneTile read_tile_glb(const TileFile& file) {
                    .row = file.row,
                    .origin = file.origin,
                    .geometric_error_m = file.geometric_error_m};
-    for (const Json& material : glb.json.value("materials", Json::array()))
+    const Json no_materials = Json::array();
+    const auto materials = glb.json.find("materials");
+    for (const Json& material : materials == glb.json.end() ? no_materials : *materials)
       if (material.value("name", "") == to_string(SurfaceMaterial::photo))
         if (const auto bytes = glb.picture_of(material); !bytes.empty()) tile.texture_rgb = decode_image(bytes);
     for (const Json& node : glb.json.at("nodes")) {

@@ -48,7 +48,8 @@ void override_toml(toml::table& table, const std::string& text) {
   if (!section.empty() && !table.contains(section)) table.insert(section, toml::table{});
   toml::table* target = section.empty() ? &table : table[section].as_table();
   if (!target) throw OptionError(fmt::format("{}: '{}' is not a section", quoted, section));
-  for (auto&& [k, v] : parsed) v.visit([&](auto& node) { target->insert_or_assign(k, std::move(node)); });
+  for (auto&& [k, v] : parsed)
+    v.visit([&, &name = k](auto& node) { target->insert_or_assign(name, std::move(node)); });  // for clang 14, too
 }
 
 std::string TomlSection::place_of(const toml::node& node) const {

@@ -72,7 +72,7 @@ void read_map(const fs::path& file) {
 
 void read_raster(const fs::path& file) {
   attempt([&] { (void)io::raster_info(file); });
-  attempt([&] { (void)io::read_heights(file, utm33, {{499990.0, 5538990.0}, {500020.0, 5539020.0}}); });
+  attempt([&] { (void)io::read_heights(file, utm33, {499990.0, 5539990.0, 500020.0, 5540020.0}); });
   attempt([&] { (void)io::read_labels(file, default_class_table()); });
   attempt([&] { (void)io::read_confidence(file); });
   attempt([&] { (void)io::read_photo(file, site(), {.gsd_m = 10.0, .threads = 1}); });
