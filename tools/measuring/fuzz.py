@@ -1,7 +1,7 @@
 """How often readers of foreign files were run by libFuzzer without a finding left. Writes docs/measured/fuzz.md.
 
-Runs `tools/fuzz` for each reader and adds what ran to bench/results/fuzz.json. After a change of a reader that mends a finding
-its count begins anew: --forget READER.
+Runs `tools/fuzz` and adds what ran to bench/results/fuzz.json. A finding takes the count of its reader back to nothing, and so does
+--forget READER.
 """
 import datetime
 
@@ -22,20 +22,31 @@ def names():
     return [name for group in ("own", "of_files") for name in re.search(rf"^{group}=\(([^)]*)\)", script, re.M)[1].split()]
 
 
+def add_run(results, name):
+    """From the log of the last run; a finding takes the count back to nothing."""
+    log = (ROOT / "build/fuzz" / f"{name}.log").read_text(errors="replace")
+    done, covered = re.search(r"^Done (\d+) runs in (\d+) second", log, re.M), re.findall(r"\bcov: (\d+)", log)
+    if not done:
+        results.pop(name, None)
+        print(f"{name}: a finding, see build/fuzz/{name}.log")
+        return
+    before = results.get(name, {"runs": 0, "seconds": 0})
+    results[name] = {"runs": before["runs"] + int(done[1]), "seconds": before["seconds"] + int(done[2]), "edges": int(covered[-1]) if covered else 0,
+                     "last": datetime.date.today().isoformat(), "commit": commit(), **machine()}
+
+
 def run(args):
     results = read_results(STORE, {})
     for name in args.forget:
         results.pop(name, None)
-    for name in [] if args.table else args.only or names():
-        subprocess.run([str(ROOT / "tools/fuzz"), name, str(args.seconds)], check=True, cwd=ROOT)
-        log = (ROOT / "build/fuzz" / f"{name}.log").read_text(errors="replace")
-        runs, seconds = re.search(r"^Done (\d+) runs in (\d+) second", log, re.M).groups()
-        covered = re.findall(r"\bcov: (\d+)", log)
-        before = results.get(name, {"runs": 0, "seconds": 0})
-        results[name] = {"runs": before["runs"] + int(runs), "seconds": before["seconds"] + int(seconds), "edges": int(covered[-1]) if covered else 0,
-                         "last": datetime.date.today().isoformat(), "commit": commit(), **machine()}
-        write_results(STORE, results)
-    if args.forget:
+    if not args.table:
+        wanted = args.only or names()
+        cores = 1 if args.only else min(os.cpu_count(), len(wanted))
+        for target, seconds in [(name, args.seconds) for name in args.only or []] or [("all", args.seconds * len(wanted) // cores)]:
+            subprocess.run([str(ROOT / "tools/fuzz"), target, str(seconds)], cwd=ROOT)
+        for name in wanted:
+            add_run(results, name)
+    if not args.table or args.forget:
         write_results(STORE, results)
     table = header(["reader", "runs", "minutes", "branches seen", "ten million runs or 30 minutes"])
     for name in names():

@@ -4,6 +4,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/stubs/logging.h>
 #include <google/protobuf/wire_format_lite.h>
 
 #include <cmath>
@@ -14,6 +15,7 @@
 
 #include "caffe_net.pb.h"
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
 
 namespace orthodrive {
 namespace {
@@ -213,6 +215,7 @@ bool read_layers(CodedInputStream& in, TensorFile& file, std::string& place) {
 }
 
 TensorFile read_net(google::protobuf::io::ZeroCopyInputStream& stream, const std::string& source) {
+  google::protobuf::SetLogHandler(nullptr);  // it would tell standard error of every odd text
   CodedInputStream in(&stream);
   in.SetTotalBytesLimit(std::numeric_limits<int>::max());
   TensorFile file;
@@ -221,9 +224,9 @@ TensorFile read_net(google::protobuf::io::ZeroCopyInputStream& stream, const std
     if (!read_layers(in, file, place)) throw Error("truncated, or no protobuf");
     if (file.tensors.empty()) throw Error("no layer has weights");
   } catch (const Error& error) {
-    throw InputError(
-        source, fmt::format("not a usable Caffe model ({}{}): {}",
-                            place.empty() ? "" : fmt::format("at or after layer '{}': ", place), error.what(), remedy));
+    throw InputError(source, fmt::format("not a usable Caffe model ({}{}): {}",
+                                         place.empty() ? "" : fmt::format("at or after layer '{}': ", printable(place)),
+                                         printable(error.what()), remedy));
   }
   return file;
 }

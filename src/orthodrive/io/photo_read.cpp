@@ -287,13 +287,24 @@ Photo read_photo_native(const fs::path& path) {
 
 namespace {
 /// All of a picture is held in memory, and a small file may say that it is huge.
-constexpr std::int64_t most_picture_pixels = std::int64_t{1} << 30;
+void require_plausible_size(const fs::path& path, GDALDataset& picture) {
+  constexpr std::int64_t most_pixels = std::int64_t{1} << 30, always_taken = std::int64_t{1} << 26;
+  constexpr std::int64_t pixels_of_a_byte = 1000;  // as deflate packs one colour
+  const std::int64_t pixels = std::int64_t{picture.GetRasterXSize()} * picture.GetRasterYSize();
+  if (pixels <= always_taken) return;
+  const bool refers_to_others = std::string_view(picture.GetDriverName()) == "VRT";
+  std::error_code of_memory;
+  const std::uintmax_t bytes = fs::file_size(path, of_memory);
+  const bool fits = refers_to_others || of_memory || static_cast<std::uintmax_t>(pixels / pixels_of_a_byte) <= bytes;
+  if (pixels > most_pixels || !fits)
+    throw InputError(path.string(),
+                     fmt::format("says that it has {} x {} pixels, more than {} or than its bytes can hold; get the "
+                                 "file again, or cut it",
+                                 picture.GetRasterXSize(), picture.GetRasterYSize(), most_pixels));
+}
 
 Raster<std::uint8_t> pixels_of(const fs::path& path, const DatasetPtr& source) {
-  if (std::int64_t{source->GetRasterXSize()} * source->GetRasterYSize() > most_picture_pixels)
-    throw InputError(path.string(),
-                     fmt::format("has {} x {} pixels, at most {} are read as one picture; cut it",
-                                 source->GetRasterXSize(), source->GetRasterYSize(), most_picture_pixels));
+  require_plausible_size(path, *source);
   const DatasetPtr view = as_rgb(path, *source);
   GDALDataset& rgb = view ? *view : *source;
   Raster<std::uint8_t> image(rgb.GetRasterXSize(), rgb.GetRasterYSize(), 3);
