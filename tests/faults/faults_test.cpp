@@ -155,7 +155,7 @@ TEST(Faults, what_fails_as_a_file_is_closed_is_noticed) {
   const SmallBuild small;
   for (const Output& output : outputs) {
     const std::string named = output.named;
-    if (named.ends_with(".tif") || named.ends_with(".gpkg") || output.stage == std::string("segment")) continue;
+    if (named != "roads.xodr" && named != ".glb" && named != "drive/lap.csv" && named != "run.json") continue;
     if (output.stage[0] != '\0') small.forget_from(output.stage);
     const ToolRun run = small.build_with({"SHIM_CALL=close", std::string("SHIM_FILE=") + output.file}, {"--quiet"});
     expect_one_line(small, run, output.named, std::string("close of ") + output.file);
