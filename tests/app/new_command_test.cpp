@@ -23,7 +23,7 @@ TEST(NewCommand, a_box_becomes_a_site_file_and_no_second_one) {
   EXPECT_EQ(run_tool({"new", "--bbox", "14.44,50.07,14.47,50.09", "-o", out, "--force", "--name", "P"}).exit_code, 0);
   EXPECT_THAT(bytes_of(out), HasSubstr("name = \"P\""));
   // Until the sources are fetched, the build says which one is missing and where it is named.
-  const ToolRun build = run_tool({"--quiet", "build", out, "-o", scratch / "built"});
+  const ToolRun build = run_tool({"--quiet", "build", out, "-o", scratch / "built", "--explain"});  // fetches nothing
   EXPECT_EQ(build.exit_code, 1);
   EXPECT_THAT(build.err, testing::AllOf(HasSubstr("prague.toml:"), HasSubstr("orthodrive fetch")));
   EXPECT_FALSE(std::filesystem::exists(scratch / "built"));

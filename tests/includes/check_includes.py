@@ -35,7 +35,7 @@ THIRD_PARTY = {
     "remote": {"curl", "sqlite3"},  # http_transfer.hpp, sqlite.hpp: for the .cpp files of remote
     "pipeline": {"fmt", "nlohmann", "toml++"},  # run.json, site.toml
     "report": {"nlohmann"},  # the record of a run, which the page shows
-    "app": {"CLI", "fmt", "posix"},
+    "app": {"CLI", "fmt", "httplib", "posix"},
 }
 OPENS = re.compile(r"\b(?:[io]?fstream|filebuf|fopen|freopen|fdopen|mkstemp|opendir|popen|GDALOpen\w*|VSIF?Open\w*|GDALCreate\w*)\b"
                    r"|\bfilesystem::(?:exists|create_director\w+|directory_iterator|recursive_directory_iterator|remove|remove_all|rename|"
