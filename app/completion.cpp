@@ -14,15 +14,19 @@ void for_each_command(const CommandText& command, const std::function<void(const
   for (const CommandText& inner : command.commands) for_each_command(inner, visit);
 }
 
-/// Options of a command and of those above it, which it takes as well. The help of a command is its own.
+/// Options of a command and of those above it, which it takes as well; of two with one name the inner one. The help of
+/// a command is its own.
 std::vector<OptionText> options_of(const CommandText& tool, const CommandText& command) {
   std::vector<OptionText> out;
   for_each_command(tool, [&](const CommandText& above) {
     const bool own = above.path == command.path;
     if (!own && !command.path.starts_with(above.path + " ")) return;
-    for (const OptionText& option : above.options)
-      if (!option.positional && (own || (option.names.back() != "--help" && option.names.back() != "--version")))
-        out.push_back(option);
+    for (const OptionText& option : above.options) {
+      const std::string& name = option.names.back();
+      if (option.positional || (!own && (name == "--help" || name == "--version"))) continue;
+      std::erase_if(out, [&](const OptionText& outer) { return outer.names.back() == name; });
+      out.push_back(option);
+    }
   });
   return out;
 }

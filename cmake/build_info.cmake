@@ -1,5 +1,6 @@
 # Which commit a build is of, for `orthodrive version`: tools/package names it; an archive of `git archive` carries it in
-# cmake/commit.txt. Other builds record none: a tool whose bytes change with every commit would make kept stages invalid.
+# cmake/commit.txt. Other builds record none, so that a commit
+# alone builds nothing anew.
 set(ORTHODRIVE_COMMIT "" CACHE STRING "commit that is built, for `orthodrive version`")
 set(ORTHODRIVE_COMMIT_TEXT "${ORTHODRIVE_COMMIT}")
 if(NOT ORTHODRIVE_COMMIT_TEXT)

@@ -3,6 +3,7 @@
 
 Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and the rest is right.
 """
+import functools
 import os
 import pty
 import re
@@ -24,7 +25,12 @@ def check(right, fault):
 
 
 def run(*command, **kwargs):
-    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=60, **kwargs)
+    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=300, **kwargs)
+
+
+@functools.cache
+def help_of(*words):
+    return run(TOOL, *words, "--help").stdout
 
 
 def commands_of(help_text):
@@ -37,7 +43,7 @@ def options_of(help_text):
 
 
 def check_pages(folder):
-    tool_help = run(TOOL, "--help").stdout
+    tool_help = help_of()
     commands = commands_of(tool_help)
     check(len(commands) > 10, f"--help lists {len(commands)} commands")
     pages = {p.name for p in folder.glob("*.1")}
@@ -51,12 +57,12 @@ def check_pages(folder):
         text = made.stdout.replace("‐", "-").replace("−", "-")
         check("NAME" in text and "SYNOPSIS" in text and "EXIT STATUS" in text, f"{page.name} lacks a section")
         command = page.stem.removeprefix("orthodrive").strip("-")
-        kinds = commands_of(run(TOOL, command, "--help").stdout) if command else []
+        kinds = commands_of(help_of(command)) if command else []
         for words in [[command], *([command, kind] for kind in kinds)] if command else [[]]:
-            for option in options_of(run(TOOL, *words, "--help").stdout):
+            for option in options_of(help_of(*words)):
                 check(re.search(rf"(?<!\S){option}(?![\w-])", text), f"{page.name} does not name {option} of {words}")
         if command:
-            example = re.search(r"^  (orthodrive .*)$", run(TOOL, command, "--help").stdout, re.M)[1]
+            example = re.search(r"^  (orthodrive .*)$", help_of(command), re.M)[1]
             check(" ".join(example.split()) in " ".join(text.split()), f"{page.name} lacks the example {example}")
 
 
@@ -76,10 +82,10 @@ def check_bash(file):
     def expect(line, *words):
         got = complete_in_bash(file, line)
         check(got == list(words), f"bash completes '{line}' with {got}, not {list(words)}")
-    commands = commands_of(run(TOOL, "--help").stdout)
+    commands = commands_of(help_of())
     expect("orthodrive ", *commands)
     expect("orthodrive bui", "build")
-    expect("orthodrive evaluate ", *commands_of(run(TOOL, "evaluate", "--help").stdout))
+    expect("orthodrive evaluate ", *commands_of(help_of("evaluate")))
     expect("orthodrive synth --preset vil", "village")
     expect("orthodrive synth --preset = vil", "village")
     expect("orthodrive synth --seed ", "compopt", "+o", "default")
@@ -89,7 +95,7 @@ def check_bash(file):
     expect("orthodrive evaluate roads --bef", "--before")
     expect("orthodrive evaluate roads --js", "--json")
     for command in commands:
-        own = set(options_of(run(TOOL, command, "--help").stdout))
+        own = set(options_of(help_of(command)))
         got = set(complete_in_bash(file, f"orthodrive {command} -"))
         check(own <= got, f"bash lacks {own - got} of {command}")
 
@@ -138,7 +144,7 @@ with tempfile.TemporaryDirectory() as name:
     folder = Path(name) / "help"
     written = run(TOOL, "help-files", folder)
     check(written.returncode == 0 and not written.stderr, f"help-files says {written.stderr}")
-    check("help-files" not in run(TOOL, "--help").stdout, "--help lists help-files")
+    check("help-files" not in help_of(), "--help lists help-files")
     check_pages(folder)
     check_bash(folder / "orthodrive.bash")
     check_files_in_bash(folder / "orthodrive.bash", Path(name))
