@@ -18,8 +18,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 from measuring.common import *
 
 STORE, PAGE = "faults.json", PAGES / "faults.md"
-SITES = {"village": ["--preset", "village", "--seed", "7", "--size", "300", "--gsd", "0.4"],
-         "circuit": ["--preset", "circuit", "--seed", "5", "--size", "500", "--gsd", "0.5"]}
+SITES = {"village": ["--preset", "village", "--seed", "7", "--size", "200", "--gsd", "0.5"],
+         "circuit": ["--preset", "circuit", "--seed", "5", "--size", "500", "--gsd", "1"]}
 STAGES = ["segment", "refine", "elevate", "network", "scene", "drive", "report"]
 DISKS = 14  # sizes of a disk that fills up, evenly from nothing to what a build needs
 
