@@ -101,10 +101,11 @@ class Run {
       if (active_.empty() && waiting_.empty() && exhausted_) break;
       int running = 0;
       curl_multi_perform(multi_.get(), &running);
-      while (finish_one()) {
-      }
+      bool finished = false;
+      while (finish_one()) finished = true;
       if (work_.idle) work_.idle();
       throw_if_stopped();
+      if (finished) continue;  // their places are free: nothing may come that would wake it
       if (curl_multi_poll(multi_.get(), nullptr, 0, wait_ms(), nullptr) != CURLM_OK)
         throw Error("libcurl: cannot wait");
     }
