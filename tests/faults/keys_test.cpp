@@ -130,7 +130,7 @@ TEST(Keys, what_comes_out_as_it_was_reruns_nothing_after_it) {
   EXPECT_EQ(small.stages_run(), (std::vector<std::string>{"segment", "refine", "elevate", "scene"}));
   EXPECT_THAT(bytes_of(small.out() / "report.html"), HasSubstr("Photo: somebody else"));
   EXPECT_THAT(bytes_of(small.out() / "run.json"), HasSubstr("Photo: somebody else"));
-  small.expect_results_of_undisturbed_build();
+  small.expect_results_of_undisturbed_build("item.json");  // names the attribution
   EXPECT_EQ(fates(small.build({"--explain"}).out), "tttttt");
 }
 

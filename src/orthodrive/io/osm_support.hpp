@@ -43,8 +43,8 @@ inline void check_tags(const osmium::OSMObject& object) {
     throw std::runtime_error(fmt::format("a tag of object {} holds a zero byte", object.id()));
 }
 
-/// What a file unpacks to in memory, at most: so many times its size, and some. A node takes some bytes of a PBF file and
-/// 64 of memory; a file that was made to exhaust the memory unpacks to ten thousand times its size.
+/// What a file unpacks to in memory, at most: so many times its size, and some. A node takes some bytes of a PBF file
+/// and 64 of memory; a file that was made to exhaust the memory unpacks to ten thousand times its size.
 constexpr std::uintmax_t most_expansion = 1000, expansion_slack_bytes = std::uintmax_t{256} << 20;
 
 /// Reads the nodes, ways or relations of a file; `use` gets each buffer once its tags are known to be sound.
