@@ -117,6 +117,7 @@ const Output outputs[] = {
     {"", "report.partial", "report.html"},
     {"", "findings.", "findings.geojson"},
     {"", "run.partial", "run.json"},
+    {"", "item.partial", "item.json"},
 };
 
 struct Fault {

@@ -216,7 +216,7 @@ TEST(Tune, mistakes_in_the_file_are_told_with_their_line) {
   EXPECT_THAT(told(entry("a", "ignore = 'none.geojson'\n")), HasSubstr("none.geojson"));
   EXPECT_THAT(told(entry("a") + entry("a")), HasSubstr("'a' is there already"));
   EXPECT_THAT(told(entry("a", "pieces = true\n")), HasSubstr("'pieces' needs 'area'"));
-  EXPECT_THAT(told(entry("a", "pieces = 'yes'\narea = 'away.geojson'\n")), HasSubstr("'pieces' has the wrong type"));
+  EXPECT_THAT(told(entry("a", "pieces = 'yes'\narea = 'away.geojson'\n")), HasSubstr("'pieces' must be true or false"));
   EXPECT_THAT(told(entry("a", "fold = ''\n")), HasSubstr("must not be empty"));
   for (const char* pieces : {"", "pieces = true\n"})
     EXPECT_THAT(told(entry("a", std::string("area = 'away.geojson'\n") + pieces)), HasSubstr("site 'a': no place"));

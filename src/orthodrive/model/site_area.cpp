@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/geo/overlay.hpp"
@@ -29,22 +30,27 @@ bool is_site_like(const LonLatBox& box) {
          box[3] - box[1] < widest_guess_deg;
 }
 
-/// The same four numbers in an order that makes a box: corners swapped, or one of the other usual orders.
-std::optional<LonLatBox> meant_box(const LonLatBox& b) {
+/// The same four numbers in orders that make a box: corners swapped, latitude first, or pairs of longitudes and
+/// latitudes, of which either may come first.
+std::vector<LonLatBox> meant_boxes(const LonLatBox& b) {
   const LonLatBox sorted{std::min(b[0], b[2]), std::min(b[1], b[3]), std::max(b[0], b[2]), std::max(b[1], b[3])};
-  const LonLatBox orders[] = {sorted,
-                              {sorted[1], sorted[0], sorted[3], sorted[2]},  // latitude first
-                              {std::min(b[0], b[1]), std::min(b[2], b[3]), std::max(b[0], b[1]), std::max(b[2], b[3])},
-                              {std::min(b[2], b[3]), std::min(b[0], b[1]), std::max(b[2], b[3]), std::max(b[0], b[1])}};
-  for (const LonLatBox& order : orders)
-    if (is_site_like(order)) return order;
-  return std::nullopt;
+  const LonLatBox latitude_first{sorted[1], sorted[0], sorted[3], sorted[2]};
+  const LonLatBox pairs{std::min(b[0], b[1]), std::min(b[2], b[3]), std::max(b[0], b[1]), std::max(b[2], b[3])};
+  const LonLatBox latitudes_first{pairs[1], pairs[0], pairs[3], pairs[2]};
+  if (is_site_like(sorted)) return {sorted};
+  if (is_site_like(latitude_first)) return {latitude_first};
+  std::vector<LonLatBox> meant;
+  for (const LonLatBox& order : {pairs, latitudes_first})
+    if (is_site_like(order)) meant.push_back(order);
+  return meant;
 }
 
 [[noreturn]] void refuse_box(const LonLatBox& box, const std::string& what) {
-  const std::optional<LonLatBox> meant = meant_box(box);
+  std::string meant;
+  for (const LonLatBox& order : meant_boxes(box))
+    if (order != box) meant += (meant.empty() ? "" : " or ") + text_of(order);
   throw OptionError(fmt::format("{}: {}, need west,south,east,north in degrees{}", text_of(box), what,
-                                meant && *meant != box ? "; did you mean " + text_of(*meant) + "?" : ""));
+                                meant.empty() ? "" : "; did you mean " + meant + "?"));
 }
 
 void check_latitudes(double south, double north) {
@@ -121,11 +127,11 @@ Polygon polygon_of_box(const LonLatBox& box) {
   try {
     check_latitudes(south, north);
   } catch (const OptionError& error) {
-    if (const auto meant = meant_box(box); meant && *meant != box) refuse_box(box, error.what());
+    if (!meant_boxes(box).empty() && meant_boxes(box).front() != box) refuse_box(box, error.what());
     throw OptionError(fmt::format("{}: {}", text_of(box), error.what()));
   }
   if (east - west > widest_guess_deg || north - south > widest_guess_deg)
-    if (const auto meant = meant_box(box)) refuse_box(box, "is larger than a site can be");
+    if (!meant_boxes(box).empty()) refuse_box(box, "is larger than a site can be");
   return {{{west, south}, {east, south}, {east, north}, {west, north}}, {}};
 }
 

@@ -78,8 +78,10 @@ class Chooser {
     }
     if (candidates.empty()) refuse(what, option, by_hand);
     const auto better = [](const Candidate& a, const Candidate& b) {
+      // Where none covers all of the area, the one that covers most of it.
       const auto rank = [](const Candidate& c) {
-        return std::tuple(c.coverage < whole, c.source->surface, c.source->resolution_m);
+        const double missing = c.coverage < whole ? 1.0 - c.coverage : 0.0;
+        return std::tuple(c.source->surface, missing, c.source->resolution_m);
       };
       return rank(a) < rank(b);
     };
@@ -94,12 +96,11 @@ class Chooser {
           for (const CatalogueArea& area : catalogue_.areas)
             if (area.id == id) places.insert(area.name);
     const Box2 box = bounds_of(lonlat_.outer);
-    throw OptionError(
-        fmt::format("no {} of the catalogue can be fetched for {:.5f}, {:.5f} (longitude, latitude){}{}; it has {} of: "
-                    "{}; give your "
-                    "own with {}-file",
-                    what, 0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y), by_hand,
-                    swapped_hint(what, box), what, fmt::join(places, ", "), option));
+    throw OptionError(fmt::format(
+        "no {} of the catalogue can be fetched for {:.5f}, {:.5f} (longitude, latitude){}{}; there is {} of: "
+        "{}; give your own with {}-file",
+        what, 0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y), by_hand, swapped_hint(what, box),
+        what == "photo" ? "a photo" : what, fmt::join(places, ", "), option));
   }
 
   /// People write latitude first.

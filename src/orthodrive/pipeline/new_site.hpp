@@ -28,10 +28,10 @@ struct NewSite {
   Findings findings;                 ///< of the area and of sources that cover it in part
 };
 
-/// The best source is the finest that covers the whole area and can be fetched; bare earth goes before surface models,
-/// Overpass before extracts. Terrain that covers the area in part gets the world's beside it. Throws OptionError for an
-/// area that is none, one larger than largest_area_m2, an unknown id (with the closest), and where there is no source
-/// (with what there is).
+/// The best source of those that can be fetched: bare earth before surface models, then the one that covers most of the
+/// area, then the finest; Overpass before extracts. Terrain that covers a part gets the world's beside it. Throws
+/// OptionError for an area that is none, one larger than largest_area_m2, an unknown id (with the closest), and where
+/// there is no source (with what there is).
 [[nodiscard]] NewSite new_site(const Catalogue& catalogue, const NewSiteOptions& options);
 
 /// Sources as a table, a line each: id, what, m/px, share of the area, how far it was checked, licence, name. Those
