@@ -25,7 +25,8 @@ export class FindingsLayer {
     this.findings.forEach((finding, i) => {
       const [x, y] = utmFromGeographic(zone!, finding.longitudeDeg, finding.latitudeDeg);
       this.positions.setXYZ(i, x - site.origin[0], y - site.origin[1], 0);
-      colors[finding.severity].toArray(tints.array, 3 * i);
+      const known = Object.hasOwn(colors, finding.severity) ? finding.severity : 'warning';
+      colors[known].toArray(tints.array, 3 * i);
     });
     const geometry = new BufferGeometry().setAttribute('position', this.positions).setAttribute('color', tints);
     const material = new PointsMaterial({

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/printable.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;
@@ -52,7 +53,7 @@ GdalErrors::GdalErrors() {
 }
 GdalErrors::~GdalErrors() { CPLPopErrorHandler(); }
 void GdalErrors::add(const char* message) {
-  if (first_.empty()) first_ = message;
+  if (first_.empty()) first_ = printable(message);  // GDAL quotes the file
 }
 
 ScopedGdalOption::ScopedGdalOption(const char* key, const char* value) : key_(key) {
