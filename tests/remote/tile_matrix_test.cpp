@@ -93,6 +93,10 @@ TEST(AreaIn, tells_what_cannot_be_fetched) {
                          {{{700000, 5540000}, {836000, 5540000}, {836000, 5541000}, {700000, 5541000}}, {}}};
   EXPECT_NE(message_of<InputError>([&] { (void)lonlat_box(across, 0.0, "a"); }).find("antimeridian"),
             std::string::npos);
+  const SiteFrame polar{{"EPSG:3995"}, {{{0, -400000}, {1000, -400000}, {1000, -399000}, {0, -399000}}, {}}};
+  EXPECT_NE(
+      message_of<InputError>([&] { (void)area_in(polar, {"EPSG:3857"}, 0.0, "a"); }).find("web mercator ends at 85.05"),
+      std::string::npos);
   const Box2 box = lonlat_box(site_of(1000.0), 100.0, "a");
   const Box2 inner = lonlat_box(site_of(1000.0), 0.0, "a");
   EXPECT_NEAR((inner.min_y - box.min_y) * 111200.0, 100.0, 1.0);
