@@ -175,7 +175,7 @@ class Faults(Case):
         origin = self.serve(servers.tile_origin())
         proxy = self.serve(servers.FaultProxy(origin, share=0.1, seed=7))
         self.site(xyz(proxy, resolution_m=0.2))  # zoom 19
-        self.fetch("--stall", "2", "--connections", "8")
+        self.fetch("--connections", "8")
         tiles = tiles_of(self.root / "photo.mbtiles")
         self.assertGreater(len(tiles), 250)
         self.assertEqual(self.record()["missing_tiles"], 0)
@@ -246,6 +246,17 @@ class Faults(Case):
             self.assertEqual((self.root / "photo.mbtiles").read_bytes(), whole)
             self.assertLess(len(origin.log), count * (1 + kills))
             self.assertEqual(sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"])
+
+    def test_killed_before_the_record_was_written_it_is_finished(self):
+        origin = self.serve(servers.tile_origin())
+        self.site(xyz(origin))
+        self.fetch()
+        whole, asked = (self.root / "photo.mbtiles").read_bytes(), len(origin.log)
+        (self.root / "photo.mbtiles.source.json").unlink()
+        (self.root / "photo.mbtiles.placing").write_text("")
+        self.fetch()
+        self.assertEqual(((self.root / "photo.mbtiles").read_bytes(), len(origin.log)), (whole, asked))
+        self.assertEqual(sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"])
 
     def test_a_second_process_on_the_same_file_is_refused(self):
         origin = self.serve(servers.tile_origin(delay_s=0.05))

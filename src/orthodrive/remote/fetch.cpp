@@ -14,7 +14,18 @@ std::string size_text(double bytes) {
                         : fmt::format("{:.0f} kB", bytes / 1e3);
 }
 
+void FetchJob::about_to_place() const { write_text_file(placing_mark(source), ""); }
+
 namespace {
+/// Takes the mark away when the record is written, or when nothing was placed: files take their place last of all.
+struct UnmarkAtEnd {
+  const FetchSource& source;
+  ~UnmarkAtEnd() {
+    std::error_code ignored;
+    std::filesystem::remove(placing_mark(source), ignored);
+  }
+};
+
 FetchOutcome fetch_kind(const FetchJob& job, SourceRecord& record) {
   switch (job.source.kind) {
     case FetchKind::cog:
@@ -47,10 +58,12 @@ FetchOutcome fetch(const FetchSource& source, const SiteFrame& site, const Fetch
   SourceRecord record{.request = request_hash(source, site)};
   const FetchJob job{source, site, options, monitor, secrets, client};
   try {
+    const UnmarkAtEnd unmark{source};
     FetchOutcome outcome = fetch_kind(job, record);
     if (options.dry_run) return outcome;
     record.url = secrets.hide(source.urls.empty() ? source.url : source.urls.front());
     write_record(source, record);
+    if (is_tiled(source.kind)) remove_tile_store(source);
     return outcome;
   } catch (const OptionError& error) {
     throw OptionError(secrets.hide(error.what()));

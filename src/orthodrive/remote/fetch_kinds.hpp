@@ -17,9 +17,13 @@ struct FetchJob {
   void info(std::string_view text) const {
     if (monitor) monitor->info(text);
   }
+  /// To be called right before the local file is written.
+  void about_to_place() const;
 };
 
+/// The store of tiles stays until the record is written: remove_tile_store.
 FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record);
+void remove_tile_store(const FetchSource& source);
 FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record);
 FetchOutcome fetch_osm_extract(const FetchJob& job, SourceRecord& record);
 FetchOutcome fetch_overpass(const FetchJob& job, SourceRecord& record);

@@ -77,6 +77,7 @@ FetchOutcome fetch_osm_extract(const FetchJob& job, SourceRecord& record) {
           size_text(static_cast<double>(file.bytes - file.resumed_at)),
           file.resumed_at > 0 ? fmt::format(", went on at {}", size_text(static_cast<double>(file.resumed_at))) : ""));
   }
+  job.about_to_place();
   take_counts(io::cut_osm(extract, job.source.to, box), job, outcome, record);
   return outcome;
 }
@@ -133,6 +134,7 @@ FetchOutcome fetch_overpass(const FetchJob& job, SourceRecord& record) {
   answer.replace_filename("." + job.source.to.stem().stem().string() + ".overpass.osm");
   write_text_file(answer, reply.body);
   try {
+    job.about_to_place();
     take_counts(io::cut_osm(answer, job.source.to, box), job, outcome, record);
   } catch (...) {
     fs::remove(answer);

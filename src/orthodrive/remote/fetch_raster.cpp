@@ -32,6 +32,7 @@ FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
   }
   job.info(fmt::format("{}: reads the part of the area of {} raster{}", job.source.to_text, names.size(),
                        names.size() > 1 ? "s" : ""));
+  job.about_to_place();
   const io::CutRaster cut = io::cut_raster(names, job.site, job.source.to,
                                            {.gsd_m = job.source.resolution_m,
                                             .vertical_unit = job.source.vertical_unit,

@@ -110,15 +110,6 @@ fs::path store_file(const FetchSource& source) {
   return file;
 }
 
-void remove_store(const FetchSource& source) {
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    fs::path file = store_file(source);
-    file += suffix;
-    std::error_code ignored;
-    fs::remove(file, ignored);
-  }
-}
-
 /// Takes over what an earlier fetch of the same service and level has; returns what may be old.
 std::set<TileAddress> take_over(const FetchJob& job, const TilePlan& plan, TileStore& store) {
   std::set<TileAddress> stale;
@@ -230,6 +221,15 @@ std::string look_through(const TilePlan& plan, const TileStore& store, FetchOutc
 }
 }  // namespace
 
+void remove_tile_store(const FetchSource& source) {
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    fs::path file = store_file(source);
+    file += suffix;
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+}
+
 FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record) {
   const TilePlan plan = plan_tiles(job.source, job.site, job.client, job.secrets);
   check_suffix(job.source, plan);
@@ -252,6 +252,7 @@ FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record) {
     const double seconds = std::chrono::duration<double>(Clock::now() - begun).count();
     format = look_through(plan, store, outcome, record);
     if (!format.empty()) {
+      job.about_to_place();
       if (plan.zoom && job.source.to.extension() == ".mbtiles")
         write_mbtiles(job.source.to, store, *plan.zoom, plan.tiles, mbtiles_metadata(job, plan, format));
       else
@@ -261,11 +262,12 @@ FetchOutcome fetch_tiles(const FetchJob& job, SourceRecord& record) {
                                   static_cast<double>(run.wanted()) / std::max(seconds, 1e-3),
                                   size_text(static_cast<double>(record.bytes)));
   }
-  remove_store(job.source);
-  if (format.empty())
+  if (format.empty()) {
+    remove_tile_store(job.source);
     throw InputError(
         job.source.to_text,
         fmt::format("the server has none of the {} tiles at {}; check url, layer and zoom", outcome.tiles, level));
+  }
   if (outcome.retries > 0) outcome.summary += fmt::format(", {} asked again", outcome.retries);
   if (outcome.unchanged > 0) outcome.summary += fmt::format(", {} unchanged", outcome.unchanged);
   if (outcome.missing > 0)

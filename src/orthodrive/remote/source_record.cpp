@@ -21,6 +21,12 @@ fs::path record_file(const FetchSource& source) {
   return file;
 }
 
+fs::path placing_mark(const FetchSource& source) {
+  fs::path file = source.to;
+  file += ".placing";
+  return file;
+}
+
 std::string request_hash(const FetchSource& s, const SiteFrame& site) {
   json ring = json::array();
   for (const Vec2 p : site.area.outer) ring.push_back({std::llround(p.x * 1000.0), std::llround(p.y * 1000.0)});
@@ -44,6 +50,7 @@ std::string request_hash(const FetchSource& s, const SiteFrame& site) {
 
 LocalState local_state(const FetchSource& source, const SiteFrame& site) {
   if (!fs::exists(source.to)) return LocalState::absent;
+  if (fs::exists(placing_mark(source))) return LocalState::outdated;
   std::ifstream in(record_file(source));
   if (!in) return LocalState::users_own;
   const json record = json::parse(in, nullptr, false);

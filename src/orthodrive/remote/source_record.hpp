@@ -23,11 +23,14 @@ struct SourceRecord {
 enum class LocalState {
   absent,
   complete,   ///< fetched for this table and area
-  outdated,   ///< fetched for another table or area
+  outdated,   ///< fetched for another table or area, or killed before its record was written
   users_own,  ///< there without a record: not ours to replace
 };
 
 [[nodiscard]] std::filesystem::path record_file(const FetchSource& source);
+/// FILE.placing is there from before the file takes its place until its record is written: a file without a record
+/// beside it is of a killed fetch, not of the user.
+[[nodiscard]] std::filesystem::path placing_mark(const FetchSource& source);
 /// Of the table (keys by their names alone) and the area, to a millimetre.
 [[nodiscard]] std::string request_hash(const FetchSource& source, const SiteFrame& site);
 [[nodiscard]] LocalState local_state(const FetchSource& source, const SiteFrame& site);
