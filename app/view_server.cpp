@@ -226,7 +226,7 @@ ViewServer::ViewServer(ViewFiles files) : files_(std::move(files)) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
   });
-  set_keep_alive_timeout(1);                           // seconds; stopping waits for idle connections
+  set_keep_alive_timeout(5);                           // seconds; a busy browser connects some time before it asks
   set_keep_alive_max_count(10'000);                    // a page with its tiles asks for hundreds of files
   set_tcp_nodelay(true);                               // head and body are sent one after the other
   set_default_headers({{"Cache-Control", "no-cache"},  // a site may be built anew under the same address
