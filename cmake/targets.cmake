@@ -50,7 +50,7 @@ function(orthodrive_test NAME)
   # What a test does itself is little: -O1 takes a quarter less time to compile than -O3.
   target_compile_options(test_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS} $<$<CONFIG:Release>:-O1>)
   target_link_libraries(test_${NAME} PRIVATE ${A_DEPS} ${A_LIBS} orthodrive_test_paths
-    GTest::gtest GTest::gmock GTest::gtest_main)
+    orthodrive_test_main)
   if(NOT NAME STREQUAL core)  # gtest costs seconds a file: one precompiled header serves all tests
     target_precompile_headers(test_${NAME} REUSE_FROM test_core)
   endif()

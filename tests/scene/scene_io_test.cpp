@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const fs::path folder = fs::path(testing::TempDir()) / "orthodrive_scene_io_test";
+fs::path test_folder() { return fs::temp_directory_path() / "scene"; }
 
 SceneTile small_tile() {
   SceneTile tile{.column = 5, .row = 7, .origin = {500240.0, 5400240.0, 200.0}, .min_z_m = 200.0, .max_z_m = 203.0};
@@ -61,12 +61,12 @@ Glb read_glb(const fs::path& path) {
 constexpr io::TileFileOptions plain{.compressed = false};
 
 TEST(SceneIo, glb_is_y_up_and_placed_from_the_middle_of_the_tile) {
-  const auto entry = io::write_tile_glb(folder, small_tile(), plain);
+  const auto entry = io::write_tile_glb(test_folder(), small_tile(), plain);
   EXPECT_EQ(entry.uri, "tile_5_7.glb");
   EXPECT_EQ(entry.bounds, (Box2{500000.0, 5400000.0, 500480.0, 5400480.0}));
   EXPECT_EQ(std::tuple(entry.origin.x, entry.origin.y, entry.origin.z), std::tuple(500240.0, 5400240.0, 201.0))
       << "whole metres, between lowest and highest";
-  const Glb glb = read_glb(folder / entry.uri);
+  const Glb glb = read_glb(test_folder() / entry.uri);
   ASSERT_EQ(glb.json["meshes"].size(), 2U);
   EXPECT_EQ(glb.json["meshes"][0]["name"], "terrain");
   EXPECT_EQ(glb.json["meshes"][1]["name"], "road");
@@ -88,7 +88,7 @@ TEST(SceneIo, labels_become_feature_ids_with_a_table) {
   tile.classes = {"small",
                   {{.name = "ground", .color = {0, 160, 10}, .role = Role::ground},
                    {.name = "asphalt", .color = {255, 1, 2}, .role = Role::road}}};
-  const fs::path own = folder / "labels";
+  const fs::path own = test_folder() / "labels";
   const Glb glb = read_glb(own / io::write_tile_glb(own, tile, plain).uri);
   const Json& ids = glb.json["meshes"][1]["primitives"][0]["extensions"]["EXT_mesh_features"]["featureIds"][0];
   EXPECT_EQ(ids["featureCount"], 2);
@@ -114,7 +114,7 @@ TEST(SceneIo, roads_and_buildings_are_rows_of_a_table) {
       {.kind = "road", .id = "7", .osm_id = "way/12", .name = "Straße", .lane_id = "-2", .lane_type = "biking"},
       {.kind = "building"}};
   tile.meshes[1].features = {0, 0, 1};
-  const fs::path own = folder / "objects";
+  const fs::path own = test_folder() / "objects";
   const Glb glb = read_glb(own / io::write_tile_glb(own, tile, plain).uri);
   const Json& primitive = glb.json["meshes"][1]["primitives"][0];
   const Json& ids = primitive["extensions"]["EXT_mesh_features"]["featureIds"];
@@ -150,7 +150,7 @@ SceneTile tile_with_materials() {
 }
 
 TEST(SceneIo, parts_share_vertices_and_name_pictures_beside_the_file) {
-  const fs::path own = folder / "materials";
+  const fs::path own = test_folder() / "materials";
   const Glb glb = read_glb(own / io::write_tile_glb(own, tile_with_materials(), plain).uri);
   const Json& parts = glb.json["meshes"][1]["primitives"];
   ASSERT_EQ(parts.size(), 2U);
@@ -183,7 +183,7 @@ SceneTile tile_with_trees() {
 }
 
 TEST(SceneIo, trees_are_copies_of_one_mesh) {
-  const fs::path own = folder / "trees";
+  const fs::path own = test_folder() / "trees";
   const io::TileEntry entry = io::write_tile_glb(own, tile_with_trees(), plain);
   EXPECT_EQ(entry.bounds.min_x, 500240.0 - 242.0) << "crowns reach over the tile's border";
   const Glb glb = read_glb(own / entry.uri);
@@ -216,7 +216,7 @@ TEST(SceneIo, area_is_one_file_with_all_in_it) {
   tiles[1].column = 6, tiles[1].origin.x += 480.0;
   const SurfaceTexture grey{Raster<std::uint8_t>(64, 64, 3, 128), Raster<std::uint8_t>(64, 64, 3, 128),
                             Raster<std::uint8_t>(64, 64, 3, 128)};
-  const fs::path own = folder / "area";
+  const fs::path own = test_folder() / "area";
   fs::create_directories(own);
   io::write_area_glb(own / "area.glb", tiles, {500000.0, 5400000.0, 190.0}, [&](SurfaceMaterial) { return grey; });
   const Glb glb = read_glb(own / "area.glb");
@@ -239,17 +239,17 @@ TEST(SceneIo, area_is_one_file_with_all_in_it) {
 }
 
 TEST(SceneIo, same_tile_gives_the_same_bytes) {
-  (void)io::write_tile_glb(folder, small_tile());
-  const std::string first = read(folder / "tile_5_7.glb");
-  (void)io::write_tile_glb(folder, small_tile());
-  EXPECT_EQ(first, read(folder / "tile_5_7.glb"));
+  (void)io::write_tile_glb(test_folder(), small_tile());
+  const std::string first = read(test_folder() / "tile_5_7.glb");
+  (void)io::write_tile_glb(test_folder(), small_tile());
+  EXPECT_EQ(first, read(test_folder() / "tile_5_7.glb"));
 }
 
 TEST(SceneIo, khronos_validator_finds_no_error) {
   const fs::path source = paths::source_dir;
   if (!fs::exists(source / "viewer/node_modules/gltf-validator"))
     GTEST_SKIP() << "gltf-validator is not installed: npm ci --prefix viewer";
-  const fs::path own = folder / "validated";
+  const fs::path own = test_folder() / "validated";
   SceneTile labelled = small_tile();
   labelled.labels = Raster<std::uint8_t>(16, 16, 1, 1);
   labelled.classes = default_class_table();
@@ -331,7 +331,7 @@ std::vector<double> values_of(const Glb& glb, int accessor_index) {
 }
 
 TEST(SceneIo, compressed_tiles_decode_to_what_was_written) {
-  const fs::path own = folder / "compressed";
+  const fs::path own = test_folder() / "compressed";
   SceneTile tile = tile_with_materials();
   for (TriMesh& mesh : tile.meshes)
     for (auto& n : mesh.normals) n = {0.6F, 0.0F, 0.8F};
@@ -368,7 +368,7 @@ TEST(SceneIo, compressed_tiles_decode_to_what_was_written) {
 }
 
 TEST(SceneIo, heights_of_a_shared_border_stay_equal_whatever_the_tiles_are_like) {
-  const fs::path own = folder / "border";
+  const fs::path own = test_folder() / "border";
   std::vector<std::array<float, 3>> border;
   for (int k = 0; k < 500; ++k)
     border.push_back({240.0F, -240.0F + static_cast<float>(k) / 1024.0F, 60.0F + 0.037F * static_cast<float>(k)});
@@ -433,8 +433,8 @@ std::vector<io::TileEntry> five_entries() {
 
 TEST(SceneIo, tileset_is_a_tree_of_levels) {
   Findings findings;
-  io::write_tileset(folder, five_entries(), Crs{"EPSG:32633"}, {322560.0, 6394305.0, 10.0}, findings);
-  const Json tileset = Json::parse(read(folder / "tileset.json"));
+  io::write_tileset(test_folder(), five_entries(), Crs{"EPSG:32633"}, {322560.0, 6394305.0, 10.0}, findings);
+  const Json tileset = Json::parse(read(test_folder() / "tileset.json"));
   EXPECT_EQ(tileset["asset"]["version"], "1.1");
   EXPECT_EQ(tileset["asset"]["extras"]["orthodrive"]["crs"], "EPSG:32633");
   EXPECT_EQ(tileset["asset"]["extras"]["orthodrive"]["origin"], (Json{322560.0, 6394305.0, 10.0}));
@@ -457,8 +457,9 @@ TEST(SceneIo, every_tile_lies_on_the_earth_by_itself) {
   const Crs crs{"EPSG:32633"};  // 3 degrees west of the central meridian: convergence -2.5 degrees, scale 0.99998
   const std::vector<io::TileEntry> entries = five_entries();
   Findings findings;
-  io::write_tileset(folder, entries, crs, {340000.0, 6400000.0, 10.0}, findings);  // some way off: it must not matter
-  const Json root = Json::parse(read(folder / "tileset.json"))["root"];
+  io::write_tileset(test_folder(), entries, crs, {340000.0, 6400000.0, 10.0},
+                    findings);  // some way off: it must not matter
+  const Json root = Json::parse(read(test_folder() / "tileset.json"))["root"];
   const CoordinateTransform to_geographic(crs, Crs{"EPSG:4326"});
   const Geoid geoid;
   EXPECT_EQ(findings.empty(), !geoid.grid().empty());
