@@ -21,11 +21,13 @@ struct Outer {
   std::optional<double> width, height;
   std::vector<std::uint16_t> numbers;
   std::vector<std::vector<Inner>> rings;
+  std::vector<bool> flags;
+  std::variant<Kind, Inner, double> either;
   friend bool operator==(const Outer&, const Outer&) = default;
 };
 template <typename Archive>
 void fields(Archive& archive, Outer& outer) {
-  archive(outer.kind, outer.inner, outer.width, outer.height, outer.numbers, outer.rings);
+  archive(outer.kind, outer.inner, outer.width, outer.height, outer.numbers, outer.rings, outer.flags, outer.either);
 }
 
 std::string bytes_of(const Outer& outer) {
@@ -34,8 +36,14 @@ std::string bytes_of(const Outer& outer) {
   return writer.take();
 }
 
-const Outer example{Kind::two,        {{{1.5F, -2.0F, 0.0F}, "Straße"}, {{}, ""}}, 3.25, std::nullopt, {1, 65535},
-                    {{}, {{{}, "x"}}}};
+const Outer example{Kind::two,
+                    {{{1.5F, -2.0F, 0.0F}, "Straße"}, {{}, ""}},
+                    3.25,
+                    std::nullopt,
+                    {1, 65535},
+                    {{}, {{{}, "x"}}},
+                    {true, false, true},
+                    Inner{{}, "held"}};
 
 TEST(ByteArchive, gives_back_what_it_took) {
   const std::string bytes = bytes_of(example);

@@ -104,15 +104,18 @@ TEST_F(Cells, several_processes_make_the_bytes_of_one_whoever_is_killed) {
   EXPECT_EQ(cells("missing").exit_code, 0);
   expect_only_good_cells_are_taken();
   run_chunks(2);
+  std::string stages;
   for (int round = 0; round < 5; ++round) {
     merge = cells("merge");
     ASSERT_EQ(merge.exit_code, 0) << merge.err;
     if (merge.out == "done\n") break;
-    EXPECT_THAT(merge.out, MatchesRegex("scene: ([0-9]+) of [0-9]+ cells are missing\n"));
+    stages += merge.out.substr(0, merge.out.find(':')) + " ";
+    EXPECT_THAT(merge.out, MatchesRegex("[a-z]+: [0-9]+ of [0-9]+ cells are missing\n"));
     run_chunks(2);
     run_chunks(2);  // a queue that starts jobs twice
   }
   EXPECT_EQ(merge.out, "done\n");
+  EXPECT_EQ(stages, "refine network scene ");
   EXPECT_EQ(cells("missing").exit_code, 0);
   const auto shared = SmallBuild::results(out()), whole = SmallBuild::results(folder() / "whole");
   for (const auto& [name, bytes] : whole) EXPECT_TRUE(shared.contains(name) && shared.at(name) == bytes) << name;

@@ -12,6 +12,8 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "orthodrive/core/error.hpp"
@@ -57,6 +59,12 @@ class ByteWriter {
       bytes_.append(reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size());
     else
       for (const T& value : values) put(value);
+  }
+  void put(const std::vector<bool>& values) { put(std::vector<char>(values.begin(), values.end())); }
+  template <typename... T>
+  void put(const std::variant<T...>& value) {
+    put(static_cast<std::uint8_t>(value.index()));
+    std::visit([this](const auto& held) { put(held); }, value);
   }
   void put(const std::string& text) { put(std::vector<char>(text.begin(), text.end())); }
 
@@ -118,6 +126,21 @@ class ByteReader {
       values.resize(size);
       for (T& value : values) get(value);
     }
+  }
+  void get(std::vector<bool>& values) {
+    std::vector<char> bytes;
+    get(bytes);
+    values.assign(bytes.begin(), bytes.end());
+  }
+  template <typename... T>
+  void get(std::variant<T...>& value) {
+    std::uint8_t index = 0;
+    get(index);
+    if (index >= sizeof...(T)) fail();
+    [&]<std::size_t... i>(std::index_sequence<i...>) {
+      ((index == i ? get(value.template emplace<i>()) : void()), ...);
+    }
+    (std::index_sequence_for<T...>{});
   }
   void get(std::string& text) {
     std::vector<char> chars;

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <tuple>
 
-#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/evaluate/track_samples.hpp"
 
 namespace orthodrive {
@@ -37,6 +36,10 @@ struct Report {
   std::vector<Fault> faults;
   double track_length_m = 0.0;
 };
+template <typename Archive>
+void fields(Archive& archive, Report& report) {
+  archive(report.worst, report.faults, report.track_length_m);
+}
 
 class Judge {
  public:
@@ -325,9 +328,10 @@ NetworkVerdict judge_network(const roadquery::RoadMap& map, const JudgeNetworkOp
   const std::vector<LanePiece> pieces = evaluate::lane_pieces(map, by_id);
   const roadquery::RoadQuery query(map);
   std::vector<Report> reports(pieces.size());
-  parallel_for(
-      pieces.size(), options.threads,
+  shared_for(
+      options.exchange, "judge", pieces.size(), options.threads,
       [&](std::size_t i) { reports[i] = Judge(query, options).lane(pieces[i], pieces); },
+      [&](auto& archive, std::size_t i) { archive(reports[i]); },
       [&](std::size_t done) {
         if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(pieces.size()), "judge");
       });

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace orthodrive {
@@ -51,6 +52,7 @@ struct JudgeNetworkOptions {
   double lateral_mps2 = 4.0;          ///< bends are driven so fast that this is reached, at most
   double least_lane_m = 1.8;          ///< narrower places of a lane (tapers) are not driven
   int threads = 0;                    ///< 0 = all cores; the result does not depend on it
+  LoopExchange* exchange = nullptr;   ///< with other processes that judge the same network; nor on it
 };
 
 /// A place that fails; of all samples within 5 m the worst.
@@ -62,6 +64,10 @@ struct Fault {
   int road = 0, lane = 0;   ///< ids; at a link those of the lane that is left
   double s = 0.0;           ///< of that road
 };
+template <typename Archive>
+void fields(Archive& archive, Fault& f) {
+  archive(f.kind, f.value, f.limit, f.x, f.y, f.road, f.lane, f.s);
+}
 
 struct NetworkVerdict {
   std::array<double, fault_kinds> worst{};        ///< largest value of each kind, by FaultKind

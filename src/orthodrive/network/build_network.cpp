@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/network/archived_network.hpp"
 #include "orthodrive/network/crossing_nodes.hpp"
 #include "orthodrive/network/crosswalks.hpp"
 #include "orthodrive/network/ease_arms.hpp"
@@ -95,9 +95,10 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
 
   ChainGeometries geometry(topology.chains.size());
   const FitChainOptions fit{options.plan_tolerance_m, options.elevation_tolerance_m, options.banking_tolerance_rad};
-  parallel_for(
-      geometry.size(), options.threads,
+  shared_for(
+      options.exchange, "chains", geometry.size(), options.threads,
       [&](std::size_t i) { geometry[ChainIndex(i)] = fit_chain(topology.chains[ChainIndex(i)], pieces, fit); },
+      [&](auto& archive, std::size_t i) { archive(geometry[ChainIndex(i)]); },
       [&](std::size_t done) { progress(0.7 * static_cast<double>(done) / static_cast<double>(geometry.size())); });
   for (const ChainGeometry& chain : geometry) {
     result.max_plan_deviation_m = std::max(result.max_plan_deviation_m, chain.max_plan_deviation_m);
@@ -124,7 +125,8 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   add_gores(plan, ends, result.map);
   if (options.junction_surfaces)
     result.junction_surfaces = add_junction_surfaces(
-        result.map, parts.straight, {.threads = options.threads, .kerb_radius_m = parts.kerb_radius_m});
+        result.map, parts.straight,
+        {.threads = options.threads, .exchange = options.exchange, .kerb_radius_m = parts.kerb_radius_m});
   add_crosswalks(plan, parts.straight, result.map);
   add_waiting_lines(plan, ends, result.map);
   add_lane_arrows(plan, ends, result.map);

@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/model/driving_side.hpp"
 #include "orthodrive/model/road_material.hpp"
 #include "orthodrive/model/road_network.hpp"
@@ -26,9 +27,10 @@ struct BuildNetworkOptions {
   /// Heights change by no more for the sake of fewer entries of crown and superelevation.
   double shape_tolerance_m = 0.0048;
   DrivingSide driving_side = DrivingSide::right;
-  Weather weather = Weather::dry;  ///< what the friction of the lanes is for
-  bool junction_surfaces = true;   ///< one surface for the paved area of each junction
-  int threads = 0;                 ///< 0 = all cores; the result does not depend on it
+  Weather weather = Weather::dry;    ///< what the friction of the lanes is for
+  bool junction_surfaces = true;     ///< one surface for the paved area of each junction
+  int threads = 0;                   ///< 0 = all cores; the result does not depend on it
+  LoopExchange* exchange = nullptr;  ///< with other processes that build the same network; nor on it
 };
 
 struct NetworkResult {

@@ -8,6 +8,7 @@
 
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/network/archived_network.hpp"
 #include "orthodrive/network/fit_profile.hpp"
 #include "orthodrive/network/junction_field.hpp"
 #include "orthodrive/network/junction_members.hpp"
@@ -317,6 +318,10 @@ struct Built {
   std::optional<JunctionSurface> surface;
   double disagreement_m = 0.0;
 };
+template <typename Archive>
+void fields(Archive& archive, Built& built) {
+  archive(built.surface, built.disagreement_m);
+}
 
 /// The surfaces of a group, by its junctions.
 std::vector<Built> build_surfaces(const RoadMap& map, const std::vector<JunctionMembers>& members, const Group& group,
@@ -477,15 +482,19 @@ JunctionSurfaceSummary add_junction_surfaces(RoadMap& map, const std::vector<int
   JunctionSurfaceSummary summary;
   const std::vector<JunctionMembers> members = junction_members(map, options.threads);
   std::vector<JunctionGround> grounds(members.size());
-  parallel_for(members.size(), options.threads, [&](std::size_t j) {
+  const auto find_ground = [&](std::size_t j) {
     const auto seen = options.kerb_radius_m.find(map.junctions[j].id);
     grounds[j] =
         ground_of(map, members[j], seen == options.kerb_radius_m.end() ? std::nullopt : std::optional(seen->second));
-  });
+  };
+  shared_for(options.exchange, "grounds", members.size(), options.threads, find_ground,
+             [&](auto& archive, std::size_t j) { archive(grounds[j]); });
   const std::vector<std::vector<std::size_t>> groups = junctions_on_one_ground(map, members, grounds);
   std::vector<std::vector<Built>> built(groups.size());
-  parallel_for(groups.size(), options.threads,
-               [&](std::size_t g) { built[g] = build_surfaces(map, members, group_of(groups[g], grounds), straight); });
+  shared_for(
+      options.exchange, "surfaces", groups.size(), options.threads,
+      [&](std::size_t g) { built[g] = build_surfaces(map, members, group_of(groups[g], grounds), straight); },
+      [&](auto& archive, std::size_t g) { archive(built[g]); });
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (std::size_t k = 0; k < groups[g].size(); ++k) {
       const std::size_t j = groups[g][k];

@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "orthodrive/core/finding.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "roadquery/road_map.hpp"
 
 namespace orthodrive::network {
 
 struct JunctionSurfaceOptions {
   int threads = 0;                      ///< 0 = all cores; the result does not depend on it
+  LoopExchange* exchange = nullptr;     ///< with other processes that build the same network; nor on it
   std::map<int, double> kerb_radius_m;  ///< by junction, where it was seen; else by class
 };
 

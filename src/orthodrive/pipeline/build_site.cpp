@@ -9,6 +9,7 @@
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/stop.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/pipeline/cell_exchange.hpp"
 #include "orthodrive/pipeline/output_lock.hpp"
 #include "orthodrive/pipeline/run_drive.hpp"
 #include "orthodrive/pipeline/run_elevate.hpp"
@@ -92,11 +93,14 @@ json to_json(const StageRecord& record) {
           {"findings", record.outcome.findings.size()}};
 }
 
+/// Loops are one cell: who has run them all leaves it, empty.
+std::size_t count_cells(const BuildStage& stage) { return stage.shared ? stage.shared->count_cells() : 1; }
+
 /// Nothing where one process does all of a stage, or where all cells are made.
 std::optional<CellsToMake> missing_cells(const BuildStage& stage, const fs::path& out_dir,
                                          const StageDependencies& now) {
-  if (!stage.shared) return std::nullopt;
-  CellsToMake cells{.stage = stage.name, .all = stage.shared->count_cells()};
+  if (!stage.shared && !stage.share_loops) return std::nullopt;
+  CellsToMake cells{.stage = stage.name, .all = count_cells(stage)};
   cells.missing = CellStore(out_dir, stage.name, key_of(stage.name, now)).missing(cells.all);
   if (cells.missing.empty()) return std::nullopt;
   return cells;
@@ -130,7 +134,9 @@ class StageRunner {
   }
   StageRecord make(const BuildStage& stage, const StageDependencies& now) {
     const CellStore cells(build_.out_dir, stage.name, key_of(stage.name, now));
+    CellExchange exchange(cells);
     build_.cells = &cells;
+    build_.context.exchange = &exchange;
     StageRecord record = cache_.run(stage.name, now, stage.outputs, [&] {
       (void)build_.context.sources.take_asked();
       StageOutcome outcome = stage.run();
@@ -142,6 +148,7 @@ class StageRunner {
                                     static_cast<double>(record.peak_memory_bytes) / 1e6));
     hashes_.keep();
     build_.cells = nullptr;
+    build_.context.exchange = nullptr;
     CellStore::remove(build_.out_dir, stage.name);
     return record;
   }
@@ -241,15 +248,22 @@ std::optional<CellsToMake> cells_to_make(const Site& site, const fs::path& out_d
 
 std::size_t make_cells(const Site& site, const fs::path& out_dir, const CellChunk& chunk, const BuildOptions& options,
                        Monitor* monitor) {
-  const BuildView view(site, out_dir, options, monitor);
+  BuildView view(site, out_dir, options, monitor);
   const auto next = view.next();
-  if (!next || !next->first->shared) return 0;
+  if (!next || (!next->first->shared && !next->first->share_loops)) return 0;
   const auto& [stage, now] = *next;
   const CellStore store(out_dir, stage->name, key_of(stage->name, now));
-  std::vector<std::size_t> cells = store.missing(stage->shared->count_cells());
-  std::erase_if(cells, [&](std::size_t cell) { return cell % chunk.chunks != chunk.chunk; });
+  std::vector<std::size_t> cells = store.missing(count_cells(*stage));
+  if (stage->shared) std::erase_if(cells, [&](std::size_t cell) { return cell % chunk.chunks != chunk.chunk; });
   if (cells.empty()) return 0;
-  stage->shared->make_cells(cells, store);
+  if (stage->shared) {
+    stage->shared->make_cells(cells, store);
+  } else {
+    CellExchange exchange(store, static_cast<double>(chunk.chunk) / static_cast<double>(chunk.chunks));
+    view.build.context.exchange = &exchange;
+    stage->share_loops();
+    CellFolder(store, 0).commit("");
+  }
   view.sources.require_unchanged(*stage);
   return cells.size();
 }

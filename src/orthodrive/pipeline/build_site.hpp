@@ -60,7 +60,7 @@ struct StageForecast {
 [[nodiscard]] std::optional<CellsToMake> cells_to_make(const Site& site, const std::filesystem::path& out_dir,
                                                        const BuildOptions& options = {});
 
-/// Some of the cells: those with index % chunks == chunk.
+/// Some of the cells: those with index % chunks == chunk. Of loops that processes share: where this one begins.
 struct CellChunk {
   std::size_t chunk = 0, chunks = 1;
 };

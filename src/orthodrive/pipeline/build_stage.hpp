@@ -31,7 +31,7 @@ struct SourceRole {
   Kind kind = Kind::file;
 };
 
-/// Work of a stage that several processes may share (docs/cells.md).
+/// Work of a stage in pieces that know nothing of each other; several processes may share them (docs/cells.md).
 struct SharedWork {
   std::function<std::size_t()> count_cells;
   std::function<void(std::span<const std::size_t> cells, const CellStore& store)> make_cells;
@@ -48,7 +48,10 @@ struct BuildStage {
   std::vector<std::string> outputs;  ///< files and folders below out_dir
   std::function<void()> check;       ///< opens the sources, before anything is written; may be empty
   std::function<StageOutcome()> run;
-  std::optional<SharedWork> shared;  ///< none: one process does it all
+  std::optional<SharedWork> shared;
+  /// Runs the loops of the stage with SiteBuild::context.exchange and writes nothing. One of this and `shared`, or
+  /// none: then one process does it all.
+  std::function<void()> share_loops;
 };
 
 /// The area and its CRS as options of a stage that is cut to them.

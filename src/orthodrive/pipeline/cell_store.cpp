@@ -7,6 +7,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -56,14 +57,23 @@ std::string unpacked(const std::string& file, const std::string& name) {
   return bytes;
 }
 
-/// This process among those of all machines, and each of its folders.
+/// Of each folder of this process.
 std::string own_name() {
   static std::atomic<int> count{0};
-  std::array<char, 256> host{};
-  (void)gethostname(host.data(), host.size() - 1);
-  return fmt::format("{}-{}-{}", host.data(), getpid(), count++);
+  return fmt::format("{}-{}", CellStore::this_process(), count++);
 }
 }  // namespace
+
+const std::string& CellStore::this_process() {
+  static const std::string name = [] {
+    std::array<char, 256> host{};
+    (void)gethostname(host.data(), host.size() - 1);
+    const auto began = std::chrono::system_clock::now().time_since_epoch();  // numbers of processes come again
+    return fmt::format("{}-{}-{}", host.data(), getpid(),
+                       std::chrono::duration_cast<std::chrono::milliseconds>(began).count());
+  }();
+  return name;
+}
 
 CellStore::CellStore(const fs::path& out_dir, const std::string& stage, const std::string& key)
     : folder_(cells_folder(out_dir) / fmt::format("{}-{}", stage, key.substr(0, 16))) {}

@@ -21,11 +21,16 @@ class CellStore {
   [[nodiscard]] std::filesystem::path folder(std::size_t cell) const;
   /// Those of `count` cells that nobody has made.
   [[nodiscard]] std::vector<std::size_t> missing(std::size_t count) const;
+  /// Cells of a part of the stage, beside its own. `name`: a plain word.
+  [[nodiscard]] CellStore part(const std::string& name) const { return CellStore(folder_ / name); }
+  /// Host and number of this process, as no other one has them.
+  [[nodiscard]] static const std::string& this_process();
   /// Cells of all keys of a stage; for when its result is complete.
   static void remove(const std::filesystem::path& out_dir, const std::string& stage);
 
  private:
   friend class CellFolder;
+  explicit CellStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
   std::filesystem::path folder_;
 };
 

@@ -91,7 +91,7 @@ StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg,
 
 namespace {
 void add_verdict(const roadquery::RoadMap& map, StageContext& context, StageOutcome& outcome) {
-  const JudgeNetworkOptions options{.threads = context.threads};
+  const JudgeNetworkOptions options{.threads = context.threads, .exchange = context.exchange};
   const NetworkVerdict verdict = judge_network(map, options, context.monitor);
   outcome.numbers["verdict"] = to_json(verdict, options.limits);
   append(outcome.findings, findings_of(verdict));
@@ -99,12 +99,20 @@ void add_verdict(const roadquery::RoadMap& map, StageContext& context, StageOutc
 }
 }  // namespace
 
+namespace {
+NetworkResult network_of(const RoadNetwork& roads, const NetworkFiles& files, const RunNetworkOptions& options,
+                         StageContext& context) {
+  BuildNetworkOptions of_network = options.network;
+  of_network.threads = context.threads;
+  of_network.exchange = context.exchange;
+  if (of_network.name.empty()) of_network.name = files.network.stem().string();
+  return build_network(roads, of_network, context.monitor);
+}
+}  // namespace
+
 StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context) {
-  BuildNetworkOptions network_options = options.network;
-  network_options.threads = context.threads;
-  if (network_options.name.empty()) network_options.name = files.network.stem().string();
   const RoadNetwork roads = io::read_roads(files.roads);
-  NetworkResult network = build_network(roads, network_options, context.monitor);
+  NetworkResult network = network_of(roads, files, options, context);
   if (network.map.roads.empty())
     throw InputError(files.roads.string(),
                      "no path of it is long enough for a road; has the layer 'nodes' any points?");
@@ -126,9 +134,23 @@ StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& opt
   return outcome;
 }
 
+void share_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context) {
+  const NetworkResult network = network_of(io::read_roads(files.roads), files, options, context);
+  if (!options.judge || !options.crg.roads.empty()) return;  // OpenCRG surfaces are of the map that is judged
+  (void)judge_network(network.map, {.threads = context.threads, .exchange = context.exchange}, context.monitor);
+}
+
 BuildStage network_stage(SiteBuild& build) {
   const Site& site = build.site;
   const bool surfaces = !site.crg.empty();
+  const NetworkFiles files{.roads = build.out_dir / "roads.gpkg", .network = build.out_dir / "roads.xodr"};
+  const RunNetworkOptions run{
+      .network = {.name = site.name, .driving_side = site.driving_side, .weather = site.weather},
+      .crg = {.roads = site.crg, .route = site.route},
+      .old_surfaces = OldSurfaces::remove,
+      .opendrive_minor_version = site.opendrive == "1.8" ? 8 : 7,
+      .junction_grids = site.junction_grids,
+      .judge = true};
   return {.name = "network",
           .version = 1,
           .options = {{"name", site.name},
@@ -141,17 +163,8 @@ BuildStage network_stage(SiteBuild& build) {
           .reads = {"roads.gpkg"},
           .outputs =
               surfaces ? std::vector<std::string>{"roads.xodr", "roads_crg"} : std::vector<std::string>{"roads.xodr"},
-          .run = [&build, &site] {
-            return run_network(
-                {.roads = build.out_dir / "roads.gpkg", .network = build.out_dir / "roads.xodr"},
-                {.network = {.name = site.name, .driving_side = site.driving_side, .weather = site.weather},
-                 .crg = {.roads = site.crg, .route = site.route},
-                 .old_surfaces = OldSurfaces::remove,
-                 .opendrive_minor_version = site.opendrive == "1.8" ? 8 : 7,
-                 .junction_grids = site.junction_grids,
-                 .judge = true},
-                build.context);
-          }};
+          .run = [=, &build] { return run_network(files, run, build.context); },
+          .share_loops = [=, &build] { share_network(files, run, build.context); }};
 }
 
 }  // namespace orthodrive

@@ -29,6 +29,9 @@ struct RunNetworkOptions {
 
 StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context);
 
+/// Does with others what run_network() does, and writes nothing but blocks of its loops.
+void share_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context);
+
 [[nodiscard]] BuildStage network_stage(SiteBuild& build);
 
 }  // namespace orthodrive

@@ -51,6 +51,7 @@ RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& o
 RefinedRoads refine_in_labels(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
   RefineRoadsOptions standard = options.standard;
   standard.threads = context.threads;
+  standard.exchange = context.exchange;
   if (!files.weights.empty()) standard.weights = read_refine_weights(files.weights);
   const LabelMap labels = io::read_labels(files.labels);
   const SiteFrame site = options.site ? *options.site : labelled_site(files.labels, labels);
@@ -108,11 +109,23 @@ StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& option
   return outcome_of(refined, files);
 }
 
+void share_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+  (void)refine_in_labels(files, options, context);
+}
+
 BuildStage refine_stage(SiteBuild& build) {
   const Site& site = build.site;
   const Sources::Files weights = site.refine_weights.empty() ? Sources::Files{} : Sources::Files{site.refine_weights};
   nlohmann::json options = frame_options(site.frame);
   options["refine.driving_side"] = to_string(site.driving_side);
+  const RefineFiles files{.osm = site.osm,
+                          .labels = build.out_dir / "labels.tif",
+                          .road_probability = build.out_dir / "road_probability.tif",
+                          .alignment = build.out_dir / ".orthodrive/alignment.csv",
+                          .weights = site.refine_weights,
+                          .gpx = site.gpx,
+                          .roads = build.out_dir / ".orthodrive/refined.gpkg"};
+  const RunRefineOptions run{.site = site.frame, .standard = {.driving_side = site.driving_side}};
   return {.name = "refine",
           .version = 2,
           .sources = {{"osm", site.osm}, {"refine_weights", weights}, {"gpx", site.gpx}},
@@ -125,17 +138,8 @@ BuildStage refine_stage(SiteBuild& build) {
                 (void)build.context.sources.gpx(site.gpx, site.frame);
                 if (!site.refine_weights.empty()) (void)read_refine_weights(site.refine_weights);
               },
-          .run =
-              [&build, &site] {
-                return run_refine({.osm = site.osm,
-                                   .labels = build.out_dir / "labels.tif",
-                                   .road_probability = build.out_dir / "road_probability.tif",
-                                   .alignment = build.out_dir / ".orthodrive/alignment.csv",
-                                   .weights = site.refine_weights,
-                                   .gpx = site.gpx,
-                                   .roads = build.out_dir / ".orthodrive/refined.gpkg"},
-                                  {.site = site.frame, .standard = {.driving_side = site.driving_side}}, build.context);
-              }};
+          .run = [=, &build] { return run_refine(files, run, build.context); },
+          .share_loops = [=, &build] { share_refine(files, run, build.context); }};
 }
 
 }  // namespace orthodrive

@@ -32,6 +32,9 @@ struct RunRefineOptions {
 /// Throws OptionError when files are named that the method does not read, or one that it needs is not.
 StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
 
+/// Does with others what run_refine() does by the default method, and writes nothing but blocks of its loops.
+void share_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
+
 [[nodiscard]] BuildStage refine_stage(SiteBuild& build);
 
 }  // namespace orthodrive

@@ -37,6 +37,12 @@ struct ChainFit {
   std::vector<double> sigma_offset_m, sigma_width_m;
   SolveSummary solve;
 };
+template <typename Archive>
+void fields(Archive& archive, ChainFit& fit) {
+  SolveSummary& solve = fit.solve;
+  archive(fit.shape, fit.sigma_offset_m, fit.sigma_width_m, solve.converged, solve.iterations, solve.cost_before,
+          solve.cost_after);
+}
 
 /// Minimises the sum of squared residuals of fit_costs.hpp over all offsets and widths (Levenberg-Marquardt from
 /// `start`), within the bounds of the options. Standard deviations from the normal matrix. One thread, no randomness:

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/core/parallel.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/refine/cross_profiles.hpp"
 #include "orthodrive/refine/fit_chain.hpp"
 #include "orthodrive/refine/parallel_roads.hpp"
@@ -150,18 +150,22 @@ class Refinement {
       keep_road_near(c, profiles);
       return search_offsets(chains_[c], profiles, expected[c], options);
     };
-    parallel_for(
-        chains_.size(), options.threads, [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
+    shared_for(
+        options.exchange, fmt::format("search{}", phase), chains_.size(), options.threads,
+        [&](std::size_t c) { shapes_[c] = search_chain(c, {}); },
+        [&](auto& archive, std::size_t c) { archive(shapes_[c], refined_[c].road_near); },
         [&](std::size_t done) { report(phase, done); });
     constexpr int sweeps = 2;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       std::vector<ChainShape> next = shapes_;
-      parallel_for(chains_.size(), options.threads, [&](std::size_t c) {
+      const auto search_again = [&](std::size_t c) {
         const std::vector<Occupied> occupied = occupied_by_neighbours(c, neighbours_, shapes_);
         if (std::ranges::any_of(occupied,
                                 [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
           next[c] = search_chain(c, occupied);
-      });
+      };
+      shared_for(options.exchange, fmt::format("search{}-again{}", phase, sweep), chains_.size(), options.threads,
+                 search_again, [&](auto& archive, std::size_t c) { archive(next[c], refined_[c].road_near); });
       shapes_ = std::move(next);
     }
   }
@@ -264,8 +268,8 @@ class Refinement {
     return lines;
   }
   void fit_chains(int phase, const std::vector<ChainCoupling>& couplings) {
-    parallel_for(
-        chains_.size(), options_.threads,
+    shared_for(
+        options_.exchange, fmt::format("fit{}", phase), chains_.size(), options_.threads,
         [&](std::size_t c) {
           if (phase > 2 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
           CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
@@ -274,6 +278,7 @@ class Refinement {
           refined_[c].fit = fit_chain(chains_[c], profiles, shapes_[c], couplings[c], options_);
           keep_road_near(c, profiles);
         },
+        [&](auto& archive, std::size_t c) { archive(refined_[c].fit, refined_[c].road_near); },
         [&](std::size_t done) { report(phase, done); });
     for (std::size_t c = 0; c < chains_.size(); ++c) shapes_[c] = refined_[c].fit.shape;
   }

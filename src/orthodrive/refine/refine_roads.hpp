@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/model/driving_side.hpp"
 #include "orthodrive/model/gps_traces.hpp"
 #include "orthodrive/model/map_alignment.hpp"
@@ -46,7 +47,8 @@ struct RefineRoadsOptions {
   double gps_sigma_m = 3.0;                       ///< of a receiver's position to each side, as consumers have them
   DrivingSide driving_side = DrivingSide::right;  ///< where the traces come from
   int max_iterations = 60;
-  int threads = 0;  ///< 0 = all cores; the result does not depend on it
+  int threads = 0;                   ///< 0 = all cores; the result does not depend on it
+  LoopExchange* exchange = nullptr;  ///< with other processes that refine the same roads; nor on it
 };
 
 /// `osm`, `evidence` and `traces`, if there are any, share one CRS (throws OptionError). Paths outside the evidence

@@ -14,6 +14,10 @@ namespace orthodrive::refine {
 struct ChainShape {
   std::vector<double> offset_m, width_m;
 };
+template <typename Archive>
+void fields(Archive& archive, ChainShape& shape) {
+  archive(shape.offset_m, shape.width_m);
+}
 
 /// How much less than usually the input says of a node's width, >= 1.
 [[nodiscard]] double looseness(const ChainNode& node);
