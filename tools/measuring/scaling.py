@@ -1,0 +1,120 @@
+"""How a build grows with its area: seconds, memory and disk of each stage. Writes docs/measured/scaling.md and its curve.
+
+By hand, on a machine that does nothing else: 100 km2 take a quarter of an hour, to make the site as long again. --only 1,10 measures
+less; a site that is there is not made again.
+"""
+import shutil
+
+from measuring.common import *
+
+STORE, PAGE, CURVE = "scaling.json", PAGES / "scaling.md", IMAGES / "scaling.svg"
+SITES = {"1": ["--preset", "village", "--seed", "7", "--size", "1000", "--gsd", "0.5"],
+         "4": ["--preset", "region", "--seed", "7", "--size", "2000"],
+         "10": ["--preset", "region", "--seed", "7", "--size", "3160"],
+         "100": ["--preset", "region", "--seed", "7", "--size", "10000"]}
+STAGES = ["segment", "refine", "elevate", "network", "scene", "drive", "report"]
+
+
+def add_arguments(parser):
+    add_tool(parser, "out/scaling")
+    add_only(parser, SITES)
+    add_table(parser)
+
+
+def measure(tool, site, out):
+    shutil.rmtree(out, ignore_errors=True)
+    load, start, cpu = os.getloadavg()[0], time.monotonic(), children_seconds()
+    tool("build", site / "site.toml", "-o", out)
+    seconds, cpu = time.monotonic() - start, children_seconds() - cpu
+    run = json.loads((out / "run.json").read_text())
+    stages = {s["stage"]: {"seconds": s["seconds"], "memory_mb": s["peak_memory_bytes"] / 1e6} for s in run["stages"]}
+    numbers = {s["stage"]: s["numbers"] for s in run["stages"]}
+    return {"commit": commit(), "load": round(load, 1), "seconds": seconds, "core_seconds": cpu, "stages": stages,
+            "road_km": numbers["network"]["length_m"] / 1e3,
+            "disk_mb": sum(f.stat().st_size for f in out.rglob("*") if f.is_file()) / 1e6,
+            "memory_mb": max(s["memory_mb"] for s in stages.values())}
+
+
+def slope(numbers, value):
+    """Of value over km2 between the two largest areas, with what is left at none: (base, per km2)."""
+    a, b = sorted(numbers, key=float)[-2:]
+    per_km2 = (value(numbers[b]) - value(numbers[a])) / (float(b) - float(a))
+    return value(numbers[b]) - per_km2 * float(b), per_km2
+
+
+def table(numbers):
+    areas = sorted(numbers, key=float)
+    text = header(["", *[f"{a} km2" for a in areas], "asked"])
+    of = lambda value, digits=1: [fixed(value(numbers[a]), digits) for a in areas]
+    text += row(["seconds", *of(lambda n: n["seconds"], 0), ""])
+    text += row(["seconds a km2", *[fixed(numbers[a]["seconds"] / float(a), 2) for a in areas], "6 at 100 km2"])
+    text += row(["processor seconds a km2", *[fixed(numbers[a]["core_seconds"] / float(a), 2) for a in areas], ""])
+    text += row(["most memory, GB", *of(lambda n: n["memory_mb"] / 1e3, 2), "4 at 100 km2"])
+    text += row(["result, MB", *of(lambda n: n["disk_mb"], 0), ""])
+    text += row(["roads in the result, km", *of(lambda n: n["road_km"], 0), ""])
+    for stage in STAGES:
+        text += row([f"{stage}: seconds a km2 (memory, GB)",
+                     *[f"{fixed(numbers[a]['stages'][stage]['seconds'] / float(a), 2)} ({fixed(numbers[a]['stages'][stage]['memory_mb'] / 1e3, 2)})" for a in areas], ""])
+    text += row(["load of others at the start", *of(lambda n: n["load"]), ""])
+    text += row(["commit", *[numbers[a]["commit"] for a in areas], ""])
+    return text
+
+
+def model(numbers):
+    """Cost = base + per km2, by the two largest areas; what a country would take by it."""
+    text = header(["", "base", "a km2", "1000 km2", "a country of 80 000 km2"])
+    base, per = slope(numbers, lambda n: n["core_seconds"])
+    text += row(["processor seconds", fixed(base, 0), fixed(per, 2), f"{fixed((base + 1e3 * per) / 3600, 1)} h of a core", f"{fixed((base + 8e4 * per) / 86400, 0)} days of a core"])
+    for stage in STAGES:
+        base, per = slope(numbers, lambda n: n["stages"][stage]["memory_mb"] / 1e3)
+        text += row([f"memory of {stage}, GB", fixed(base, 2), fixed(per, 4), fixed(base + 1e3 * per, 1), ""])
+    base, per = slope(numbers, lambda n: n["disk_mb"] / 1e3)
+    return text + row(["disk, GB", fixed(base, 2), fixed(per, 4), fixed(base + 1e3 * per, 0), fixed(base + 8e4 * per, 0)])
+
+
+def curve(numbers):
+    """Seconds a km2 of each stage over the area, stacked, as an SVG."""
+    areas = sorted(numbers, key=float)
+    width, height, left, bottom, right = 640, 360, 60, 40, 110
+    top = 1.1 * max(sum(s["seconds"] for s in n["stages"].values()) / float(a) for a, n in numbers.items())
+    x = lambda a: left + (width - left - right) * (math.log10(float(a)) - math.log10(float(areas[0]))) / (math.log10(float(areas[-1])) - math.log10(float(areas[0])))
+    y = lambda v: height - bottom - (height - bottom - 20) * v / top
+    colors = ["#4477aa", "#66ccee", "#228833", "#ccbb44", "#ee6677", "#aa3377", "#bbbbbb"]
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
+             f'<rect width="{width}" height="{height}" fill="white"/>']
+    below = [0.0] * len(areas)
+    for stage, color in zip(STAGES, colors):
+        above = [b + numbers[a]["stages"][stage]["seconds"] / float(a) for a, b in zip(areas, below)]
+        points = [f"{x(a):.1f},{y(v):.1f}" for a, v in zip(areas, above)] + [f"{x(a):.1f},{y(v):.1f}" for a, v in reversed(list(zip(areas, below)))]
+        parts.append(f'<polygon points="{" ".join(points)}" fill="{color}"/>')
+        middle = (y(above[-1]) + y(below[-1])) / 2
+        if y(below[-1]) - y(above[-1]) > 9:
+            parts.append(f'<text x="{width - right + 6}" y="{middle + 4:.1f}">{stage}</text>')
+        below = above
+    step = 2 if top > 8 else 1
+    for v in range(0, int(top) + 1, step):
+        parts.append(f'<text x="{left - 8}" y="{y(v) + 4:.1f}" text-anchor="end">{v}</text><line x1="{left - 4}" x2="{left}" y1="{y(v):.1f}" y2="{y(v):.1f}" stroke="black"/>')
+    parts.append(f'<line x1="{left}" x2="{width - right}" y1="{y(6):.1f}" y2="{y(6):.1f}" stroke="black" stroke-dasharray="4"/><text x="{left + 6}" y="{y(6) - 5:.1f}">asked: 6</text>')
+    for a in areas:
+        parts.append(f'<text x="{x(a):.1f}" y="{height - bottom + 16}" text-anchor="middle">{a}</text>')
+    parts.append(f'<text x="{left}" y="14">seconds a km2, stages from nothing, over the area in km2</text></svg>')
+    return "\n".join(parts) + "\n"
+
+
+def run(args):
+    numbers = read_results(STORE, {})
+    if not args.table:
+        tool = Tool(args.tool)
+        for name in args.only:
+            site = tool.synth(args.out / name / "site", *SITES[name])
+            numbers[name] = measure(tool, site, args.out / name / "out")
+            print(name, {k: v for k, v in numbers[name].items() if k != "stages"}, flush=True)
+            numbers["machine"] = machine()
+            write_results(STORE, numbers)
+    sites = {name: n for name, n in numbers.items() if name in SITES}
+    if len(sites) < 2:
+        return
+    m = numbers["machine"]
+    CURVE.write_text(curve(sites))
+    write_between(PAGE, "scaling", table(sites) + f"\nMeasured on {m['cores']} cores ({m['cpu']}), {m['memory_gb']} GB.\n")
+    write_between(PAGE, "model", model(sites))
