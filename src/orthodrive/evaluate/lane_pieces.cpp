@@ -110,7 +110,7 @@ LanePlace lane_place(const LanePiece& piece, double s) {
     place.width_m = width;
     break;
   }
-  const roadquery::PlanPoint reference = roadquery::reference_point(road, s);
+  const roadquery::PlanPoint& reference = place.reference = roadquery::reference_point(road, s);
   const double stretch = 1.0 - centre * reference.curvature;  // of the lane's middle over the reference line
   place.centre_t = centre;
   place.heading_rad = reference.hdg + std::atan2(slope, stretch) + (piece.forward ? 0.0 : std::numbers::pi);

@@ -30,7 +30,8 @@ struct LanePiece {
 
 /// A place of a lane, seen in driving direction.
 struct LanePlace {
-  double centre_t = 0.0;  ///< t of the middle of the lane
+  roadquery::PlanPoint reference;  ///< of the road, at the same s
+  double centre_t = 0.0;           ///< t of the middle of the lane
   double width_m = 0.0;
   double heading_rad = 0.0;  ///< of the middle
   double curvature = 0.0;    ///< of the middle, 1/m, positive = left turn

@@ -23,7 +23,8 @@ void append_places(const LanePiece& piece, double from_m, double to_m, double st
 
 roadquery::SurfacePoint lane_point(const PathPoint& at, double left_m) {
   const LanePlace place = lane_place(*at.piece, at.s);
-  return roadquery::surface_point(*at.piece->road, at.s, place.centre_t + (at.piece->forward ? left_m : -left_m));
+  return roadquery::surface_point(*at.piece->road, at.s, place.centre_t + (at.piece->forward ? left_m : -left_m),
+                                  place.reference);
 }
 
 std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& query, const std::vector<PathPoint>& path,
@@ -36,7 +37,8 @@ std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& qu
     const PathPoint& at = path[i];
     const LanePlace place = lane_place(*at.piece, at.s);
     const double side = at.piece->forward ? 1.0 : -1.0;
-    const roadquery::SurfacePoint middle = roadquery::surface_point(*at.piece->road, at.s, place.centre_t);
+    const roadquery::SurfacePoint middle =
+        roadquery::surface_point(*at.piece->road, at.s, place.centre_t, place.reference);
     const double moved = i > 0 ? std::hypot(middle.x - before.x, middle.y - before.y) : 0.0;
     before = middle, driven += moved;
     if (place.width_m < options.least_lane_m) {
@@ -50,7 +52,8 @@ std::vector<std::vector<AxleSample>> sample_axles(const roadquery::RoadQuery& qu
     axle.track_m = std::min(options.track_m, place.width_m - mirror_room_m);
     for (std::size_t wheel = 0; wheel < 2; ++wheel) {
       const double left = (wheel == 0 ? 0.5 : -0.5) * axle.track_m;
-      const roadquery::SurfacePoint p = roadquery::surface_point(*at.piece->road, at.s, place.centre_t + side * left);
+      const roadquery::SurfacePoint p =
+          roadquery::surface_point(*at.piece->road, at.s, place.centre_t + side * left, place.reference);
       const WheelSample* last = runs.back().empty() ? nullptr : &runs.back().back().wheels[wheel];
       const auto hit = query.find(p.x, p.y, last && last->on_road ? last->z : p.z, cursors[wheel]);
       axle.wheels[wheel] = {p.x, p.y, hit ? hit->z : p.z, hit ? hit->friction : 1.0, hit.has_value()};
