@@ -13,6 +13,16 @@ site=$(realpath "$1") out=$(realpath -m "$2") chunks=${3:-100}
 shift $(($# < 3 ? $# : 3))
 mkdir -p "$out"
 
+# Until the queue has the job no more. Asks every second at first, then less often: "sbatch --wait" would see the end
+# of a short job half a minute late.
+wait_for() {
+  local began=$SECONDS pause
+  while [ -n "$(squeue --noheader --jobs="$1" 2>/dev/null)" ]; do
+    pause=$(((SECONDS - began) / 20))
+    sleep "$((pause < 1 ? 1 : pause > 10 ? 10 : pause))"
+  done
+}
+
 rounds_without_progress=0 last=
 while :; do
   # Runs all stages up to the next one that has cells to make; says which, and how many.
@@ -25,10 +35,12 @@ while :; do
     exit 1
   fi
   last=$next
+  mkdir -p "$out/.orthodrive/cells"  # for the logs: Slurm starts no task whose output it cannot open
   # A task that fails is no error here: what is missing is asked for again.
-  sbatch --wait --requeue --array=0-$((chunks - 1)) --cpus-per-task="$threads" --job-name=orthodrive \
+  job=$(sbatch --parsable --requeue --array=0-$((chunks - 1)) --cpus-per-task="$threads" --job-name=orthodrive \
     --output="$out/.orthodrive/cells/%A_%a.log" "$@" \
-    --wrap "exec '$tool' --quiet --threads $threads cells run '$site' -o '$out' --chunk \$SLURM_ARRAY_TASK_ID --chunks $chunks" >/dev/null || true
+    --wrap "exec '$tool' --quiet --threads $threads cells run '$site' -o '$out' --chunk \$SLURM_ARRAY_TASK_ID --chunks $chunks")
+  wait_for "${job%%;*}"
 done
 rm -f "$out"/.orthodrive/cells/*.log
 echo "$out/report.html"

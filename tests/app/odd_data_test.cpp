@@ -230,6 +230,21 @@ TEST_F(OddData, terrain_in_feet_beside_one_in_metres_becomes_metres) {
   }
 }
 
+TEST_F(OddData, terrain_over_two_datums_or_none_is_told) {
+  const auto over = [&](const char* from, const char* to, const char* vertical) {
+    EXPECT_EQ(run_program({"/usr/bin/gdal_translate", "-q", "-a_srs", std::string("EPSG:32633+") + vertical,
+                           site_ / from, scratch_ / to})
+                  .exit_code,
+              0);
+    return scratch_ / to;
+  };
+  const fs::path fine = over("dtm_1m.tif", "egm96.tif", "5773"), coarse = over("dtm_10m.tif", "rh2000.tif", "5613");
+  drive(true_roads(), {fine, coarse})
+      .expect_finding("terrain.datums_differ", "heights of rh2000.tif are over Rikets hojdsystem 2000");
+  drive(true_roads(), {fine, site_ / "dtm_10m.tif"})
+      .expect_finding("terrain.datum_not_named", "dtm_10m.tif: no vertical datum is named");
+}
+
 TEST_F(OddData, terrain_that_says_it_is_in_feet_becomes_metres) {
   const fs::path feet = terrain("dtm_1m.tif", [](Vec2, float z) { return z / 0.3048F; });
   const fs::path said = scratch_ / "said.vrt";

@@ -62,7 +62,8 @@ struct ReadDtmsOptions {
       0.98;  ///< share of the area; a rim thinner than a pixel or a pond without returns is no obstacle
 };
 /// Several terrain models, best first, that cover the area together (model/sample_height.hpp: merge_heights). One that
-/// is 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Throws as read_dtm.
+/// is 3.28 times as high as another is in feet and becomes metres, with a finding `terrain.feet`. Vertical datums that
+/// differ or are not named are findings, too; heights stay as they are. Throws as read_dtm.
 [[nodiscard]] std::vector<HeightGrid> read_dtms(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
                                                 const ReadDtmsOptions& options = {}, Findings* findings = nullptr);
 /// Share of the area (0..1) in which at least one of the grids has heights.

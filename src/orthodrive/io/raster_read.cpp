@@ -218,6 +218,34 @@ void feet_to_metres(const std::vector<fs::path>& paths, const SiteFrame& site, s
     }
 }
 
+/// Heights over one datum lie up to metres from those over another one: where two models meet, roads would step.
+void tell_datums(const std::vector<fs::path>& paths, const SiteFrame& site, const std::vector<HeightGrid>& grids,
+                 Findings& findings) {
+  const Box2 box = bounds_of(site.area.outer);
+  const Vec2 p{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  std::string unnamed;
+  const HeightGrid* named = nullptr;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    const std::string& datum = grids[i].vertical_datum;
+    if (datum.empty()) {
+      unnamed += (unnamed.empty() ? "" : ", ") + paths[i].filename().string();
+    } else if (named && named->vertical_datum != datum) {
+      findings.push_back(
+          {Severity::warning, "terrain.datums_differ",
+           fmt::format("heights of {} are over {}, those of a model before it over {}: taken as they are, "
+                       "so roads may step where the models meet; convert one of them",
+                       paths[i].filename().string(), datum, named->vertical_datum),
+           p.x, p.y});
+    } else {
+      named = &grids[i];
+    }
+  }
+  if (!unnamed.empty())
+    findings.push_back({Severity::info, "terrain.datum_not_named",
+                        fmt::format("{}: no vertical datum is named, heights are taken as they are", unnamed), p.x,
+                        p.y});
+}
+
 }  // namespace
 
 std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const SiteFrame& site,
@@ -226,6 +254,7 @@ std::vector<HeightGrid> read_dtms(const std::vector<fs::path>& paths, const Site
   for (const fs::path& path : paths)
     grids.push_back(read_heights(path, site.crs, bounds_of(site.area.outer).grown(options.margin_m)));
   feet_to_metres(paths, site, grids, findings);
+  if (findings) tell_datums(paths, site, grids, *findings);
   const double covered = coverage(grids, site);
   if (covered >= options.least_coverage) return grids;
   std::string names, extents;
