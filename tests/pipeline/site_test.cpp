@@ -40,8 +40,9 @@ TEST(Site, a_box_of_degrees_becomes_a_turned_polygon_in_the_utm_zone) {
   const Box2 box = bounds_of(site.frame.area.outer);
   EXPECT_NEAR(area_m2(site.frame.area), 2147.0 * 1448.0, 20000.0);
   EXPECT_GT(box.width() * box.height(), 1.05 * area_m2(site.frame.area));  // turned by the convergence
-  EXPECT_EQ(site.photo.filename(), "p.tif");
-  EXPECT_TRUE(site.photo.is_absolute());
+  ASSERT_EQ(site.photos.size(), 1u);
+  EXPECT_EQ(site.photos[0].filename(), "p.tif");
+  EXPECT_TRUE(site.photos[0].is_absolute());
   EXPECT_EQ(site.dtm.size(), 2u);
   EXPECT_EQ(site.osm.size(), 1u);
 }
