@@ -147,8 +147,6 @@ TEST(PhotoMosaic, seam_between_photos_of_other_exposure_and_colour_is_hidden) {
   EXPECT_EQ(std::ranges::count(after.valid.data, 0), 0);
   const double step_before = largest_step(before, 4.0, 100.0, 400.0),
                step_after = largest_step(after, 4.0, 100.0, 400.0);
-  RecordProperty("step_before", std::to_string(step_before));
-  RecordProperty("step_after", std::to_string(step_after));
   EXPECT_GT(step_before, 20.0);
   EXPECT_LT(step_after, 1.0);
   EXPECT_GT(std::abs(mean_error(before, {240.0, 0.0, 300.0, 300.0})), 20.0);
