@@ -98,6 +98,7 @@ PhotoSource open_photo(const std::vector<fs::path>& paths, const SiteFrame& site
   std::vector<MosaicPhoto> photos;
   PhotoSource blank;
   std::vector<double> gsds_m;
+  gsds_m.reserve(here.size());
   for (const fs::path& path : here) gsds_m.push_back(raster_info(path).gsd_m);
   for (const fs::path& path : here) {
     PhotoSource photo = open_photo(path, site, of_all);

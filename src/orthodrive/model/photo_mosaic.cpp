@@ -96,6 +96,7 @@ void blur(Raster<float>& raster, double sigma_cells) {
   for (int i = -radius; i <= radius; ++i) total += std::exp(-0.5 * i * i / (sigma_cells * sigma_cells));
   for (int i = -radius; i <= radius; ++i)
     kernel.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma_cells * sigma_cells)) / total));
+  const float* middle = kernel.data() + radius;
   const auto add = [](float factor, const float* from, float* to, int count) {
     for (int i = 0; i < count; ++i) to[i] += factor * from[i];
   };
@@ -104,14 +105,12 @@ void blur(Raster<float>& raster, double sigma_cells) {
     for (int shift = -radius; shift <= radius; ++shift) {
       const int first = std::max(0, -shift), end = std::min(raster.width, raster.width - shift);
       if (first < end)
-        add(kernel[static_cast<std::size_t>(shift + radius)], &raster.at(first + shift, row), &rows.at(first, row),
-            (end - first) * channels);
+        add(middle[shift], &raster.at(first + shift, row), &rows.at(first, row), (end - first) * channels);
     }
   std::ranges::fill(raster.data, 0.0F);
   for (int row = 0; row < raster.height; ++row)
     for (int other = std::max(0, row - radius); other <= std::min(raster.height - 1, row + radius); ++other)
-      add(kernel[static_cast<std::size_t>(other - row + radius)], &rows.at(0, other), &raster.at(0, row),
-          raster.width * channels);
+      add(middle[other - row], &rows.at(0, other), &raster.at(0, row), raster.width * channels);
 }
 
 /// Values near black and white are cut off and say nothing of colours.
