@@ -166,6 +166,66 @@ TEST(PhotoMosaic, pure_gain_is_undone_everywhere) {
     EXPECT_LT(std::abs(mean_error(mosaic, {x, 0.0, x + 20.0, 300.0})), 0.6) << x;
 }
 
+/// Adds what is given for a place in metres from `origin`, to all channels.
+template <typename Value>
+void add(Photo& photo, const Value& value) {
+  for (int row = 0; row < photo.frame.height; ++row)
+    for (int col = 0; col < photo.frame.width; ++col) {
+      const double more = value(photo.frame.center_of(col, row) - origin);
+      for (int c = 0; c < 3; ++c)
+        photo.rgb.at(col, row, c) = static_cast<std::uint8_t>(std::lround(photo.rgb.at(col, row, c) + more));
+    }
+}
+
+TEST(PhotoMosaic, difference_that_changes_along_the_seam_is_hidden_near_it_and_left_far_from_it) {
+  const Scratch scratch;
+  Photo east = paint(east_part, 0.5);
+  add(east, [](Vec2 p) { return p.y / 10.0 - 15.0; });  // as vignetting: -15 in the south, +15 in the north
+  io::write_photo(scratch / "west.tif", paint(west_part, 0.5));
+  io::write_photo(scratch / "east.tif", east);
+  const Photo mosaic = mosaic_of_files({scratch / "west.tif", scratch / "east.tif"});
+  for (const double south : {0.0, 75.0, 150.0, 225.0}) {
+    const double before = mean_error(east, {240.0, south, 260.0, south + 75.0}),
+                 after = mean_error(mosaic, {240.0, south, 260.0, south + 75.0}),
+                 far = mean_error(mosaic, {395.0, south, 400.0, south + 75.0});
+    EXPECT_LT(std::abs(after), 3.0) << south << "; without the local match it is up to 11";
+    EXPECT_NEAR(far, before, 2.0) << south;
+  }
+}
+
+TEST(PhotoMosaic, photo_fades_within_15_m_of_its_rim) {
+  const Scratch scratch;
+  // A chequerboard of 1 m: in the mean it is nothing, and tells how much of the second photo is seen.
+  const auto chequer = [](Vec2 p) {
+    return (static_cast<int>(std::floor(p.x)) + static_cast<int>(std::floor(p.y))) % 2 == 0 ? 20.0 : -20.0;
+  };
+  Photo east = paint(east_part, 0.5);
+  add(east, chequer);
+  io::write_photo(scratch / "west.tif", paint(west_part, 0.5));
+  io::write_photo(scratch / "east.tif", east);
+  const Photo mosaic = mosaic_of_files({scratch / "west.tif", scratch / "east.tif"});
+  const auto share_of_east = [&](double from_rim_m) {
+    double sum = 0.0, pixels = 0.0;
+    for (double y = 0.25; y < 300.0; y += 0.5) {
+      const Vec2 p{240.0 - from_rim_m - 0.25, y};
+      const Vec2 at = mosaic.frame.pixel_from_world(origin + p);
+      const double value = mosaic.rgb.at(static_cast<int>(at.x), static_cast<int>(at.y), 1);
+      sum += (value - scene_value(p, 1)) / chequer(p), pixels += 1.0;
+    }
+    return sum / pixels;
+  };
+  EXPECT_GT(share_of_east(0.0), 0.95) << "at the rim nothing of the west is left";
+  double last = 1.0;
+  for (double from_rim_m = 0.0; from_rim_m < 40.0; from_rim_m += 1.0) {
+    const double share = share_of_east(from_rim_m);
+    EXPECT_LT(share, last + 0.02) << from_rim_m;
+    EXPECT_GT(share, last - 0.15) << from_rim_m;
+    last = share;
+  }
+  EXPECT_NEAR(share_of_east(12.0), 0.5, 0.3);
+  EXPECT_NEAR(share_of_east(25.0), 0.0, 0.02) << "15 m and the cells in which a rim is known";
+}
+
 /// White squares tell photos of one look apart.
 void mark(Photo& photo, const Box2& box, std::uint8_t value) {
   for (int row = 0; row < photo.frame.height; ++row)

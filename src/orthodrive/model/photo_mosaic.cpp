@@ -214,9 +214,11 @@ class Mosaic {
     PhotoWindow window = layers_.front().photo.read(box);
     const PixelBox wanted = intersection(box, pixels_of(frame_));
     if (wanted.empty()) return window;
-    constexpr int rows = 128;  // of the blocks in which photos are warped (io/photo_read)
+    // The blocks in which photos are warped (io/photo_read). Most of them need the first photo alone.
+    constexpr int columns = 512, rows = 128;
     for (std::int64_t row = wanted.row / rows * rows; row < wanted.end_row(); row += rows)
-      lay_photos(intersection(wanted, {wanted.col, row, wanted.width, rows}), box, window);
+      for (std::int64_t col = wanted.col / columns * columns; col < wanted.end_col(); col += columns)
+        lay_photos(intersection(wanted, {col, row, columns, rows}), box, window);
     return window;
   }
 
@@ -242,32 +244,32 @@ class Mosaic {
     return above + row.second_share * (below - above);
   }
 
-  /// Nothing of the photos below the first is seen in the strip.
-  [[nodiscard]] bool hidden_by_first(const PixelBox& strip, const PixelBox& box, const PhotoWindow& window) const {
+  /// Nothing of the photos below the first is seen in the block.
+  [[nodiscard]] bool hidden_by_first(const PixelBox& block, const PixelBox& box, const PhotoWindow& window) const {
     const Raster<float>& weights = layers_.front().weights;
-    const Tap left = column_tap(strip.col), right = column_tap(strip.end_col() - 1), top = row_tap(strip.row),
-              bottom = row_tap(strip.end_row() - 1);
+    const Tap left = column_tap(block.col), right = column_tap(block.end_col() - 1), top = row_tap(block.row),
+              bottom = row_tap(block.end_row() - 1);
     for (int row = top.first; row <= bottom.first + 1; ++row)
       for (int col = left.first; col <= right.first + 1; ++col)
         if (weights.at(col, row) < 1.0F) return false;
-    for (std::int64_t row = strip.row; row < strip.end_row(); ++row)
-      if (std::memchr(&window.valid.at(static_cast<int>(strip.col - box.col), static_cast<int>(row - box.row)), 0,
-                      static_cast<std::size_t>(strip.width)))
+    for (std::int64_t row = block.row; row < block.end_row(); ++row)
+      if (std::memchr(&window.valid.at(static_cast<int>(block.col - box.col), static_cast<int>(row - box.row)), 0,
+                      static_cast<std::size_t>(block.width)))
         return false;
     return true;
   }
 
-  void lay_photos(const PixelBox& strip, const PixelBox& box, PhotoWindow& window) const {
-    if (hidden_by_first(strip, box, window)) return;
-    std::vector<Blend> blends(static_cast<std::size_t>(strip.width) * static_cast<std::size_t>(strip.height));
-    PixelBox open = lay(layers_.front(), window, box, strip, strip, blends);
+  void lay_photos(const PixelBox& block, const PixelBox& box, PhotoWindow& window) const {
+    if (hidden_by_first(block, box, window)) return;
+    std::vector<Blend> blends(static_cast<std::size_t>(block.width) * static_cast<std::size_t>(block.height));
+    PixelBox open = lay(layers_.front(), window, box, block, block, blends);
     for (std::size_t i = 1; i < layers_.size() && !open.empty(); ++i)
-      open = lay(layers_[i], layers_[i].photo.read(open), open, open, strip, blends);
+      open = lay(layers_[i], layers_[i].photo.read(open), open, open, block, blends);
     const Blend* blend = blends.data();
-    for (std::int64_t row = strip.row; row < strip.end_row(); ++row) {
-      const int left = static_cast<int>(strip.col - box.col), at_row = static_cast<int>(row - box.row);
+    for (std::int64_t row = block.row; row < block.end_row(); ++row) {
+      const int left = static_cast<int>(block.col - box.col), at_row = static_cast<int>(row - box.row);
       std::uint8_t *rgb = &window.rgb.at(left, at_row), *valid = &window.valid.at(left, at_row);
-      for (int i = 0; i < strip.width; ++i, ++blend, rgb += 3) {
+      for (int i = 0; i < block.width; ++i, ++blend, rgb += 3) {
         valid[i] = blend->weight > 0.0F ? 1 : 0;
         if (!valid[i]) continue;
         const Color color = blend->color();
@@ -276,16 +278,16 @@ class Mosaic {
     }
   }
 
-  /// Lays the pixels of a photo in `part` of the strip; `shown_box` is what `shown` shows. Returns the box of the
+  /// Lays the pixels of a photo in `part` of the block; `shown_box` is what `shown` shows. Returns the box of the
   /// pixels in it that wait for a photo below.
   [[nodiscard]] PixelBox lay(const Layer& layer, const PhotoWindow& shown, const PixelBox& shown_box,
-                             const PixelBox& part, const PixelBox& strip, std::vector<Blend>& blends) const {
+                             const PixelBox& part, const PixelBox& block, std::vector<Blend>& blends) const {
     std::vector<Tap> columns;
     for (std::int64_t col = part.col; col < part.end_col(); ++col) columns.push_back(column_tap(col));
     std::int64_t west = part.end_col(), east = part.col, north = part.end_row(), south = part.row;
     for (std::int64_t row = part.row; row < part.end_row(); ++row) {
       const Tap of_row = row_tap(row);
-      Blend* blend = &blends[static_cast<std::size_t>((row - strip.row) * strip.width + part.col - strip.col)];
+      Blend* blend = &blends[static_cast<std::size_t>((row - block.row) * block.width + part.col - block.col)];
       const int left = static_cast<int>(part.col - shown_box.col), at_row = static_cast<int>(row - shown_box.row);
       const std::uint8_t *rgb = &shown.rgb.at(left, at_row), *valid = &shown.valid.at(left, at_row);
       for (int i = 0; i < part.width; ++i, ++blend, rgb += 3) {

@@ -34,7 +34,7 @@ struct MosaicPhoto {
 };
 
 /// Best first, at least one. Where one photo alone has data, and where the first has full weight, pixels are those of
-/// the photo; photos below it are not read there. Reading takes 20 bytes a pixel of 128 rows of the window.
+/// the photo; photos below it are not read there. Reading takes little more memory than reading one photo.
 [[nodiscard]] PhotoSource mosaic_of(std::vector<MosaicPhoto> photos, const MosaicOptions& options = {});
 
 }  // namespace orthodrive
