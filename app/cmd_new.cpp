@@ -20,10 +20,11 @@ void add_new(CLI::App& app, Context& context) {
   bbox->excludes(place)->excludes(relation);
   place->excludes(relation);
   cmd->add_option("--name", args->site.name, "name of the site; without it, that of the file");
-  cmd->add_option("--photo", args->site.photo, "source of the photo; without it, the best for the area");
+  cmd->add_option("--photo", args->site.photos,
+                  "source of the photo; without it, the best for the area; may be repeated, best first");
   cmd->add_option("--terrain", args->site.terrain, "source of the terrain");
   cmd->add_option("--osm-source", args->site.osm, "source of the roads");
-  cmd->add_option("--photo-file", args->photo_file, "local photo in place of a source");
+  cmd->add_option("--photo-file", args->photo_files, "local photo in place of a source; may be repeated, best first");
   cmd->add_option("--osm-file", args->osm_file, "local OSM file in place of a source");
   cmd->add_option("--dtm-file", args->dtm_files, "local terrain in place of a source; may be repeated, best first");
   cmd->add_option("--finest", args->site.finest_m, "photos are fetched no finer than this, m/px")

@@ -9,7 +9,9 @@ namespace orthodrive::app {
 /// `files` outlives `cmd`.
 inline void add_scene_inputs(CLI::App& cmd, SceneFiles& files) {
   cmd.add_option("--network", files.network, "roads (OpenDRIVE); their geoReference is the scene's CRS")->required();
-  cmd.add_option("--photo", files.photo, "orthophoto (any GDAL raster): texture and extent")->required();
+  cmd.add_option("--photo", files.photos,
+                 "orthophoto (any GDAL raster): texture and extent; may be repeated, best first")
+      ->required();
   cmd.add_option(
       "--labels", files.labels,
       "label map of that photo: its classes become feature ids of the tiles; trees, and buildings that maps lack");

@@ -50,6 +50,24 @@ TEST(BadInput, photo_without_georeferencing) {
   small.expect_build_failure(photo, "sources.photo=\"" + photo + "\"");
 }
 
+TEST(BadInput, list_of_photos_with_one_that_is_missing_or_broken) {
+  const SmallSite small;
+  std::string text = bytes_of(small.site / "site.toml");
+  const std::string one = "photo = \"ortho.tif\"";
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find(one)), '\n');
+  text.replace(text.find(one), one.size(), "photo = [\"ortho.tif\", \"second.tif\"]");
+  write_bytes(small.site / "site.toml", text);
+  small.expect_failure("site.toml:" + std::to_string(line) + ": 'photo': there is no ",
+                       {"build", small.site / "site.toml", "-o", small.out});
+  write_bytes(small.site / "second.tif", "<html>404</html>");
+  small.expect_failure("second.tif", {"build", small.site / "site.toml", "-o", small.out});
+  fs::copy_file(small.site / "ortho.tif", small.site / "second.tif", fs::copy_options::overwrite_existing);
+  truncate_to(small.site / "second.tif", 0.5);
+  small.expect_failure("second.tif: is truncated", {"build", small.site / "site.toml", "-o", small.out});
+  small.expect_failure("second.tif: is truncated", {"segment", small.site / "ortho.tif", small.site / "second.tif",
+                                                    "-o", small.out / "labels.tif"});
+}
+
 TEST(BadInput, truncated_geotiff) {
   const SmallSite small;
   truncate_to(small.site / "ortho.tif", 0.5);

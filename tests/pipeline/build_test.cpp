@@ -80,6 +80,60 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
   EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine"}));
 }
 
+/// Columns [first, end) of a photo, by another exposure.
+void write_part(const fs::path& file, const Photo& whole, int first, int end, double gain) {
+  Photo part{whole.crs,
+             {whole.frame.world_from_pixel(first, 0).x, whole.frame.north_m, whole.frame.gsd_m, end - first,
+              whole.frame.height},
+             Raster<std::uint8_t>(end - first, whole.frame.height, 3),
+             Raster<std::uint8_t>(end - first, whole.frame.height, 1, 1)};
+  for (int row = 0; row < part.rgb.height; ++row)
+    for (int col = 0; col < part.rgb.width; ++col)
+      for (int c = 0; c < 3; ++c)
+        part.rgb.at(col, row, c) =
+            static_cast<std::uint8_t>(std::min(255.0, gain * whole.rgb.at(first + col, row, c) + 0.5));
+  io::write_photo(file, part);
+}
+
+TEST_F(Build, several_photos_are_seen_as_one_and_each_of_them_counts) {
+  const fs::path site = folder / "site", two = folder / "two";
+  const Photo whole = io::read_photo_native(site / "ortho.tif");
+  const int width = whole.frame.width;
+  write_part(site / "west.tif", whole, 0, width * 6 / 10, 1.0);
+  write_part(site / "east.tif", whole, width * 4 / 10, width, 0.85);
+  const Arguments both{"--set", "sources.photo=['west.tif', 'east.tif']"};
+  Arguments explain = both;
+  explain.emplace_back("--explain");
+  fs::copy(folder / "first", two, fs::copy_options::recursive);
+  ASSERT_EQ(build("two", both).exit_code, 0);
+  const LabelMap one = io::read_labels(folder / "first/labels.tif"), labels = io::read_labels(two / "labels.tif");
+  ASSERT_EQ(labels.frame, one.frame);
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < one.labels.data.size(); ++i) same += one.labels.data[i] == labels.labels.data[i] ? 1 : 0;
+  EXPECT_GT(static_cast<double>(same), 0.97 * static_cast<double>(one.labels.data.size()));
+
+  ASSERT_EQ(build("two", both).exit_code, 0);
+  EXPECT_EQ(skipped_stages("two").size(), 6u);
+  write_part(site / "east.tif", whole, width * 4 / 10, width, 0.8);
+  const std::string why = build("two", explain).out;
+  EXPECT_THAT(why, testing::ContainsRegex("segment +runs: source photo: [^\n]*east.tif has other content"));
+  EXPECT_THAT(why, testing::ContainsRegex("scene +runs: source photo: [^\n]*east.tif has other content"));
+  EXPECT_THAT(build("two", {"--set", "sources.photo=['east.tif', 'west.tif']", "--explain"}).out,
+              testing::ContainsRegex("segment +runs: source photo: "));
+
+  // The stages by themselves take several photos, too.
+  const fs::path out = folder / "by_photos";
+  for (const Arguments& command :
+       {Arguments{"segment", site / "west.tif", site / "east.tif", "-o", out / "labels.tif"},
+        Arguments{"scene", "--network", two / "roads.xodr", "--photo", site / "west.tif", "--photo", site / "east.tif",
+                  "--dtm", site / "dtm_1m.tif", "-o", out / "scene"}}) {
+    const ToolRun run = run_tool(command);
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  EXPECT_NEAR(io::read_labels(out / "labels.tif").frame.bounds().width(), whole.frame.bounds().width(), 2.0);
+  EXPECT_TRUE(fs::exists(out / "scene/tileset.json"));
+}
+
 TEST_F(Build, where_one_drives_left_the_network_does) {
   fs::copy(folder / "first", folder / "left", fs::copy_options::recursive);
   ASSERT_EQ(build("left", {"--set", "refine.driving_side=left"}).exit_code, 0);

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "io/scratch.hpp"
@@ -186,7 +187,7 @@ TEST(NewSite, what_it_writes_is_a_site_file_with_a_fetch_table_a_source) {
   EXPECT_EQ(site.name, "Here");
   EXPECT_EQ(site.frame.crs.definition, "EPSG:32633");
   EXPECT_NEAR(area_m2(site.frame.area), area_m2(site_frame_of(around(14.42, 50.09)).area), 1e-3);
-  EXPECT_EQ(site.photo, scratch / "sources/photo.tif");  // of a WMS
+  EXPECT_EQ(site.photos, std::vector{scratch / "sources/photo.tif"});  // of a WMS
   EXPECT_EQ(site.attribution.size(), 3u);
   std::size_t tables = 0;
   for (auto at = made.text.find("[[fetch]]"); at != std::string::npos; at = made.text.find("[[fetch]]", at + 1))
@@ -230,7 +231,7 @@ TEST(NewSite, a_border_with_very_many_corners_is_simplified_and_said) {
 
 TEST(NewSite, local_files_take_the_place_of_sources) {
   NewSiteOptions options = at(0.0, 0.0);  // the sea
-  options.photo_file = "my photo.tif";
+  options.photo_files = {"my photo.tif"};
   options.osm_file = "../roads.osm";
   options.dtm_files = {"a.tif", "b.tif"};
   const Scratch scratch;
@@ -239,8 +240,26 @@ TEST(NewSite, local_files_take_the_place_of_sources) {
   EXPECT_THAT(made.text, Not(HasSubstr("[[fetch]]")));
   write_bytes(scratch / "here.toml", made.text);
   const Site site = read_site(scratch / "here.toml");
-  EXPECT_EQ(site.photo, scratch / "my photo.tif");
+  EXPECT_EQ(site.photos, std::vector{scratch / "my photo.tif"});
   EXPECT_EQ(site.dtm.size(), 2u);
+}
+
+TEST(NewSite, photos_are_named_by_priority_each_with_its_fetch_table) {
+  NewSiteOptions options = at(0.0, 0.0);
+  options.box = LonLatBox{12.75, 47.945, 13.02, 47.955};  // across the border of Bavaria and Austria
+  options.area = polygon_of_box(*options.box);
+  options.photos = {"at-basemap", "de-by-dop20"};
+  const NewSite made = new_site(catalogue(), options);
+  EXPECT_THAT(made.text, HasSubstr("photo = [\"sources/photo.mbtiles\", \"sources/photo_2.tif\"]  # best first\n"));
+  const Scratch scratch;
+  write_bytes(scratch / "here.toml", made.text);
+  const Site site = read_site(scratch / "here.toml");
+  EXPECT_EQ(site.photos, (std::vector{scratch / "sources/photo.mbtiles", scratch / "sources/photo_2.tif"}));
+  for (const std::filesystem::path& photo : site.photos)
+    EXPECT_EQ(std::ranges::count(site.fetch, photo, &remote::FetchSource::to), 1) << photo;
+  EXPECT_EQ(site.attribution.size(), 5u) << "of both photos, roads, and two models of terrain";
+  options.photos = {"at-basemap", "at-basemap"};
+  EXPECT_THROW((void)new_site(catalogue(), options), OptionError);
 }
 
 TEST(NewSite, terrain_that_covers_a_part_gets_the_worlds_beside_it) {
@@ -271,16 +290,16 @@ TEST(NewSite, what_cannot_be_says_what_to_do) {
   EXPECT_THAT(message(at(18.07, 59.33)), HasSubstr("se-ortofoto covers it: Needs an account"));
   EXPECT_THAT(message(at(14.5, 49.8, 0.4)), HasSubstr("km2, and a site at most 2500"));
   NewSiteOptions options = at(14.42, 50.09);
-  options.photo = "cz-ortfoto";
+  options.photos = {"cz-ortfoto"};
   EXPECT_THAT(message(options),
               HasSubstr("--photo cz-ortfoto: the catalogue has no such source; did you mean 'cz-ortofoto'?"));
-  options.photo = "at-basemap";
+  options.photos = {"at-basemap"};
   EXPECT_THAT(message(options), HasSubstr("--photo at-basemap: it lies elsewhere (AT)"));
-  options.photo = "copernicus-glo30";
+  options.photos = {"copernicus-glo30"};
   EXPECT_THAT(message(options), HasSubstr("no such source"));
   // A source that has to be fetched by hand can be named: the site file says how.
   NewSiteOptions swedish = at(18.07, 59.33);
-  swedish.photo = "se-ortofoto";
+  swedish.photos = {"se-ortofoto"};
   const NewSite made = new_site(catalogue(), swedish);
   EXPECT_EQ(made.findings.front().code, "new.by_hand");
 }

@@ -40,10 +40,28 @@ TEST(Site, a_box_of_degrees_becomes_a_turned_polygon_in_the_utm_zone) {
   const Box2 box = bounds_of(site.frame.area.outer);
   EXPECT_NEAR(area_m2(site.frame.area), 2147.0 * 1448.0, 20000.0);
   EXPECT_GT(box.width() * box.height(), 1.05 * area_m2(site.frame.area));  // turned by the convergence
-  EXPECT_EQ(site.photo.filename(), "p.tif");
-  EXPECT_TRUE(site.photo.is_absolute());
+  ASSERT_EQ(site.photos.size(), 1u);
+  EXPECT_EQ(site.photos[0].filename(), "p.tif");
+  EXPECT_TRUE(site.photos[0].is_absolute());
   EXPECT_EQ(site.dtm.size(), 2u);
   EXPECT_EQ(site.osm.size(), 1u);
+}
+
+TEST(Site, photos_keep_their_order_and_each_must_be_there) {
+  const fs::path file = site_file(area + "[sources]\nphoto = [\n  'b.tif',\n  'a.tif',\n]\nosm='r.osm'\ndtm='a.tif'\n");
+  for (const char* name : {"b.tif", "r.osm"}) write_text_file(file.parent_path() / name, "");
+  const Site site = read_site(file);
+  ASSERT_EQ(site.photos.size(), 2u);
+  EXPECT_EQ(site.photos[0].filename(), "b.tif");
+  EXPECT_EQ(site.photos[1].filename(), "a.tif");
+  try {
+    require_site_files(site);
+    ADD_FAILURE() << "a.tif is not there";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("site.toml:4: 'photo': there is no "));
+    EXPECT_THAT(error.what(), HasSubstr("a.tif; correct the path"));
+  }
+  for (const char* name : {"b.tif", "r.osm"}) fs::remove(file.parent_path() / name);
 }
 
 TEST(Site, overrides_take_toml_values_and_bare_words) {
@@ -126,7 +144,12 @@ TEST(Site, mistakes_are_told_with_line_key_and_what_was_meant) {
       {area + sources + "[elevate]\nsampling='cubik'\n",
        ":8: 'elevate.sampling' must be bilinear or cubic, not 'cubik'; did you mean 'cubic'?"},
       {area + sources + "[network]\njunction_grids=true\n", ":8: 'network.junction_grids' needs network.opendrive"},
-      {area + "[sources]\nphoto=['a.tif','b.tif']\nosm='r.osm'\ndtm='a.tif'\n", ":4: 'sources.photo' names 2 files"},
+      {area + "[sources]\nphoto=[]\nosm='r.osm'\ndtm='a.tif'\n", ":4: 'sources.photo' is an empty list; name a file"},
+      {area + "[sources]\nphoto=['a.tif','b.tif','./a.tif']\nosm='r.osm'\ndtm='a.tif'\n",
+       ":4: 'sources.photo' names a.tif twice; name each photo once, the best first"},
+      {area + "[sources]\nphoto=['a.tif',2]\nosm='r.osm'\ndtm='a.tif'\n",
+       ":4: 'sources.photo' has an entry of the wrong type"},
+      {area + "[sources]\nphoto=['a.tif','']\nosm='r.osm'\ndtm='a.tif'\n", ":4: 'sources.photo' is empty"},
       {area + "[sources]\nphoto='WMTS:https://x/y.xml'\nosm='r.osm'\ndtm='a.tif'\n", "an address and no file"},
       {sources, ": [area] needs one of bbox_wgs84"},
       {"[area]\n" + sources, ":1: [area] needs one of bbox_wgs84"},

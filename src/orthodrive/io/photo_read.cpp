@@ -107,7 +107,7 @@ class WarpedPhoto {
     inside_ = InsidePixels(site.area, frame_);
     rgb_ = as_rgb(path_, *source_);
     keep_rows_of_windows(*source_);
-    warp(site, source_pixel, options.threads);
+    warp(site, source_pixel, options);
   }
   [[nodiscard]] const GridFrame& frame() const { return frame_; }
   [[nodiscard]] InputError nothing_of(const SiteFrame& site) const { return shows_nothing(path_, *source_, g_, site); }
@@ -128,7 +128,7 @@ class WarpedPhoto {
   }
 
  private:
-  void warp(const SiteFrame& site, const PixelSize& source_pixel, int threads) {
+  void warp(const SiteFrame& site, const PixelSize& source_pixel, const ReadPhotoOptions& read_options) {
     // Where the photo is much finer, cubic convolution would see only the pixels around each centre.
     std::vector<std::string> arguments = frame_.gsd_m > 2.0 * source_pixel.gsd_m()
                                              ? std::vector<std::string>{"-r", "average"}
@@ -138,10 +138,11 @@ class WarpedPhoto {
     arguments.insert(arguments.end(), {"-of", "VRT", "-dstalpha", "-t_srs", site.crs.definition});
     arguments.insert(arguments.end(), {"-te", exact(box.min_x), exact(box.min_y), exact(box.max_x), exact(box.max_y)});
     arguments.insert(arguments.end(), {"-ts", std::to_string(frame_.width), std::to_string(frame_.height)});
-    // An error of 0.02 px is below what anyone sees; exact coordinates take ten times as long. No overviews: they are a
-    // second, blurred photo.
-    arguments.insert(arguments.end(), {"-et", "0.02", "-wo", "UNIFIED_SRC_NODATA=YES", "-ovr", "NONE"});
-    arguments.insert(arguments.end(), {"-wo", fmt::format("NUM_THREADS={}", worker_count(threads))});
+    // An error of 0.02 px is below what anyone sees; exact coordinates take ten times as long. No overviews unless
+    // asked for: they are a second, blurred photo.
+    arguments.insert(arguments.end(), {"-et", "0.02", "-wo", "UNIFIED_SRC_NODATA=YES"});
+    arguments.insert(arguments.end(), {"-ovr", read_options.overviews ? "AUTO" : "NONE"});
+    arguments.insert(arguments.end(), {"-wo", fmt::format("NUM_THREADS={}", worker_count(read_options.threads))});
     GdalOptions list(arguments);
     GdalErrors errors;
     GDALWarpAppOptions* options = GDALWarpAppOptionsNew(list.get(), nullptr);

@@ -28,8 +28,9 @@ struct RasterInfo {
 [[nodiscard]] std::vector<std::filesystem::path> raster_files(const std::filesystem::path& path);
 
 struct ReadPhotoOptions {
-  double gsd_m = 0.0;  ///< 0: the photo's own, rounded to a centimetre
+  double gsd_m = 0.0;  ///< 0: the photo's own, rounded to a centimetre; of several: that of the first in the area
   int threads = 0;
+  bool overviews = false;  ///< read the file's overviews where they are fine enough: fast, but a second, blurred photo
 };
 /// Warps the photo (cubic; average when it is much finer than gsd_m) onto the covering grid of the area's bounds.
 /// valid is 0 outside the source, at its nodata / alpha / mask, and outside the area polygon.
@@ -40,6 +41,13 @@ struct ReadPhotoOptions {
 /// somewhere else, and from its read() when the file cannot be read to its end.
 [[nodiscard]] PhotoSource open_photo(const std::filesystem::path& path, const SiteFrame& site,
                                      const ReadPhotoOptions& options = {});
+/// Several photos, best first, as one (model/photo_mosaic.hpp); one alone as above. One that shows nothing of the area
+/// becomes a finding `photo.elsewhere` and is left out. Throws InputError when all lie somewhere else. What seams need
+/// is estimated as the photos are opened, which reads each of them once, or its overviews.
+[[nodiscard]] PhotoSource open_photo(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
+                                     const ReadPhotoOptions& options = {}, Findings* findings = nullptr);
+[[nodiscard]] Photo read_photo(const std::vector<std::filesystem::path>& paths, const SiteFrame& site,
+                               const ReadPhotoOptions& options = {});
 /// The photo as it is, on its own grid. It must be north-up in a metric CRS (as synth and read_photo make them).
 [[nodiscard]] Photo read_photo_native(const std::filesystem::path& path);
 /// The same window by window: memory does not grow with the photo.

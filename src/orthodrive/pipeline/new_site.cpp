@@ -213,12 +213,19 @@ class SiteWriter {
         chooser_(catalogue, options.area, area_m2(frame.area) / 1e6) {}
 
   void add_photo() {
-    if (!options_.photo_file.empty()) return local("photo", {options_.photo_file}, "Orthophoto");
-    const Candidate photo = chooser_.choose("photo", options_.photo, "--photo");
-    const std::string& kind = photo.source->kind;
-    const bool tiles = kind == "wmts" || kind == "xyz" || kind == "tms";
-    sources_ +=
-        "photo = " + quoted(add(photo, tiles ? "sources/photo.mbtiles" : "sources/photo.tif", "Orthophoto")) + "\n";
+    if (!options_.photo_files.empty()) return local("photo", options_.photo_files, "Orthophoto");
+    std::vector<std::string> ids = options_.photos, files;
+    if (ids.empty()) ids.emplace_back();
+    for (const std::string& id : ids) {
+      if (std::ranges::count(ids, id) > 1) throw OptionError(fmt::format("--photo {}: name each source once", id));
+      const Candidate photo = chooser_.choose("photo", id, "--photo");
+      const std::string& kind = photo.source->kind;
+      const bool tiles = kind == "wmts" || kind == "xyz" || kind == "tms";
+      const std::string name = files.empty() ? "photo" : fmt::format("photo_{}", files.size() + 1);
+      files.push_back(quoted(add(photo, fmt::format("sources/{}.{}", name, tiles ? "mbtiles" : "tif"), "Orthophoto")));
+    }
+    sources_ += files.size() == 1 ? "photo = " + files.front() + "\n"
+                                  : fmt::format("photo = [{}]  # best first\n", fmt::join(files, ", "));
   }
   void add_osm() {
     if (!options_.osm_file.empty())

@@ -14,10 +14,12 @@ namespace orthodrive {
 
 struct NewSiteOptions {
   std::string name;
-  Polygon area;                      ///< degrees of WGS84
-  std::optional<LonLatBox> box;      ///< when the area is one: the file then says so
-  std::string photo, terrain, osm;   ///< ids of sources; empty: the best for the area
-  std::string photo_file, osm_file;  ///< local files in place of sources, as the site file shall name them
+  Polygon area;                          ///< degrees of WGS84
+  std::optional<LonLatBox> box;          ///< when the area is one: the file then says so
+  std::vector<std::string> photos;       ///< ids of sources, best first; none: the best for the area
+  std::string terrain, osm;              ///< likewise
+  std::vector<std::string> photo_files;  ///< local files in place of sources, as the site file shall name them
+  std::string osm_file;
   std::vector<std::string> dtm_files;
   double finest_m = 0.2;  ///< photos are fetched at their resolution, but no finer than this, m/px
 };

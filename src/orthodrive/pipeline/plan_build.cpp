@@ -47,7 +47,7 @@ double length_km(const RoadNetwork& roads) {
 }  // namespace
 
 SiteSize size_of(const Site& site) {
-  const double gsd_m = io::raster_info(site.photo).gsd_m;
+  const double gsd_m = io::raster_info(site.photos.front()).gsd_m;
   const Box2 box = bounds_of(site.frame.area.outer);
   Sources sources;
   return {.area_km2 = area_m2(site.frame.area) / 1e6,

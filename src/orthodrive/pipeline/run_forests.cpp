@@ -44,7 +44,7 @@ RoadMask painted_mask(const io::Feature& feature, const fs::path& file) {
 /// One sample a painted piece, with a little of the photo around it. Later polygons cover earlier ones.
 std::vector<RoadForestSample> read_painted(const fs::path& photo_file, const fs::path& polygon_file, int threads) {
   constexpr double surroundings_m = 10.0;  // what superpixels at the border of a piece look at
-  const Crs crs = site_of_photo(photo_file).crs;
+  const Crs crs = site_of_photos({photo_file}).crs;
   std::map<std::string, std::vector<io::Feature>> pieces;
   for (io::Feature& feature : io::read_features(polygon_file, crs))
     if (!feature.polygons.empty()) pieces[feature.tags["piece"]].push_back(std::move(feature));

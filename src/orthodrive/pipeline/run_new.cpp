@@ -95,7 +95,8 @@ RunNewResult run_new(const RunNewOptions& options) {
   site.area = area->polygon;
   site.box = area->box;
   if (site.name.empty()) site.name = options.out.stem().string();
-  if (!options.photo_file.empty()) site.photo_file = local_name(options.photo_file, options.out, "--photo-file");
+  for (const fs::path& file : options.photo_files)
+    site.photo_files.push_back(local_name(file, options.out, "--photo-file"));
   if (!options.osm_file.empty()) site.osm_file = local_name(options.osm_file, options.out, "--osm-file");
   for (const fs::path& file : options.dtm_files) site.dtm_files.push_back(local_name(file, options.out, "--dtm-file"));
   const NewSite made = new_site(catalogue, site);

@@ -17,7 +17,8 @@ struct RunNewOptions {
   std::optional<std::int64_t> relation;  ///< with relation_file
   std::filesystem::path relation_file;
   NewSiteOptions site;  ///< name and ids of sources; the area is read here
-  std::filesystem::path photo_file, osm_file;
+  std::vector<std::filesystem::path> photo_files;
+  std::filesystem::path osm_file;
   std::vector<std::filesystem::path> dtm_files;
   std::filesystem::path catalogue;  ///< folder; empty: that of the tool
   std::filesystem::path out;

@@ -37,7 +37,7 @@ void check_files(const RefineFiles& files, RefineMethod method) {
 
 RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
   const RoadForests forests = load_road_forests(io::read_file(files.forests), files.forests.string());
-  const SiteFrame site = options.site ? *options.site : site_of_photo(files.photo);
+  const SiteFrame site = options.site ? *options.site : site_of_photos({files.photo});
   const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
   const OsmRoads& osm = context.sources.osm(files.osm, site);
   MrfRoadsResult result =

@@ -37,10 +37,10 @@ StageOutcome run_report(SiteBuild& build, const std::vector<StageRecord>& record
   const roadquery::RoadMap map = roadquery::read_opendrive((out_dir / "roads.xodr").string());
   const std::vector<ReportStage> stages = report_stages(records);
   const int threads = build.context.threads;
-  const PhotoSource photo = io::open_photo(site.photo, site.frame, {.threads = threads});
+  const PhotoSource photo = io::open_photo(site.photos, site.frame, {.threads = threads});
   const Box2 box = photo.frame.bounds();
   const double overview_gsd_m = std::max(box.width(), box.height()) / report_overview_px;
-  const Photo overview = io::read_photo(site.photo, site.frame,
+  const Photo overview = io::read_photo(site.photos, site.frame,
                                         {.gsd_m = std::max(photo.frame.gsd_m, overview_gsd_m), .threads = threads});
   const SiteReportView view{
       .name = site.name,

@@ -48,24 +48,28 @@ struct PlacedPhoto {
   PhotoSource photo;
 };
 
-/// With a site on its grid. Without one the area is what the photo shows: on the photo's own grid where it lies in the
+/// With a site on its grid. Without one the area is what the photos show: on its own grid where it is one photo in the
 /// CRS of the roads, warped otherwise.
 PlacedPhoto open_placed_photo(const SceneFiles& files, const roadquery::RoadMap& roads, const RunSceneOptions& options,
                               StageContext& context) {
   const io::ReadPhotoOptions photo_options{.threads = context.threads};
-  if (options.site) return {*options.site, io::open_photo(files.photo, *options.site, photo_options)};
-  const io::RasterInfo info = io::raster_info(files.photo);
+  if (options.site) return {*options.site, io::open_photo(files.photos, *options.site, photo_options)};
+  const fs::path& first = files.photos.front();
+  const io::RasterInfo info = io::raster_info(first);
   PlacedPhoto placed{.site = {site_crs(files.network.string(), roads, info.crs), {}}};
-  if (placed.site.crs == info.crs) {
-    placed.photo = io::open_photo_native(files.photo);
-    placed.site.area = photo_outline(placed.photo);
-    if (placed.site.area.outer.empty())
-      throw InputError(files.photo.string(), "has no valid pixel, give a photo that shows the roads");
+  const bool one = files.photos.size() == 1;
+  if (one && placed.site.crs != info.crs) {
+    const CoordinateTransform to_geographic(placed.site.crs, Crs{"EPSG:4326"});
+    for (const Vec2 p : info.outline_lonlat.outer)
+      placed.site.area.outer.push_back(to_geographic.source_from_target(p));
+    placed.photo = io::open_photo(first, placed.site, photo_options);
     return placed;
   }
-  const CoordinateTransform to_geographic(placed.site.crs, Crs{"EPSG:4326"});
-  for (const Vec2 p : info.outline_lonlat.outer) placed.site.area.outer.push_back(to_geographic.source_from_target(p));
-  placed.photo = io::open_photo(files.photo, placed.site, photo_options);
+  placed.site.area = area_of_photos(files.photos, placed.site.crs);
+  placed.photo = one ? io::open_photo_native(first) : io::open_photo(files.photos, placed.site, photo_options);
+  placed.site.area = photo_outline(placed.photo);
+  if (placed.site.area.outer.empty())
+    throw InputError(names_of(files.photos), "has no valid pixel, give a photo that shows the roads");
   return placed;
 }
 
@@ -278,7 +282,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
       inputs.source(site.area), [&](const SceneTile& tile) { folder.write(tile); }, scene_options(options, context),
       context.monitor, made);
   if (folder.empty())
-    throw InputError(files.photo.string(),
+    throw InputError(names_of(files.photos),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
   folder.finish(site.crs, scene.origin, context.threads, findings);
   if (!files.terrain_grid.empty()) {
@@ -352,7 +356,7 @@ BuildStage scene_stage(SiteBuild& build) {
   const std::vector<fs::path>& trees = site.trees.empty() ? site.osm : site.trees;
   const std::vector<fs::path>& surroundings = site.surroundings.empty() ? site.osm : site.surroundings;
   const SceneFiles files{.network = build.out_dir / "roads.xodr",
-                         .photo = site.photo,
+                         .photos = site.photos,
                          .labels = build.out_dir / "labels.tif",
                          .dtm = site.dtm,
                          .buildings = buildings,
@@ -363,7 +367,7 @@ BuildStage scene_stage(SiteBuild& build) {
   const RunSceneOptions options{.site = site.frame};
   return {.name = "scene",
           .version = 1,
-          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
+          .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"dtm", site.dtm, SourceRole::Kind::raster},
                       {"buildings", buildings},
                       {"trees", trees},

@@ -8,7 +8,8 @@
 namespace orthodrive {
 
 struct SceneFiles {
-  std::filesystem::path network, photo;
+  std::filesystem::path network;
+  std::vector<std::filesystem::path> photos;        ///< best first
   std::filesystem::path labels;                     ///< may be empty: tiles then carry no classes
   std::vector<std::filesystem::path> dtm;           ///< best first
   std::vector<std::filesystem::path> buildings;     ///< maps with building=*; may be empty
@@ -20,7 +21,7 @@ struct SceneFiles {
 };
 
 struct RunSceneOptions {
-  /// None: what the photo shows, in the CRS of the roads.
+  /// None: what the photos show, in the CRS of the roads.
   std::optional<SiteFrame> site;
   SceneOptions scene;
   io::TileFileOptions files;

@@ -108,7 +108,7 @@ struct SegmentInputs {
   SegmentInputs(const SegmentFiles& files, const RunSegmentOptions& run, StageContext& context)
       : model_file(io::find_model(files.model)),
         model(context.sources.model(model_file)),
-        site(run.site ? *run.site : site_of_photo(files.photo)) {
+        site(run.site ? *run.site : site_of_photos(files.photos)) {
     if (run.adapt && files.osm.empty())
       throw OptionError("adapt: give the OSM roads of the photo, too; the network learns from them");
     if (!run.adapt && !model.sees_map && !files.osm.empty())
@@ -116,7 +116,7 @@ struct SegmentInputs {
     if (!files.osm.empty()) roads = &context.sources.osm(files.osm, site).roads;
     map = road_map(seen());
     places = places_of(seen());
-    photo = io::open_photo(files.photo, site, {.threads = context.threads});
+    photo = io::open_photo(files.photos, site, {.threads = context.threads}, &findings);
     crf = choose_crf(model, model_file, run, context);
     window_px = run.window_px;
     threads = context.threads;
@@ -138,6 +138,7 @@ struct SegmentInputs {
   RoadMap map;
   MapPlaces places;
   PhotoSource photo;
+  Findings findings;  ///< of the photos
   std::optional<CrfModel> crf;
   int window_px = 0, threads = 0;
 };
@@ -179,7 +180,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
       in.photo, in.model, [&](const PixelBox& box, const LabelledPixels& pixels) { streams.write(box, pixels); },
       segment, context.monitor);
   if (options.site && segmented.labelled_pixels == 0)
-    throw InputError(files.photo.string(),
+    throw InputError(names_of(files.photos),
                      "has no data in the area (nodata, alpha or mask); take another photo or area");
   streams.finish();
   if (!files.alignment.empty())
@@ -187,7 +188,8 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
   StageOutcome outcome{.numbers = {{"photo_gsd_m", in.photo.frame.gsd_m},
                                    {"gsd_m", frame.gsd_m},
                                    {"pixels", static_cast<std::int64_t>(frame.width) * frame.height}},
-                       .findings = std::move(segmented.findings)};
+                       .findings = std::move(in.findings)};
+  append(outcome.findings, segmented.findings);
   if (adaptation) {
     outcome.numbers["adapt"] = numbers_of(*adaptation);
     outcome.findings.push_back(finding_of(
@@ -205,7 +207,7 @@ BuildStage segment_stage(SiteBuild& build) {
   const Sources::Files none, osm = needs_map ? site.osm : none,
                              buildings = site.adapt ? or_else(site.buildings, site.osm) : none,
                              surroundings = site.adapt ? or_else(site.surroundings, site.osm) : none;
-  const SegmentFiles files{.photo = site.photo,
+  const SegmentFiles files{.photos = site.photos,
                            .model = site.model,
                            .osm = osm,
                            .buildings = buildings,
@@ -225,7 +227,7 @@ BuildStage segment_stage(SiteBuild& build) {
   options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
           .version = 1,
-          .sources = {{"photo", {site.photo}, SourceRole::Kind::raster},
+          .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"model", {model_file}},
                       {"osm", osm},
                       {"buildings", buildings},
@@ -234,7 +236,7 @@ BuildStage segment_stage(SiteBuild& build) {
           .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
           .check =
               [=, &build, &site] {
-                (void)io::raster_info(site.photo);
+                for (const fs::path& photo : site.photos) (void)io::raster_info(photo);
                 const SegmentModel& model = build.context.sources.model(model_file);
                 (void)choose_crf(model, model_file, options, build.context);
                 if (site.adapt) require_adaptable(model, model_file.string());

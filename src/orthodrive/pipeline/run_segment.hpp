@@ -7,7 +7,7 @@
 namespace orthodrive {
 
 struct SegmentFiles {
-  std::filesystem::path photo;
+  Sources::Files photos;                               ///< best first
   std::string model = "default";                       ///< name in a models folder, or a file
   Sources::Files osm;                                  ///< the map, for models that see one and to adapt with
   Sources::Files buildings, surroundings;              ///< to adapt with; empty: those of `osm`
@@ -23,8 +23,7 @@ enum class CrfUse {
 };
 
 struct RunSegmentOptions {
-  /// Without an area: all that the photo shows, in its UTM zone. With one: InputError where the photo has no data in
-  /// it.
+  /// Without an area: all that the photos show, in their UTM zone. With one: InputError where no photo has data in it.
   std::optional<SiteFrame> site;
   CrfUse crf = CrfUse::none;
   int crf_iterations = 0;            ///< 0: as trained

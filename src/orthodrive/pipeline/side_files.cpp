@@ -76,15 +76,23 @@ std::string id_of(const std::string& name) {
   return id.empty() ? "site" : id;
 }
 
+/// Of the earliest and the latest photo; the widest that STAC may say where one of them has no time.
+std::pair<std::string, std::string> time_of_photos(const std::vector<fs::path>& photos) {
+  std::string first, last;
+  for (const fs::path& photo : photos) {
+    const std::optional<std::string> time = io::photo_time(photo);
+    if (!time) return {"1970-01-01T00:00:00Z", "2100-01-01T00:00:00Z"};
+    first = first.empty() ? *time : std::min(first, *time);  // texts of one form, which sort by time
+    last = std::max(last, *time);
+  }
+  return {first, last};
+}
+
 json properties_of(const Site& site, const std::string& version) {
   json properties{{"title", site.name}};
-  if (const std::optional<std::string> time = io::photo_time(site.photo)) {
-    properties["datetime"] = *time;
-  } else {
-    properties["datetime"] = nullptr;
-    properties["start_datetime"] = "1970-01-01T00:00:00Z";
-    properties["end_datetime"] = "2100-01-01T00:00:00Z";
-  }
+  const auto [first, last] = time_of_photos(site.photos);
+  properties["datetime"] = first == last ? json(first) : json(nullptr);
+  if (first != last) properties["start_datetime"] = first, properties["end_datetime"] = last;
   properties["license"] = "various";
   properties["providers"] = json::array();
   for (const std::string& text : site.attribution)

@@ -135,8 +135,7 @@ void read_area(TomlSection area, const fs::path& file, Site& site) {
 }
 
 void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
-  std::vector<std::string> photos;
-  sources.read_texts("photo", photos);
+  folder.read(sources, "photo", site.photos);
   folder.read(sources, "osm", site.osm);
   folder.read(sources, "dtm", site.dtm);
   folder.read(sources, "buildings", site.buildings);
@@ -146,12 +145,11 @@ void read_sources(TomlSection sources, const SiteFolder& folder, Site& site) {
   folder.read(sources, "drive_logs", site.drive_logs);
   sources.finish();
   for (const char* key : {"photo", "osm", "dtm"}) sources.require(key);
-  if (photos.size() > 1)
-    sources.fail_at("photo", fmt::format("names {} files, and a site has one photo; join them first, for example with "
-                                         "`gdalbuildvrt photo.vrt FILES`",
-                                         photos.size()));
-  if (photos.empty()) sources.fail_at("photo", "is an empty list; name a file");
-  site.photo = folder.locate(sources, "photo", photos.front());
+  if (site.photos.empty()) sources.fail_at("photo", "is an empty list; name a file");
+  for (auto photo = site.photos.begin(); photo != site.photos.end(); ++photo)
+    if (std::find(site.photos.begin(), photo, *photo) != photo)
+      sources.fail_at("photo",
+                      fmt::format("names {} twice; name each photo once, the best first", photo->filename().string()));
   if (site.osm.empty()) sources.fail_at("osm", "is an empty list; name a file");
   if (site.dtm.empty()) sources.fail_at("dtm", "is an empty list; name a file");
 }

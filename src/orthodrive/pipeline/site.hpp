@@ -17,7 +17,7 @@ namespace orthodrive {
 struct Site {
   std::string name;
   SiteFrame frame;
-  std::filesystem::path photo;
+  std::vector<std::filesystem::path> photos;  ///< best first
   std::vector<std::filesystem::path> osm;
   std::vector<std::filesystem::path> gpx;           ///< tracks of GPS receivers; none needed
   std::vector<std::filesystem::path> dtm;           ///< best first

@@ -64,13 +64,36 @@ const SegmentModel& Sources::model(const fs::path& file) {
   return kept(model_, [&] { return load_model(io::read_weights(file), file.string()); });
 }
 
-SiteFrame site_of_photo(const fs::path& photo) {
-  const io::RasterInfo info = io::raster_info(photo);
-  const Box2 box = bounds_of(info.outline_lonlat.outer);
-  SiteFrame site{utm_crs(0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)), {}};
-  const CoordinateTransform transform({"EPSG:4326"}, site.crs);
-  for (const Vec2 p : info.outline_lonlat.outer) site.area.outer.push_back(transform.target_from_source(p));
-  return site;
+namespace {
+Ring lonlat_of_photos(const Sources::Files& photos) {
+  Ring lonlat;
+  for (const fs::path& photo : photos) {
+    const Ring outline = io::raster_info(photo).outline_lonlat.outer;
+    lonlat.insert(lonlat.end(), outline.begin(), outline.end());
+  }
+  return lonlat;
+}
+}  // namespace
+
+Polygon area_of_photos(const Sources::Files& photos, const Crs& crs) {
+  const CoordinateTransform transform({"EPSG:4326"}, crs);
+  Polygon area;
+  for (const Vec2 p : lonlat_of_photos(photos)) area.outer.push_back(transform.target_from_source(p));
+  if (photos.size() == 1) return area;
+  const Box2 b = bounds_of(area.outer);
+  return {{{b.min_x, b.min_y}, {b.max_x, b.min_y}, {b.max_x, b.max_y}, {b.min_x, b.max_y}}, {}};
+}
+
+SiteFrame site_of_photos(const Sources::Files& photos) {
+  const Box2 box = bounds_of(lonlat_of_photos(photos));
+  const Crs crs = utm_crs(0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y));
+  return {crs, area_of_photos(photos, crs)};
+}
+
+std::string names_of(const Sources::Files& files) {
+  std::string names;
+  for (const fs::path& file : files) names += (names.empty() ? "" : ", ") + file.string();
+  return names;
 }
 
 }  // namespace orthodrive

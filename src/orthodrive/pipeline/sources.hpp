@@ -52,7 +52,12 @@ class Sources {
 
 [[nodiscard]] Terrain read_terrain(const Sources::Files& dtm, const SiteFrame& site);
 
-/// All that the photo shows, in the UTM zone of its centre: the site of a photo that no site file describes.
-[[nodiscard]] SiteFrame site_of_photo(const std::filesystem::path& photo);
+/// What the photo shows; of several the box around all of them.
+[[nodiscard]] Polygon area_of_photos(const Sources::Files& photos, const Crs& crs);
+/// The same in the UTM zone of its centre: the site of photos that no site file describes.
+[[nodiscard]] SiteFrame site_of_photos(const Sources::Files& photos);
+
+/// The names of files for a message.
+[[nodiscard]] std::string names_of(const Sources::Files& files);
 
 }  // namespace orthodrive
