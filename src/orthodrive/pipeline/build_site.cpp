@@ -94,14 +94,19 @@ json to_json(const StageRecord& record) {
 }
 
 /// Loops are one cell: who has run them all leaves it, empty.
-std::size_t count_cells(const BuildStage& stage) { return stage.shared ? stage.shared->count_cells() : 1; }
+std::size_t count_cells(const BuildStage& stage, const CellStore& store) {
+  if (!stage.shared) return 1;
+  if (const auto known = store.known_count()) return *known;
+  return stage.shared->count_cells();
+}
 
 /// Nothing where one process does all of a stage, or where all cells are made.
 std::optional<CellsToMake> missing_cells(const BuildStage& stage, const fs::path& out_dir,
                                          const StageDependencies& now) {
   if (!stage.shared && !stage.share_loops) return std::nullopt;
-  CellsToMake cells{.stage = stage.name, .all = count_cells(stage)};
-  cells.missing = CellStore(out_dir, stage.name, key_of(stage.name, now)).missing(cells.all);
+  const CellStore store(out_dir, stage.name, key_of(stage.name, now));
+  CellsToMake cells{.stage = stage.name, .all = count_cells(stage, store)};
+  cells.missing = store.missing(cells.all);
   if (cells.missing.empty()) return std::nullopt;
   return cells;
 }
@@ -117,7 +122,10 @@ class StageRunner {
     const StageDependencies now = dependencies_of(stage, sources_, made_);
     const bool unchanged = cache_.changes(stage.name, now, stage.outputs).reasons.empty();
     if (!unchanged && leave_cells) waits_for = missing_cells(stage, build_.out_dir, now);
-    if (waits_for) return std::nullopt;
+    if (waits_for) {
+      CellStore(build_.out_dir, stage.name, key_of(stage.name, now)).keep_count(waits_for->all);
+      return std::nullopt;
+    }
     StageRecord record = unchanged ? take_over(stage) : make(stage, now);
     for (const auto& [name, hash] : record.outputs) made_[name] = hash;
     return record;
@@ -253,7 +261,7 @@ std::size_t make_cells(const Site& site, const fs::path& out_dir, const CellChun
   if (!next || (!next->first->shared && !next->first->share_loops)) return 0;
   const auto& [stage, now] = *next;
   const CellStore store(out_dir, stage->name, key_of(stage->name, now));
-  std::vector<std::size_t> cells = store.missing(count_cells(*stage));
+  std::vector<std::size_t> cells = store.missing(count_cells(*stage, store));
   if (stage->shared) std::erase_if(cells, [&](std::size_t cell) { return cell % chunk.chunks != chunk.chunk; });
   if (cells.empty()) return 0;
   if (stage->shared) {

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/hash.hpp"
 
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* bytes_file = "cell.bin";
+constexpr const char* count_file = "count";
 constexpr std::size_t hash_digits = 32, size_bytes = sizeof(std::uint64_t);
 
 fs::path cells_folder(const fs::path& out_dir) { return out_dir / ".orthodrive" / "cells"; }
@@ -87,6 +89,16 @@ std::optional<std::string> CellStore::load(std::size_t cell) const {
   std::ostringstream text;
   text << in.rdbuf();
   return unpacked(std::move(text).str(), file.string());
+}
+
+std::optional<std::size_t> CellStore::known_count() const {
+  std::ifstream in(folder_ / count_file);
+  std::size_t count = 0;
+  return in >> count ? std::optional(count) : std::nullopt;
+}
+
+void CellStore::keep_count(std::size_t count) const {
+  write_text_file(folder_ / count_file, fmt::format("{}\n", count));
 }
 
 std::vector<std::size_t> CellStore::missing(std::size_t count) const {

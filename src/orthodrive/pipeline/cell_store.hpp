@@ -19,6 +19,10 @@ class CellStore {
   [[nodiscard]] std::optional<std::string> load(std::size_t cell) const;
   /// Files that were left with it, as CellFolder::folder() held them.
   [[nodiscard]] std::filesystem::path folder(std::size_t cell) const;
+  /// How many there are, as keep_count() left it.
+  [[nodiscard]] std::optional<std::size_t> known_count() const;
+  /// Counting opens the stage's sources: the first process that counts leaves the number for the others.
+  void keep_count(std::size_t count) const;
   /// Those of `count` cells that nobody has made.
   [[nodiscard]] std::vector<std::size_t> missing(std::size_t count) const;
   /// Cells of a part of the stage, beside its own. `name`: a plain word.
