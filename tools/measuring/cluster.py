@@ -56,6 +56,7 @@ def add_arguments(parser):
     add_tool(parser, "out/cluster")
     add_table(parser)
     parser.add_argument("--site", type=pathlib.Path, default=ROOT / "sites/kvarnbyn.toml")
+    parser.add_argument("--name", help="of the site in the table; its file's otherwise")
     parser.add_argument("--chunks", type=int, default=8)
 
 
@@ -160,7 +161,7 @@ def run(args):
         args.out.mkdir(parents=True, exist_ok=True)
         tool, alone = Tool(args.tool), args.out / "alone"
         shutil.rmtree(alone, ignore_errors=True)
-        numbers = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1), "site": args.site.stem, "chunks": args.chunks}
+        numbers = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1), "site": args.name or args.site.stem, "chunks": args.chunks}
         numbers["alone"] = {"seconds": tool.timed("--threads", 1, "build", args.site, "-o", alone)}
         expected = digests(alone)
         for name, nodes, lose in (("one node", 1, False), ("two nodes", 2, False), ("two nodes, one lost", 2, True)):
