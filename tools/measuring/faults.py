@@ -90,9 +90,13 @@ def interrupts(tool, site, out, whole, whole_s, count, rng, number):
             done += 1
             case.worst_s = max(case.worst_s, seconds)
             left = [str(f) for f in out.rglob("*.partial-*")] if number != signal.SIGKILL else []
-            clean = number == signal.SIGKILL or (code == 128 + number and said.endswith("stopped; run again to go on\n") and not left)
+            ended = code == 128 + number and said.endswith("stopped; run again to go on\n")
+            not_begun = code == -number and not said  # it was still loading its libraries
+            clean = number == signal.SIGKILL or ((ended or not_begun) and not left)
             of_this_build.append(("" if clean else f"exit code {code}, {left}, {said}"))
         wrong = finish(tool, site, out, whole)
+        if wrong:
+            shutil.copytree(out, out.parent / f"bad_{done}", dirs_exist_ok=True)
         for bad in of_this_build:
             case.add(not bad and not wrong, bad or wrong)
     return case
@@ -161,7 +165,8 @@ def other_faults(tool, site, out, whole):
     for stage, file in (("segment", "ortho.tif"), ("refine", "roads.osm"), ("elevate", "dtm_1m.tif"), ("scene", "dtm_1m.tif")):
         shutil.rmtree(out, ignore_errors=True)
         build = subprocess.Popen([*command(tool, site, out)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        while build.poll() is None and next_stage(out) != stage:
+        # It takes the lock when it has read the sources: a change before that is one between two builds.
+        while build.poll() is None and not ((out / ".orthodrive/lock").exists() and next_stage(out) == stage):
             time.sleep(0.002)
         content = (site / file).read_bytes()
         (site / file).write_bytes(content + b"\n")
@@ -199,8 +204,10 @@ def measure(tool, folder, name, args):
     subprocess.run(command(tool, site, reference), check=True, capture_output=True)
     whole_s, whole = time.monotonic() - start, hashes(reference)
     rng = random.Random(f"{name} {args.seed}")
+    print(f"{name}: {whole_s:.1f} s, {len(whole)} files", flush=True)
     rows = {"kill -9": interrupts(tool, site, out, whole, whole_s, args.kills, rng, signal.SIGKILL).row(),
             "Ctrl-C": interrupts(tool, site, out, whole, whole_s, args.kills, rng, signal.SIGINT).row()}
+    print(rows, flush=True)
     size = sum(f.stat().st_size for f in reference.rglob("*") if f.is_file())
     (folder / name / "mount").mkdir()
     (folder / name / "whole.json").write_text(json.dumps(whole))
@@ -235,6 +242,7 @@ def table(numbers):
 def run(args):
     numbers = read_results(STORE, {})
     if not args.table:
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a script's background job has it ignored, and so would its builds
         for name in args.only:
             numbers[name] = measure(Tool(args.tool).file, args.out, name, args)
             write_results(STORE, numbers)
