@@ -40,7 +40,7 @@ class Measure(unittest.TestCase):
         for words, page in ((["site", "--table"], "site"), (["refine", "--table"], "refine"), (["heights", "--table"], "elevate"), (["banking", "--table"], "banking"),
                             (["network", "--table"], "network"), (["fetch", "--table"], "fetch"), (["opendrive", "--table"], "network"), (["vehicle", "--table"], "vehicle"),
                             (["every-road", "--table"], "every_road"), (["scene", "--table"], "scene"), (["regions", "--table"], "regions"), (["second-eye", "--table"], "second_eye"), (["wide-roads", "--table"], "road_surface"), (["adapt", "--table"], "adapt"),
-                            (["segment", "--table"], "segment"), (["networks", "write"], "segment"), (["scaling", "--table"], "scaling"), (["cluster", "--table"], "cluster")):
+                            (["segment", "--table"], "segment"), (["networks", "write"], "segment"), (["scaling", "--table"], "scaling"), (["cluster", "--table"], "cluster"), (["faults", "--table"], "faults")):
             before = self.page(page)
             self.measure(*words)
             self.assertEqual(self.page(page), before, words)
