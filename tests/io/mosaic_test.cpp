@@ -13,6 +13,7 @@
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/model/photo_mosaic.hpp"
+#include "photo_window.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 
@@ -292,20 +293,7 @@ TEST(PhotoMosaic, any_window_has_the_bytes_of_the_whole_whoever_reads_it) {
   std::vector<PixelBox> boxes{{-100, -50, 300, 200}, {479, 126, 5, 4}, {470, 0, 1, 600}, {5000, 5000, 9, 9}};
   for (int row = -37; row < whole.frame.height; row += 97)
     for (int col = -11; col < whole.frame.width; col += 133) boxes.push_back({col, row, 133, 97});
-  parallel_for(boxes.size(), 4, [&](std::size_t i) {
-    const PixelBox& box = boxes[i];
-    const PhotoWindow window = source.read(box);
-    std::size_t different = 0;
-    for (int row = 0; row < box.height; ++row)
-      for (int col = 0; col < box.width; ++col) {
-        const int at_col = static_cast<int>(box.col) + col, at_row = static_cast<int>(box.row) + row;
-        const bool inside = whole.valid.inside(at_col, at_row);
-        different += window.valid.at(col, row) != (inside ? whole.valid.at(at_col, at_row) : 0) ? 1 : 0;
-        for (int c = 0; c < 3 && inside; ++c)
-          different += window.rgb.at(col, row, c) != whole.rgb.at(at_col, at_row, c) ? 1 : 0;
-      }
-    EXPECT_EQ(different, 0u) << box.col << ' ' << box.row;
-  });
+  parallel_for(boxes.size(), 4, [&](std::size_t i) { expect_window_of(whole, boxes[i], source.read(boxes[i])); });
 }
 
 TEST(PhotoMosaic, takes_the_gsd_of_the_first_and_photos_in_any_crs) {

@@ -10,6 +10,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "photo_window.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
 
@@ -38,20 +39,6 @@ SiteFrame skew_site(const std::filesystem::path& photo) {
     site.area.outer.push_back({q.x + 0.2 * (q.y - north_m), q.y});
   }
   return site;
-}
-
-void expect_window_of(const Photo& whole, const PixelBox& box, const PhotoWindow& window) {
-  ASSERT_EQ(std::pair(window.rgb.width, window.rgb.height), std::pair(box.width, box.height));
-  std::size_t different = 0;
-  for (int row = 0; row < box.height; ++row)
-    for (int col = 0; col < box.width; ++col) {
-      const int at_col = static_cast<int>(box.col) + col, at_row = static_cast<int>(box.row) + row;
-      const bool inside = whole.valid.inside(at_col, at_row);
-      different += window.valid.at(col, row) != (inside ? whole.valid.at(at_col, at_row) : 0) ? 1 : 0;
-      for (int c = 0; c < 3 && inside; ++c)
-        different += window.rgb.at(col, row, c) != whole.rgb.at(at_col, at_row, c) ? 1 : 0;
-    }
-  EXPECT_EQ(different, 0u) << box.col << ' ' << box.row << ' ' << box.width << ' ' << box.height;
 }
 
 TEST(PhotoStream, any_window_has_the_bytes_of_the_whole_whoever_reads_it) {

@@ -144,7 +144,7 @@ class StageRunner {
     const CellStore cells(build_.out_dir, stage.name, key_of(stage.name, now));
     CellExchange exchange(cells);
     build_.cells = &cells;
-    build_.context.exchange = &exchange;
+    if (!cells.empty()) build_.context.exchange = &exchange;
     StageRecord record = cache_.run(stage.name, now, stage.outputs, [&] {
       (void)build_.context.sources.take_asked();
       StageOutcome outcome = stage.run();

@@ -19,6 +19,8 @@ class CellStore {
   [[nodiscard]] std::optional<std::string> load(std::size_t cell) const;
   /// Files that were left with it, as CellFolder::folder() held them.
   [[nodiscard]] std::filesystem::path folder(std::size_t cell) const;
+  /// Nobody has left anything, so that nothing has to be looked for.
+  [[nodiscard]] bool empty() const { return !std::filesystem::exists(folder_); }
   /// How many there are, as keep_count() left it.
   [[nodiscard]] std::optional<std::size_t> known_count() const;
   /// Counting opens the stage's sources: the first process that counts leaves the number for the others.

@@ -87,9 +87,7 @@ StageOutcome outcome_of(const NetworkResult& network, const CrgFilesResult& crg,
                           connecting, network.max_plan_deviation_m, network.max_elevation_error_m),
               junction_line(network.junction_surfaces, file)}};
 }
-}  // namespace
 
-namespace {
 void add_verdict(const roadquery::RoadMap& map, StageContext& context, StageOutcome& outcome) {
   const JudgeNetworkOptions options{.threads = context.threads, .exchange = context.exchange};
   const NetworkVerdict verdict = judge_network(map, options, context.monitor);
@@ -97,9 +95,7 @@ void add_verdict(const roadquery::RoadMap& map, StageContext& context, StageOutc
   append(outcome.findings, findings_of(verdict));
   outcome.summary.push_back(summary_of(verdict));
 }
-}  // namespace
 
-namespace {
 NetworkResult network_of(const RoadNetwork& roads, const NetworkFiles& files, const RunNetworkOptions& options,
                          StageContext& context) {
   BuildNetworkOptions of_network = options.network;
