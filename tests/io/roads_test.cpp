@@ -10,7 +10,7 @@
 #include <thread>
 #include <tuple>
 
-#include "least_seconds.hpp"
+#include "cpu_seconds.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/ogr_support.hpp"
 #include "orthodrive/io/vector_io.hpp"
@@ -254,15 +254,15 @@ TEST(RealOsm, pardubice_reads_in_two_seconds_and_writes_in_a_few) {
   const fs::path file = paths::in_source("../shared/data/pardubice/roads.osm");
   if (!fs::exists(file)) GTEST_SKIP() << "REAL DATA MISSING: " << file;
   RoadNetwork roads;
-  const double seconds = test::least_seconds(
+  const double seconds = test::least_cpu_seconds(
       3, [&] { roads = io::read_osm_roads(file, lonlat_site(15.72259, 50.01013, 15.78959, 50.05329)); });
   EXPECT_LT(seconds, 2.0);
   double total_m = 0.0;
   for (const RoadPath& path : roads.paths) total_m += path.nodes.back().s_m;
   EXPECT_NEAR(total_m, 245e3, 15e3);  // README: 123 km of streets, 122 km of service roads
   const Scratch scratch;
-  const double written = test::least_seconds(1, [&] { io::write_roads(scratch / "roads.gpkg", roads); });
-  const double read = test::least_seconds(1, [&] { expect_same(roads, io::read_roads(scratch / "roads.gpkg")); });
+  const double written = test::least_cpu_seconds(1, [&] { io::write_roads(scratch / "roads.gpkg", roads); });
+  const double read = test::least_cpu_seconds(1, [&] { expect_same(roads, io::read_roads(scratch / "roads.gpkg")); });
   fmt::print("Pardubice: {} paths, {:.1f} km, read in {:.2f} s, written in {:.2f} s, read again in {:.2f} s\n",
              roads.paths.size(), total_m / 1000.0, seconds, written, read);
 }
