@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/stop.hpp"
-#include "orthodrive/pipeline/build_site.hpp"
+#include "orthodrive/pipeline/work_on_site.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 struct CellsArguments {
   std::filesystem::path site, out;
   std::vector<std::string> overrides;
-  CellChunk chunk;
+  BuildShare share;
 };
 using SharedArguments = std::shared_ptr<CellsArguments>;
 
@@ -29,48 +29,30 @@ CLI::App* add_sub(CLI::App& cmd, const SharedArguments& args, const char* name, 
   return sub;
 }
 
-void add_run(CLI::App& cmd, const SharedArguments& args, Context& context) {
-  CLI::App* sub = add_sub(cmd, args, "run", "Makes the missing cells of one chunk, of the stage that is next.");
-  sub->add_option("--chunk", args->chunk.chunk, "which chunk, from 0: the index of a job in its array")->required();
-  sub->add_option("--chunks", args->chunk.chunks, "number of chunks")->required()->check(CLI::PositiveNumber);
-  sub->callback([args, &context] {
-    if (args->chunk.chunk >= args->chunk.chunks)
-      throw OptionError(fmt::format("--chunk {}: there are {} chunks, from 0 to {}", args->chunk.chunk,
-                                    args->chunk.chunks, args->chunk.chunks - 1));
+void add_work(CLI::App& cmd, CLI::App& app, const SharedArguments& args, Context& context) {
+  CLI::App* sub = add_sub(cmd, args, "work",
+                          "Works on the build until it is complete, with all other processes that do so at that time.");
+  sub->add_option("--index", args->share.index, "which of the processes, from 0: the index of a job in its array")
+      ->required();
+  sub->add_option("--of", args->share.of, "number of processes")->required()->check(CLI::PositiveNumber);
+  sub->callback([args, &context, &app] {
+    if (args->share.index >= args->share.of)
+      throw OptionError(fmt::format("--index {}: there are {} processes, from 0 to {}", args->share.index,
+                                    args->share.of, args->share.of - 1));
     const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
-    const Site site = read_site(args->site, args->overrides);
-    const std::size_t made = make_cells(site, args->out, args->chunk, {.threads = context.threads}, context.monitor);
-    fmt::print("{} cells made\n", made);
+    work_on_site(read_site(args->site, args->overrides), args->out, args->share,
+                 {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage},
+                 context.monitor);
   });
 }
 
 void add_missing(CLI::App& cmd, const SharedArguments& args, Context& context) {
-  CLI::App* sub = add_sub(cmd, args, "missing",
-                          "Prints the stage that is next and its cells that nobody has made; exit code 1 while there "
-                          "are any.");
+  CLI::App* sub = add_sub(cmd, args, "missing", "Prints the stages that a build would run; exit code 1 for any.");
   sub->callback([args, &context] {
-    const auto cells = cells_to_make(read_site(args->site, args->overrides), args->out, {.threads = context.threads});
-    if (!cells) return;
-    fmt::print("{} {}\n", cells->stage, fmt::join(cells->missing, " "));
+    const std::vector<std::string> missing = missing_stages(read_site(args->site, args->overrides), args->out);
+    if (missing.empty()) return;
+    fmt::print("{}\n", fmt::join(missing, " "));
     context.exit_code = 1;
-  });
-}
-
-void add_merge(CLI::App& cmd, CLI::App& app, const SharedArguments& args, Context& context) {
-  CLI::App* sub = add_sub(cmd, args, "merge",
-                          "Runs all stages up to the first of which cells are missing and says which, and how many; or "
-                          "`done`.");
-  sub->callback([args, &context, &app] {
-    const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
-    const BuildResult result = build_site(
-        read_site(args->site, args->overrides), args->out,
-        {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage, .leave_cells = true},
-        context.monitor);
-    if (result.waits_for)
-      fmt::print("{}: {} of {} cells are missing\n", result.waits_for->stage, result.waits_for->missing.size(),
-                 result.waits_for->all);
-    else
-      fmt::print("done\n");
   });
 }
 
@@ -79,23 +61,18 @@ void add_merge(CLI::App& cmd, CLI::App& app, const SharedArguments& args, Contex
 void add_cells(CLI::App& app, Context& context) {
   const auto args = std::make_shared<CellsArguments>();
   CLI::App* cmd = app.add_subcommand(
-      "cells",
-      "A build that several machines share: they make cells of its slow stages, one process puts them together.");
+      "cells", "A build that several machines share: one process builds, the others make cells of its stages.");
   cmd->require_subcommand(1);
-  add_run(*cmd, args, context);
+  add_work(*cmd, app, args, context);
   add_missing(*cmd, args, context);
-  add_merge(*cmd, app, args, context);
   cmd->footer(
-      "The result has the bytes of `orthodrive build`, whoever makes which cell, and however often. `run` needs no "
-      "lock; cells\n"
-      "lie in OUT/.orthodrive/cells until their stage is put together. examples/cluster/slurm_build.sh does it all "
-      "with "
-      "Slurm.\n\n"
+      "The result has the bytes of `orthodrive build`, whoever makes what, and however often. Any process may be lost: "
+      "the others go on.\n"
+      "Cells lie in OUT/.orthodrive/cells until their stage is put together. examples/cluster/slurm_build.sh does it "
+      "all with Slurm.\n\n"
       "Examples:\n"
-      "  orthodrive cells merge site.toml -o out                         # prints \"segment: 36 of 36 cells are "
-      "missing\"\n"
-      "  orthodrive cells run site.toml -o out --chunk 0 --chunks 2      # on one machine\n"
-      "  orthodrive cells run site.toml -o out --chunk 1 --chunks 2      # on another one\n"
+      "  orthodrive cells work site.toml -o out --index 0 --of 2      # on one machine\n"
+      "  orthodrive cells work site.toml -o out --index 1 --of 2      # on another one, at the same time\n"
       "  orthodrive cells missing site.toml -o out || echo again");
 }
 

@@ -26,14 +26,23 @@ class BoardExchange : public LoopExchange {
     const auto found = board_.blocks.find({loop, block});
     return found == board_.blocks.end() ? std::nullopt : std::optional(found->second);
   }
-  [[nodiscard]] std::optional<std::string> claim(const std::string& loop, std::size_t block,
-                                                 const std::set<std::string>& lost) override {
+  [[nodiscard]] std::optional<std::string> claim(const std::string& loop, std::size_t block) override {
     const std::lock_guard lock(board_.mutex);
     std::vector<std::string>& claims = board_.claims[{loop, block}];
     for (const std::string& maker : claims)
-      if (!lost.contains(maker)) return maker;
+      if (!lost_.contains(maker)) return maker;
     claims.push_back(name_);
     return std::nullopt;
+  }
+  [[nodiscard]] std::set<std::string> lost_of(const std::set<std::string>& makers) override {
+    const auto now = std::chrono::steady_clock::now();
+    if (!makers.contains("lost") || now - asked_first_.value_or(now) < std::chrono::milliseconds(300)) {
+      asked_first_ = asked_first_.value_or(now);
+      return {};
+    }
+    const std::lock_guard lock(board_.mutex);
+    lost_.insert("lost");
+    return {"lost"};
   }
   void keep(const std::string& loop, std::size_t block, const std::string& bytes) override {
     const std::lock_guard lock(board_.mutex);
@@ -41,13 +50,14 @@ class BoardExchange : public LoopExchange {
     board_.blocks.emplace(std::pair(loop, block), bytes);
   }
   [[nodiscard]] double first_share() const override { return first_; }
-  [[nodiscard]] std::chrono::milliseconds patience() const override { return std::chrono::milliseconds(300); }
   int kept = 0;
 
  private:
   Board& board_;
   std::string name_;
   double first_;
+  std::set<std::string> lost_;
+  std::optional<std::chrono::steady_clock::time_point> asked_first_;
 };
 
 /// Two loops of which the second one needs all of the first.
@@ -97,8 +107,9 @@ TEST(SharedLoop, what_a_lost_process_said_it_would_make_is_made_again) {
   BoardExchange exchange(board, "here", 0.0);
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(two_loops(&exchange, 1), two_loops(nullptr, 1));
-  EXPECT_GE(std::chrono::steady_clock::now() - begin,
-            std::chrono::milliseconds(600));  // its patience, in each loop once
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(300));
+  EXPECT_TRUE(board.blocks.contains({"first", 7}) && board.blocks.contains({"second", 100}));
+  EXPECT_EQ((board.claims[{"second", 100}].size()), 2U);  // no second wait: it is lost in all loops
 }
 
 TEST(SharedLoop, an_error_and_no_items_are_as_without_others) {

@@ -12,7 +12,6 @@ namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-using ::testing::MatchesRegex;
 
 /// A site of four windows of labels, and its build by one process.
 class Cells : public testing::Test {
@@ -26,107 +25,111 @@ class Cells : public testing::Test {
     ASSERT_EQ(run_tool({"-q", "build", site(), "-o", folder() / "whole"}).exit_code, 0);
   }
   static void TearDownTestSuite() { fs::remove_all(scratch); }
+  void TearDown() override { fs::remove_all(out()); }
   static fs::path folder() { return scratch; }
   static fs::path site() { return folder() / "site" / "site.toml"; }
   static fs::path out() { return folder() / "shared"; }
-  static Arguments words(const std::string& sub, Arguments more = {}) {
-    Arguments all{"-q", "--threads", "1", "cells", sub, site(), "-o", out()};
+  static fs::path cells() { return out() / ".orthodrive" / "cells"; }
+  static ToolRun missing(Arguments more = {}) {
+    Arguments all{"cells", "missing", site(), "-o", out()};
     all.insert(all.end(), more.begin(), more.end());
-    return all;
+    return run_tool(all);
   }
-  static ToolRun cells(const std::string& sub, Arguments more = {}) { return run_tool(words(sub, std::move(more))); }
+  static pid_t start_work(int index, int of) {
+    const std::string name = "work" + std::to_string(index);
+    return start_program({paths::tool, "-q", "--threads", "1", "cells", "work", site(), "-o", out(), "--index",
+                          std::to_string(index), "--of", std::to_string(of)},
+                         folder() / (name + ".out"), folder() / (name + ".err"));
+  }
   static std::size_t complete_cells() {
     std::size_t count = 0;
-    if (fs::exists(out() / ".orthodrive/cells"))
-      for (const auto& entry : fs::recursive_directory_iterator(out() / ".orthodrive/cells"))
-        count +=
-            entry.path().filename() == "cell.bin" && entry.path().parent_path().filename().string()[0] != '.' ? 1 : 0;
+    std::error_code ignored;
+    for (fs::recursive_directory_iterator it(cells(), ignored), end; it != end; it.increment(ignored)) {
+      const bool is_whole = it->path().parent_path().filename().string()[0] != '.';
+      if (it->path().filename() == "cell.bin" && is_whole) ++count;
+      if (ignored) break;
+    }
     return count;
   }
-  /// Chunks at the same time, each in a process.
-  static void run_chunks(int chunks) {
-    std::vector<std::thread> processes;
-    for (int chunk = 0; chunk < chunks; ++chunk)
-      processes.emplace_back([=] {
-        const ToolRun run = cells("run", {"--chunk", std::to_string(chunk), "--chunks", std::to_string(chunks)});
-        EXPECT_EQ(run.exit_code, 0) << run.err;
-      });
-    for (std::thread& process : processes) process.join();
+  template <typename Condition>
+  static void wait_until(const Condition& condition) {
+    for (int i = 0; i < 6000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(condition());
+  }
+  /// A process that helps, alone, and is killed after its first cell.
+  static void lose_a_helper() {
+    const pid_t node = start_work(1, 2);
+    wait_until([] { return complete_cells() > 0; });
+    kill(node, SIGKILL);
+    wait_for(node);
+  }
+  static void expect_bytes_of_one() {
+    const auto shared = SmallBuild::results(out()), whole = SmallBuild::results(folder() / "whole");
+    for (const auto& [name, bytes] : whole) EXPECT_TRUE(shared.contains(name) && shared.at(name) == bytes) << name;
+    for (const auto& [name, bytes] : shared) EXPECT_TRUE(whole.contains(name)) << "left behind: " << name;
+    EXPECT_FALSE(fs::exists(cells()));
+    EXPECT_EQ(missing().exit_code, 0);
   }
   static fs::path scratch;
-
-  static void expect_only_good_cells_are_taken();
 };
 fs::path Cells::scratch;
 
-/// Cells of other options are not taken, damaged ones are told. Leaves one of four to be made.
-void Cells::expect_only_good_cells_are_taken() {
-  const ToolRun other = cells(
-      "missing", {"--set", "segment.model=" + paths::in_source("models/training/two_towns.safetensors").string()});
-  EXPECT_THAT(other.out, HasSubstr("segment 0")) << other.err;
-
-  fs::path damaged;
-  for (const auto& entry : fs::recursive_directory_iterator(out() / ".orthodrive/cells"))
-    if (entry.path().filename() == "cell.bin") damaged = entry.path();
-  ASSERT_FALSE(damaged.empty());
-  fs::resize_file(damaged, fs::file_size(damaged) / 2);
-  const ToolRun merge = cells("merge");
-  EXPECT_EQ(merge.exit_code, 1);
-  EXPECT_EQ(lines_of(merge.err), 1U) << merge.err;
-  EXPECT_THAT(merge.err, HasSubstr("cell.bin: is damaged; remove its folder"));
-  EXPECT_FALSE(fs::exists(out() / "labels.tif"));
-  fs::remove_all(damaged.parent_path());
-  EXPECT_THAT(cells("merge").out, HasSubstr("segment: 1 of 4 cells"));
-}
-
-TEST_F(Cells, several_processes_make_the_bytes_of_one_whoever_is_killed) {
-  ToolRun merge = cells("merge");
-  ASSERT_EQ(merge.exit_code, 0) << merge.err;
-  EXPECT_EQ(merge.out, "segment: 4 of 4 cells are missing\n");
-  EXPECT_FALSE(fs::exists(out() / "labels.tif"));
-  ToolRun missing = cells("missing");
-  EXPECT_EQ(missing.exit_code, 1);
-  EXPECT_EQ(missing.out, "segment 0 1 2 3\n");
-
-  // A node that dies after its first cell.
-  Arguments lost = words("run", {"--chunk", "0", "--chunks", "1"});
-  lost.insert(lost.begin(), paths::tool);
-  const pid_t node = start_program(lost, folder() / "lost.out", folder() / "lost.err");
-  for (int i = 0; i < 2000 && complete_cells() == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  kill(node, SIGKILL);
-  wait_for(node);
-  const std::size_t left = complete_cells();
-  EXPECT_GE(left, 1U);
-  EXPECT_EQ(cells("merge").out, "segment: " + std::to_string(4 - left) + " of 4 cells are missing\n");
-  EXPECT_FALSE(fs::exists(out() / "labels.tif"));
-
-  run_chunks(3);
-  EXPECT_EQ(cells("missing").exit_code, 0);
-  expect_only_good_cells_are_taken();
-  run_chunks(2);
-  std::string stages;
-  for (int round = 0; round < 5; ++round) {
-    merge = cells("merge");
-    ASSERT_EQ(merge.exit_code, 0) << merge.err;
-    if (merge.out == "done\n") break;
-    stages += merge.out.substr(0, merge.out.find(':')) + " ";
-    EXPECT_THAT(merge.out, MatchesRegex("[a-z]+: [0-9]+ of [0-9]+ cells are missing\n"));
-    run_chunks(2);
-    run_chunks(2);  // a queue that starts jobs twice
+TEST_F(Cells, several_processes_make_the_bytes_of_one) {
+  EXPECT_EQ(missing().out, "segment refine elevate network drive scene report\n");
+  EXPECT_EQ(missing().exit_code, 1);
+  std::vector<pid_t> nodes;
+  for (const int index : {0, 1, 2}) nodes.push_back(start_work(index, 3));
+  std::size_t most_signs = 0;
+  while (!fs::exists(out() / "run.json") && kill(nodes[0], 0) == 0) {
+    std::size_t signs = 0;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(cells(), ignored))
+      signs += entry.path().filename().string().starts_with("alive-") ? 1 : 0;
+    most_signs = std::max(most_signs, signs);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  EXPECT_EQ(merge.out, "done\n");
-  EXPECT_EQ(stages, "refine network scene ");
-  EXPECT_EQ(cells("missing").exit_code, 0);
-  const auto shared = SmallBuild::results(out()), whole = SmallBuild::results(folder() / "whole");
-  for (const auto& [name, bytes] : whole) EXPECT_TRUE(shared.contains(name) && shared.at(name) == bytes) << name;
-  for (const auto& [name, bytes] : shared) EXPECT_TRUE(whole.contains(name)) << "left behind: " << name;
-  EXPECT_THAT(cells("run", {"--chunk", "0", "--chunks", "1"}).out, HasSubstr("0 cells made"));
+  for (const pid_t node : nodes) EXPECT_EQ(wait_for(node), 0);
+  EXPECT_GE(most_signs, 2U) << "no two worked on a stage at one time";
+  expect_bytes_of_one();
+
+  // A queue that starts a job once more: nothing is left to do.
+  const std::string run = bytes_of(out() / "run.json");
+  const pid_t late = start_work(2, 3);
+  EXPECT_EQ(wait_for(late), 0);
+  EXPECT_EQ(bytes_of(out() / "run.json"), run);
+  const std::string other = paths::in_source("models/training/two_towns.safetensors").string();
+  EXPECT_THAT(missing({"--set", "segment.model=" + other}).out, HasSubstr("segment refine"));
 }
 
-TEST(CellsCommand, chunks_out_of_range_are_refused) {
-  const ToolRun run = run_tool({"cells", "run", "site.toml", "-o", "out", "--chunk", "3", "--chunks", "3"});
+TEST_F(Cells, who_is_lost_is_replaced) {
+  lose_a_helper();
+  EXPECT_FALSE(fs::exists(out() / "labels.tif"));
+  // The cell that the helper had begun is made again; then the process that builds is lost, and another one builds.
+  const pid_t builder = start_work(0, 2), helper = start_work(1, 2);
+  wait_until([] { return fs::exists(out() / ".orthodrive" / "segment.json"); });
+  kill(builder, SIGKILL);
+  wait_for(builder);
+  EXPECT_EQ(wait_for(helper), 0) << bytes_of(folder() / "work1.err");
+  expect_bytes_of_one();
+}
+
+TEST_F(Cells, damaged_ones_are_told) {
+  lose_a_helper();
+  fs::path damaged;
+  for (const auto& entry : fs::recursive_directory_iterator(cells()))
+    if (entry.path().filename() == "cell.bin") damaged = entry.path();
+  fs::resize_file(damaged, fs::file_size(damaged) / 2);
+  const ToolRun build = run_tool({"-q", "build", site(), "-o", out()});
+  EXPECT_EQ(build.exit_code, 1);
+  EXPECT_EQ(lines_of(build.err), 1U) << build.err;
+  EXPECT_THAT(build.err, HasSubstr("cell.bin: is damaged; remove its folder"));
+  EXPECT_FALSE(fs::exists(out() / "labels.tif"));
+}
+
+TEST(CellsCommand, an_index_out_of_range_is_refused) {
+  const ToolRun run = run_tool({"cells", "work", "site.toml", "-o", "out", "--index", "3", "--of", "3"});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("--chunk 3: there are 3 chunks, from 0 to 2"));
+  EXPECT_THAT(run.err, HasSubstr("--index 3: there are 3 processes, from 0 to 2"));
 }
 
 }  // namespace

@@ -728,15 +728,17 @@ TEST(BuildScene, cells_made_by_several_processes_are_the_whole) {
         source, [&](const SceneTile& tile) { whole.write(tile); }, options);
     ASSERT_EQ(expected.levels, 2);
 
-    const std::size_t count = count_scene_cells(source, options);
-    ASSERT_EQ(count, block_tiles == 1 ? 4U : 1U);
-    std::vector<std::string> made(count);
+    std::vector<std::string> made(block_tiles == 1 ? 4U : 1U);
     TileBytesSink shared;
     std::size_t now = 0;
     for (const std::size_t worker : {0U, 1U}) {  // the last cell of four is left
-      std::vector<std::size_t> cells;
-      for (std::size_t i = worker; i < std::min(count, std::size_t{3}); i += 2) cells.push_back(i);
-      build_scene_cells(source, cells,
+      std::size_t asked = worker;
+      const auto next = [&](std::size_t count) {
+        EXPECT_EQ(count, made.size());
+        const std::size_t cell = std::exchange(asked, asked + 2);
+        return cell < std::min(count, std::size_t{3}) ? std::optional(cell) : std::nullopt;
+      };
+      build_scene_cells(source, next,
                         {.begin = [&](std::size_t cell) { now = cell; },
                          .write = [&](const SceneTile& tile) { shared.write(tile); },
                          .finish = [&](const std::string& bytes) { made[now] = bytes; }},

@@ -141,14 +141,16 @@ TEST(SegmentMosaic, windows_made_elsewhere_are_taken_as_they_would_be_made_here)
   ASSERT_TRUE(std::ranges::any_of(summary.alignments, [](const PlaceAlignment& a) { return a.sigma_m > 0.0; }));
 
   // Two workers share the windows but for the last, which is left for segment_mosaic() to make.
-  const std::size_t count = count_windows(source_of(photo), shipped_model(), options);
-  ASSERT_EQ(count, 12U);
-  std::vector<std::string> made(count);
-  for (const int worker : {0, 1}) {
-    std::vector<std::size_t> windows;
-    for (std::size_t i = static_cast<std::size_t>(worker); i + 1 < count; i += 2) windows.push_back(i);
+  std::vector<std::string> made(12);
+  for (const std::size_t worker : {0U, 1U}) {
+    std::atomic<std::size_t> asked{worker};
+    const auto next = [&](std::size_t count) {
+      EXPECT_EQ(count, made.size());
+      const std::size_t window = asked.fetch_add(2);
+      return window + 1 < count ? std::optional(window) : std::nullopt;
+    };
     segment_windows(
-        source_of(photo), shipped_model(), windows,
+        source_of(photo), shipped_model(), next,
         [&](std::size_t window, const std::string& bytes) { made[window] = bytes; }, options);
   }
   std::atomic<int> taken{0};

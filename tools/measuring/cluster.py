@@ -57,7 +57,7 @@ def add_arguments(parser):
     add_table(parser)
     parser.add_argument("--site", type=pathlib.Path, default=ROOT / "sites/kvarnbyn.toml")
     parser.add_argument("--name", help="of the site in the table; its file's otherwise")
-    parser.add_argument("--chunks", type=int, default=8)
+    parser.add_argument("--without-loss", action="store_true", help="leave out the builds that lose a node")
 
 
 def free_ports(count):
@@ -134,19 +134,31 @@ def kill_node(home, name):
     return len(victims)
 
 
-def shared_build(args, out, nodes, lose_one=False):
+CASES = {"one node": (1, None), "two nodes": (2, None), "two nodes, the one that helps lost": (2, "node2"), "two nodes, the one that builds lost": (2, "node1")}
+
+
+def job_of(environment, node):
+    """Index of the job that runs on a node."""
+    for line in run_program("squeue", "-h", "-r", "-o", "%N %K", env=environment).splitlines():
+        if line.split()[0] == node:
+            return int(line.split()[1])
+    sys.exit(f"cluster: no job runs on {node}")
+
+
+def shared_build(args, out, nodes, lost):
     shutil.rmtree(out, ignore_errors=True)
     with cluster(nodes) as (environment, home):
         environment["ORTHODRIVE"] = str(args.tool.resolve())
         start = time.monotonic()
         log = (out.parent / f"{out.name}.log").open("w")
-        build = subprocess.Popen([DRIVER, args.site.resolve(), out, str(args.chunks)], env=environment, stdout=log, stderr=subprocess.STDOUT)
+        build = subprocess.Popen([DRIVER, args.site.resolve(), out, str(nodes)], env=environment, stdout=log, stderr=subprocess.STDOUT)
         killed = 0
-        if lose_one:
-            while build.poll() is None and not list(out.glob(".orthodrive/cells/segment-*/[0-9]*/cell.bin")):
+        if lost:
+            while build.poll() is None and len(list(out.glob(".orthodrive/cells/segment-*/[0-9]*/cell.bin"))) < 3:
                 time.sleep(0.2)
-            time.sleep(2)
-            killed = kill_node(home, "node2")
+            if job_of(environment, lost) != (0 if lost == "node1" else 1):
+                sys.exit("cluster: Slurm gave the jobs to the nodes in another order; run again")
+            killed = kill_node(home, lost)
         if build.wait() != 0:
             sys.exit(f"cluster: the build failed, see {log.name}")
         return {"seconds": time.monotonic() - start, "killed": killed, "digests": digests(out)}
@@ -161,26 +173,26 @@ def run(args):
         args.out.mkdir(parents=True, exist_ok=True)
         tool, alone = Tool(args.tool), args.out / "alone"
         shutil.rmtree(alone, ignore_errors=True)
-        numbers = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1), "site": args.name or args.site.stem, "chunks": args.chunks}
-        numbers["alone"] = {"seconds": tool.timed("--threads", 1, "build", args.site, "-o", alone)}
+        of_site = numbers[args.name or args.site.stem] = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1)}
+        of_site["alone"] = {"seconds": tool.timed("--threads", 1, "build", args.site, "-o", alone)}
         expected = digests(alone)
-        for name, nodes, lose in (("one node", 1, False), ("two nodes", 2, False), ("two nodes, one lost", 2, True)):
-            result = shared_build(args, args.out / name.replace(" ", "_").replace(",", ""), nodes, lose)
+        for name, (nodes, lost) in CASES.items():
+            if lost and args.without_loss:
+                continue
+            result = shared_build(args, args.out / name.replace(" ", "_").replace(",", ""), nodes, lost)
             found = result.pop("digests")
             result["files"], result["different"] = len(expected), sum(found.get(f) != d for f, d in expected.items()) + len(found.keys() - expected.keys())
-            numbers[name] = result
+            of_site[name] = result
             print(name, result, flush=True)
-        write_results(STORE, numbers)
+            write_results(STORE, numbers)
     write_between(PAGE, "cluster", table(numbers))
 
 
 def table(numbers):
-    if not numbers:
-        return ""
-    two = numbers["two nodes"]
-    text = header([f"{numbers['site']}, {numbers['chunks']} chunks", "seconds", "times one node", "files that differ"])
-    text += row(["`build`, one thread, without Slurm", fixed(numbers["alone"]["seconds"], 1), "", ""])
-    for name in ("one node", "two nodes", "two nodes, one lost"):
-        n = numbers[name]
-        text += row([name, fixed(n["seconds"], 1), fixed(numbers["one node"]["seconds"] / n["seconds"]), f"{n['different']} of {n['files']}"])
-    return text + f"\nAsked: two nodes 1.7 times one; one lost: the same bytes. Commit {numbers['commit']}, load at the start {numbers['load']}.\n"
+    text = header(["site", "built by", "seconds", "times one node", "files that differ", "load before", "commit"])
+    for site, of_site in numbers.items():
+        text += row([site, "`build`, one thread, without Slurm", fixed(of_site["alone"]["seconds"], 1), "", "", of_site["load"], of_site["commit"]])
+        for name in CASES:
+            if n := of_site.get(name):
+                text += row(["", name, fixed(n["seconds"], 1), fixed(of_site["one node"]["seconds"] / n["seconds"]), f"{n['different']} of {n['files']}", "", ""])
+    return text + "\nAsked: two nodes 1.7 times one; one lost: the same bytes.\n" if numbers else ""

@@ -11,8 +11,7 @@
 
 namespace orthodrive {
 namespace {
-using Clock = std::chrono::steady_clock;
-
+constexpr std::chrono::milliseconds shortest_pause{5}, longest_pause{200};
 constexpr std::size_t most_blocks = 128;  // a file each; few enough for slow disks, enough for tens of processes
 
 /// The blocks of one loop, as this process sees them.
@@ -44,7 +43,7 @@ class Blocks {
       read(block, *bytes);
       return true;
     }
-    if (std::optional<std::string> maker = exchange_.claim(loop_.name, block, lost_)) {
+    if (std::optional<std::string> maker = exchange_.claim(loop_.name, block)) {
       const std::lock_guard lock(mutex_);
       makers_.insert(std::move(*maker));
       return false;
@@ -53,8 +52,7 @@ class Blocks {
     return true;
   }
   void wait_for(std::vector<std::size_t>& waiting) {
-    auto since = Clock::now();
-    auto pause = std::chrono::milliseconds(5);
+    auto pause = shortest_pause;
     while (!waiting.empty()) {
       throw_if_stopped();
       const std::size_t before = waiting.size();
@@ -65,25 +63,20 @@ class Blocks {
       });
       tell();
       if (waiting.size() < before) {
-        since = Clock::now(), pause = std::chrono::milliseconds(5);
-      } else if (Clock::now() - since > patience()) {
-        lost_.insert(makers_.begin(), makers_.end());
-        makers_.clear();
+        pause = shortest_pause;
+      } else if (const std::set<std::string> lost = exchange_.lost_of(makers_); !lost.empty()) {
+        for (const std::string& maker : lost) makers_.erase(maker);
         std::erase_if(waiting, [&](std::size_t block) { return take_or_make(block); });
-        since = Clock::now();
       } else {
         std::this_thread::sleep_for(pause);
-        pause = std::min(pause * 2, std::chrono::milliseconds(200));
+        pause = std::min(pause * 2, longest_pause);
       }
     }
   }
-  [[nodiscard]] Clock::duration patience() const { return exchange_.patience() + 4 * longest_; }
-
   [[nodiscard]] std::pair<std::size_t, std::size_t> items_of(std::size_t block) const {
     return {block * size_, std::min((block + 1) * size_, loop_.count)};
   }
   void make(std::size_t block) {
-    const auto begin = Clock::now();
     ByteWriter writer;
     const auto [first, end] = items_of(block);
     for (std::size_t i = first; i < end; ++i) {
@@ -93,8 +86,6 @@ class Blocks {
     }
     exchange_.keep(loop_.name, block, writer.take());
     done_ += end - first;
-    const std::lock_guard lock(mutex_);
-    longest_ = std::max(longest_, Clock::now() - begin);
   }
   void read(std::size_t block, const std::string& bytes) {
     ByteReader reader(bytes, loop_.name);
@@ -112,8 +103,7 @@ class Blocks {
   std::size_t size_;
   std::atomic<std::size_t> done_{0};
   std::mutex mutex_;
-  std::set<std::string> makers_, lost_;  // of blocks that are waited for; that were waited for in vain
-  Clock::duration longest_{};
+  std::set<std::string> makers_;  // of blocks that are waited for
 };
 }  // namespace
 

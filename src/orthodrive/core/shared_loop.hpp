@@ -2,7 +2,6 @@
 // Loops whose items several processes make together. Each process runs the same function on the same input; what one
 // has made of an item the others take as bytes, so that all have the same results whoever made which.
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -14,6 +13,10 @@
 
 namespace orthodrive {
 
+/// Which of `count` items a process makes next, where several share them; nothing: none is left for it. From any
+/// thread.
+using NextItem = std::function<std::optional<std::size_t>(std::size_t count)>;
+
 /// What processes that run the same loops hand each other. A block is a run of items of a loop. Called by several
 /// threads at once.
 class LoopExchange {
@@ -21,16 +24,15 @@ class LoopExchange {
   virtual ~LoopExchange() = default;
   /// What another process has made of a block; nothing: it is not there.
   [[nodiscard]] virtual std::optional<std::string> load(const std::string& loop, std::size_t block) const = 0;
-  /// Says that this process makes a block. Nothing: it is this one's. Otherwise the process that said so before; those
-  /// of `lost` do not count.
-  [[nodiscard]] virtual std::optional<std::string> claim(const std::string& loop, std::size_t block,
-                                                         const std::set<std::string>& lost) = 0;
+  /// Says that this process makes a block. Nothing: it is this one's. Otherwise the process that said so before.
+  [[nodiscard]] virtual std::optional<std::string> claim(const std::string& loop, std::size_t block) = 0;
+  /// Those of the makers that show no life any more; asked again and again while they are waited for. What they claimed
+  /// counts no more, in no loop.
+  [[nodiscard]] virtual std::set<std::string> lost_of(const std::set<std::string>& makers) = 0;
   /// Leaves a block to the others.
   virtual void keep(const std::string& loop, std::size_t block, const std::string& bytes) = 0;
   /// Where this process begins, as a share of the loop in [0, 1): others begin elsewhere.
   [[nodiscard]] virtual double first_share() const = 0;
-  /// How long to wait for others at least, before they are taken for lost.
-  [[nodiscard]] virtual std::chrono::milliseconds patience() const { return std::chrono::seconds(10); }
 };
 
 struct SharedLoop {
@@ -42,9 +44,8 @@ struct SharedLoop {
   std::function<void(ByteReader& reader, std::size_t item)> read;
   std::function<void(std::size_t done)> after_each;
 };
-/// Returns when all items are made, here or elsewhere. Where no block arrives for the exchange's patience and four
-/// times as long as the longest block took here, the processes that are waited for are taken for lost: their blocks are
-/// made again. Two may make the same one then; both are the same. Throws what `make` throws, and Stopped.
+/// Returns when all items are made, here or elsewhere. Blocks of processes that are lost are made again. Two may make
+/// the same one then; both are the same. Throws what `make` and the exchange throw, and Stopped.
 void share_loop(const SharedLoop& loop, LoopExchange& exchange);
 
 /// parallel_for() whose items other processes make as well. `fields(archive, i)` tells all that make(i) has written,

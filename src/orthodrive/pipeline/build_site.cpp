@@ -11,28 +11,15 @@
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/pipeline/cell_exchange.hpp"
 #include "orthodrive/pipeline/output_lock.hpp"
-#include "orthodrive/pipeline/run_drive.hpp"
-#include "orthodrive/pipeline/run_elevate.hpp"
-#include "orthodrive/pipeline/run_network.hpp"
-#include "orthodrive/pipeline/run_refine.hpp"
 #include "orthodrive/pipeline/run_report.hpp"
-#include "orthodrive/pipeline/run_scene.hpp"
-#include "orthodrive/pipeline/run_segment.hpp"
 #include "orthodrive/pipeline/score.hpp"
 #include "orthodrive/pipeline/side_files.hpp"
-#include "orthodrive/pipeline/watched_sources.hpp"
+#include "orthodrive/pipeline/site_stages.hpp"
 
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// All stages in their order. Throws InputError for a source that is not there.
-std::vector<BuildStage> stages_of(SiteBuild& build) {
-  require_site_files(build.site);
-  return {segment_stage(build), refine_stage(build), elevate_stage(build),
-          network_stage(build), scene_stage(build),  drive_stage(build)};
-}
 
 /// Everything of a site that is not a file, for run.json.
 json options_of(const Site& site) {
@@ -45,19 +32,6 @@ json options_of(const Site& site) {
                   {"route", site.route},
                   {"attribution", site.attribution}});
   return options;
-}
-
-/// Hashes of what the stages so far left behind; none for what is not made yet.
-using OutputHashes = std::map<std::string, std::optional<std::string>>;
-
-StageDependencies dependencies_of(const BuildStage& stage, const WatchedSources& sources, const OutputHashes& made) {
-  StageDependencies now{.version = stage.version, .options = stage.options, .sources = sources.of(stage)};
-  for (const std::string& name : stage.reads) {
-    const auto found = made.find(name);
-    if (found == made.end()) throw std::logic_error("stage " + stage.name + " reads " + name + ", which none writes");
-    now.reads[name] = found->second;
-  }
-  return now;
 }
 
 /// Sources that stay in memory are read without opening a file: a stage that forgets one would be taken over too often.
@@ -93,39 +67,15 @@ json to_json(const StageRecord& record) {
           {"findings", record.outcome.findings.size()}};
 }
 
-/// Loops are one cell: who has run them all leaves it, empty.
-std::size_t count_cells(const BuildStage& stage, const CellStore& store) {
-  if (!stage.shared) return 1;
-  if (const auto known = store.known_count()) return *known;
-  return stage.shared->count_cells();
-}
-
-/// Nothing where one process does all of a stage, or where all cells are made.
-std::optional<CellsToMake> missing_cells(const BuildStage& stage, const fs::path& out_dir,
-                                         const StageDependencies& now) {
-  if (!stage.shared && !stage.share_loops) return std::nullopt;
-  const CellStore store(out_dir, stage.name, key_of(stage.name, now));
-  CellsToMake cells{.stage = stage.name, .all = count_cells(stage, store)};
-  cells.missing = store.missing(cells.all);
-  if (cells.missing.empty()) return std::nullopt;
-  return cells;
-}
-
 /// The stages of one build with all that decides whether they run.
 class StageRunner {
  public:
-  StageRunner(SiteBuild& build, const WatchedSources& sources, FileHashes& hashes)
-      : build_(build), sources_(sources), hashes_(hashes), cache_(build.out_dir, hashes) {}
+  StageRunner(SiteBuild& build, const WatchedSources& sources, FileHashes& hashes, std::optional<BuildShare> share)
+      : build_(build), sources_(sources), hashes_(hashes), share_(share), cache_(build.out_dir, hashes) {}
 
-  /// Nothing where cells of the stage are missing and others are to make them: `waits_for` says which.
-  std::optional<StageRecord> run(const BuildStage& stage, bool leave_cells, std::optional<CellsToMake>& waits_for) {
+  StageRecord run(const BuildStage& stage) {
     const StageDependencies now = dependencies_of(stage, sources_, made_);
     const bool unchanged = cache_.changes(stage.name, now, stage.outputs).reasons.empty();
-    if (!unchanged && leave_cells) waits_for = missing_cells(stage, build_.out_dir, now);
-    if (waits_for) {
-      CellStore(build_.out_dir, stage.name, key_of(stage.name, now)).keep_count(waits_for->all);
-      return std::nullopt;
-    }
     StageRecord record = unchanged ? take_over(stage) : make(stage, now);
     for (const auto& [name, hash] : record.outputs) made_[name] = hash;
     return record;
@@ -142,9 +92,14 @@ class StageRunner {
   }
   StageRecord make(const BuildStage& stage, const StageDependencies& now) {
     const CellStore cells(build_.out_dir, stage.name, key_of(stage.name, now));
-    CellExchange exchange(cells);
-    build_.cells = &cells;
-    if (!cells.empty()) build_.context.exchange = &exchange;
+    std::optional<CellExchange> exchange;
+    if (share_ && stage.help) {
+      cells.open();
+      exchange.emplace(cells, CellExchange::Role::builds, share_->first());
+    } else if (!cells.empty()) {
+      exchange.emplace(cells);  // of a build that was shared and did not end
+    }
+    build_.context.exchange = exchange ? &*exchange : nullptr;
     StageRecord record = cache_.run(stage.name, now, stage.outputs, [&] {
       (void)build_.context.sources.take_asked();
       StageOutcome outcome = stage.run();
@@ -155,7 +110,6 @@ class StageRunner {
     build_.context.info(fmt::format("{:<9} {:6.1f} s  {:5.0f} MB", stage.name, record.seconds,
                                     static_cast<double>(record.peak_memory_bytes) / 1e6));
     hashes_.keep();
-    build_.cells = nullptr;
     build_.context.exchange = nullptr;
     CellStore::remove(build_.out_dir, stage.name);
     return record;
@@ -164,11 +118,11 @@ class StageRunner {
   SiteBuild& build_;
   const WatchedSources& sources_;
   FileHashes& hashes_;
+  std::optional<BuildShare> share_;
   StageCache cache_;
   OutputHashes made_;
 };
 
-constexpr const char* private_folder = ".orthodrive";
 }  // namespace
 
 BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOptions& options, Monitor* monitor) {
@@ -183,8 +137,10 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   sources.read(hashes);
 
   const OutputLock lock(out_dir / private_folder / "lock", monitor);
+  if (options.share && options.share->index > 0 && !lock.is_certain())
+    throw FolderInUse(fmt::format("{}: its file system has no locks; index 0 builds", out_dir.string()));
   remove_leftovers(out_dir, stages);
-  StageRunner runner(build, sources, hashes);
+  StageRunner runner(build, sources, hashes, options.share);
   BuildResult result;
   const auto tell = [&](const std::string& stage) {
     throw_if_stopped();
@@ -192,12 +148,7 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   };
   for (const BuildStage& stage : stages) {
     tell(stage.name);
-    const std::optional<StageRecord> record = runner.run(stage, options.leave_cells, result.waits_for);
-    if (!record) {
-      hashes.keep();
-      return result;
-    }
-    result.stages.push_back(*record);
+    result.stages.push_back(runner.run(stage));
   }
   tell("report");
 
@@ -214,66 +165,9 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
   write_text_file(out_dir / "run.json", run.dump(1) + "\n");
   write_side_files(site, out_dir, options.version);
   hashes.keep();
+  CellStore::remove_all(out_dir);
   tell("");
   return result;
-}
-
-namespace {
-/// A build seen by who runs none of its stages.
-struct BuildView {
-  BuildView(const Site& site, const fs::path& out_dir, const BuildOptions& options, Monitor* monitor)
-      : build{site, out_dir, {.threads = options.threads, .monitor = monitor}},
-        stages(stages_of(build)),
-        sources(stages),
-        hashes(out_dir / private_folder / "hashes.json"),
-        cache(out_dir, hashes) {
-    sources.read(hashes);
-  }
-  /// The first stage that would run, with what it depends on.
-  [[nodiscard]] std::optional<std::pair<const BuildStage*, StageDependencies>> next() const {
-    OutputHashes made;
-    for (const BuildStage& stage : stages) {
-      StageDependencies now = dependencies_of(stage, sources, made);
-      if (!cache.changes(stage.name, now, stage.outputs).reasons.empty()) return std::pair(&stage, std::move(now));
-      for (const auto& [name, hash] : cache.load(stage.name).outputs) made[name] = hash;
-    }
-    return std::nullopt;
-  }
-
-  SiteBuild build;
-  std::vector<BuildStage> stages;
-  WatchedSources sources;
-  FileHashes hashes;
-  StageCache cache;
-};
-}  // namespace
-
-std::optional<CellsToMake> cells_to_make(const Site& site, const fs::path& out_dir, const BuildOptions& options) {
-  const BuildView view(site, out_dir, options, nullptr);
-  const auto next = view.next();
-  return next ? missing_cells(*next->first, out_dir, next->second) : std::nullopt;
-}
-
-std::size_t make_cells(const Site& site, const fs::path& out_dir, const CellChunk& chunk, const BuildOptions& options,
-                       Monitor* monitor) {
-  BuildView view(site, out_dir, options, monitor);
-  const auto next = view.next();
-  if (!next || (!next->first->shared && !next->first->share_loops)) return 0;
-  const auto& [stage, now] = *next;
-  const CellStore store(out_dir, stage->name, key_of(stage->name, now));
-  std::vector<std::size_t> cells = store.missing(count_cells(*stage, store));
-  if (stage->shared) std::erase_if(cells, [&](std::size_t cell) { return cell % chunk.chunks != chunk.chunk; });
-  if (cells.empty()) return 0;
-  if (stage->shared) {
-    stage->shared->make_cells(cells, store);
-  } else {
-    CellExchange exchange(store, static_cast<double>(chunk.chunk) / static_cast<double>(chunk.chunks));
-    view.build.context.exchange = &exchange;
-    stage->share_loops();
-    CellFolder(store, 0).commit("");
-  }
-  view.sources.require_unchanged(*stage);
-  return cells.size();
 }
 
 std::vector<StageForecast> explain_build(const Site& site, const fs::path& out_dir) {

@@ -13,23 +13,22 @@
 
 namespace orthodrive {
 
+/// One of the processes that make a build together.
+struct BuildShare {
+  std::size_t index = 0, of = 1;  ///< index from 0
+  /// Where it begins in a row of things to make, as a share of the row.
+  [[nodiscard]] double first() const { return static_cast<double>(index) / static_cast<double>(of); }
+};
+
 struct BuildOptions {
   int threads = 0;                                           ///< 0 = all cores; the result does not depend on it
   std::string version;                                       ///< of the tool, for run.json
   std::function<void(const std::string& stage)> at_stage{};  ///< called as a stage begins; "" at the end
-  bool leave_cells = false;                                  ///< end before a stage of which cells are missing
-};
-
-/// A stage whose cells other processes may make (docs/cells.md).
-struct CellsToMake {
-  std::string stage;
-  std::size_t all = 0;
-  std::vector<std::size_t> missing;  ///< that nobody has made
+  std::optional<BuildShare> share{};  ///< other processes help (work_on_site.hpp); none: they do not
 };
 
 struct BuildResult {
   std::vector<StageRecord> stages;
-  std::optional<CellsToMake> waits_for;  ///< only with BuildOptions::leave_cells; nothing: the build is complete
 };
 
 /// Builds the site into out_dir: labels.tif confidence.tif roads.gpkg road_graph.geojson roads.xodr scene/ drive/
@@ -54,20 +53,5 @@ struct StageForecast {
 
 /// What build_site would do and why, without running or writing anything. Reads the sources' content.
 [[nodiscard]] std::vector<StageForecast> explain_build(const Site& site, const std::filesystem::path& out_dir);
-
-/// The first stage that must run and whose cells other processes may make; nothing when there is none before a stage
-/// that one process must run, or when nothing is left to do. Writes nothing.
-[[nodiscard]] std::optional<CellsToMake> cells_to_make(const Site& site, const std::filesystem::path& out_dir,
-                                                       const BuildOptions& options = {});
-
-/// Some of the cells: those with index % chunks == chunk. Of loops that processes share: where this one begins.
-struct CellChunk {
-  std::size_t chunk = 0, chunks = 1;
-};
-/// Makes the missing cells of a chunk, of the stage that cells_to_make() names, and leaves them below
-/// out_dir/.orthodrive/cells. Takes no lock: any number of processes on any number of machines may do so at once.
-/// Returns how many it made. Throws as build_site() does.
-std::size_t make_cells(const Site& site, const std::filesystem::path& out_dir, const CellChunk& chunk,
-                       const BuildOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

@@ -1,31 +1,64 @@
 #pragma once
-// The loops of a stage shared through files: blocks are cells of a folder of their own for each loop.
+// A stage shared by processes through files: its cells, and the blocks of its loops as cells of a folder of their own
+// for each loop.
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
 
 #include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/pipeline/cell_store.hpp"
 
 namespace orthodrive {
 
+/// The stage that a process helps with is put together, and its cells are gone.
+struct StageIsMade {};
+
 class CellExchange : public LoopExchange {
  public:
+  enum class Role {
+    builds,  ///< puts the stage together
+    helps    ///< makes cells and blocks for the one that builds
+  };
   /// Takes what others have made; leaves nothing.
-  explicit CellExchange(const CellStore& store) : store_(store) {}
-  /// Takes part: makes, claims and leaves blocks, beginning at a share of each loop in [0, 1).
-  CellExchange(const CellStore& store, double first_share)
-      : store_(store), takes_part_(true), first_share_(first_share) {}
+  explicit CellExchange(const CellStore& store);
+  /// Takes part: makes, claims and leaves blocks, beginning at a share of each loop in [0, 1). Shows that it lives as
+  /// long as it does.
+  CellExchange(const CellStore& store, Role role, double first_share);
+  ~CellExchange() override;
 
   [[nodiscard]] std::optional<std::string> load(const std::string& loop, std::size_t block) const override;
   /// A link whose target names the process: it is there with its content or not at all. Its name holds the number of
-  /// processes that claimed the block before and were lost.
-  [[nodiscard]] std::optional<std::string> claim(const std::string& loop, std::size_t block,
-                                                 const std::set<std::string>& lost) override;
+  /// processes that claimed the block before and were lost. Throws StageIsMade.
+  [[nodiscard]] std::optional<std::string> claim(const std::string& loop, std::size_t block) override;
+  /// Those that gave no sign of life for ten seconds.
+  [[nodiscard]] std::set<std::string> lost_of(const std::set<std::string>& makers) override;
   void keep(const std::string& loop, std::size_t block, const std::string& bytes) override;
   [[nodiscard]] double first_share() const override { return first_share_; }
 
+  /// For the process that builds: what another one has made of a cell; waits where one says that it makes it. Nothing:
+  /// the caller makes it. From any thread.
+  [[nodiscard]] std::optional<std::string> take_cell(std::size_t cell);
+  /// For those that help: the next cell that nobody has made or makes. From any thread. Throws StageIsMade.
+  [[nodiscard]] std::optional<std::size_t> next_cell(std::size_t count);
+  [[nodiscard]] const CellStore& store() const { return store_; }
+
  private:
+  class SignOfLife;
+  struct Seen {
+    std::string sign;
+    std::chrono::steady_clock::time_point since;
+  };
+
   const CellStore& store_;
-  bool takes_part_ = false;
+  std::optional<Role> role_;
   double first_share_ = 0.0;
+  std::unique_ptr<SignOfLife> sign_;
+  std::mutex mutex_;
+  std::set<std::string> lost_;
+  std::map<std::string, Seen> seen_;  ///< of processes that are waited for
+  std::size_t looked_at_ = 0;         ///< cells, by next_cell()
 };
 
 }  // namespace orthodrive

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 #include "orthodrive/core/atomic_file.hpp"
 #include "orthodrive/core/error.hpp"
@@ -22,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* bytes_file = "cell.bin";
-constexpr const char* count_file = "count";
 constexpr std::size_t hash_digits = 32, size_bytes = sizeof(std::uint64_t);
 
 fs::path cells_folder(const fs::path& out_dir) { return out_dir / ".orthodrive" / "cells"; }
@@ -91,21 +91,12 @@ std::optional<std::string> CellStore::load(std::size_t cell) const {
   return unpacked(std::move(text).str(), file.string());
 }
 
-std::optional<std::size_t> CellStore::known_count() const {
-  std::ifstream in(folder_ / count_file);
-  std::size_t count = 0;
-  return in >> count ? std::optional(count) : std::nullopt;
-}
+bool CellStore::has(std::size_t cell) const { return fs::exists(folder(cell) / bytes_file); }
 
-void CellStore::keep_count(std::size_t count) const {
-  write_text_file(folder_ / count_file, fmt::format("{}\n", count));
-}
-
-std::vector<std::size_t> CellStore::missing(std::size_t count) const {
-  std::vector<std::size_t> cells;
-  for (std::size_t cell = 0; cell < count; ++cell)
-    if (!fs::exists(folder(cell) / bytes_file)) cells.push_back(cell);
-  return cells;
+void CellStore::open() const {
+  std::error_code failed;
+  fs::create_directories(folder_, failed);
+  if (failed) throw Error(fmt::format("{}: cannot be created ({})", folder_.string(), failed.message()));
 }
 
 void CellStore::remove(const fs::path& out_dir, const std::string& stage) {
@@ -115,6 +106,11 @@ void CellStore::remove(const fs::path& out_dir, const std::string& stage) {
     if (entry.path().filename().string().starts_with(stage + "-")) folders.push_back(entry.path());
   for (const fs::path& folder : folders) fs::remove_all(folder, ignored);
   fs::remove(cells_folder(out_dir), ignored);  // when it is empty
+}
+
+void CellStore::remove_all(const fs::path& out_dir) {
+  std::error_code ignored;
+  fs::remove_all(cells_folder(out_dir), ignored);
 }
 
 CellFolder::CellFolder(const CellStore& store, std::size_t cell)

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace orthodrive {
 
@@ -21,18 +20,19 @@ class CellStore {
   [[nodiscard]] std::filesystem::path folder(std::size_t cell) const;
   /// Nobody has left anything, so that nothing has to be looked for.
   [[nodiscard]] bool empty() const { return !std::filesystem::exists(folder_); }
-  /// How many there are, as keep_count() left it.
-  [[nodiscard]] std::optional<std::size_t> known_count() const;
-  /// Counting opens the stage's sources: the first process that counts leaves the number for the others.
-  void keep_count(std::size_t count) const;
-  /// Those of `count` cells that nobody has made.
-  [[nodiscard]] std::vector<std::size_t> missing(std::size_t count) const;
+  [[nodiscard]] bool has(std::size_t cell) const;
+  /// Where its cells lie.
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  /// Makes the folder: processes may now leave cells.
+  void open() const;
   /// Cells of a part of the stage, beside its own. `name`: a plain word.
   [[nodiscard]] CellStore part(const std::string& name) const { return CellStore(folder_ / name); }
   /// Host and number of this process, as no other one has them.
   [[nodiscard]] static const std::string& this_process();
   /// Cells of all keys of a stage; for when its result is complete.
   static void remove(const std::filesystem::path& out_dir, const std::string& stage);
+  /// Of all stages, with what lost processes left.
+  static void remove_all(const std::filesystem::path& out_dir);
 
  private:
   friend class CellFolder;

@@ -40,7 +40,7 @@ Holder read_holder(const fs::path& file) {
   const std::string who =
       holder.pid == 0 ? std::string("another process") : fmt::format("process {} on {}", holder.pid, holder.host);
   const fs::path folder = file.parent_path().parent_path();
-  throw Error(
+  throw FolderInUse(
       fmt::format("{}: {} builds into this folder; wait for its end or take another folder", folder.string(), who));
 }
 
@@ -90,9 +90,20 @@ OutputLock::OutputLock(fs::path file, Monitor* monitor) : file_(std::move(file))
           fmt::format("{}: this file system has no locks, and process {} on {} did not end well or still "
                       "builds here; two at once would spoil the result",
                       file_.string(), holder.pid, holder.host));
+    certain_ = false;
     break;
   }
   write_holder();
+}
+
+std::optional<bool> OutputLock::is_held(const fs::path& file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return errno == ENOENT ? std::optional(false) : std::nullopt;
+  const bool taken = flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+  const int error = errno;
+  close(descriptor);
+  if (taken || error == EWOULDBLOCK) return !taken;
+  return std::nullopt;
 }
 
 void OutputLock::write_holder() const {

@@ -130,7 +130,7 @@ StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& opt
   return outcome;
 }
 
-void share_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context) {
+void help_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context) {
   const NetworkResult network = network_of(io::read_roads(files.roads), files, options, context);
   if (!options.judge || !options.crg.roads.empty()) return;  // OpenCRG surfaces are of the map that is judged
   (void)judge_network(network.map, {.threads = context.threads, .exchange = context.exchange}, context.monitor);
@@ -160,7 +160,7 @@ BuildStage network_stage(SiteBuild& build) {
           .outputs =
               surfaces ? std::vector<std::string>{"roads.xodr", "roads_crg"} : std::vector<std::string>{"roads.xodr"},
           .run = [=, &build] { return run_network(files, run, build.context); },
-          .share_loops = [=, &build] { share_network(files, run, build.context); }};
+          .help = [=, &build] { help_network(files, run, build.context); }};
 }
 
 }  // namespace orthodrive

@@ -30,7 +30,7 @@ struct RunNetworkOptions {
 StageOutcome run_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context);
 
 /// Does with others what run_network() does, and writes nothing but blocks of its loops.
-void share_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context);
+void help_network(const NetworkFiles& files, const RunNetworkOptions& options, StageContext& context);
 
 [[nodiscard]] BuildStage network_stage(SiteBuild& build);
 

@@ -109,7 +109,7 @@ StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& option
   return outcome_of(refined, files);
 }
 
-void share_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
+void help_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
   (void)refine_in_labels(files, options, context);
 }
 
@@ -139,7 +139,7 @@ BuildStage refine_stage(SiteBuild& build) {
                 if (!site.refine_weights.empty()) (void)read_refine_weights(site.refine_weights);
               },
           .run = [=, &build] { return run_refine(files, run, build.context); },
-          .share_loops = [=, &build] { share_refine(files, run, build.context); }};
+          .help = [=, &build] { help_refine(files, run, build.context); }};
 }
 
 }  // namespace orthodrive

@@ -33,7 +33,7 @@ struct RunRefineOptions {
 StageOutcome run_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
 
 /// Does with others what run_refine() does by the default method, and writes nothing but blocks of its loops.
-void share_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
+void help_refine(const RefineFiles& files, const RunRefineOptions& options, StageContext& context);
 
 [[nodiscard]] BuildStage refine_stage(SiteBuild& build);
 

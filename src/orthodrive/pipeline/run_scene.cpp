@@ -202,9 +202,10 @@ class TileFolder {
     tiles_.add(tile, io::write_tile_glb(folder_.path(), tile, options_), !picture_file_.empty());
   }
   /// The tiles of a cell that another process has made. Returns what the scene needs of it.
-  std::optional<std::string> take(const CellStore& store, std::size_t cell) {
-    const std::optional<std::string> bytes = store.load(cell);
+  std::optional<std::string> take(CellExchange& exchange, std::size_t cell) {
+    const std::optional<std::string> bytes = exchange.take_cell(cell);
     if (!bytes) return std::nullopt;
+    const CellStore& store = exchange.store();
     const std::string name = store.folder(cell).string();
     std::string list, scene;
     ByteReader reader(*bytes, name);
@@ -249,26 +250,21 @@ SceneOptions scene_options(const RunSceneOptions& options, const StageContext& c
 }
 }  // namespace
 
-std::size_t count_scene_cells(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
+void help_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
   const SceneInputs inputs(files, options, context);
-  return count_scene_cells(inputs.source(inputs.placed.site.area), scene_options(options, context));
-}
-
-void make_scene_cells(const SceneFiles& files, const RunSceneOptions& options, std::span<const std::size_t> cells,
-                      const CellStore& store, StageContext& context) {
-  const SceneInputs inputs(files, options, context);
+  CellExchange& exchange = *context.exchange;
   std::optional<CellFolder> folder;
   std::optional<TileList> tiles;
-  const auto begin = [&](std::size_t cell) { folder.emplace(store, cell), tiles.emplace(); };
-  const CellSink sink{.begin = begin,
+  const CellSink sink{.begin = [&](std::size_t cell) { folder.emplace(exchange.store(), cell), tiles.emplace(); },
                       .write =
                           [&](const SceneTile& tile) {
                             tiles->add(tile, io::write_tile_glb(folder->folder(), tile, options.files),
                                        !files.picture.empty());
                           },
                       .finish = [&](const std::string& scene) { folder->commit(cell_bytes(*tiles, scene)); }};
-  build_scene_cells(inputs.source(inputs.placed.site.area), cells, sink, scene_options(options, context),
-                    context.monitor);
+  build_scene_cells(
+      inputs.source(inputs.placed.site.area), [&](std::size_t cells) { return exchange.next_cell(cells); }, sink,
+      scene_options(options, context));
 }
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
@@ -277,7 +273,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   Findings findings = inputs.findings;
   TileFolder folder(files, options.files);
   MadeCells made;
-  if (options.cells) made = [&](std::size_t cell) { return folder.take(*options.cells, cell); };
+  if (context.exchange) made = [&](std::size_t cell) { return folder.take(*context.exchange, cell); };
   const SceneResult scene = build_scene(
       inputs.source(site.area), [&](const SceneTile& tile) { folder.write(tile); }, scene_options(options, context),
       context.monitor, made);
@@ -375,17 +371,8 @@ BuildStage scene_stage(SiteBuild& build) {
           .options = frame_options(site.frame),
           .reads = {"roads.xodr", "labels.tif"},
           .outputs = {"scene", ".orthodrive/scene_tile.png"},
-          .run =
-              [=, &build] {
-                RunSceneOptions run = options;
-                run.cells = build.cells;
-                return run_scene(files, run, build.context);
-              },
-          .shared = SharedWork{.count_cells = [=, &build] { return count_scene_cells(files, options, build.context); },
-                               .make_cells =
-                                   [=, &build](std::span<const std::size_t> cells, const CellStore& store) {
-                                     make_scene_cells(files, options, cells, store, build.context);
-                                   }}};
+          .run = [=, &build] { return run_scene(files, options, build.context); },
+          .help = [=, &build] { help_scene(files, options, build.context); }};
 }
 
 }  // namespace orthodrive

@@ -25,16 +25,13 @@ struct RunSceneOptions {
   std::optional<SiteFrame> site;
   SceneOptions scene;
   io::TileFileOptions files;
-  const CellStore* cells = nullptr;  ///< cells that other processes have made, or may have
 };
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);
 
-/// The cells that run_scene() would make, for other processes. Their tiles lie in the folders of the cells.
-[[nodiscard]] std::size_t count_scene_cells(const SceneFiles& files, const RunSceneOptions& options,
-                                            StageContext& context);
-void make_scene_cells(const SceneFiles& files, const RunSceneOptions& options, std::span<const std::size_t> cells,
-                      const CellStore& store, StageContext& context);
+/// Makes cells for the process that runs run_scene() with the same files and options, through the context's exchange.
+/// Their tiles lie in the folders of the cells.
+void help_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context);
 
 struct ExportOptions {
   std::filesystem::path glb;   ///< written

@@ -144,18 +144,13 @@ struct SegmentInputs {
 };
 }  // namespace
 
-std::size_t count_segment_cells(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
+void help_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
   const SegmentInputs in(files, options, context);
-  return count_windows(in.photo, in.model, in.options());
-}
-
-void make_segment_cells(const SegmentFiles& files, const RunSegmentOptions& options, std::span<const std::size_t> cells,
-                        const CellStore& store, StageContext& context) {
-  const SegmentInputs in(files, options, context);
+  CellExchange& exchange = *context.exchange;
   segment_windows(
-      in.photo, in.model, cells,
-      [&](std::size_t window, const std::string& bytes) { CellFolder(store, window).commit(bytes); }, in.options(),
-      context.monitor);
+      in.photo, in.model, [&](std::size_t windows) { return exchange.next_cell(windows); },
+      [&](std::size_t window, const std::string& bytes) { CellFolder(exchange.store(), window).commit(bytes); },
+      in.options(), context.monitor);
 }
 
 StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context) {
@@ -173,7 +168,8 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
     }
   }
   SegmentOptions segment = in.options();
-  if (options.cells) segment.made = [&](std::size_t window) { return options.cells->load(window); };
+  if (context.exchange && !options.adapt)  // a network that adapts learns from all of the site first
+    segment.made = [&](std::size_t window) { return context.exchange->take_cell(window); };
   const GridFrame frame = label_frame(in.photo.frame, in.model);
   LabelStreams streams(files, in.photo.crs, frame, in.model.classes);
   SegmentSummary segmented = segment_mosaic(
@@ -216,13 +212,8 @@ BuildStage segment_stage(SiteBuild& build) {
                            .confidence = build.out_dir / "confidence.tif",
                            .road_probability = build.out_dir / "road_probability.tif",
                            .alignment = build.out_dir / ".orthodrive/alignment.csv"};
-  std::optional<SharedWork> shared;
-  if (!site.adapt)  // a network that adapts learns from all of the site first
-    shared = {.count_cells = [=, &build] { return count_segment_cells(files, options, build.context); },
-              .make_cells =
-                  [=, &build](std::span<const std::size_t> cells, const CellStore& store) {
-                    make_segment_cells(files, options, cells, store, build.context);
-                  }};
+  std::function<void()> help;
+  if (!site.adapt) help = [=, &build] { help_segment(files, options, build.context); };
   nlohmann::json options_in_key = frame_options(site.frame);
   options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
@@ -241,13 +232,8 @@ BuildStage segment_stage(SiteBuild& build) {
                 (void)choose_crf(model, model_file, options, build.context);
                 if (site.adapt) require_adaptable(model, model_file.string());
               },
-          .run =
-              [=, &build] {
-                RunSegmentOptions run = options;
-                if (!run.adapt) run.cells = build.cells;
-                return run_segment(files, run, build.context);
-              },
-          .shared = shared};
+          .run = [=, &build] { return run_segment(files, options, build.context); },
+          .help = help};
 }
 
 }  // namespace orthodrive

@@ -26,19 +26,16 @@ struct RunSegmentOptions {
   /// Without an area: all that the photos show, in their UTM zone. With one: InputError where no photo has data in it.
   std::optional<SiteFrame> site;
   CrfUse crf = CrfUse::none;
-  int crf_iterations = 0;            ///< 0: as trained
-  int window_px = 0;                 ///< as SegmentOptions
-  bool adapt = false;                ///< the network first learns from the photo and its map (train/adapt_model)
-  const CellStore* cells = nullptr;  ///< windows that other processes have made, or may have
+  int crf_iterations = 0;  ///< 0: as trained
+  int window_px = 0;       ///< as SegmentOptions
+  bool adapt = false;      ///< the network first learns from the photo and its map (train/adapt_model)
 };
 
 StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context);
 
-/// The windows that run_segment() would make, for other processes; without adapting.
-[[nodiscard]] std::size_t count_segment_cells(const SegmentFiles& files, const RunSegmentOptions& options,
-                                              StageContext& context);
-void make_segment_cells(const SegmentFiles& files, const RunSegmentOptions& options, std::span<const std::size_t> cells,
-                        const CellStore& store, StageContext& context);
+/// Makes windows for the process that runs run_segment() with the same files and options, through the context's
+/// exchange; without adapting.
+void help_segment(const SegmentFiles& files, const RunSegmentOptions& options, StageContext& context);
 
 [[nodiscard]] BuildStage segment_stage(SiteBuild& build);
 

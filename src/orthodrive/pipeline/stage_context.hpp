@@ -1,7 +1,7 @@
 #pragma once
 // What every unit of the pipeline gets beside its files and options.
 
-#include "orthodrive/core/shared_loop.hpp"
+#include "orthodrive/pipeline/cell_exchange.hpp"
 #include "orthodrive/pipeline/sources.hpp"
 
 namespace orthodrive {
@@ -9,7 +9,7 @@ namespace orthodrive {
 struct StageContext {
   int threads = 0;                   ///< 0 = all cores; the result does not depend on it
   Monitor* monitor = nullptr;        ///< may be null
-  LoopExchange* exchange = nullptr;  ///< with processes that run the same stage (docs/cells.md); null: there are none
+  CellExchange* exchange = nullptr;  ///< with processes that make the same stage (docs/cells.md); null: there are none
   Sources sources;                   ///< what earlier stages of the same run have read already
 
   void info(std::string_view message) const {

@@ -12,6 +12,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/model/building.hpp"
 #include "orthodrive/model/map_surroundings.hpp"
@@ -109,16 +110,15 @@ using MadeCells = std::function<std::optional<std::string>(std::size_t cell)>;
 SceneResult build_scene(const SceneSource& source, const TileSink& write, const SceneOptions& options = {},
                         Monitor* monitor = nullptr, const MadeCells& made = {});
 
-/// A cell is a block of SceneOptions::block_tiles with all levels that lie in it.
-[[nodiscard]] std::size_t count_scene_cells(const SceneSource& source, const SceneOptions& options = {});
 /// What becomes of the cells that a process makes, one after the other.
 struct CellSink {
   std::function<void(std::size_t cell)> begin;
   TileSink write;
   std::function<void(const std::string& bytes)> finish;  ///< after its last tile
 };
-/// Makes some of the cells of build_scene(), with the same source and options, one after the other.
-void build_scene_cells(const SceneSource& source, std::span<const std::size_t> cells, const CellSink& sink,
-                       const SceneOptions& options = {}, Monitor* monitor = nullptr);
+/// Makes those cells of build_scene() that `next` gives, with the same source and options, one after the other. A cell
+/// is a block of SceneOptions::block_tiles with all levels that lie in it.
+void build_scene_cells(const SceneSource& source, const NextItem& next, const CellSink& sink,
+                       const SceneOptions& options = {});
 
 }  // namespace orthodrive

@@ -196,13 +196,8 @@ SceneResult build_scene(const SceneSource& source, const TileSink& write, const 
   return result;
 }
 
-std::size_t count_scene_cells(const SceneSource& source, const SceneOptions& options) {
-  return SceneCells(source, options, [](const SceneTile&) {}).blocks.size();
-}
-
-void build_scene_cells(const SceneSource& source, std::span<const std::size_t> cells, const CellSink& sink,
-                       const SceneOptions& options, Monitor* monitor) {
-  std::size_t tiles = 0;
+void build_scene_cells(const SceneSource& source, const NextItem& next, const CellSink& sink,
+                       const SceneOptions& options) {
   SceneCell made;
   SceneCells scene(source, options, sink.write);
   scene.levels.stop_at(scene.level, [&](TileLevels::FinishedTile tile) {
@@ -210,12 +205,10 @@ void build_scene_cells(const SceneSource& source, std::span<const std::size_t> c
     if (tile.tile) made.tile = *tile.tile;
     made.buildings = std::move(tile.buildings);
   });
-  for (const std::size_t i : cells) tiles += scene.blocks.at(i).tiles.size();
-  TileProgress progress(tiles, monitor);
-  for (const std::size_t i : cells) {
-    sink.begin(i);
-    made = {.address = scene.blocks[i].address};
-    made.numbers = scene.build(i, [&] { progress.add(1); });
+  while (const std::optional<std::size_t> cell = next(scene.blocks.size())) {
+    sink.begin(*cell);
+    made = {.address = scene.blocks[*cell].address};
+    made.numbers = scene.build(*cell, [] {});
     ByteWriter writer;
     writer(made);
     sink.finish(writer.take());

@@ -12,6 +12,7 @@
 #include "orthodrive/core/byte_archive.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
+#include "orthodrive/core/stop.hpp"
 #include "orthodrive/model/archived_fields.hpp"
 #include "orthodrive/nets/class_probabilities.hpp"
 #include "orthodrive/nets/fcn.hpp"
@@ -329,26 +330,24 @@ GridFrame label_frame(const GridFrame& photo, const SegmentModel& model) {
   return frame;
 }
 
-std::size_t count_windows(const PhotoSource& photo, const SegmentModel& model, const SegmentOptions& options) {
-  return Mosaic(photo, model, options).windows();
-}
-
-void segment_windows(const PhotoSource& photo, const SegmentModel& model, std::span<const std::size_t> windows,
+void segment_windows(const PhotoSource& photo, const SegmentModel& model, const NextItem& next,
                      const std::function<void(std::size_t, const std::string&)>& keep, const SegmentOptions& options,
                      Monitor* monitor) {
   const Mosaic mosaic(photo, model, options);
   const OneThreadAWindow one_thread;
-  const auto make = [&](std::size_t i) {
-    if (monitor && monitor->cancelled()) return;
+  const auto is_cancelled = [&] { return monitor && monitor->cancelled(); };
+  const auto work = [&](std::size_t) {
     const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
-    ByteWriter writer;
-    writer(mosaic.decide_window(windows[i]));
-    keep(windows[i], writer.take());
+    while (const std::optional<std::size_t> window = next(mosaic.windows())) {
+      throw_if_stopped();
+      if (is_cancelled()) return;
+      ByteWriter writer;
+      writer(mosaic.decide_window(*window));
+      keep(*window, writer.take());
+    }
   };
-  parallel_for(windows.size(), options.threads, make, [&](std::size_t done) {
-    if (monitor) monitor->progress(static_cast<double>(done) / static_cast<double>(windows.size()), "segment");
-  });
-  if (monitor && monitor->cancelled()) throw Error("segment: cancelled");
+  parallel_for(static_cast<std::size_t>(worker_count(options.threads)), options.threads, work);
+  if (is_cancelled()) throw Error("segment: cancelled");
 }
 
 SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& model, const LabelSink& sink,

@@ -10,6 +10,7 @@
 
 #include "orthodrive/core/finding.hpp"
 #include "orthodrive/core/monitor.hpp"
+#include "orthodrive/core/shared_loop.hpp"
 #include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/model/photo_source.hpp"
 #include "orthodrive/model/rasters.hpp"
@@ -61,12 +62,9 @@ struct SegmentSummary {
 [[nodiscard]] SegmentSummary segment_mosaic(const PhotoSource& photo, const SegmentModel& model, const LabelSink& sink,
                                             const SegmentOptions& options = {}, Monitor* monitor = nullptr);
 
-/// Into how many windows segment_mosaic() cuts the photo.
-[[nodiscard]] std::size_t count_windows(const PhotoSource& photo, const SegmentModel& model,
-                                        const SegmentOptions& options);
-/// Makes some of the windows of segment_mosaic(), with the same options, and hands each to `keep` as bytes for
-/// SegmentOptions::made, from changing threads.
-void segment_windows(const PhotoSource& photo, const SegmentModel& model, std::span<const std::size_t> windows,
+/// Makes those windows of segment_mosaic() that `next` gives, with the same options, and hands each to `keep` as bytes
+/// for SegmentOptions::made, from changing threads.
+void segment_windows(const PhotoSource& photo, const SegmentModel& model, const NextItem& next,
                      const std::function<void(std::size_t window, const std::string& bytes)>& keep,
                      const SegmentOptions& options, Monitor* monitor = nullptr);
 

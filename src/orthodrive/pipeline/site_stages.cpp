@@ -1,0 +1,45 @@
+#include "orthodrive/pipeline/site_stages.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include "orthodrive/pipeline/run_drive.hpp"
+#include "orthodrive/pipeline/run_elevate.hpp"
+#include "orthodrive/pipeline/run_network.hpp"
+#include "orthodrive/pipeline/run_refine.hpp"
+#include "orthodrive/pipeline/run_scene.hpp"
+#include "orthodrive/pipeline/run_segment.hpp"
+
+namespace orthodrive {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::vector<BuildStage> stages_of(SiteBuild& build) {
+  require_site_files(build.site);
+  return {segment_stage(build), refine_stage(build), elevate_stage(build),
+          network_stage(build), drive_stage(build),  scene_stage(build)};
+}
+
+StageDependencies dependencies_of(const BuildStage& stage, const WatchedSources& sources, const OutputHashes& made) {
+  StageDependencies now{.version = stage.version, .options = stage.options, .sources = sources.of(stage)};
+  for (const std::string& name : stage.reads) {
+    const auto found = made.find(name);
+    if (found == made.end()) throw std::logic_error("stage " + stage.name + " reads " + name + ", which none writes");
+    now.reads[name] = found->second;
+  }
+  return now;
+}
+
+bool is_reported(const fs::path& out_dir, const std::vector<BuildStage>& stages, const StageCache& cache) {
+  std::ifstream in(out_dir / "run.json");
+  const json run = json::parse(in, nullptr, false);
+  if (!run.is_object() || !run.contains("stages")) return false;
+  return std::ranges::all_of(stages, [&](const BuildStage& stage) {
+    return std::ranges::any_of(run.at("stages"), [&](const json& told) {
+      return told.value("stage", "") == stage.name && told.value("key", "") == cache.load(stage.name).key;
+    });
+  });
+}
+
+}  // namespace orthodrive
