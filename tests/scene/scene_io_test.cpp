@@ -266,7 +266,7 @@ TEST(SceneIo, khronos_validator_finds_no_error) {
   with_trees.labels = labelled.labels, with_trees.classes = labelled.classes;
   (void)io::write_tile_glb(own, with_trees);
   for (const SurfaceMaterial material : {SurfaceMaterial::asphalt, SurfaceMaterial::verge, SurfaceMaterial::foliage})
-    io::write_material(own, material, grey);
+    io::write_material(own, material, io::encode_material(material, grey));
   SceneTile untextured = small_tile();
   untextured.row = 8;
   untextured.texture_rgb = {};

@@ -154,7 +154,7 @@ def shared_build(args, out, nodes, lost):
         build = subprocess.Popen([DRIVER, args.site.resolve(), out, str(nodes)], env=environment, stdout=log, stderr=subprocess.STDOUT)
         killed = 0
         if lost:
-            while build.poll() is None and len(list(out.glob(".orthodrive/cells/segment-*/[0-9]*/cell.bin"))) < 3:
+            while build.poll() is None and len(list(out.glob(".orthodrive/cells/segment-*/cells/[0-9]*/cell.bin"))) < 3:
                 time.sleep(0.2)
             if job_of(environment, lost) != (0 if lost == "node1" else 1):
                 sys.exit("cluster: Slurm gave the jobs to the nodes in another order; run again")

@@ -5,7 +5,7 @@
 
 A left-out model is trained by models/experiments/left_out.toml, a branch for the map by left_out_map.toml, both with --leave-out REGION
 (or several), and measured on all of that region: by the photo alone, or with the map. `before`: the model given by --before, which they
-started from, by the photo alone. What is not given keeps its last values from bench/results/regions.json. Needs ../shared/data; makes
+started from, by the photo alone; none for a training that started without one. What is not given keeps its last values from bench/results/regions.json. Needs ../shared/data; makes
 the synthetic site and renders the painted pieces.
 """
 from measuring.common import *
@@ -46,9 +46,11 @@ def table(numbers):
     text += "\n" + header(["region left out, all of it: road IoU", "before", "left out, photo alone", "left out, with map", "stated of road with map", "right"])
     left = numbers["left_out"]
     for name in sorted(left):
-        text += row([name, *(percent(left[name][kind]["road_iou"]) for kind in kinds), *(percent(left[name]["with map"][k]) for k in ("road_stated", "road_right"))])
-    mean = [sum(by[kind]["road_iou"] for by in left.values()) / len(left) for kind in kinds] if left else [None] * 3
-    return text + row(["mean", *map(percent, mean), "", ""])
+        text += row([name, *(percent(left[name][kind]["road_iou"]) if kind in left[name] else "-" for kind in kinds),
+                     *(percent(left[name]["with map"][k]) for k in ("road_stated", "road_right"))])
+    means = ["-" if not left or any(kind not in by for by in left.values()) else percent(sum(by[kind]["road_iou"] for by in left.values()) / len(left))
+             for kind in kinds]
+    return text + row(["mean", *means, "", ""])
 
 
 def run(args):
@@ -60,12 +62,11 @@ def run(args):
         for name, model in args.model:
             numbers["models"][name] = scores(tool, ROOT / "models/regions.toml", model)
             write_results(STORE, numbers)
-        if args.left_out and not args.before:
-            sys.exit("regions: --left-out needs --before, the model that it started from")
         for region, model in args.left_out:
             experiment, words = ROOT / "models/experiments/left_out_map.toml", ("--leave-out", region, "--set", region)
             after, of_region = scores(tool, experiment, model, *words), numbers["left_out"].setdefault(region, {})
-            of_region["before"] = scores(tool, experiment, args.before, *words)[region]
+            if args.before:
+                of_region["before"] = scores(tool, experiment, args.before, *words)[region]
             seen = region + WITH_MAP
             of_region["left out"] = after[region]
             if seen in after:

@@ -459,17 +459,26 @@ std::string material_file(SurfaceMaterial material, std::string_view picture) {
   return fmt::format("materials/{}_{}.{}", to_string(material), picture, has_color_alone(material) ? "png" : "jpg");
 }
 
-void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const SurfaceTexture& texture) {
-  const auto write = [&](std::string_view picture, const Raster<std::uint8_t>& rgb) {
-    const std::filesystem::path file = folder / material_file(material, picture);
-    std::filesystem::create_directories(file.parent_path());
+MaterialPictures encode_material(SurfaceMaterial material, const SurfaceTexture& texture) {
+  MaterialPictures pictures;
+  const auto add = [&](const Raster<std::uint8_t>& rgb) {
     const auto bytes = encode_picture(rgb);
-    write_text_file(file, std::string(bytes.begin(), bytes.end()));
+    pictures.emplace_back(bytes.begin(), bytes.end());
   };
-  write("color", texture.color);
-  if (has_color_alone(material)) return;
-  write("normal", texture.normal_rgb);
-  write("roughness", texture.roughness);
+  add(texture.color);
+  if (has_color_alone(material)) return pictures;
+  add(texture.normal_rgb);
+  add(texture.roughness);
+  return pictures;
+}
+
+void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const MaterialPictures& pictures) {
+  constexpr std::array<std::string_view, 3> names = {"color", "normal", "roughness"};
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::filesystem::path file = folder / material_file(material, names.at(i));
+    std::filesystem::create_directories(file.parent_path());
+    write_text_file(file, pictures[i]);
+  }
 }
 
 }  // namespace orthodrive::io

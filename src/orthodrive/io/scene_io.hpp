@@ -35,6 +35,9 @@ void write_area_glb(const std::filesystem::path& file, std::span<const SceneTile
 
 /// Where write_material() puts a picture of a material ("color", "normal", "roughness"), relative to the folder.
 [[nodiscard]] std::string material_file(SurfaceMaterial material, std::string_view picture);
-void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const SurfaceTexture& texture);
+/// The bytes of these pictures, in that order; of leaves the colour alone.
+using MaterialPictures = std::vector<std::string>;
+[[nodiscard]] MaterialPictures encode_material(SurfaceMaterial material, const SurfaceTexture& texture);
+void write_material(const std::filesystem::path& folder, SurfaceMaterial material, const MaterialPictures& pictures);
 
 }  // namespace orthodrive::io

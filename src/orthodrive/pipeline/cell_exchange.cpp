@@ -17,7 +17,6 @@ using namespace std::chrono_literals;
 
 constexpr auto sign_every = 1s, silence_of_the_lost = 10s;
 constexpr auto shortest_pause = 5ms, longest_pause = 200ms;
-constexpr const char* cells = "cells";  // claimed like the blocks of a loop of this name
 
 fs::path sign_file(const CellStore& store, const std::string& process) {
   return store.folder().parent_path() / fmt::format("alive-{}", process);
@@ -110,18 +109,18 @@ void CellExchange::keep(const std::string& loop, std::size_t block, const std::s
   if (role_) CellFolder(store_.part(loop), block).commit(bytes);
 }
 
-std::optional<std::string> CellExchange::take_cell(std::size_t cell) {
-  std::optional<std::string> bytes = store_.load(cell);
+std::optional<std::string> CellExchange::take(const std::string& loop, std::size_t block) {
+  std::optional<std::string> bytes = load(loop, block);
   if (bytes || !role_) return bytes;
   std::chrono::milliseconds pause = shortest_pause;
-  while (const std::optional<std::string> maker = claim(cells, cell)) {
+  while (const std::optional<std::string> maker = claim(loop, block)) {
     throw_if_stopped();
-    if ((bytes = store_.load(cell))) return bytes;
+    if ((bytes = load(loop, block))) return bytes;
     if (!lost_of({*maker}).empty()) continue;
     std::this_thread::sleep_for(pause);
     pause = std::min<std::chrono::milliseconds>(pause * 2, longest_pause);
   }
-  return store_.load(cell);  // made just before this process claimed it, or nothing
+  return load(loop, block);  // made just before this process claimed it, or nothing
 }
 
 std::optional<std::size_t> CellExchange::next_cell(std::size_t count) {
@@ -133,7 +132,7 @@ std::optional<std::size_t> CellExchange::next_cell(std::size_t count) {
       if (looked_at_ == count) return std::nullopt;
       cell = (first + looked_at_++) % count;
     }
-    if (!store_.has(cell) && !claim(cells, cell)) return cell;
+    if (!store(cells).has(cell) && !claim(cells, cell)) return cell;
   }
 }
 

@@ -37,12 +37,15 @@ class CellExchange : public LoopExchange {
   void keep(const std::string& loop, std::size_t block, const std::string& bytes) override;
   [[nodiscard]] double first_share() const override { return first_share_; }
 
-  /// For the process that builds: what another one has made of a cell; waits where one says that it makes it. Nothing:
+  /// The loop whose blocks are the cells of a stage.
+  static constexpr const char* cells = "cells";
+  /// For the process that builds: what another one has made of a block; waits where one says that it makes it. Nothing:
   /// the caller makes it. From any thread.
-  [[nodiscard]] std::optional<std::string> take_cell(std::size_t cell);
+  [[nodiscard]] std::optional<std::string> take(const std::string& loop, std::size_t block);
   /// For those that help: the next cell that nobody has made or makes. From any thread. Throws StageIsMade.
   [[nodiscard]] std::optional<std::size_t> next_cell(std::size_t count);
-  [[nodiscard]] const CellStore& store() const { return store_; }
+  /// Where the blocks of a loop lie.
+  [[nodiscard]] CellStore store(const std::string& loop) const { return store_.part(loop); }
 
  private:
   class SignOfLife;

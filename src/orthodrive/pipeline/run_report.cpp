@@ -40,8 +40,9 @@ StageOutcome run_report(SiteBuild& build, const std::vector<StageRecord>& record
   const PhotoSource photo = io::open_photo(site.photos, site.frame, {.threads = threads});
   const Box2 box = photo.frame.bounds();
   const double overview_gsd_m = std::max(box.width(), box.height()) / report_overview_px;
-  const Photo overview = io::read_photo(site.photos, site.frame,
-                                        {.gsd_m = std::max(photo.frame.gsd_m, overview_gsd_m), .threads = threads});
+  const Photo overview =
+      io::read_photo(site.photos, site.frame,
+                     {.gsd_m = std::max(photo.frame.gsd_m, overview_gsd_m), .threads = threads, .overviews = true});
   const SiteReportView view{
       .name = site.name,
       .area = site.frame.area,

@@ -188,6 +188,37 @@ std::string cell_bytes(const TileList& tiles, const std::string& scene) {
   return writer.take();
 }
 
+io::MaterialPictures make_material(SurfaceMaterial material) {
+  return io::encode_material(material, scene::make_surface_texture(material));
+}
+
+constexpr const char* materials_loop = "materials";  // what the helpers make of it when there are no cells left
+
+/// As another process has left them, or made now.
+io::MaterialPictures material_pictures(SurfaceMaterial material, CellExchange* exchange) {
+  const auto number = static_cast<std::size_t>(material);
+  const std::optional<std::string> bytes = exchange ? exchange->take(materials_loop, number) : std::nullopt;
+  if (!bytes) return make_material(material);
+  io::MaterialPictures pictures;
+  ByteReader reader(*bytes, "pictures of a material");
+  reader(pictures);
+  reader.finish();
+  return pictures;
+}
+
+/// Of those materials that nobody has made or makes, last ones first: the process that builds begins with the first.
+void help_with_materials(const std::set<SurfaceMaterial>& materials, CellExchange& exchange) {
+  for (auto material = materials.rbegin(); material != materials.rend(); ++material) {
+    const auto number = static_cast<std::size_t>(*material);
+    if (*material == SurfaceMaterial::photo || exchange.load(materials_loop, number) ||
+        exchange.claim(materials_loop, number))
+      continue;
+    ByteWriter writer;
+    writer(make_material(*material));
+    exchange.keep(materials_loop, number, writer.take());
+  }
+}
+
 /// Where the tiles of a scene are written.
 class TileFolder {
  public:
@@ -203,9 +234,9 @@ class TileFolder {
   }
   /// The tiles of a cell that another process has made. Returns what the scene needs of it.
   std::optional<std::string> take(CellExchange& exchange, std::size_t cell) {
-    const std::optional<std::string> bytes = exchange.take_cell(cell);
+    const std::optional<std::string> bytes = exchange.take(CellExchange::cells, cell);
     if (!bytes) return std::nullopt;
-    const CellStore& store = exchange.store();
+    const CellStore store = exchange.store(CellExchange::cells);
     const std::string name = store.folder(cell).string();
     std::string list, scene;
     ByteReader reader(*bytes, name);
@@ -225,11 +256,11 @@ class TileFolder {
     return scene;
   }
   [[nodiscard]] bool empty() const { return tiles_.entries().empty(); }
-  void finish(const Crs& crs, Vec3 origin, int threads, Findings& findings) {
+  void finish(const Crs& crs, Vec3 origin, int threads, CellExchange* exchange, Findings& findings) {
     std::vector<SurfaceMaterial> materials = tiles_.materials();
     std::erase(materials, SurfaceMaterial::photo);
     parallel_for(materials.size(), threads, [&](std::size_t i) {
-      io::write_material(folder_.path(), materials[i], scene::make_surface_texture(materials[i]));
+      io::write_material(folder_.path(), materials[i], material_pictures(materials[i], exchange));
     });
     io::write_tileset(folder_.path(), tiles_.entries(), crs, origin, findings);
     folder_.commit();
@@ -255,16 +286,22 @@ void help_scene(const SceneFiles& files, const RunSceneOptions& options, StageCo
   CellExchange& exchange = *context.exchange;
   std::optional<CellFolder> folder;
   std::optional<TileList> tiles;
-  const CellSink sink{.begin = [&](std::size_t cell) { folder.emplace(exchange.store(), cell), tiles.emplace(); },
-                      .write =
-                          [&](const SceneTile& tile) {
-                            tiles->add(tile, io::write_tile_glb(folder->folder(), tile, options.files),
-                                       !files.picture.empty());
-                          },
-                      .finish = [&](const std::string& scene) { folder->commit(cell_bytes(*tiles, scene)); }};
+  std::set<SurfaceMaterial> materials;
+  const CellSink sink{
+      .begin = [&](std::size_t cell) { folder.emplace(exchange.store(CellExchange::cells), cell), tiles.emplace(); },
+      .write =
+          [&](const SceneTile& tile) {
+            tiles->add(tile, io::write_tile_glb(folder->folder(), tile, options.files), !files.picture.empty());
+          },
+      .finish =
+          [&](const std::string& scene) {
+            folder->commit(cell_bytes(*tiles, scene));
+            for (const SurfaceMaterial material : tiles->materials()) materials.insert(material);
+          }};
   build_scene_cells(
       inputs.source(inputs.placed.site.area), [&](std::size_t cells) { return exchange.next_cell(cells); }, sink,
       scene_options(options, context));
+  help_with_materials(materials, exchange);
 }
 
 StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, StageContext& context) {
@@ -280,7 +317,7 @@ StageOutcome run_scene(const SceneFiles& files, const RunSceneOptions& options, 
   if (folder.empty())
     throw InputError(names_of(files.photos),
                      "shows no ground that a tile could be made of; check the area and the terrain model");
-  folder.finish(site.crs, scene.origin, context.threads, findings);
+  folder.finish(site.crs, scene.origin, context.threads, context.exchange, findings);
   if (!files.terrain_grid.empty()) {
     const HeightSource heights = inputs.heights();
     HeightGrid filled{heights.crs, heights.frame, heights.read(pixels_of(heights.frame)), {}};

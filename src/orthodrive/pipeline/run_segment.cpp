@@ -149,7 +149,9 @@ void help_segment(const SegmentFiles& files, const RunSegmentOptions& options, S
   CellExchange& exchange = *context.exchange;
   segment_windows(
       in.photo, in.model, [&](std::size_t windows) { return exchange.next_cell(windows); },
-      [&](std::size_t window, const std::string& bytes) { CellFolder(exchange.store(), window).commit(bytes); },
+      [&](std::size_t window, const std::string& bytes) {
+        CellFolder(exchange.store(CellExchange::cells), window).commit(bytes);
+      },
       in.options(), context.monitor);
 }
 
@@ -169,7 +171,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
   }
   SegmentOptions segment = in.options();
   if (context.exchange && !options.adapt)  // a network that adapts learns from all of the site first
-    segment.made = [&](std::size_t window) { return context.exchange->take_cell(window); };
+    segment.made = [&](std::size_t window) { return context.exchange->take(CellExchange::cells, window); };
   const GridFrame frame = label_frame(in.photo.frame, in.model);
   LabelStreams streams(files, in.photo.crs, frame, in.model.classes);
   SegmentSummary segmented = segment_mosaic(
