@@ -243,6 +243,11 @@ TEST_F(OddData, terrain_over_two_datums_or_none_is_told) {
       .expect_finding("terrain.datums_differ", "heights of rh2000.tif are over Rikets hojdsystem 2000");
   drive(true_roads(), {fine, site_ / "dtm_10m.tif"})
       .expect_finding("terrain.datum_not_named", "dtm_10m.tif: no vertical datum is named");
+  const fs::path told = scratch_ / "told.tif";  // as `fetch` leaves what its table names
+  ASSERT_EQ(run_program({"/usr/bin/gdal_translate", "-q", "-mo", "VERTICAL_DATUM=Bpv", site_ / "dtm_10m.tif", told})
+                .exit_code,
+            0);
+  drive(true_roads(), {fine, told}).expect_finding("terrain.datums_differ", "heights of told.tif are over Bpv");
 }
 
 TEST_F(OddData, terrain_that_says_it_is_in_feet_becomes_metres) {

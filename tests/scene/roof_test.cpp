@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
+#include <vector>
 
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/geo/overlay.hpp"
@@ -322,6 +324,44 @@ INSTANTIATE_TEST_SUITE_P(Roof, EveryRoofShape,
                                          RoofShape::gambrel, RoofShape::mansard, RoofShape::saltbox, RoofShape::round,
                                          RoofShape::dome, RoofShape::onion),
                          [](const auto& info) { return "shape_" + std::to_string(static_cast<int>(info.param)); });
+
+/// A house of Pardubice whose skeleton has many events at one time: CGAL takes them in the order of addresses.
+TEST(Roof, of_a_symmetric_footprint_depends_on_no_address) {
+  const Polygon footprint{{{-7.955078125, -2.65234375},
+                           {-4.4189453125, -6.1875},
+                           {-2.6513671875, -4.419921875},
+                           {-0.8837890625, -6.1875},
+                           {0.8837890625, -4.419921875},
+                           {2.6513671875, -6.1875},
+                           {7.955078125, -0.884765625},
+                           {6.1875, 0.8837890625},
+                           {7.955078125, 2.6513671875},
+                           {4.419921875, 6.1865234375},
+                           {2.6513671875, 4.4189453125},
+                           {0.8837890625, 6.1865234375},
+                           {-0.8837890625, 4.4189453125},
+                           {-2.6513671875, 6.1865234375},
+                           {-7.955078125, 0.8837890625},
+                           {-6.1875, -0.884765625}},
+                          {}};
+  const RoofWish wish{.shape = RoofShape::hipped, .max_rise_m = 2.8};
+  const Roof expected = make_roof(footprint, wish);
+  ASSERT_EQ(expected.shape, RoofShape::hipped);
+  Random random(3);
+  std::vector<std::unique_ptr<char[]>> between;
+  for (int i = 0; i < 300; ++i) {
+    between.push_back(std::make_unique<char[]>(static_cast<std::size_t>(random.uniform(1.0, 3000.0))));
+    if (i % 3 == 0) between.erase(between.begin() + static_cast<std::ptrdiff_t>(between.size() / 2));
+    const Roof roof = make_roof(footprint, wish);
+    ASSERT_EQ(roof.rise_m, expected.rise_m);
+    ASSERT_EQ(roof.slopes.size(), expected.slopes.size());
+    for (std::size_t k = 0; k < roof.slopes.size(); ++k)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3 a = roof.slopes[k][c], b = expected.slopes[k][c];
+        ASSERT_TRUE(a.x == b.x && a.y == b.y && a.z == b.z) << "roof " << i << ", slope " << k;
+      }
+  }
+}
 
 }  // namespace
 }  // namespace orthodrive::scene

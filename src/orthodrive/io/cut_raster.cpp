@@ -156,6 +156,7 @@ CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& sit
   if (!options.vertical_unit.empty())
     for (int b = 1; b <= part->GetRasterCount(); ++b)
       part->GetRasterBand(b)->SetUnitType(options.vertical_unit.c_str());
+  if (!options.vertical_datum.empty()) part->SetMetadataItem(vertical_datum_item, options.vertical_datum.c_str());
   int has_nodata = 0;
   (void)part->GetRasterBand(1)->GetNoDataValue(&has_nodata);
   try {

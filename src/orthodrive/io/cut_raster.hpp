@@ -10,10 +10,11 @@
 namespace orthodrive::io {
 
 struct CutRasterOptions {
-  double margin_m = 100.0;    ///< around the area
-  double gsd_m = 0.0;         ///< 0 or finer than the raster: its own pixels
-  std::string vertical_unit;  ///< of heights, "m", "ft" or "us-ft": where the raster does not say it
-  int attempts = 8;           ///< of a request to a server
+  double margin_m = 100.0;     ///< around the area
+  double gsd_m = 0.0;          ///< 0 or finer than the raster: its own pixels
+  std::string vertical_unit;   ///< of heights, "m", "ft" or "us-ft": where the raster does not say it
+  std::string vertical_datum;  ///< kept in the file, read_dtms() tells it; empty: not known
+  int attempts = 8;            ///< of a request to a server
   double stall_s = 30.0;
 };
 struct CutRaster {

@@ -147,8 +147,10 @@ void to_plausible_metres(double unit_m, Raster<float>& heights) {
     z = z > lowest && z < highest ? static_cast<float>(unit_m * static_cast<double>(z)) : no_height;
 }
 
-std::string vertical_datum_of(const OGRSpatialReference& reference) {
+/// Of the CRS; else as cut_raster() was told.
+std::string vertical_datum_of(const OGRSpatialReference& reference, GDALDataset& dtm) {
   const char* name = reference.GetAttrValue("VERT_DATUM");
+  if (!name) name = dtm.GetMetadataItem(vertical_datum_item);
   return name ? name : "";
 }
 }  // namespace
@@ -164,7 +166,7 @@ HeightGrid read_heights(const fs::path& path, const Crs& crs, const Box2& box) {
                         : warp_window(path, dtm, crs, box, pixel_size(g, dtm.GetRasterXSize(), dtm.GetRasterYSize()));
   to_plausible_metres(height_unit_m(*source->GetRasterBand(1), g.reference), grid.height_m);
   grid.crs = crs;
-  grid.vertical_datum = vertical_datum_of(g.reference);
+  grid.vertical_datum = vertical_datum_of(g.reference, *source);
   return grid;
 }
 

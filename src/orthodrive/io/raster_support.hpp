@@ -13,6 +13,9 @@
 
 namespace orthodrive::io {
 
+/// Metadata of a raster of heights: their datum, where its CRS names none.
+inline constexpr const char* vertical_datum_item = "VERTICAL_DATUM";
+
 /// x = c[0] + col c[1] + row c[2], y = c[3] + col c[4] + row c[5], as GDAL has it.
 struct Georeference {
   double c[6] = {0, 1, 0, 0, 0, 1};

@@ -399,7 +399,7 @@ BuildStage scene_stage(SiteBuild& build) {
                          .picture = build.out_dir / ".orthodrive/scene_tile.png"};
   const RunSceneOptions options{.site = site.frame};
   return {.name = "scene",
-          .version = 1,
+          .version = 2,
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"dtm", site.dtm, SourceRole::Kind::raster},
                       {"buildings", buildings},

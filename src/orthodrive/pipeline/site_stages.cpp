@@ -34,12 +34,16 @@ StageDependencies dependencies_of(const BuildStage& stage, const WatchedSources&
 bool is_reported(const fs::path& out_dir, const std::vector<BuildStage>& stages, const StageCache& cache) {
   std::ifstream in(out_dir / "run.json");
   const json run = json::parse(in, nullptr, false);
-  if (!run.is_object() || !run.contains("stages")) return false;
-  return std::ranges::all_of(stages, [&](const BuildStage& stage) {
-    return std::ranges::any_of(run.at("stages"), [&](const json& told) {
-      return told.value("stage", "") == stage.name && told.value("key", "") == cache.load(stage.name).key;
-    });
-  });
+  const auto tells_of = [&](const BuildStage& stage) {
+    const std::string key = cache.load(stage.name).key;
+    return std::ranges::any_of(
+        run.at("stages"), [&](const json& told) { return told.at("stage") == stage.name && told.at("key") == key; });
+  };
+  try {
+    return std::ranges::all_of(stages, tells_of);
+  } catch (const json::exception&) {
+    return false;
+  }
 }
 
 }  // namespace orthodrive

@@ -36,6 +36,7 @@ FetchOutcome fetch_raster(const FetchJob& job, SourceRecord& record) {
   const io::CutRaster cut = io::cut_raster(names, job.site, job.source.to,
                                            {.gsd_m = job.source.resolution_m,
                                             .vertical_unit = job.source.vertical_unit,
+                                            .vertical_datum = job.source.vertical_datum,
                                             .attempts = job.options.http.attempts,
                                             .stall_s = job.options.http.stall_s});
   record.crs = cut.crs.definition.size() < 100 ? cut.crs.definition : "", record.resolution_m = cut.gsd_m;

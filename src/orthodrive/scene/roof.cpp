@@ -3,13 +3,16 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/create_straight_skeleton_2.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "orthodrive/geo/narrowest_rectangle.hpp"
@@ -362,6 +365,40 @@ std::map<int, int> joined_nodes(const Skeleton& skeleton) {
   return joined;
 }
 
+/// The line through an edge of the footprint: dot(inwards, p) - beyond is the distance from it.
+struct EdgeLine {
+  Vec2 inwards;
+  double beyond_m = 0.0;
+  friend auto operator<=>(const EdgeLine& a, const EdgeLine& b) {
+    return std::tie(a.inwards.x, a.inwards.y, a.beyond_m) <=> std::tie(b.inwards.x, b.inwards.y, b.beyond_m);
+  }
+};
+
+/// A node of the skeleton: what lies as far from all these edges.
+struct SkeletonNode {
+  Vec2 p;
+  double distance_m = 0.0;
+  std::set<EdgeLine> edges{};
+};
+
+/// Which of several events at one time comes first is left to chance in CGAL (5.5: in the order of addresses), and with
+/// it the last digits of the node that they make. The same node by least squares over all of its edges, sorted, has no
+/// chance in it. What edges in nearly one line leave open stays as it is.
+void settle(SkeletonNode& node) {
+  constexpr double most_m = 0.005;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const EdgeLine& edge : node.edges) {
+    const Eigen::Vector3d row(edge.inwards.x, edge.inwards.y, -1.0);
+    normal += row * row.transpose();
+    right += edge.beyond_m * row;
+  }
+  const Eigen::Vector3d found = normal.ldlt().solve(right);
+  const Vec2 p{found.x(), found.y()};
+  if (!(distance(p, node.p) < most_m) || !(std::abs(found.z() - node.distance_m) < most_m)) return;
+  node.p = p, node.distance_m = found.z();
+}
+
 Roof hipped_roof(const Polygon& footprint, const RoofWish& wish) {
   const auto cgal_ring = [](const Ring& ring) {
     std::vector<Kernel::Point_2> points;
@@ -374,22 +411,38 @@ Roof hipped_roof(const Polygon& footprint, const RoofWish& wish) {
   const auto skeleton =
       CGAL::create_interior_straight_skeleton_2(outer.begin(), outer.end(), holes.begin(), holes.end(), Kernel());
   if (!skeleton) return flat_roof(footprint);
-  double rise_m = 0.0;
-  for (auto v = skeleton->vertices_begin(); v != skeleton->vertices_end(); ++v) rise_m = std::max(rise_m, v->time());
-  if (!(rise_m > 0.0)) return flat_roof(footprint);
-  const double pitch = rise_of(wish, rise_m * wish.pitch) / rise_m;
   const std::map<int, int> joined = joined_nodes(*skeleton);
-  std::map<int, std::uint32_t> points;
-  Raised raised;
+  std::map<int, SkeletonNode> nodes;
   for (auto v = skeleton->vertices_begin(); v != skeleton->vertices_end(); ++v)
     if (joined.at(v->id()) == v->id())
-      points[v->id()] = raised.add(snap_to_grid({v->point().x(), v->point().y()}), v->time() * pitch);
+      nodes[v->id()] = {.p = {v->point().x(), v->point().y()}, .distance_m = v->time()};
+  const auto vec = [](const auto& vertex) { return Vec2{vertex->point().x(), vertex->point().y()}; };
+  for (auto h = skeleton->halfedges_begin(); h != skeleton->halfedges_end(); ++h) {
+    if (h->is_border() || h->vertex()->is_contour()) continue;
+    const auto edge = h->defining_contour_edge();
+    const Vec2 a = vec(edge->opposite()->vertex()), inwards = left_normal(normalized(vec(edge->vertex()) - a));
+    nodes.at(joined.at(h->vertex()->id())).edges.insert({inwards, dot(inwards, a)});
+  }
+  double highest_m = 0.0;
+  for (auto& [id, node] : nodes) {
+    if (!node.edges.empty()) settle(node);
+    highest_m = std::max(highest_m, node.distance_m);
+  }
+  if (!(highest_m > 0.0)) return flat_roof(footprint);
+  const double pitch = rise_of(wish, highest_m * wish.pitch) / highest_m;
+  std::vector<std::pair<std::array<double, 3>, int>> in_order;  // ids are given by chance, too
+  for (const auto& [id, node] : nodes) in_order.push_back({{node.p.x, node.p.y, node.distance_m}, id});
+  std::ranges::sort(in_order);
+  std::map<int, std::uint32_t> points;
+  Raised raised;
+  for (const auto& [at, id] : in_order) points[id] = raised.add(snap_to_grid({at[0], at[1]}), at[2] * pitch);
   for (auto h = skeleton->halfedges_begin(); h != skeleton->halfedges_end(); ++h) {
     if (h->id() > h->opposite()->id()) continue;
     const std::uint32_t from = points.at(joined.at(h->opposite()->vertex()->id()));
     const std::uint32_t to = points.at(joined.at(h->vertex()->id()));
-    if (from != to) raised.lines.push_back({from, to});
+    if (from != to) raised.lines.push_back({std::min(from, to), std::max(from, to)});
   }
+  std::ranges::sort(raised.lines);
   Roof roof{.shape = RoofShape::hipped, .slopes = slopes_between(raised, footprint)};
   const auto highest = std::ranges::max_element(raised.heights_m);
   const Vec2 top = raised.points[static_cast<std::size_t>(highest - raised.heights_m.begin())];
