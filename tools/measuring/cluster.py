@@ -57,6 +57,7 @@ def add_arguments(parser):
     add_table(parser)
     parser.add_argument("--site", type=pathlib.Path, default=ROOT / "sites/kvarnbyn.toml")
     parser.add_argument("--name", help="of the site in the table; its file's otherwise")
+    parser.add_argument("--without-alone", action="store_true", help="leave out the build without Slurm: files are compared with those of one node")
     parser.add_argument("--without-loss", action="store_true", help="leave out the builds that lose a node")
 
 
@@ -171,16 +172,18 @@ def run(args):
             if not shutil.which(program):
                 sys.exit(f"cluster: needs {program} (tools/setup --peers)")
         args.out.mkdir(parents=True, exist_ok=True)
-        tool, alone = Tool(args.tool), args.out / "alone"
+        tool, alone, expected = Tool(args.tool), args.out / "alone", None
         shutil.rmtree(alone, ignore_errors=True)
         of_site = numbers[args.name or args.site.stem] = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1)}
-        of_site["alone"] = {"seconds": tool.timed("--threads", 1, "build", args.site, "-o", alone)}
-        expected = digests(alone)
+        if not args.without_alone:
+            of_site["alone"] = {"seconds": tool.timed("--threads", 1, "build", args.site, "-o", alone)}
+            expected = digests(alone)
         for name, (nodes, lost) in CASES.items():
             if lost and args.without_loss:
                 continue
             result = shared_build(args, args.out / name.replace(" ", "_").replace(",", ""), nodes, lost)
             found = result.pop("digests")
+            expected = expected or found
             result["files"], result["different"] = len(expected), sum(found.get(f) != d for f, d in expected.items()) + len(found.keys() - expected.keys())
             of_site[name] = result
             print(name, result, flush=True)
@@ -191,7 +194,8 @@ def run(args):
 def table(numbers):
     text = header(["site", "built by", "seconds", "times one node", "files that differ", "load before", "commit"])
     for site, of_site in numbers.items():
-        text += row([site, "`build`, one thread, without Slurm", fixed(of_site["alone"]["seconds"], 1), "", "", of_site["load"], of_site["commit"]])
+        alone = of_site.get("alone", {}).get("seconds")
+        text += row([site, "`build`, one thread, without Slurm", fixed(alone, 1), "", "", of_site["load"], of_site["commit"]])
         for name in CASES:
             if n := of_site.get(name):
                 text += row(["", name, fixed(n["seconds"], 1), fixed(of_site["one node"]["seconds"] / n["seconds"]), f"{n['different']} of {n['files']}", "", ""])

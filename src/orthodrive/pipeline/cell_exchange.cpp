@@ -124,13 +124,12 @@ std::optional<std::string> CellExchange::take(const std::string& loop, std::size
 }
 
 std::optional<std::size_t> CellExchange::next_cell(std::size_t count) {
-  const auto first = static_cast<std::size_t>(first_share_ * static_cast<double>(count));
   while (true) {
     std::size_t cell = 0;
     {
       const std::lock_guard lock(mutex_);
       if (looked_at_ == count) return std::nullopt;
-      cell = (first + looked_at_++) % count;
+      cell = count - ++looked_at_;
     }
     if (!store(cells).has(cell) && !claim(cells, cell)) return cell;
   }

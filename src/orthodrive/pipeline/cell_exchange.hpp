@@ -42,7 +42,9 @@ class CellExchange : public LoopExchange {
   /// For the process that builds: what another one has made of a block; waits where one says that it makes it. Nothing:
   /// the caller makes it. From any thread.
   [[nodiscard]] std::optional<std::string> take(const std::string& loop, std::size_t block);
-  /// For those that help: the next cell that nobody has made or makes. From any thread. Throws StageIsMade.
+  /// For those that help: the last cell that nobody has made or makes. The one that builds takes them in their order,
+  /// so that they meet once; where all went one way, it would wait for each cell that a helper has just begun. From any
+  /// thread. Throws StageIsMade.
   [[nodiscard]] std::optional<std::size_t> next_cell(std::size_t count);
   /// Where the blocks of a loop lie.
   [[nodiscard]] CellStore store(const std::string& loop) const { return store_.part(loop); }
