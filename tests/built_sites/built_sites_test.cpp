@@ -43,7 +43,7 @@ TEST_P(BuiltSite, has_every_file_and_a_record_of_every_stage) {
     EXPECT_GT(stage.at("seconds").get<double>(), 0.0) << stages.back();
     EXPECT_GT(stage.at("peak_memory_bytes").get<double>(), 1e6) << stages.back();
   }
-  EXPECT_EQ(stages, (std::vector<std::string>{"segment", "refine", "elevate", "network", "scene", "drive", "report"}));
+  EXPECT_EQ(stages, (std::vector<std::string>{"segment", "refine", "elevate", "network", "drive", "scene", "report"}));
   for (const char* role : {"photo", "osm", "dtm", "model"}) EXPECT_FALSE(run.at("inputs").at(role).empty()) << role;
   const json findings = json::parse(bytes_of(folder / "findings.geojson"));
   EXPECT_EQ(findings.at("type"), "FeatureCollection");

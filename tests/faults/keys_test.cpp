@@ -34,7 +34,7 @@ TEST(Keys, each_option_and_source_reruns_what_depends_on_it) {
   const fs::path before_map = paths::in_source("models/training/two_towns.safetensors");
   struct Change {
     Arguments settings;
-    const char* expected;  // segment refine elevate network scene drive
+    const char* expected;  // segment refine elevate network drive scene
     const char* said;
   };
   for (const Change& c : std::vector<Change>{
@@ -47,18 +47,18 @@ TEST(Keys, each_option_and_source_reruns_what_depends_on_it) {
            {{"refine.weights=log.csv"}, "trdddd", "source refine_weights: log.csv is new"},
            {{"sources.gpx=more.osm"}, "trdddd", "source gpx: more.osm is new"},
            {{"elevate.sampling=bilinear"}, "ttrddd", "option elevate.sampling was \"cubic\", is \"bilinear\""},
-           {{"sources.dtm=['other.tif', 'dtm_1m.tif']"}, "ttrdrd", "source dtm: other.tif is new"},
+           {{"sources.dtm=['other.tif', 'dtm_1m.tif']"}, "ttrddr", "source dtm: other.tif is new"},
            {{"sources.drive_logs=log.csv"}, "ttrddd", "source drive_logs: log.csv is new"},
            {{"name=Other"}, "tttrdd", "option name was "},
            {{"network.weather=wet"}, "tttrdd", "option network.weather was \"dry\", is \"wet\""},
            {{"network.opendrive='1.8'"}, "tttrdd", "option network.opendrive was \"1.7\", is \"1.8\""},
            {{"network.opendrive='1.8'", "network.junction_grids=true"}, "tttrdd", "option network.junction_grids"},
            {{"network.crg=all"}, "tttrdd", "option network.crg"},
-           {{"sources.buildings=more.osm"}, "ttttrt", "source buildings: more.osm is new"},
-           {{"sources.trees=more.osm"}, "ttttrt", "source trees: more.osm is new"},
-           {{"sources.surroundings=more.osm"}, "ttttrt", "source surroundings: more.osm is new"},
-           {{"drive.route=Other"}, "tttttr", "option drive.route was \"Circuit\", is \"Other\""},
-           {{"area.bounds=[460010, 5270010, 460190, 5270190]"}, "rrrdrd", "option area changed"}}) {
+           {{"sources.buildings=more.osm"}, "tttttr", "source buildings: more.osm is new"},
+           {{"sources.trees=more.osm"}, "tttttr", "source trees: more.osm is new"},
+           {{"sources.surroundings=more.osm"}, "tttttr", "source surroundings: more.osm is new"},
+           {{"drive.route=Other"}, "ttttrt", "option drive.route was \"Circuit\", is \"Other\""},
+           {{"area.bounds=[460010, 5270010, 460190, 5270190]"}, "rrrddr", "option area changed"}}) {
     const auto before = snapshot(small.folder());
     const ToolRun run = explained(c.settings);
     EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -88,20 +88,20 @@ TEST(Keys, each_file_that_is_touched_reruns_what_reads_it) {
   };
   const auto create = [](const fs::path& file) { write_bytes(file, "<PAMDataset/>\n"); };
   for (const Change& c : std::vector<Change>{
-           {"site/roads.osm", grow, "rrrdrd", "source osm: roads.osm has other content"},
-           {"site/ortho.tif", edit, "rdddrd", "source photo: ortho.tif has other content"},
-           {"site/ortho.tif.aux.xml", create, "rdddrd", "source photo: ortho.tif.aux.xml is new"},
-           {"site/dtm_1m.tif", edit, "ttrdrd", "source dtm: dtm_1m.tif has other content"},
+           {"site/roads.osm", grow, "rrrddr", "source osm: roads.osm has other content"},
+           {"site/ortho.tif", edit, "rddddr", "source photo: ortho.tif has other content"},
+           {"site/ortho.tif.aux.xml", create, "rddddr", "source photo: ortho.tif.aux.xml is new"},
+           {"site/dtm_1m.tif", edit, "ttrddr", "source dtm: dtm_1m.tif has other content"},
            {"out/labels.tif", edit, "rddddd", "output labels.tif is not what it wrote"},
            {"out/.orthodrive/refined.gpkg", remove, "trdddd", "output .orthodrive/refined.gpkg is missing"},
            {"out/roads.gpkg", edit, "ttrddd", "output roads.gpkg is not what it wrote"},
            {"out/roads.xodr", remove, "tttrdd", "output roads.xodr is missing"},
-           {"out/scene/tileset.json", grow, "ttttrt", "output scene is not what it wrote"},
-           {"out/drive", remove, "tttttr", "output drive is missing"},
+           {"out/scene/tileset.json", grow, "tttttr", "output scene is not what it wrote"},
+           {"out/drive", remove, "ttttrt", "output drive is missing"},
            {"out/report.html", remove, "tttttt", ""},
            {"out/.orthodrive/network.json", remove, "tttrdd", "it has not run here"},
-           {"out/.orthodrive/scene.json", [](const fs::path& f) { truncate_to(f, 0.5); }, "ttttrt", "record"},
-           {"out/.orthodrive/scene.json", [](const fs::path& f) { write_bytes(f, "{\"depends\": 3}"); }, "ttttrt",
+           {"out/.orthodrive/scene.json", [](const fs::path& f) { truncate_to(f, 0.5); }, "tttttr", "record"},
+           {"out/.orthodrive/scene.json", [](const fs::path& f) { write_bytes(f, "{\"depends\": 3}"); }, "tttttr",
             "its record is damaged"},
            {"out/.orthodrive/hashes.json", [](const fs::path& f) { write_bytes(f, "[[]]"); }, "tttttt", ""}}) {
     const SmallBuild small;

@@ -68,12 +68,12 @@ TEST_F(Build, goes_on_where_it_was_and_repeats_only_what_changed) {
   const auto before = results("again");
   ASSERT_EQ(build("again").exit_code, 0);
   EXPECT_EQ(skipped_stages("again"),
-            (std::vector<std::string>{"segment", "refine", "elevate", "network", "scene", "drive"}));
+            (std::vector<std::string>{"segment", "refine", "elevate", "network", "drive", "scene"}));
 
   fs::remove(folder / "again" / ".orthodrive" / "elevate.json");  // as after a kill in that stage
   fs::remove(folder / "again" / "roads.gpkg");
   ASSERT_EQ(build("again").exit_code, 0);
-  EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine", "network", "scene", "drive"}));
+  EXPECT_EQ(skipped_stages("again"), (std::vector<std::string>{"segment", "refine", "network", "drive", "scene"}));
   EXPECT_TRUE(results("again") == before);
 
   ASSERT_EQ(build("again", {"--set", "elevate.sampling=bilinear"}).exit_code, 0);
@@ -223,7 +223,7 @@ TEST_F(Build, labels_see_the_map_where_the_model_does_and_move_roads) {
 TEST_F(Build, tells_what_became_of_an_adaptation) {
   fs::copy(folder / "first", folder / "adapted", fs::copy_options::recursive);
   ASSERT_EQ(build("adapted", {"--set", "segment.adapt=true"}).exit_code, 0);
-  EXPECT_EQ(skipped_stages("adapted"), (std::vector<std::string>{"refine", "elevate", "network", "scene", "drive"}))
+  EXPECT_EQ(skipped_stages("adapted"), (std::vector<std::string>{"refine", "elevate", "network", "drive", "scene"}))
       << "their inputs came out as before";
   EXPECT_EQ(bytes_of(folder / "adapted" / "labels.tif"), bytes_of(folder / "first" / "labels.tif"));
   const std::string findings = bytes_of(folder / "adapted" / "findings.geojson");

@@ -20,7 +20,7 @@ from measuring.common import *
 STORE, PAGE = "faults.json", PAGES / "faults.md"
 SITES = {"village": ["--preset", "village", "--seed", "7", "--size", "200", "--gsd", "0.5"],
          "circuit": ["--preset", "circuit", "--seed", "5", "--size", "500", "--gsd", "1"]}
-STAGES = ["segment", "refine", "elevate", "network", "scene", "drive", "report"]
+STAGES = ["segment", "refine", "elevate", "network", "drive", "scene", "report"]
 DISKS = 14  # sizes of a disk that fills up, evenly from nothing to what a build needs
 
 
