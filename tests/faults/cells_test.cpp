@@ -80,7 +80,7 @@ TEST_F(Cells, several_processes_make_the_bytes_of_one) {
   std::vector<pid_t> nodes;
   for (const int index : {0, 1, 2}) nodes.push_back(start_work(index, 3));
   std::size_t most_signs = 0;
-  while (!fs::exists(out() / "run.json") && kill(nodes[0], 0) == 0) {
+  for (int i = 0; i < 10000 && !fs::exists(out() / "run.json"); ++i) {
     std::size_t signs = 0;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(cells(), ignored))

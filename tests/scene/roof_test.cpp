@@ -325,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(Roof, EveryRoofShape,
                                          RoofShape::dome, RoofShape::onion),
                          [](const auto& info) { return "shape_" + std::to_string(static_cast<int>(info.param)); });
 
-/// A house of Pardubice whose skeleton has many events at one time: CGAL takes them in the order of addresses.
+/// A house of Pardubice whose skeleton has many events at one time: what CGAL makes of them depends on addresses.
 TEST(Roof, of_a_symmetric_footprint_depends_on_no_address) {
   const Polygon footprint{{{-7.955078125, -2.65234375},
                            {-4.4189453125, -6.1875},

@@ -71,12 +71,11 @@ std::optional<std::string> CellExchange::load(const std::string& loop, std::size
 std::optional<std::string> CellExchange::claim(const std::string& loop, std::size_t block) {
   if (!role_) return std::nullopt;
   if (role_ == Role::helps && store_.empty()) throw StageIsMade();
-  const fs::path folder = store_.part(loop).folder();
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed) throw Error(fmt::format("{}: cannot be created ({})", folder.string(), failed.message()));
+  const CellStore blocks = store_.part(loop);
+  blocks.open();
   for (int before = 0;; ++before) {
-    const fs::path link = folder / fmt::format("{}.claim-{}", block, before);
+    const fs::path link = blocks.folder() / fmt::format("{}.claim-{}", block, before);
+    std::error_code failed;
     fs::create_symlink(CellStore::this_process(), link, failed);
     if (!failed) return std::nullopt;
     std::error_code unread;

@@ -381,9 +381,9 @@ struct SkeletonNode {
   std::set<EdgeLine> edges{};
 };
 
-/// Which of several events at one time comes first is left to chance in CGAL (5.5: in the order of addresses), and with
-/// it the last digits of the node that they make. The same node by least squares over all of its edges, sorted, has no
-/// chance in it. What edges in nearly one line leave open stays as it is.
+/// Where several events come at one time, the last digits of the node that they make depend in CGAL on where its memory
+/// lies. The same node by least squares over all of its edges, sorted, does not. What edges in nearly one line leave
+/// open stays as it is.
 void settle(SkeletonNode& node) {
   constexpr double most_m = 0.005;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
