@@ -19,10 +19,10 @@ struct Arguments {
   SynthOptions options;
 };
 
-const std::map<std::string, Preset> presets{{"village", Preset::village},   {"circuit", Preset::circuit},
-                                            {"junction", Preset::junction}, {"region", Preset::region},
-                                            {"grid", Preset::grid},         {"lanes", Preset::lanes},
-                                            {"farmland", Preset::farmland}};
+const std::map<std::string, Preset> presets{
+    {"village", Preset::village}, {"circuit", Preset::circuit},         {"junction", Preset::junction},
+    {"region", Preset::region},   {"conurbation", Preset::conurbation}, {"grid", Preset::grid},
+    {"lanes", Preset::lanes},     {"farmland", Preset::farmland}};
 }  // namespace
 
 void add_synth(CLI::App& app, Context& context) {
@@ -47,12 +47,13 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->add_option("--textures", arguments->files.textures,
                   "folder with textures of real photos for its surfaces (tools/paint quilt)");
   CLI::Option* size =
-      cmd->add_option("--size", options.size_m,
-                      "edge of the site in metres, a multiple of 10 (region: 10000; track: as small as can be)")
+      cmd->add_option(
+             "--size", options.size_m,
+             "edge of the site in metres, a multiple of 10 (region, conurbation: 10000; track: as small as can be)")
           ->capture_default_str();
-  CLI::Option* gsd =
-      cmd->add_option("--gsd", options.gsd_m, "edge of a photo pixel in metres (region, track with a size: 0.5)")
-          ->capture_default_str();
+  CLI::Option* gsd = cmd->add_option("--gsd", options.gsd_m,
+                                     "edge of a photo pixel in metres (region, conurbation, track with a size: 0.5)")
+                         ->capture_default_str();
   cmd->add_option("--osm-offset-min", options.osm_offset_min_m, "least distance of OSM from the truth in metres")
       ->capture_default_str();
   cmd->add_option("--osm-offset-max", options.osm_offset_max_m, "largest distance of OSM from the truth in metres")
@@ -72,9 +73,11 @@ void add_synth(CLI::App& app, Context& context) {
       "500 --gsd 0.5 -o /tmp/small\n  orthodrive synth --preset region --size 5000 -o sites/region\n  orthodrive synth "
       "--preset lanes --world random --seed 5 --size 800 --gsd 0.4 -o sites/lanes\n  orthodrive synth "
       "--from-track track.csv --track-osm track.osm -o sites/track\n"
-      "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region and a track with a size are made tile by tile.");
+      "Needs 0.8 GB of memory for 1 km2 at 0.2 m; a region, a conurbation and a track with a size are made tile by "
+      "tile.");
   cmd->callback([arguments, size, gsd, track, &context] {
-    const bool is_track = track->count() > 0, is_region = !is_track && arguments->preset == "region";
+    const bool is_track = track->count() > 0;
+    const bool is_region = !is_track && made_by_tiles(presets.at(arguments->preset));
     if (is_track && size->count() > 0) arguments->files.track_size_m = arguments->options.size_m;
     if (is_region && size->count() == 0) arguments->options.size_m = 10000.0;
     if ((is_region || arguments->files.track_size_m > 0.0) && gsd->count() == 0) arguments->options.gsd_m = 0.5;

@@ -115,14 +115,35 @@ double least_gap_of_junctions_m(const SitePlan& plan) {
 struct PlanCase {
   double size_m = 0.0;
   std::uint64_t seed = 0;
+  SitePlan (*planned)(double, std::uint64_t) = plan_region;
 };
 class RegionPlans : public testing::TestWithParam<PlanCase> {
  protected:
-  const SitePlan plan = plan_region(GetParam().size_m, GetParam().seed);
+  const SitePlan plan = GetParam().planned(GetParam().size_m, GetParam().seed);
 };
-INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, RegionPlans,
-                         testing::Values(PlanCase{2000.0, 1}, PlanCase{2500.0, 2}, PlanCase{2990.0, 3},
-                                         PlanCase{4000.0, 4}, PlanCase{5000.0, 5}, PlanCase{6500.0, 6}));
+class CountryPlans : public RegionPlans {};
+const auto countries = testing::Values(PlanCase{2000.0, 1}, PlanCase{2500.0, 2}, PlanCase{2990.0, 3},
+                                       PlanCase{4000.0, 4}, PlanCase{5000.0, 5}, PlanCase{6500.0, 6});
+INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, RegionPlans, countries);
+INSTANTIATE_TEST_SUITE_P(SizesAndSeeds, CountryPlans, countries);
+INSTANTIATE_TEST_SUITE_P(Conurbations, RegionPlans,
+                         testing::Values(PlanCase{2000.0, 1, plan_conurbation}, PlanCase{2990.0, 2, plan_conurbation},
+                                         PlanCase{5000.0, 3, plan_conurbation}));
+
+/// In the site, a square kilometre.
+double km_of_road(const SitePlan& plan) {
+  const Box2 site{0.0, 0.0, plan.size_m, plan.size_m};
+  double road_m = 0.0;
+  for (const PlannedRoad& road : plan.roads)
+    for (const Vec2 p : sample(road.alignment, 1.0)) road_m += site.contains(p) ? 1.0 : 0.0;
+  return road_m / 1e3 / (plan.size_m * plan.size_m / 1e6);
+}
+
+// The build of Pardubice's 23 km2 has 325 km.
+TEST(ConurbationPlan, has_as_much_road_as_pardubice) {
+  for (const double size_m : {3160.0, 10000.0}) EXPECT_NEAR(km_of_road(plan_conurbation(size_m, 7)), 14.1, 1.0);
+  EXPECT_LT(km_of_road(plan_region(10000.0, 7)), 8.0);
+}
 
 TEST_P(RegionPlans, roads_are_curvature_continuous_and_all_connected) {
   for (const PlannedRoad& road : plan.roads) expect_continuous(road);
@@ -135,7 +156,7 @@ TEST_P(RegionPlans, no_roads_cross_without_a_junction_or_a_bridge) {
   EXPECT_GT(least_gap_of_junctions_m(plan), 20.0);
 }
 
-TEST_P(RegionPlans, has_the_parts_that_it_names) {
+TEST_P(CountryPlans, has_the_parts_that_it_names) {
   const double size_m = plan.size_m;
   EXPECT_EQ(plan.roads[0].name, plan.route);
   EXPECT_EQ(plan.roads[0].highway, "motorway");

@@ -1,6 +1,7 @@
 """How a build grows with its area: seconds, memory and disk of each stage. Writes docs/measured/scaling.md and its curve.
 
-By hand, on a machine that does nothing else: 100 km2 take a quarter of an hour, to make the site as long again. --only 1,10 measures
+By hand, on a machine that does nothing else: 100 km2 take a quarter of an hour, to make the site as long again (25 minutes where
+it is a conurbation). --only 1,10 measures
 less; a site that is there is not made again.
 """
 import shutil
@@ -12,13 +13,15 @@ SITES = {"1": ["--preset", "village", "--seed", "7", "--size", "1000", "--gsd", 
          "4": ["--preset", "region", "--seed", "7", "--size", "2000"],
          "10": ["--preset", "region", "--seed", "7", "--size", "3160"],
          "100": ["--preset", "region", "--seed", "7", "--size", "10000"]}
+CITIES = {"10c": ["--preset", "conurbation", "--seed", "7", "--size", "3160"],
+          "100c": ["--preset", "conurbation", "--seed", "7", "--size", "10000"]}
 REAL = {"23": ROOT / "sites/pardubice.toml"}
 STAGES = ["segment", "refine", "elevate", "network", "scene", "drive", "report"]
 
 
 def add_arguments(parser):
     add_tool(parser, "out/scaling")
-    add_only(parser, [*SITES, *REAL])
+    add_only(parser, [*SITES, *REAL, *CITIES])
     add_table(parser)
 
 
@@ -37,27 +40,36 @@ def measure(tool, site, out):
             "memory_mb": max(s["memory_mb"] for s in stages.values())}
 
 
+def km2(name):
+    return float(name.rstrip("c"))
+
+
+def title(name):
+    return f"{km2(name):g} km2" + (f" ({REAL[name].stem})" if name in REAL else ", a conurbation" if name in CITIES else "")
+
+
 def slope(numbers, value):
-    """Of value over km2 between the two largest synthetic areas, with what is left at none: (base, per km2)."""
-    a, b = sorted(numbers.keys() & SITES.keys(), key=float)[-2:]
-    per_km2 = (value(numbers[b]) - value(numbers[a])) / (float(b) - float(a))
-    return value(numbers[b]) - per_km2 * float(b), per_km2
+    """Of value over km2 between the two largest of these areas, with what is left at none: (base, per km2)."""
+    a, b = sorted(numbers, key=km2)[-2:]
+    per_km2 = (value(numbers[b]) - value(numbers[a])) / (km2(b) - km2(a))
+    return value(numbers[b]) - per_km2 * km2(b), per_km2
 
 
 def table(numbers):
-    areas = sorted(numbers, key=float)
-    text = header(["", *[f"{a} km2" + (f" ({REAL[a].stem})" if a in REAL else "") for a in areas], "asked"])
+    areas = sorted(numbers, key=lambda name: (name in CITIES, km2(name)))
+    text = header(["", *map(title, areas), "asked"])
     of = lambda value, digits=1: [fixed(value(numbers[a]), digits) for a in areas]
     text += row(["seconds of all stages", *of(lambda n: n["seconds"], 0), ""])
-    text += row(["seconds a km2", *[fixed(numbers[a]["seconds"] / float(a), 2) for a in areas], "6 at 100 km2"])
+    text += row(["seconds a km2", *[fixed(numbers[a]["seconds"] / km2(a), 2) for a in areas], "6 at 100 km2"])
     text += row(["seconds beside the stages: content of the sources, scores against the truth", *of(lambda n: n["beside_s"], 0), ""])
-    text += row(["processor seconds a km2, with those", *[fixed(numbers[a]["core_seconds"] / float(a), 2) for a in areas], ""])
+    text += row(["processor seconds a km2, with those", *[fixed(numbers[a]["core_seconds"] / km2(a), 2) for a in areas], ""])
     text += row(["most memory, GB", *of(lambda n: n["memory_mb"] / 1e3, 2), "4 at 100 km2"])
     text += row(["result, MB", *of(lambda n: n["disk_mb"], 0), ""])
     text += row(["roads in the result, km", *of(lambda n: n["road_km"], 0), ""])
+    text += row(["roads, km a km2", *[fixed(numbers[a]["road_km"] / km2(a), 1) for a in areas], "as Pardubice"])
     for stage in STAGES:
         text += row([f"{stage}: seconds a km2 (memory, GB)",
-                     *[f"{fixed(numbers[a]['stages'][stage]['seconds'] / float(a), 2)} ({fixed(numbers[a]['stages'][stage]['memory_mb'] / 1e3, 2)})" for a in areas], ""])
+                     *[f"{fixed(numbers[a]['stages'][stage]['seconds'] / km2(a), 2)} ({fixed(numbers[a]['stages'][stage]['memory_mb'] / 1e3, 2)})" for a in areas], ""])
     text += row(["load of others at the start", *of(lambda n: n["load"]), ""])
     text += row(["commit", *[numbers[a]["commit"] for a in areas], ""])
     return text
@@ -65,7 +77,7 @@ def table(numbers):
 
 def model(numbers):
     """Cost = base + per km2, by the two largest areas; what a country would take by it."""
-    text = header(["", "base", "a km2", "1000 km2", "a country of 80 000 km2"])
+    text = header(["", "base", "a km2", "1000 km2", "80 000 km2"])
     base, per = slope(numbers, lambda n: n["core_seconds"])
     text += row(["processor seconds", fixed(base, 0), fixed(per, 2), f"{fixed((base + 1e3 * per) / 3600, 1)} h of a core", f"{fixed((base + 8e4 * per) / 86400, 0)} days of a core"])
     for stage in STAGES:
@@ -77,7 +89,7 @@ def model(numbers):
 
 def curve(numbers):
     """Seconds a km2 of each stage over the area, stacked, as an SVG."""
-    areas = sorted(numbers.keys() & SITES.keys(), key=float)
+    areas = sorted(numbers.keys() & SITES.keys(), key=km2)
     width, height, left, bottom, right = 640, 360, 60, 40, 110
     top = 1.1 * max(sum(s["seconds"] for s in n["stages"].values()) / float(a) for a, n in numbers.items() if a in SITES)
     x = lambda a: left + (width - left - right) * (math.log10(float(a)) - math.log10(float(areas[0]))) / (math.log10(float(areas[-1])) - math.log10(float(areas[0])))
@@ -108,15 +120,15 @@ def run(args):
     if not args.table:
         tool = Tool(args.tool)
         for name in args.only:
-            site = REAL.get(name) or tool.synth(args.out / name / "site", *SITES[name]) / "site.toml"
+            site = REAL.get(name) or tool.synth(args.out / name / "site", *(SITES | CITIES)[name]) / "site.toml"
             numbers[name] = measure(tool, site, args.out / name / "out")
             print(name, {k: v for k, v in numbers[name].items() if k != "stages"}, flush=True)
             numbers["machine"] = machine()
             write_results(STORE, numbers)
-    sites = {name: n for name, n in numbers.items() if name in SITES or name in REAL}
-    if len(sites) < 2:
-        return
+    sites = {name: n for name, n in numbers.items() if name in SITES | REAL | CITIES}
     m = numbers["machine"]
     CURVE.write_text(curve(sites))
     write_between(PAGE, "scaling", table(sites) + f"\nMeasured on {m['cores']} cores ({m['cpu']}), {m['memory_gb']} GB.\n")
-    write_between(PAGE, "model", model(sites))
+    for mark, kind in [("model", SITES), ("model_city", CITIES)]:
+        if len(sites.keys() & kind.keys()) >= 2:
+            write_between(PAGE, mark, model({name: n for name, n in sites.items() if name in kind}))

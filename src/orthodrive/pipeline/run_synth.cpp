@@ -170,8 +170,9 @@ StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOption
   SynthSite site;
   if (!files.track.empty()) {
     site = make_track_site(files, made, context);
-  } else if (preset == Preset::region) {
-    site = make_region_site(files.folder, synth::plan_region(made.size_m, made.seed), made, context.monitor);
+  } else if (made_by_tiles(preset)) {
+    const auto plan = preset == Preset::region ? synth::plan_region : synth::plan_conurbation;
+    site = make_region_site(files.folder, plan(made.size_m, made.seed), made, context.monitor);
   } else {
     site = make_preset(preset, made, context.monitor);
     write_rasters(files.folder, site);

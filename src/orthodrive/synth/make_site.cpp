@@ -129,9 +129,10 @@ SynthSite make_preset(Preset preset, const SynthOptions& o, Monitor* monitor) {
     case Preset::farmland:
       return make_site(plan_farmland(o.size_m, o.seed), o, monitor);
     case Preset::region:
+    case Preset::conurbation:
       break;
   }
-  throw OptionError("a region is made tile by tile: make_region");
+  throw OptionError("a region or conurbation is made tile by tile: make_region");
 }
 
 }  // namespace orthodrive

@@ -63,9 +63,13 @@ struct SynthSite {
 /// for 1 km2 at 0.2 m. Throws OptionError.
 [[nodiscard]] SynthSite make_site(const synth::SitePlan& plan, const SynthOptions& options, Monitor* monitor = nullptr);
 
-enum class Preset : std::uint8_t { village, circuit, junction, region, grid, lanes, farmland };
-/// A site of that kind: plan and site in one call. Throws OptionError for sizes it cannot fill, and for regions, which
-/// are made tile by tile (make_region.hpp).
+enum class Preset : std::uint8_t { village, circuit, junction, region, conurbation, grid, lanes, farmland };
+/// Of two kilometres and more (make_region.hpp).
+[[nodiscard]] constexpr bool made_by_tiles(Preset preset) {
+  return preset == Preset::region || preset == Preset::conurbation;
+}
+/// A site of that kind: plan and site in one call. Throws OptionError for sizes it cannot fill, and for those
+/// that are made by tiles.
 [[nodiscard]] SynthSite make_preset(Preset preset, const SynthOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive
