@@ -117,6 +117,8 @@ struct PlanCase {
   std::uint64_t seed = 0;
   SitePlan (*planned)(double, std::uint64_t) = plan_region;
 };
+// Names of tests are made of it.
+void PrintTo(const PlanCase& c, std::ostream* out) { *out << c.size_m << " m, seed " << c.seed; }
 class RegionPlans : public testing::TestWithParam<PlanCase> {
  protected:
   const SitePlan plan = GetParam().planned(GetParam().size_m, GetParam().seed);
