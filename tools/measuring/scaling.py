@@ -23,6 +23,7 @@ def add_arguments(parser):
     add_tool(parser, "out/scaling")
     add_only(parser, [*SITES, *REAL, *CITIES])
     add_table(parser)
+    parser.add_argument("--fit", action="store_true", help="print what the costs of `orthodrive plan` should be, by the last results")
 
 
 def measure(tool, site, out):
@@ -34,7 +35,7 @@ def measure(tool, site, out):
     stages = {s["stage"]: {"seconds": s["seconds"], "memory_mb": s["peak_memory_bytes"] / 1e6} for s in run["stages"]}
     numbers = {s["stage"]: s["numbers"] for s in run["stages"]}
     of_stages = sum(s["seconds"] for s in stages.values())
-    return {"commit": commit(), "load": round(load, 1), "seconds": of_stages, "beside_s": seconds - of_stages, "core_seconds": cpu, "stages": stages,
+    return {"plan": tool.json("plan", site, "--json"), "commit": commit(), "load": round(load, 1), "seconds": of_stages, "beside_s": seconds - of_stages, "core_seconds": cpu, "stages": stages,
             "road_km": numbers["network"]["length_m"] / 1e3,
             "disk_mb": sum(f.stat().st_size for f in out.rglob("*") if f.is_file()) / 1e6,
             "memory_mb": max(s["memory_mb"] for s in stages.values())}
@@ -73,6 +74,30 @@ def table(numbers):
     text += row(["load of others at the start", *of(lambda n: n["load"]), ""])
     text += row(["commit", *[numbers[a]["commit"] for a in areas], ""])
     return text
+
+
+def planned(numbers):
+    """What `orthodrive plan` says before a build, over what it took."""
+    text = header(["", "seconds, said", "taken", "memory, GB, said", "taken", "disk, MB, said", "taken"])
+    for name in sorted(numbers, key=lambda name: (name in CITIES, km2(name))):
+        n = numbers[name]
+        text += row([title(name), fixed(n["plan"]["seconds"], 0), fixed(n["seconds"], 0), fixed(n["plan"]["memory_mb"] / 1e3, 2),
+                     fixed(n["memory_mb"] / 1e3, 2), fixed(n["plan"]["disk_mb"], 0), fixed(n["disk_mb"], 0)])
+    return text
+
+
+def fit(numbers):
+    """Costs for pipeline/plan_build.cpp: base, a km2, a megapixel, a km of road, none below zero, by the least sum of squared relative errors."""
+    from scipy.optimize import nnls
+    sizes = [[1.0, *(n["plan"][key] for key in ("area_km2", "megapixels", "road_km"))] for n in numbers.values()]
+    for stage in STAGES:
+        costs = []
+        for key in ("seconds", "memory_mb"):
+            values = [n["stages"][stage][key] for n in numbers.values()]
+            x, _ = nnls([[size / value for size in row] for row, value in zip(sizes, values)], [1.0] * len(values))
+            worst = max(abs(sum(a * b for a, b in zip(x, row)) / value - 1) for row, value in zip(sizes, values))
+            costs.append("{" + ", ".join(f"{v:.3g}" for v in x) + f"}} (at worst {100 * worst:.0f} % off)")
+        print(stage, *costs)
 
 
 def model(numbers):
@@ -117,7 +142,7 @@ def curve(numbers):
 
 def run(args):
     numbers = read_results(STORE, {})
-    if not args.table:
+    if not args.table and not args.fit:
         tool = Tool(args.tool)
         for name in args.only:
             site = REAL.get(name) or tool.synth(args.out / name / "site", *(SITES | CITIES)[name]) / "site.toml"
@@ -126,9 +151,12 @@ def run(args):
             numbers["machine"] = machine()
             write_results(STORE, numbers)
     sites = {name: n for name, n in numbers.items() if name in SITES | REAL | CITIES}
+    if args.fit:
+        return fit(sites)
     m = numbers["machine"]
     CURVE.write_text(curve(sites))
     write_between(PAGE, "scaling", table(sites) + f"\nMeasured on {m['cores']} cores ({m['cpu']}), {m['memory_gb']} GB.\n")
+    write_between(PAGE, "planned", planned(sites))
     for mark, kind in [("model", SITES), ("model_city", CITIES)]:
         if len(sites.keys() & kind.keys()) >= 2:
             write_between(PAGE, mark, model({name: n for name, n in sites.items() if name in kind}))

@@ -16,37 +16,19 @@
 
 namespace orthodrive::synth {
 namespace {
-constexpr double overhang_m = 150.0;    // roads that leave the site go on by this
-constexpr double strip_free_m = 230.0;  // from the motorway's axis: only roads across it
+constexpr double overhang_m = 150.0;        // roads that leave the site go on by this
+constexpr double strip_free_m = 230.0;      // from the motorway's axis: only roads across it
+constexpr double join_within_m = 45.0;      // junctions on both sides of a street become one if nearer than this
+constexpr double least_to_corner_m = 90.0;  // from a street's junction to the next larger road
 
-/// From the least to the most.
-struct Span {
-  double low = 0.0, high = 0.0;
-};
-
-/// How much of a region is built on, and how densely.
+/// How much of a region is built on.
 struct Density {
-  double towns = 1.0 / 3.0, villages = 1.0 / 3.0;              ///< shares of the settlements; the rest are hamlets
-  Span town_half{0.3, 0.36};                                   ///< half a town's extent over the grid's
-  Span first_street_m{110.0, 145.0}, streets_m{115.0, 165.0};  ///< distances of streets along x
-  Span first_across_m{110.0, 170.0}, across_m{110.0, 190.0};   ///< and of those across
-  double to_border_m = 100.0;                                  ///< least distance of the last one to the border
-  double join_within_m = 45.0;      ///< junctions on both sides of a street become one if nearer than this
-  double least_to_corner_m = 90.0;  ///< from a street's junction to the next larger road
-  double farms = 0.65;              ///< share of the places for a farm that have one
+  double towns = 1.0 / 3.0, villages = 1.0 / 3.0;  ///< shares of the settlements; the rest are hamlets
+  double half_low = 0.3, half_high = 0.36;         ///< half a town's extent over the grid's
+  double farms = 0.65;                             ///< share of the places for a farm that have one
 };
 constexpr Density country;
-constexpr Density conurbation{.towns = 1.0,
-                              .villages = 0.0,
-                              .town_half = {0.40, 0.42},
-                              .first_street_m = {85.0, 105.0},
-                              .streets_m = {90.0, 118.0},
-                              .first_across_m = {90.0, 118.0},
-                              .across_m = {90.0, 122.0},
-                              .to_border_m = 75.0,
-                              .join_within_m = 30.0,
-                              .least_to_corner_m = 65.0,
-                              .farms = 0.0};
+constexpr Density conurbation{.towns = 1.0, .villages = 0.0, .half_low = 0.41, .half_high = 0.42, .farms = 0.0};
 
 /// Bends the plan, which is drawn on a square grid: large waves for the land, small ones for streets. Their slopes sum
 /// to less than 0.6 at worst (0.2 rms), so that lines keep their order and cross at large angles. The small ones
@@ -220,8 +202,6 @@ class RegionPlanner {
     return columns_[static_cast<std::size_t>(i)][y < motorway_y_ ? 0 : 1];
   }
 
-  [[nodiscard]] double draw(const Span& span) { return random_.uniform(span.low, span.high); }
-
   /// The first draw is a town, whatever the size.
   void draw_extents() {
     const int all = count_ * count_;
@@ -232,17 +212,19 @@ class RegionPlanner {
     for (int k = 0; k < all; ++k) {
       const int j = order[static_cast<std::size_t>(k)] / count_;
       const bool by_motorway = std::abs(middle(j) - motorway_y_) < unit_m_;
-      const double most = density_.town_half.high * unit_m_,
+      const double most = density_.half_high * unit_m_,
                    most_y = by_motorway ? 0.5 * unit_m_ - strip_free_m - 30.0 : most;
       Extent extent;
       if (k <= static_cast<int>(density_.towns * all + 1e-9))
-        extent = {draw(density_.town_half) * unit_m_, draw(density_.town_half) * unit_m_, true};
+        extent = {half_of_town(), half_of_town(), true};
       else if (k <= static_cast<int>((density_.towns + density_.villages) * all + 1e-9))
         extent = {random_.uniform(220.0, 330.0), random_.uniform(170.0, 260.0), false};
       extent.x = std::min(extent.x, most), extent.y = std::min(extent.y, most_y);
       extents_[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])] = extent;
     }
   }
+
+  double half_of_town() { return random_.uniform(density_.half_low, density_.half_high) * unit_m_; }
 
   /// Streets along x between two collectors, streets across from one to the next.
   void lay_out_settlement(int i, int j) {
@@ -279,7 +261,7 @@ class RegionPlanner {
   std::vector<double> street_offsets(double half_m) {
     std::vector<double> offsets{-half_m, 0.0, half_m};
     for (const double side : {-1.0, 1.0})
-      for (double y = draw(density_.first_street_m); y < half_m - density_.to_border_m; y += draw(density_.streets_m))
+      for (double y = random_.uniform(110.0, 145.0); y < half_m - 100.0; y += random_.uniform(115.0, 165.0))
         offsets.push_back(side * y);
     std::sort(offsets.begin(), offsets.end());
     return offsets;
@@ -289,9 +271,8 @@ class RegionPlanner {
 
   /// The place on the lower street at x, or a junction near it, which moves x.
   Vec2 place_on(const Street& street, double& x) {
-    const auto after = street.junctions.lower_bound(x - density_.join_within_m);
-    if (after == street.junctions.end() || after->first > x + density_.join_within_m)
-      return on(street.road, x, street.y);
+    const auto after = street.junctions.lower_bound(x - join_within_m);
+    if (after == street.junctions.end() || after->first > x + join_within_m) return on(street.road, x, street.y);
     x = after->first;
     return after->second;
   }
@@ -299,11 +280,11 @@ class RegionPlanner {
   void add_streets_across(Street& lower, Street& upper, double west, double east, bool town) {
     const double depth_m = upper.y - lower.y;
     double last = west;
-    for (double wanted = west + draw(density_.first_across_m); wanted < east - density_.to_border_m - 5.0;
-         wanted += draw(density_.across_m)) {
+    for (double wanted = west + random_.uniform(110.0, 170.0); wanted < east - 105.0;
+         wanted += random_.uniform(110.0, 190.0)) {
       double x = wanted;
       const Vec2 begin = place_on(lower, x);
-      if (x - last < density_.least_to_corner_m || x > east - density_.least_to_corner_m) continue;
+      if (x - last < least_to_corner_m || x > east - least_to_corner_m) continue;
       if (x - last > 175.0) add_dead_end(lower, 0.5 * (last + x), depth_m);
       last = x;
       const double x_end = x + random_.uniform(-12.0, 12.0);
