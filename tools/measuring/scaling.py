@@ -23,7 +23,7 @@ def add_arguments(parser):
     add_tool(parser, "out/scaling")
     add_only(parser, [*SITES, *REAL, *CITIES])
     add_table(parser)
-    parser.add_argument("--fit", action="store_true", help="print what the costs of `orthodrive plan` should be, by the last results")
+    parser.add_argument("--fit", action="store_true", help="ask `orthodrive plan` again; print what its costs should be, by the last results")
 
 
 def measure(tool, site, out):
@@ -152,7 +152,10 @@ def run(args):
             write_results(STORE, numbers)
     sites = {name: n for name, n in numbers.items() if name in SITES | REAL | CITIES}
     if args.fit:
-        return fit(sites)
+        for name in sites:
+            sites[name]["plan"] = Tool(args.tool).json("plan", REAL.get(name, args.out / name / "site/site.toml"), "--json")
+        write_results(STORE, numbers)
+        fit(sites)
     m = numbers["machine"]
     CURVE.write_text(curve(sites))
     write_between(PAGE, "scaling", table(sites) + f"\nMeasured on {m['cores']} cores ({m['cpu']}), {m['memory_gb']} GB.\n")
