@@ -64,12 +64,27 @@ WeakLabels map_of_town(const Photo& photo, double east_px = 0.0, double south_px
   };
 }
 
+/// Its streets, some pixels beside where they are.
+std::vector<RoadLine> streets_of_town(const Photo& photo, double east_px, double south_px) {
+  std::vector<RoadLine> lines;
+  for (const double at : {40.0, 121.0, 215.0, 290.0, 401.0}) {
+    RoadLine &across = lines.emplace_back(RoadLine{{}, 3.0}), down{{}, 3.0};
+    for (double t = 0.0; t <= size_px; t += 8.0) {
+      const double x = at + 14.0 * std::sin(t / 47.0 + at), y = at + 11.0 * std::sin(t / 61.0 + 2.0 * at);
+      across.points.push_back(photo.frame.world_from_pixel(x + east_px, t + south_px));
+      down.points.push_back(photo.frame.world_from_pixel(t + east_px, y + south_px));
+    }
+    lines.push_back(std::move(down));
+  }
+  return lines;
+}
+
 AdaptOptions small_options() {
   return {.cell_px = 96, .most_cells = 25, .steps = 60, .batch = 2, .learning_rate = 3e-3, .threads = 2};
 }
 
-double true_road_iou(const Photo& photo, const TensorFile& model) {
-  const SegmentResult result = segment_mosaic(photo, load_model(model, "model"), {.threads = 2});
+double true_road_iou(const Photo& photo, const TensorFile& model, const RoadMap* map = nullptr) {
+  const SegmentResult result = segment_mosaic(photo, load_model(model, "model"), {.threads = 2, .map = map});
   double both = 0, either = 0;
   for (int row = 0; row < size_px; ++row)
     for (int col = 0; col < size_px; ++col) {
@@ -82,7 +97,7 @@ double true_road_iou(const Photo& photo, const TensorFile& model) {
 TEST(AdaptModel, learns_the_streets_of_a_place_as_it_has_never_seen_one) {
   const Photo photo = strange_town();
   const AdaptedModel adapted =
-      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), small_options());
+      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), {}, small_options());
   EXPECT_TRUE(adapted.report.kept) << adapted.report.why_not;
   EXPECT_EQ(adapted.report.learned_cells, 20);
   EXPECT_EQ(adapted.report.held_back_cells, 5);
@@ -105,7 +120,7 @@ TEST(AdaptModel, has_the_same_bytes_with_any_number_of_threads) {
   const auto bytes = [&](int threads) {
     options.threads = threads;
     const AdaptedModel adapted =
-        adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), options);
+        adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), {}, options);
     EXPECT_TRUE(adapted.report.kept);
     return format_safetensors(adapted.file);
   };
@@ -117,21 +132,46 @@ TEST(AdaptModel, has_the_same_bytes_with_any_number_of_threads) {
 TEST(AdaptModel, is_dropped_where_the_map_lies_wrong) {
   const Photo photo = strange_town();
   const AdaptedModel adapted =
-      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 57.0, 38.0), small_options());
+      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 57.0, 38.0), {}, small_options());
   EXPECT_FALSE(adapted.report.kept);
   EXPECT_THAT(adapted.report.why_not, testing::HasSubstr("is it the map of this place?"));
   EXPECT_TRUE(format_safetensors(adapted.file) == format_safetensors(shipped_tensors()));
+}
+
+// What is used sees the map: that is what learns and what is judged.
+TEST(AdaptModel, learns_beside_a_map_without_copying_it) {
+  const Photo photo = strange_town();
+  const std::vector<RoadLine> streets = streets_of_town(photo, 2.0, -2.0);
+  const RoadMap map(streets);
+  const AdaptedModel adapted = adapt_model(shipped_tensors(), "default", source_of(photo),
+                                           map_of_town(photo, 2.0, -2.0), streets, small_options());
+  EXPECT_TRUE(adapted.report.kept) << adapted.report.why_not;
+  EXPECT_GT(adapted.report.alone.kappa, 0.6);
+  const double before = true_road_iou(photo, shipped_tensors(), &map), after = true_road_iou(photo, adapted.file, &map);
+  EXPECT_GT(after, before + 0.1) << "before " << before;
+  EXPECT_GT(after, 0.6);
+  EXPECT_EQ(adapted.file.tensors.at("align_out/kernel").values, shipped_tensors().tensors.at("align_out/kernel").values)
+      << "the branch for the map stays";
+}
+
+TEST(AdaptModel, is_dropped_where_only_the_map_that_it_sees_agrees_with_the_map) {
+  const Photo photo = strange_town();
+  const AdaptedModel adapted =
+      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 57.0, 38.0),
+                  streets_of_town(photo, 57.0, 38.0), small_options());
+  EXPECT_FALSE(adapted.report.kept) << adapted.report.alone.kappa;
 }
 
 TEST(AdaptModel, is_dropped_where_nothing_is_gained) {
   const Photo photo = strange_town();
   AdaptOptions options = small_options();
   options.steps = 1, options.learning_rate = 0.0, options.least_kappa = -2.0;
-  const AdaptedModel adapted = adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), options);
+  const AdaptedModel adapted =
+      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), {}, options);
   EXPECT_EQ(adapted.report.before.kappa, adapted.report.after.kappa);
   options.least_gain = 1.0;
   const AdaptedModel asked_for_more =
-      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), options);
+      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), {}, options);
   EXPECT_FALSE(asked_for_more.report.kept);
   EXPECT_THAT(asked_for_more.report.why_not, testing::HasSubstr("no gain on the cells held back"));
 }
@@ -140,13 +180,13 @@ TEST(AdaptModel, says_when_there_is_too_little_to_learn_from) {
   const Photo photo = strange_town();
   AdaptOptions options = small_options();
   options.cell_px = 224;  // four of them
-  const AdaptedModel few = adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), options);
+  const AdaptedModel few = adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo), {}, options);
   EXPECT_FALSE(few.report.kept);
   EXPECT_THAT(few.report.why_not, testing::StartsWith("3 cells with roads to learn from and 1 to judge by"));
   const WeakLabels empty_map = [](const GridFrame& frame, MapEdges) {
     return Raster<ClassSet>(frame.width, frame.height, 1, anything_but_road);
   };
-  const AdaptedModel none = adapt_model(shipped_tensors(), "default", source_of(photo), empty_map, small_options());
+  const AdaptedModel none = adapt_model(shipped_tensors(), "default", source_of(photo), empty_map, {}, small_options());
   EXPECT_FALSE(none.report.kept);
   EXPECT_THAT(none.report.why_not, testing::StartsWith("0 cells with roads"));
 }

@@ -77,6 +77,7 @@ nlohmann::json numbers_of(const AdaptReport& report) {
           {"cells_held_back", report.held_back_cells},
           {"road_iou", {report.before.iou, report.after.iou}},
           {"kappa", {report.before.kappa, report.after.kappa}},
+          {"kappa_by_photo_alone", report.alone.kappa},
           {"kappa_with_edges", {report.before.kappa_with_edges, report.after.kappa_with_edges}}};
 }
 
@@ -162,7 +163,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
     const WeakLabels labels = map_labels(*in.roads, or_else(files.buildings, files.osm),
                                          or_else(files.surroundings, files.osm), in.site, in.model.classes);
     const AdaptedModel adapted = adapt_model(io::read_weights(in.model_file), in.model_file.string(), in.photo, labels,
-                                             {.threads = context.threads}, context.monitor);
+                                             road_lines(in.seen()), {.threads = context.threads}, context.monitor);
     adaptation = adapted.report;
     if (adapted.report.kept) {
       in.model = load_model(adapted.file, in.model_file.string() + ", adapted");

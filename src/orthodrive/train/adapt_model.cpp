@@ -16,6 +16,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/padded_parts.hpp"
@@ -24,7 +25,7 @@
 #include "orthodrive/nets/single_threaded_torch.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
-#include "orthodrive/train/allowed_class_loss.hpp"
+#include "orthodrive/train/disturbed_map.hpp"
 
 namespace orthodrive {
 namespace {
@@ -32,21 +33,24 @@ namespace {
 constexpr double adam_beta1 = 0.9, adam_beta2 = 0.999, adam_eps = 1e-8;  // Kingma and Ba, 2015
 constexpr float set_weight = 0.7F;  // of pixels with several allowed classes, as the shipped model was trained
 constexpr double least_probability = 1e-4;
-constexpr double least_road = 0.01;  // share of a cell that is surely road, for it to count
-constexpr int fold = 5;              // every fifth cell is held back
+constexpr double alignment_weight = 1.0;  // of its squared change, over 2
+constexpr double least_road = 0.01;       // share of a cell that is surely road, for it to count
+constexpr int fold = 5;                   // every fifth cell is held back
 constexpr std::size_t least_learned = 6, least_held_back = 2;
 
-/// The network without its branch for the map: beside the map it would learn to copy it. The trunk stands before the
-/// first layer with weights that are not the trunk's.
+/// The network as it will be used: with its branch for the map where there is one. The trunk stands before the first
+/// layer with weights that are neither the trunk's nor the map's.
 struct AdaptedNetwork {
   NetworkGraph graph;
   std::size_t decoder = 0;
   ClassSet road = unknown_class;
 
-  AdaptedNetwork(const SegmentModel& model, const std::string& source)
-      : graph(make_network(without_map(model.name), static_cast<int>(model.classes.classes.size()))) {
-    const auto first = std::ranges::find_if(
-        graph.layers, [](const Layer& layer) { return !layer.kernel_tensor.empty() && !layer.pretrained; });
+  AdaptedNetwork(const SegmentModel& model, bool with_map, const std::string& source)
+      : graph(make_network(with_map ? model.name : without_map(model.name),
+                           static_cast<int>(model.classes.classes.size()))) {
+    const auto first = std::ranges::find_if(graph.layers, [](const Layer& layer) {
+      return !layer.kernel_tensor.empty() && !layer.pretrained && !layer.of_map;
+    });
     decoder = static_cast<std::size_t>(first - graph.layers.begin());
     const bool trunk_first =
         std::all_of(first, graph.layers.end(), [](const Layer& layer) { return !layer.pretrained; });
@@ -55,11 +59,17 @@ struct AdaptedNetwork {
     for (std::size_t c = 0; c < model.classes.classes.size(); ++c)
       if (model.classes.classes[c].role == Role::road) road |= only(static_cast<int>(c));
   }
+  /// Of what the network gives: the scores of the classes, and what follows them.
+  [[nodiscard]] at::Tensor classes_of(const at::Tensor& values) const { return values.narrow(1, 0, graph.class_count); }
+  [[nodiscard]] at::Tensor alignment_of(const at::Tensor& values) const {
+    return values.narrow(1, graph.class_count, values.size(1) - graph.class_count);
+  }
 };
 
 /// A piece of the photo: what the trunk makes of it, and what the map says of it.
 struct Cell {
   Raster<std::uint8_t> rgb;
+  Raster<std::uint8_t> map;  ///< as the network sees it, moved; none
   Raster<ClassSet> allowed;
   Raster<ClassSet> with_edges;       ///< MapEdges::sharp; of cells held back
   std::vector<at::Tensor> features;  ///< of forward_padded_before()
@@ -111,18 +121,45 @@ CellBoxes choose_cells(const GridFrame& frame, const WeakLabels& labels, ClassSe
   return boxes;
 }
 
+/// The roads in reach of a frame, moved, as the network sees them. The labels are those of the map where it lies: a
+/// network that copies what it sees is wrong beside a map that is elsewhere. All of it moves by more than maps err:
+/// else the copy would still be nearer to the labels than the photo's road.
+Raster<std::uint8_t> moved_map(const std::vector<RoadLine>& map, const GridFrame& frame, std::uint64_t seed) {
+  constexpr double most_moved_px = 80.0, least_px = 12.0, most_px = 20.0;
+  const double margin_m = (map_reach_px + most_moved_px) * frame.gsd_m;
+  const Vec2 north_west = frame.world_from_pixel(0.0, 0.0),
+             south_east = frame.world_from_pixel(frame.width, frame.height);
+  const Box2 seen = Box2{north_west.x, south_east.y, south_east.x, north_west.y}.grown(margin_m);
+  std::vector<RoadLine> lines;
+  for (const RoadLine& line : map) {
+    if (!bounds_of(line.points).overlaps(seen)) continue;
+    RoadLine& near = lines.emplace_back(RoadLine{{}, line.half_width / frame.gsd_m});
+    for (const Vec2 p : line.points) near.points.push_back(frame.pixel_from_world(p));
+  }
+  std::vector<RoadLine> moved = move_lines(lines, seed);
+  Random random(derive_seed(seed, 1));
+  const double to = random.uniform(0.0, 2.0 * std::numbers::pi), by_px = random.uniform(least_px, most_px);
+  for (RoadLine& line : moved)
+    for (Vec2& p : line.points) p = p + Vec2{std::cos(to), std::sin(to)} * by_px;
+  return map_raster(moved, nearest_lines(moved, {0, 0, frame.width, frame.height}));
+}
+
 enum class CellUse { learned, held_back };
 
-std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const std::vector<PixelBox>& boxes,
-                             CellUse use, int threads) {
+/// Every other cell that is learned from has no map: what the network says by the photo alone is learned, too.
+std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const std::vector<RoadLine>& map,
+                             const std::vector<PixelBox>& boxes, CellUse use, const AdaptOptions& options) {
+  const std::uint64_t seed = derive_seed(options.seed, use == CellUse::learned ? 0x6d6170 : 0x6a6467);
   std::vector<Cell> cells(boxes.size());
-  parallel_for(boxes.size(), threads, [&](std::size_t i) {
+  parallel_for(boxes.size(), options.threads, [&](std::size_t i) {
     PhotoWindow window = photo.read(boxes[i]);
     Cell& cell = cells[i];
     const GridFrame frame = frame_of(photo.frame, boxes[i]);
     cell.rgb = std::move(window.rgb);
     cell.allowed = labels(frame, MapEdges::vague);
     if (use == CellUse::held_back) cell.with_edges = labels(frame, MapEdges::sharp);
+    if (!map.empty() && (use == CellUse::held_back || i % 2 == 0))
+      cell.map = moved_map(map, frame, derive_seed(seed, i));
     for (std::size_t p = 0; p < window.valid.data.size(); ++p) {
       if (window.valid.data[p]) continue;
       cell.allowed.data[p] = unknown_class;
@@ -135,11 +172,12 @@ std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels,
 
 // ---- the trunk
 
-InputTensors input_of(const AdaptedNetwork& network, std::span<const Cell> cells) {
-  std::vector<std::uint8_t> rgb;
-  for (const Cell& cell : cells) rgb.insert(rgb.end(), cell.rgb.data.begin(), cell.rgb.data.end());
-  return input_tensors(network.graph, {rgb.data(), nullptr}, static_cast<int>(cells.size()), cells[0].rgb.width,
-                       cells[0].rgb.height);
+enum class MapUse { seen, hidden };
+
+InputTensors input_of(const AdaptedNetwork& network, const Cell& cell, MapUse map) {
+  const bool seen = map == MapUse::seen && !cell.map.empty();
+  return input_tensors(network.graph, {cell.rgb.data.data(), seen ? cell.map.data.data() : nullptr}, 1, cell.rgb.width,
+                       cell.rgb.height);
 }
 
 void run_trunk(const AdaptedNetwork& network, const NetworkParams& params, std::span<Cell> cells, int threads) {
@@ -147,7 +185,8 @@ void run_trunk(const AdaptedNetwork& network, const NetworkParams& params, std::
     const SingleThreadedTorch one_thread;
     const at::NoGradGuard no_grad;
     NetworkParams own = params;  // handles only
-    cells[i].features = forward_padded_before(network.graph, own, input_of(network, {&cells[i], 1}), network.decoder);
+    cells[i].features =
+        forward_padded_before(network.graph, own, input_of(network, cells[i], MapUse::seen), network.decoder);
   });
 }
 
@@ -183,13 +222,14 @@ RoadCounts count_road(const std::uint8_t* label, const Raster<ClassSet>& allowed
 }
 
 RoadAgreement measure(const AdaptedNetwork& network, const NetworkParams& params, std::span<const Cell> cells,
-                      int threads) {
+                      MapUse map, int threads) {
   std::vector<RoadCounts> sure(cells.size()), all(cells.size());
   parallel_for(cells.size(), threads, [&](std::size_t i) {
     const SingleThreadedTorch one_thread;
     const at::NoGradGuard no_grad;
     NetworkParams own = params;
-    const at::Tensor labels = decode(network, own, cells[i]).argmax(1).to(at::kByte).contiguous();
+    const at::Tensor values = forward_padded(network.graph, own, input_of(network, cells[i], map), {}).values;
+    const at::Tensor labels = network.classes_of(values).argmax(1).to(at::kByte).contiguous();
     sure[i] = count_road(labels.data_ptr<std::uint8_t>(), cells[i].allowed, network.road);
     all[i] = count_road(labels.data_ptr<std::uint8_t>(), cells[i].with_edges, network.road);
   });
@@ -197,12 +237,14 @@ RoadAgreement measure(const AdaptedNetwork& network, const NetworkParams& params
   return {sure[0].iou(), sure[0].kappa(), all[0].kappa()};
 }
 
-/// Tensors of the decoder that learn.
+/// Tensors of the decoder that learn. The branch for the map stays: it would learn to trust this map more than another.
 std::vector<at::Tensor*> learned_of(const AdaptedNetwork& network, NetworkParams& params) {
   std::vector<at::Tensor*> learned;
-  for (std::size_t l = network.decoder; l < params.size(); ++l)
+  for (std::size_t l = network.decoder; l < params.size(); ++l) {
+    if (network.graph.layers[l].of_map) continue;
     for (at::Tensor* tensor : {&params[l].kernel, &params[l].bias, &params[l].gamma, &params[l].beta})
       if (tensor->defined()) learned.push_back(tensor);
+  }
   return learned;
 }
 
@@ -237,7 +279,7 @@ class DecoderTraining {
       scores[i] = decode(network_, copies_[i], *drawn[i]);
       const at::NoGradGuard no_grad;
       NetworkParams start = start_;
-      shipped[i] = at::softmax(decode(network_, start, *drawn[i]), 1);
+      shipped[i] = decode(network_, start, *drawn[i]);
     });
     const at::Tensor gradient = loss_gradient(scores, shipped, drawn);
     parallel_for(batch, options_.threads, [&](std::size_t i) {
@@ -264,8 +306,9 @@ class DecoderTraining {
     return order[i % count];
   }
 
-  /// Of the whole batch, because a cell may have few roads: soft intersection over union as in the training, and cross
-  /// entropy. Where the map leaves a choice, the network as it was makes it: `shipped` has its probabilities.
+  /// Cross entropy over the whole batch, because a cell may have few roads. Where the map leaves a choice, the network
+  /// as it was makes it: `shipped` has what that gives. So does it for the alignment, of which the map's place says
+  /// nothing.
   [[nodiscard]] at::Tensor loss_gradient(const std::vector<at::Tensor>& scores, const std::vector<at::Tensor>& shipped,
                                          const std::vector<const Cell*>& cells) const {
     std::vector<at::Tensor> values, sets;
@@ -275,16 +318,19 @@ class DecoderTraining {
       sets.push_back(
           at::from_blob(const_cast<ClassSet*>(allowed.data.data()), {1, allowed.height, allowed.width}, at::kLong));
     }
-    const at::Tensor all = at::cat(values, 0), allowed = at::cat(sets, 0);
+    const at::Tensor given = at::cat(values, 0), before = at::cat(shipped, 0), allowed = at::cat(sets, 0);
+    const at::Tensor all = network_.classes_of(given).contiguous();
     const at::Tensor bits = at::arange(network_.graph.class_count, at::kLong).view({1, -1, 1, 1});
     const at::Tensor mask = at::bitwise_and(at::bitwise_right_shift(allowed.unsqueeze(1), bits), 1).to(at::kFloat);
     const at::Tensor count = mask.sum(1, true);
-    const at::Tensor chosen = (at::cat(shipped, 0) + least_probability) * mask;
+    const at::Tensor chosen = (at::softmax(network_.classes_of(before), 1) + least_probability) * mask;
     const at::Tensor target = chosen / chosen.sum(1, true).clamp_min(least_probability);
     at::Tensor weight = at::where(count == 1, at::ones_like(count), at::full_like(count, set_weight));
     weight.masked_fill_(count == 0, 0.0);
     weight /= weight.sum().clamp_min(1.0);
-    return (at::softmax(all, 1) - target) * weight + jaccard_loss(all, allowed).gradient;
+    const at::Tensor of_classes = (at::softmax(all, 1) - target) * weight;
+    const at::Tensor moved = network_.alignment_of(given) - network_.alignment_of(before);
+    return at::cat({of_classes, moved * (alignment_weight / static_cast<double>(allowed.numel()))}, 1);
   }
 
   [[nodiscard]] double rate_at(std::int64_t step) const {
@@ -322,9 +368,9 @@ class DecoderTraining {
 };
 
 std::string judge(const AdaptReport& report, const AdaptOptions& options) {
-  if (report.after.kappa < options.least_kappa)
+  if (report.alone.kappa < options.least_kappa)
     return fmt::format("the photo and the map do not agree (kappa {:.2f}, need {:.2f}): is it the map of this place?",
-                       report.after.kappa, options.least_kappa);
+                       report.alone.kappa, options.least_kappa);
   if (report.after.kappa < report.before.kappa + options.least_gain)
     return fmt::format("no gain on the cells held back (kappa {:.3f} -> {:.3f})", report.before.kappa,
                        report.after.kappa);
@@ -337,13 +383,14 @@ std::string judge(const AdaptReport& report, const AdaptOptions& options) {
 }  // namespace
 
 void require_adaptable(const SegmentModel& model, const std::string& source) {
-  static_cast<void>(AdaptedNetwork(model, source));
+  static_cast<void>(AdaptedNetwork(model, false, source));
 }
 
 AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
-                         const WeakLabels& labels, const AdaptOptions& options, Monitor* monitor) {
+                         const WeakLabels& labels, const std::vector<RoadLine>& map, const AdaptOptions& options,
+                         Monitor* monitor) {
   const SegmentModel shipped = load_model(model, source);
-  const AdaptedNetwork network(shipped, source);
+  const AdaptedNetwork network(shipped, shipped.sees_map && !map.empty(), source);
   const PhotoSource scaled = resample_source(photo, network_frame(photo.frame, shipped));
   const CellBoxes boxes = choose_cells(scaled.frame, labels, network.road, options);
   AdaptedModel result{model, {}};
@@ -355,15 +402,14 @@ AdaptedModel adapt_model(const TensorFile& model, const std::string& source, con
                                  report.learned_cells, report.held_back_cells, least_learned, least_held_back);
     return result;
   }
-  std::vector<Cell> learned = read_cells(scaled, labels, boxes.learned, CellUse::learned, options.threads),
-                    held_back = read_cells(scaled, labels, boxes.held_back, CellUse::held_back, options.threads);
+  std::vector<Cell> learned = read_cells(scaled, labels, map, boxes.learned, CellUse::learned, options),
+                    held_back = read_cells(scaled, labels, map, boxes.held_back, CellUse::held_back, options);
   const SingleThreadedTorch one_thread;
   const SingleThreadedBlas one_thread_blas;
   const ReuseTensorMemory reuse_memory;
 
   const NetworkParams start = params_from_file(network.graph, model, source);
-  run_trunk(network, start, held_back, options.threads);
-  report.before = measure(network, start, held_back, options.threads);
+  report.before = measure(network, start, held_back, MapUse::seen, options.threads);
   run_trunk(network, start, learned, options.threads);
 
   DecoderTraining training(network, start, options);
@@ -372,7 +418,8 @@ AdaptedModel adapt_model(const TensorFile& model, const std::string& source, con
     training.step(learned, step);
     if (monitor) monitor->progress(static_cast<double>(step + 1) / static_cast<double>(options.steps), "adapt");
   }
-  report.after = measure(network, training.params(), held_back, options.threads);
+  report.after = measure(network, training.params(), held_back, MapUse::seen, options.threads);
+  report.alone = measure(network, training.params(), held_back, MapUse::hidden, options.threads);
   report.why_not = judge(report, options);
   report.kept = report.why_not.empty();
   if (report.kept)

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/model/allowed_classes.hpp"
+#include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/model/photo_source.hpp"
 #include "orthodrive/model/tensor_file.hpp"
 #include "orthodrive/segment/segment_model.hpp"
@@ -22,14 +24,14 @@ using WeakLabels = std::function<Raster<ClassSet>(const GridFrame&, MapEdges)>;
 
 /// What it costs does not depend on the size of the photo, but for painting the labels of its cells.
 struct AdaptOptions {
-  int cell_px = 320;         ///< edge of the pieces of the photo that are learned from or held back: as the shipped
-                             ///< model's crops, so that padding at their borders is nothing new to it
-  int most_cells = 150;      ///< of those with roads so many are taken, spread over the photo
-  std::int64_t steps = 120;  ///< of `batch` cells
+  int cell_px = 320;        ///< edge of the pieces of the photo that are learned from or held back: as the shipped
+                            ///< model's crops, so that padding at their borders is nothing new to it
+  int most_cells = 150;     ///< of those with roads so many are taken, spread over the photo
+  std::int64_t steps = 60;  ///< of `batch` cells
   int batch = 4;
   double learning_rate = 1e-3;  ///< at the peak: it rises over a twentieth of the steps and falls as a half cosine
   double pull = 10.0;           ///< share of the way back to the shipped weights in a step, times the rate
-  double least_gain = 0.02;     ///< of kappa, else the shipped weights stay
+  double least_gain = 0.1;      ///< of kappa, else the shipped weights stay: a map that errs shows less for nothing
   double least_kappa = 0.35;    ///< of the adapted network, else the map is taken for that of another place
   std::uint64_t seed = 1;
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
@@ -44,7 +46,8 @@ struct RoadAgreement {
 
 struct AdaptReport {
   int learned_cells = 0, held_back_cells = 0;
-  RoadAgreement before, after;  ///< on the cells held back
+  RoadAgreement before, after;  ///< on the cells held back, beside a map that is moved
+  RoadAgreement alone;          ///< after it, by the photo without a map
   bool kept = false;
   std::string why_not;  ///< where it was dropped
 };
@@ -58,10 +61,11 @@ struct AdaptedModel {
 void require_adaptable(const SegmentModel& model, const std::string& source);
 
 /// The decoder learns for a few hundred steps on the trunk's features of cells of the photo; every fifth cell is held
-/// back to see whether that is a gain. A branch for the map stays as it is and is not asked. Deterministic. `source`
-/// names the model in messages. Throws as require_adaptable() and load_model().
+/// back to see whether that is a gain. `map`: the roads that the network will see, in the CRS of the photo; none for
+/// one that sees none. It learns beside them as they are not: moved, or not there at all. Deterministic. `source` names
+/// the model in messages. Throws as require_adaptable() and load_model().
 [[nodiscard]] AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
-                                       const WeakLabels& labels, const AdaptOptions& options = {},
-                                       Monitor* monitor = nullptr);
+                                       const WeakLabels& labels, const std::vector<RoadLine>& map,
+                                       const AdaptOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace orthodrive

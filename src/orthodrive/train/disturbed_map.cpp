@@ -355,6 +355,10 @@ std::vector<RoadLine> draw_lines(const Raster<ClassSet>& allowed, const MapClass
   return drawn_lines(disturbed_lines(allowed, classes, seed));
 }
 
+std::vector<RoadLine> move_lines(const std::vector<RoadLine>& real, std::uint64_t seed) {
+  return drawn_lines(moved_lines(real, seed));
+}
+
 DisturbedMap draw_map(const Raster<ClassSet>& allowed, const std::vector<RoadLine>& real, const MapClasses& classes,
                       std::uint64_t seed) {
   constexpr double truth_reach_px = 12.0;

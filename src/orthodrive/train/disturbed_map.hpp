@@ -38,6 +38,9 @@ struct MapClasses {
 [[nodiscard]] std::vector<RoadLine> draw_lines(const Raster<ClassSet>& allowed, const MapClasses& classes,
                                                std::uint64_t seed);
 
+/// A real map, moved by such a field.
+[[nodiscard]] std::vector<RoadLine> move_lines(const std::vector<RoadLine>& real, std::uint64_t seed);
+
 /// Centre lines of the pixels that are not 0, in pixels, with half the width at each point; spurs and what is nowhere 3
 /// px wide are left out. A width is
 /// negative where its edge is not known: where the nearest other pixel is `unknown`, or the raster ends before it.
