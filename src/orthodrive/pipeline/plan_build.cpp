@@ -24,18 +24,19 @@ struct StageCost {
   Cost seconds, memory_mb, disk_mb;
 };
 
-// Fitted by hand to builds of the village (1 km2 at 0.2 m/px), Kvarnbyn (3.1 km2 at 0.52 m/px) and, for what grows with
-// size, Pardubice (23 km2), each from nothing with two threads on the machine below. docs/build.md has the numbers.
+// By `tools/measure scaling --fit`: synthetic villages, regions and conurbations of 1 to 100 km2 at 0.5 m/px and
+// Pardubice (23 km2 at 0.46 m/px), each from nothing with two threads on the machine below. docs/measured/scaling.md
+// has the numbers.
 constexpr int measured_threads = 2;
 constexpr std::array<StageCost, 7> costs{{
-    // stage     seconds                    memory (MB)                disk (MB)
-    {"segment", {0.5, 0.0, 0.43, 0.0}, {1350, 0, 4, 0.0}, {0.5, 0.0, 0.6, 0.0}},
-    {"refine", {0.3, 0.0, 0.04, 0.07}, {200, 0, 6, 1.0}, {0.2, 0.0, 0.0, 0.12}},
-    {"elevate", {0.15, 0.0, 0.0, 0.025}, {230, 0, 0, 0.6}, {0.2, 0.0, 0.0, 0.16}},
-    {"network", {0.05, 0.0, 0.0, 0.12}, {230, 0, 0, 1.2}, {0.0, 0.0, 0.0, 0.12}},
-    {"scene", {0.3, 1.0, 0.36, 0.08}, {420, 0, 8, 1.5}, {1.0, 3.0, 0.2, 0.2}},
-    {"drive", {1.2, 0.0, 0.0, 0.015}, {240, 0, 0, 1.2}, {7.0, 0.0, 0.0, 0.0}},
-    {"report", {0.5, 0.0, 0.12, 0.02}, {250, 0, 10, 0.5}, {4.0, 0.0, 0.0, 0.02}},
+    // stage     seconds                        memory (MB)                   disk (MB)
+    {"segment", {1.1, 0.0, 0.34, 0.059}, {1180, 0, 2.1, 0.15}, {0.0, 0.0, 0.068, 0.2}},
+    {"refine", {0.0, 0.0, 0.0, 0.144}, {262, 21, 0, 0.064}, {0.13, 0.0, 0.0, 0.131}},
+    {"elevate", {0.0, 0.055, 0.0, 0.047}, {237, 6.7, 0, 0.47}, {0.13, 0.0, 0.0, 0.165}},
+    {"network", {0.0, 0.0, 0.0, 0.075}, {241, 3.8, 0, 0.75}, {0.0, 0.0, 0.0, 0.054}},
+    {"scene", {3.2, 0.0, 0.093, 0.108}, {481, 0, 2.9, 0.5}, {5.2, 0.0, 0.23, 0.26}},
+    {"drive", {1.25, 0.0, 0.0, 0.0073}, {243, 4.2, 0, 0.5}, {5.0, 0.11, 0.0, 0.0}},
+    {"report", {1.5, 0.0, 0.0078, 0.0087}, {343, 6.7, 0.6, 0.25}, {5.6, 0.0, 0.0, 0.004}},
 }};
 constexpr double parallel_share = 0.8;  // of the time of two threads
 
@@ -69,6 +70,6 @@ BuildEstimate estimate_build(const SiteSize& size, int threads) {
   return all;
 }
 
-std::string machine_of_costs() { return "2 cores (AMD EPYC), default model"; }
+std::string machine_of_costs() { return "2 cores (Intel Xeon), default model"; }
 
 }  // namespace orthodrive

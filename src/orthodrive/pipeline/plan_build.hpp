@@ -32,7 +32,7 @@ struct BuildEstimate {
 /// On a machine like the one that was measured, with nothing else on it. `threads`: 0 = all cores.
 [[nodiscard]] BuildEstimate estimate_build(const SiteSize& size, int threads = 0);
 
-/// The machine that the costs were measured on: "2 cores (AMD EPYC)".
+/// The machine that the costs were measured on: "2 cores (Intel Xeon)".
 [[nodiscard]] std::string machine_of_costs();
 
 }  // namespace orthodrive
