@@ -220,7 +220,7 @@ BuildStage segment_stage(SiteBuild& build) {
   nlohmann::json options_in_key = frame_options(site.frame);
   options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
-          .version = 1,
+          .version = site.adapt ? 2 : 1,  // one that adapts has other labels since version 1
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"model", {model_file}},
                       {"osm", osm},
