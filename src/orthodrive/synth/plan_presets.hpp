@@ -23,8 +23,8 @@ namespace orthodrive::synth {
 /// edge (roads 0 and 1) with bridges over it and interchanges with roundabouts. 2 - 40 km.
 [[nodiscard]] SitePlan plan_region(double size_m, std::uint64_t seed);
 
-/// A region whose settlements are all towns that fill the grid: as many kilometres of road a square kilometre as the map
-/// of Pardubice, a real town, has (10.5). 2 - 40 km.
+/// A region whose settlements are all towns that fill the grid: as many kilometres of road a square kilometre as the
+/// map of Pardubice, a real town, has (10.5). 2 - 40 km.
 [[nodiscard]] SitePlan plan_conurbation(double size_m, std::uint64_t seed);
 
 /// American blocks: two families of wide streets (9 - 16 m) that cross, alleys, shops with car parks. 300 - 2000 m.
