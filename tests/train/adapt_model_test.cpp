@@ -141,10 +141,9 @@ TEST(AdaptModel, is_dropped_where_the_map_lies_wrong) {
 // What is used sees the map: that is what learns and what is judged.
 TEST(AdaptModel, learns_beside_a_map_without_copying_it) {
   const Photo photo = strange_town();
-  const std::vector<RoadLine> streets = streets_of_town(photo, 2.0, -2.0);
-  const RoadMap map(streets);
-  const AdaptedModel adapted = adapt_model(shipped_tensors(), "default", source_of(photo),
-                                           map_of_town(photo, 2.0, -2.0), streets, small_options());
+  const RoadMap map(streets_of_town(photo, 2.0, -2.0));
+  const AdaptedModel adapted =
+      adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 2.0, -2.0), map, small_options());
   EXPECT_TRUE(adapted.report.kept) << adapted.report.why_not;
   EXPECT_GT(adapted.report.alone.kappa, 0.6);
   const double before = true_road_iou(photo, shipped_tensors(), &map), after = true_road_iou(photo, adapted.file, &map);
@@ -158,7 +157,7 @@ TEST(AdaptModel, is_dropped_where_only_the_map_that_it_sees_agrees_with_the_map)
   const Photo photo = strange_town();
   const AdaptedModel adapted =
       adapt_model(shipped_tensors(), "default", source_of(photo), map_of_town(photo, 57.0, 38.0),
-                  streets_of_town(photo, 57.0, 38.0), small_options());
+                  RoadMap(streets_of_town(photo, 57.0, 38.0)), small_options());
   EXPECT_FALSE(adapted.report.kept) << adapted.report.alone.kappa;
 }
 

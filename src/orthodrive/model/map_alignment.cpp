@@ -115,12 +115,11 @@ RoadMap::RoadMap(std::vector<RoadLine> lines_m) : lines_(std::move(lines_m)) {
   }
 }
 
-Raster<std::uint8_t> RoadMap::read(const GridFrame& frame, const PixelBox& box) const {
-  const double reach_m = (map_reach_px + 1.0) * frame.gsd_m;
+std::vector<RoadLine> RoadMap::near(const GridFrame& frame, const PixelBox& box, double margin_px) const {
   const Vec2 north_west = frame.world_from_pixel(static_cast<double>(box.col), static_cast<double>(box.row)),
              south_east =
                  frame.world_from_pixel(static_cast<double>(box.end_col()), static_cast<double>(box.end_row()));
-  const Box2 seen = Box2{north_west.x, south_east.y, south_east.x, north_west.y}.grown(reach_m);
+  const Box2 seen = Box2{north_west.x, south_east.y, south_east.x, north_west.y}.grown(margin_px * frame.gsd_m);
   std::vector<RoadLine> lines;
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     if (!boxes_[i].overlaps(seen)) continue;
@@ -128,6 +127,11 @@ Raster<std::uint8_t> RoadMap::read(const GridFrame& frame, const PixelBox& box) 
     for (const Vec2 p : lines_[i].points) line.points.push_back(frame.pixel_from_world(p));
     lines.push_back(std::move(line));
   }
+  return lines;
+}
+
+Raster<std::uint8_t> RoadMap::read(const GridFrame& frame, const PixelBox& box) const {
+  const std::vector<RoadLine> lines = near(frame, box, map_reach_px + 1.0);
   return map_raster(lines, nearest_lines(lines, box));
 }
 

@@ -51,6 +51,8 @@ class RoadMap {
   RoadMap() = default;
   explicit RoadMap(std::vector<RoadLine> lines_m);  ///< in the CRS of the frames asked for
   [[nodiscard]] bool empty() const { return lines_.empty(); }
+  /// Those within that many pixels of a box of that frame, and more, in its absolute pixels.
+  [[nodiscard]] std::vector<RoadLine> near(const GridFrame& frame, const PixelBox& box, double margin_px) const;
   /// The map raster of a box of that frame, also beyond it.
   [[nodiscard]] Raster<std::uint8_t> read(const GridFrame& frame, const PixelBox& box) const;
 

@@ -163,7 +163,7 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
     const WeakLabels labels = map_labels(*in.roads, or_else(files.buildings, files.osm),
                                          or_else(files.surroundings, files.osm), in.site, in.model.classes);
     const AdaptedModel adapted = adapt_model(io::read_weights(in.model_file), in.model_file.string(), in.photo, labels,
-                                             road_lines(in.seen()), {.threads = context.threads}, context.monitor);
+                                             in.map, {.threads = context.threads}, context.monitor);
     adaptation = adapted.report;
     if (adapted.report.kept) {
       in.model = load_model(adapted.file, in.model_file.string() + ", adapted");

@@ -23,12 +23,14 @@ constexpr double least_to_corner_m = 90.0;  // from a street's junction to the n
 
 /// How much of a region is built on.
 struct Density {
+  const char* name = "Region";
   double towns = 1.0 / 3.0, villages = 1.0 / 3.0;  ///< shares of the settlements; the rest are hamlets
   double half_low = 0.3, half_high = 0.36;         ///< half a town's extent over the grid's
   double farms = 0.65;                             ///< share of the places for a farm that have one
 };
 constexpr Density country;
-constexpr Density conurbation{.towns = 1.0, .villages = 0.0, .half_low = 0.41, .half_high = 0.42, .farms = 0.0};
+constexpr Density conurbation{
+    .name = "Conurbation", .towns = 1.0, .villages = 0.0, .half_low = 0.41, .half_high = 0.42, .farms = 0.0};
 
 /// Bends the plan, which is drawn on a square grid: large waves for the land, small ones for streets. Their slopes sum
 /// to less than 0.6 at worst (0.2 rms), so that lines keep their order and cross at large angles. The small ones
@@ -106,7 +108,7 @@ class RegionPlanner {
     for (std::size_t r = first_lane_; r < last_road; ++r) add_farms(r);
     lay_out_ground();
     SitePlan plan = std::move(planner_.plan_);
-    plan.name = density_.villages > 0.0 ? "Region" : "Conurbation", plan.route = plan.roads[motorway_.roads[0]].name;
+    plan.name = density_.name, plan.route = plan.roads[motorway_.roads[0]].name;
     plan.surroundings = Surroundings::region, plan.relief = 0.35, plan.round_corners_by_angle = true;
     find_junctions(plan, [&](std::size_t a, std::size_t b) -> std::optional<std::size_t> {
       if (plan.roads[a].highway == "motorway" && plan.roads[b].highway != "motorway_link") return b;

@@ -16,7 +16,6 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/geo/polygon.hpp"
 #include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/padded_parts.hpp"
@@ -124,30 +123,21 @@ CellBoxes choose_cells(const GridFrame& frame, const WeakLabels& labels, ClassSe
 /// The roads in reach of a frame, moved, as the network sees them. The labels are those of the map where it lies: a
 /// network that copies what it sees is wrong beside a map that is elsewhere. All of it moves by more than maps err:
 /// else the copy would still be nearer to the labels than the photo's road.
-Raster<std::uint8_t> moved_map(const std::vector<RoadLine>& map, const GridFrame& frame, std::uint64_t seed) {
+Raster<std::uint8_t> moved_map(const RoadMap& map, const GridFrame& frame, std::uint64_t seed) {
   constexpr double most_moved_px = 80.0, least_px = 12.0, most_px = 20.0;
-  const double margin_m = (map_reach_px + most_moved_px) * frame.gsd_m;
-  const Vec2 north_west = frame.world_from_pixel(0.0, 0.0),
-             south_east = frame.world_from_pixel(frame.width, frame.height);
-  const Box2 seen = Box2{north_west.x, south_east.y, south_east.x, north_west.y}.grown(margin_m);
-  std::vector<RoadLine> lines;
-  for (const RoadLine& line : map) {
-    if (!bounds_of(line.points).overlaps(seen)) continue;
-    RoadLine& near = lines.emplace_back(RoadLine{{}, line.half_width / frame.gsd_m});
-    for (const Vec2 p : line.points) near.points.push_back(frame.pixel_from_world(p));
-  }
-  std::vector<RoadLine> moved = move_lines(lines, seed);
+  const PixelBox box{0, 0, frame.width, frame.height};
+  std::vector<RoadLine> moved = move_lines(map.near(frame, box, map_reach_px + most_moved_px), seed);
   Random random(derive_seed(seed, 1));
   const double to = random.uniform(0.0, 2.0 * std::numbers::pi), by_px = random.uniform(least_px, most_px);
   for (RoadLine& line : moved)
     for (Vec2& p : line.points) p = p + Vec2{std::cos(to), std::sin(to)} * by_px;
-  return map_raster(moved, nearest_lines(moved, {0, 0, frame.width, frame.height}));
+  return map_raster(moved, nearest_lines(moved, box));
 }
 
 enum class CellUse { learned, held_back };
 
 /// Every other cell that is learned from has no map: what the network says by the photo alone is learned, too.
-std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const std::vector<RoadLine>& map,
+std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels, const RoadMap& map,
                              const std::vector<PixelBox>& boxes, CellUse use, const AdaptOptions& options) {
   const std::uint64_t seed = derive_seed(options.seed, use == CellUse::learned ? 0x6d6170 : 0x6a6467);
   std::vector<Cell> cells(boxes.size());
@@ -387,8 +377,7 @@ void require_adaptable(const SegmentModel& model, const std::string& source) {
 }
 
 AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
-                         const WeakLabels& labels, const std::vector<RoadLine>& map, const AdaptOptions& options,
-                         Monitor* monitor) {
+                         const WeakLabels& labels, const RoadMap& map, const AdaptOptions& options, Monitor* monitor) {
   const SegmentModel shipped = load_model(model, source);
   const AdaptedNetwork network(shipped, shipped.sees_map && !map.empty(), source);
   const PhotoSource scaled = resample_source(photo, network_frame(photo.frame, shipped));

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "orthodrive/core/monitor.hpp"
 #include "orthodrive/model/allowed_classes.hpp"
@@ -60,12 +59,12 @@ struct AdaptedModel {
 /// Throws OptionError for networks that are no mobilenetv2.
 void require_adaptable(const SegmentModel& model, const std::string& source);
 
-/// The decoder learns for a few hundred steps on the trunk's features of cells of the photo; every fifth cell is held
+/// The decoder learns for some steps on the trunk's features of cells of the photo; every fifth cell is held
 /// back to see whether that is a gain. `map`: the roads that the network will see, in the CRS of the photo; none for
 /// one that sees none. It learns beside them as they are not: moved, or not there at all. Deterministic. `source` names
 /// the model in messages. Throws as require_adaptable() and load_model().
 [[nodiscard]] AdaptedModel adapt_model(const TensorFile& model, const std::string& source, const PhotoSource& photo,
-                                       const WeakLabels& labels, const std::vector<RoadLine>& map,
-                                       const AdaptOptions& options = {}, Monitor* monitor = nullptr);
+                                       const WeakLabels& labels, const RoadMap& map, const AdaptOptions& options = {},
+                                       Monitor* monitor = nullptr);
 
 }  // namespace orthodrive
