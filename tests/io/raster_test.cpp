@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <thread>
 #include <vector>
@@ -277,6 +278,18 @@ TEST(BadRaster, not_a_raster) {
   const Scratch scratch;
   write_bytes(scratch / "photo.tif", "this is text");
   EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.tif"); }), HasSubstr("not a raster"));
+}
+
+TEST(BadRaster, format_in_which_no_geodata_comes) {
+  const Scratch scratch;
+  std::string grid = "CTABLE V2" + std::string(151, '\0');  // of PROJ: 4 x 4 nodes
+  const double place[4] = {0.2, 0.8, 0.01, 0.01};
+  std::memcpy(grid.data() + 96, place, sizeof place);
+  grid[128] = grid[132] = 4;
+  grid += std::string(4 * 4 * 8, '\0');
+  write_bytes(scratch / "grid.ct2", grid);
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "grid.ct2"); }),
+              HasSubstr("not a raster of a format that is read here"));
 }
 
 TEST(BadRaster, truncated_geotiff_at_any_length) {

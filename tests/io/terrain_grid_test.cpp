@@ -2,12 +2,12 @@
 
 #include "roadquery/terrain_grid.hpp"
 
-#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "orthodrive/io/gdal_support.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/terrain_grid_io.hpp"
 #include "orthodrive/model/sample_height.hpp"
@@ -49,9 +49,7 @@ TEST(TerrainGridFile, IsOneForGdal) {
   const Scratch scratch;
   const HeightGrid grid = hills();
   io::write_terrain_grid(scratch / "terrain.asc", grid);
-  GDALAllRegister();
-  const GDALDatasetUniquePtr dataset(GDALDataset::Open((scratch / "terrain.asc").c_str(), GDAL_OF_RASTER));
-  ASSERT_TRUE(dataset);
+  const io::DatasetPtr dataset = io::open_dataset(scratch / "terrain.asc", GDAL_OF_RASTER);
   double place[6];
   ASSERT_EQ(dataset->GetGeoTransform(place), CE_None);
   EXPECT_DOUBLE_EQ(place[0], grid.frame.west_m);

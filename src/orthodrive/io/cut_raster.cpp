@@ -17,11 +17,9 @@ namespace fs = std::filesystem;
 
 bool is_remote(const std::string& name) { return name.starts_with("http://") || name.starts_with("https://"); }
 
-/// All drivers of rasters but those whose files name other files or servers.
+/// The drivers of rasters but those whose files name other files or servers.
 std::vector<std::string> safe_drivers() {
-  static const std::set<std::string> leading_on{"VRT",    "WMS",     "WMTS",     "WCS",   "MRF",    "DERIVED",
-                                                "GTI",    "HTTP",    "PLMOSAIC", "EEDAI", "STACTA", "STACIT",
-                                                "OGCAPI", "JPIPKAK", "DAAS",     "NGW"};
+  static const std::set<std::string> leading_on{"VRT", "MRF"};
   std::vector<std::string> names;
   GDALDriverManager& drivers = *GetGDALDriverManager();
   for (int i = 0; i < drivers.GetDriverCount(); ++i) {

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
+#include <string_view>
+#include <vector>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
@@ -13,11 +16,38 @@
 namespace orthodrive::io {
 namespace fs = std::filesystem;
 
+namespace {
+/// Takes all drivers away but those of formats that photos, terrain and maps come in. GDAL asks every driver about
+/// every file, and the rare ones believe what a header says: that of PROJ's grids allocates 900 MB for a file of 200
+/// bytes. Others turn a small local file into requests to a server.
+void keep_formats_of_geodata() {
+  static const std::set<std::string_view> kept{
+      // photos and pictures
+      "GTiff", "COG", "JPEG", "PNG", "WEBP", "BMP", "GIF", "JP2OpenJPEG", "JP2KAK", "JP2ECW", "JP2MrSID", "ECW",
+      "MrSID", "HFA", "NITF", "PCIDSK", "ENVI", "EHdr", "ERS", "MRF", "MBTiles", "GPKG", "VRT", "MEM",
+      // terrain
+      "AAIGrid", "AIG", "GRASSASCIIGrid", "SRTMHGT", "DTED", "USGSDEM", "SDTS", "XYZ", "ZMap", "GSAG", "GSBG", "GS7BG",
+      "RST", "SAGA", "BT", "BAG", "netCDF", "HDF5", "HDF5Image",
+      // maps
+      "ESRI Shapefile", "GeoJSON", "GeoJSONSeq", "FlatGeobuf", "GML", "KML", "LIBKML", "GPX", "OSM", "CSV", "SQLite",
+      "MapInfo File", "OpenFileGDB", "DXF", "OGR_VRT", "Memory"};
+  GDALDriverManager& manager = *GetGDALDriverManager();
+  std::vector<GDALDriver*> others;
+  for (int i = 0; i < manager.GetDriverCount(); ++i)
+    if (GDALDriver* driver = manager.GetDriver(i); !kept.contains(driver->GetDescription())) others.push_back(driver);
+  for (GDALDriver* driver : others) {
+    manager.DeregisterDriver(driver);
+    delete driver;  // as GDAL does for GDAL_SKIP
+  }
+}
+}  // namespace
+
 void start_gdal() {
   static std::once_flag once;
   std::call_once(once, [] {
     CPLSetErrorHandler(CPLQuietErrorHandler);  // GDAL's own threads; ours collect with GdalErrors
     GDALAllRegister();
+    keep_formats_of_geodata();
     // GDAL 3.6 puts the list of these drivers' options together at the first look at it, without a lock: two threads
     // that write their first images at once would read half a list.
     for (const char* driver : {"JPEG", "COG"})
@@ -76,7 +106,7 @@ DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
   if (!dataset)
     throw InputError(
         path.string(),
-        fmt::format("not a {} that GDAL can read, or truncated{}; get the file again or convert it",
+        fmt::format("not a {} of a format that is read here, or truncated{}; get the file again or convert it",
                     kind & GDAL_OF_RASTER ? "raster" : "vector file", errors.any() ? " (" + errors.text() + ")" : ""));
   return dataset;
 }
