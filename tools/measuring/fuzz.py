@@ -35,19 +35,29 @@ def add_run(results, name):
                      "last": datetime.date.today().isoformat(), "commit": commit(), **machine()}
 
 
+def add_runs(ran):
+    results = read_results(STORE, {})  # anew: another process may run other readers
+    for name in ran:
+        add_run(results, name)
+    write_results(STORE, results)
+
+
 def run(args):
     results = read_results(STORE, {})
     for name in args.forget:
         results.pop(name, None)
-    if not args.table:
-        wanted = args.only or names()
-        cores = 1 if args.only else min(os.cpu_count(), len(wanted))
-        for target, seconds in [(name, args.seconds) for name in args.only or []] or [("all", args.seconds * len(wanted) // cores)]:
-            subprocess.run([str(ROOT / "tools/fuzz"), target, str(seconds)], cwd=ROOT)
-        for name in wanted:
-            add_run(results, name)
-    if not args.table or args.forget:
+    if args.forget:
         write_results(STORE, results)
+    if args.only and not args.table:
+        for name in args.only:
+            subprocess.run([str(ROOT / "tools/fuzz"), name, str(args.seconds)], cwd=ROOT)
+            add_runs([name])
+    elif not args.table:
+        readers = names()
+        cores = min(os.cpu_count(), len(readers))
+        subprocess.run([str(ROOT / "tools/fuzz"), "all", str(args.seconds * len(readers) // cores)], cwd=ROOT)
+        add_runs(readers)
+    results = read_results(STORE, {})
     table = header(["reader", "runs", "minutes", "branches seen", "ten million runs or 30 minutes"])
     for name in names():
         if name not in results:
