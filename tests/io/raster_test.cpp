@@ -4,6 +4,7 @@
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -323,6 +324,19 @@ TEST(BadRaster, photo_without_georeferencing_says_the_remedy) {
   io::write_png(scratch / "photo.png", noisy_photo(20).rgb);
   EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.png"); }),
               HasSubstr("gdal_translate -a_srs"));
+}
+
+TEST(BadRaster, world_file_that_places_it_nowhere) {
+  const Scratch scratch;
+  io::write_png(scratch / "photo.png", noisy_photo(20).rgb);
+  for (const char* place : {"0.5 0 0 -0.5 nan 5540000", "1e300 0 0 -0.5 500000 5540000", "0.5 0.5 0.5 0.5 500000 0"}) {
+    std::string lines = place;
+    std::replace(lines.begin(), lines.end(), ' ', '\n');
+    write_bytes(scratch / "photo.pgw", lines + "\n");
+    EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(scratch / "photo.png"); }),
+                HasSubstr("its georeferencing places it nowhere"))
+        << place;
+  }
 }
 
 TEST(BadRaster, photo_of_somewhere_else_says_where) {

@@ -14,6 +14,19 @@
 namespace orthodrive::io {
 namespace fs = std::filesystem;
 
+namespace {
+/// Whether pixels have an area and all corners lie where a CRS, of metres, feet or degrees, can have them.
+bool places_pixels(const double (&c)[6], int width, int height) {
+  constexpr double smallest = 1e-12, farthest = 1e10;
+  const auto can_be = [](double value) { return std::abs(value) < farthest; };  // false for nan
+  for (const int col : {0, width})
+    for (const int row : {0, height})
+      if (!can_be(c[0] + col * c[1] + row * c[2]) || !can_be(c[3] + col * c[4] + row * c[5])) return false;
+  return std::min(std::hypot(c[1], c[4]), std::hypot(c[2], c[5])) > smallest &&
+         std::abs(c[1] * c[5] - c[2] * c[4]) > smallest * smallest;
+}
+}  // namespace
+
 Georeference georeference_of(const fs::path& path, GDALDataset& dataset) {
   Georeference result;
   if (dataset.GetGeoTransform(result.c) != CE_None)
@@ -21,6 +34,10 @@ Georeference georeference_of(const fs::path& path, GDALDataset& dataset) {
         path.string(),
         "has no georeferencing; put a world file beside it (.jgw, .tfw) or give its corners: gdal_translate "
         "-a_srs EPSG:n -a_ullr WEST NORTH EAST SOUTH IN OUT.tif");
+  if (!places_pixels(result.c, dataset.GetRasterXSize(), dataset.GetRasterYSize()))
+    throw InputError(path.string(),
+                     "its georeferencing places it nowhere (pixels without a size, or corners without end); give its "
+                     "corners: gdal_translate -a_ullr WEST NORTH EAST SOUTH IN OUT.tif");
   const OGRSpatialReference* reference = dataset.GetSpatialRef();
   if (!reference || reference->IsEmpty() || reference->IsLocal())
     throw InputError(path.string(),
