@@ -359,6 +359,39 @@ TEST(Banking, the_first_fine_terrain_with_pixels_counts) {
   EXPECT_NEAR(slope_of(nodes[170]), -0.06, 0.003);
 }
 
+TEST(Banking, one_thread_equals_many_where_roads_wait_for_others) {
+  const Terrain z = [](double x, double y) { return 30.0 + 0.16 * (y - 100.0) + 0.05 * std::sin(0.03 * x); };
+  const HeightGrid dtm = make_dtm(z, 1.0, 0.02);
+  // Side streets of side streets: each needs the plane of the one before it.
+  std::vector<RoadPath> paths{make_path(1, straight({0, 100}, {400, 100}), z, "primary", 1, 2)};
+  const auto join = [&](std::size_t path, std::size_t at, std::int64_t id) { paths[path].nodes[at].osm_node = id; };
+  for (int k = 0; k < 6; ++k) {
+    join(0, static_cast<std::size_t>(20 + 30 * k), 10 + k);
+    const double x = 40.0 + 60.0 * k;
+    paths.push_back(make_path(10 + k, straight({x, 100}, {x, 180}), z, "tertiary", 10 + k, 20 + k));
+    join(paths.size() - 1, 20, 30 + k);
+    paths.push_back(make_path(20 + k, straight({x, 140}, {x + 40, 140}), z, "residential", 30 + k, 40 + k));
+    join(paths.size() - 1, 10, 50 + k);
+    paths.push_back(make_path(30 + k, straight({x + 20, 140}, {x + 20, 170}), z, "service", 50 + k, 60 + k));
+  }
+  BankingOptions options{.threads = 1};
+  const auto one = measure(paths, dtm, options);
+  options.threads = 4;
+  const auto four = measure(paths, dtm, options);
+  EXPECT_GE(one.findings.size(), 2U);
+  EXPECT_EQ(codes(one.findings), codes(four.findings));
+  for (std::size_t p = 0; p < paths.size(); ++p)
+    for (std::size_t n = 0; n < paths[p].nodes.size(); ++n) {
+      const RoadNode &a = one.roads.paths[p].nodes[n], &b = four.roads.paths[p].nodes[n];
+      ASSERT_EQ(a.banking, b.banking) << p << " " << n;
+      ASSERT_EQ(a.crown, b.crown) << p << " " << n;
+      ASSERT_EQ(a.sigma_banking, b.sigma_banking) << p << " " << n;
+    }
+  // The service road begins in the plane of the street that it leaves, which waited for two others.
+  const RoadNode &street = one.roads.paths[2].nodes[10], &lane = one.roads.paths[3].nodes[0];
+  EXPECT_NEAR(std::tan(lane.banking), -street.gradient, 0.01);
+}
+
 TEST(Banking, holes_are_bridged_and_long_ones_follow_the_design) {
   const Terrain z = [](double, double y) { return 30.0 + bed(y - 100.0, 0.03); };
   const HeightGrid dtm =

@@ -98,12 +98,15 @@ TEST(StageVersions, other_results_have_another_version) {
     ASSERT_TRUE(now.contains(name)) << name;
     const StageResult& result = now.at(name);
     EXPECT_EQ(result.version, recorded.version) << "stage " << name << " has a new version; " << anew;
-    if (name == "refine") EXPECT_EQ(result.inputs, recorded.inputs) << "the site or its labels changed; " << anew;
-    if (result.inputs == recorded.inputs && result.version == recorded.version)  // else an earlier stage is told of
+    if (name == "refine") {
+      EXPECT_EQ(result.inputs, recorded.inputs) << "the site or its labels changed; " << anew;
+    }
+    if (result.inputs == recorded.inputs && result.version == recorded.version) {  // else an earlier stage is told of
       EXPECT_EQ(result.results, recorded.results)
           << "stage " << name << " makes other results of the same inputs than version " << recorded.version
           << " did: raise BuildStage::version in run_" << name
           << ".cpp, so that results of earlier programs are not taken over, and " << anew;
+    }
     ++compared;
   }
   EXPECT_EQ(compared, now.size());

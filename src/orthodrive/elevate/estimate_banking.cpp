@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/elevate/fit_banking.hpp"
 #include "orthodrive/roads/path_junctions.hpp"
 
@@ -91,6 +92,23 @@ std::vector<std::vector<Meeting>> find_meetings(const RoadNetwork& roads, const 
         meetings[place.chain].push_back({place.station, main.chain, main.station, gradient});
   }
   return meetings;
+}
+
+/// The chains in parts: a chain needs the planes of those that it meets as the less important one, all in earlier
+/// parts.
+std::vector<std::vector<std::size_t>> generations(const std::vector<std::size_t>& order,
+                                                  const std::vector<std::vector<Meeting>>& meetings) {
+  std::vector<std::size_t> of_chain(meetings.size());
+  std::vector<std::vector<std::size_t>> result;
+  for (const std::size_t c : order) {
+    std::size_t generation = 0;
+    for (const Meeting& meeting : meetings[c])
+      if (meeting.main_chain != c) generation = std::max(generation, of_chain[meeting.main_chain] + 1);
+    if (generation == result.size()) result.emplace_back();
+    result[generation].push_back(c);
+    of_chain[c] = generation;
+  }
+  return result;
 }
 
 /// Both ways along the chain from a station, which is left out: visit(station, metres gone) until that is over
@@ -231,7 +249,8 @@ EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const
       find_meetings(roads, network, order, options.in_junction_planes ? junction_planes(roads) : JunctionPlanes{});
 
   std::vector<BankingFit> fits(network.chains.size());
-  for (const std::size_t c : order) {  // a chain needs the planes of those before it
+  std::vector<Findings> findings(network.chains.size());
+  const auto fit = [&](std::size_t c) {
     const StationChain& chain = network.chains[c];
     const DesignBanking design = design_banking(roads, chain, options.design_crown, options.driving_side);
     std::vector<BankingAnchor> anchors;
@@ -242,8 +261,12 @@ EstimateBankingResult estimate_banking(const RoadNetwork& roads, std::span<const
       if (fits[c].source[i] == BankingSource::design && roads.paths[chain.stations[i].path].highway == "raceway")
         fits[c].source[i] = BankingSource::none;
     limit_twist(chain, design, anchors, fits[c]);
-    limit_slopes(roads, chain, slope_limits(roads, chain, options, anchors), fits[c], result.findings);
-  }
+    limit_slopes(roads, chain, slope_limits(roads, chain, options, anchors), fits[c], findings[c]);
+  };
+  for (const std::vector<std::size_t>& generation : generations(order, meetings))
+    parallel_for(generation.size(), options.threads, [&](std::size_t k) { fit(generation[k]); });
+  for (const std::size_t c : order)
+    result.findings.insert(result.findings.end(), findings[c].begin(), findings[c].end());
 
   std::size_t nodes = 0, measured = 0;
   for (std::size_t p = 0; p < roads.paths.size(); ++p)

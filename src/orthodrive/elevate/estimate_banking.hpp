@@ -23,6 +23,7 @@ struct BankingOptions {
   /// Where roads meet, all of them lie in the plane of their gradients there, the most important one too: for heights
   /// that were fitted with such planes (HeightMethod::network).
   bool in_junction_planes = false;
+  int threads = 0;  ///< 0 = all cores; the result does not depend on it
 };
 
 struct EstimateBankingResult {

@@ -217,7 +217,7 @@ TriMesh read_mesh(Glb& glb, std::size_t index) {
     }
     const std::size_t first = result.indices.size();
     for (const double v : glb.numbers(primitive.at("indices"))) {
-      if (!(v < static_cast<double>(result.positions.size()))) throw Error("an index lies beyond its mesh");
+      if (!(v >= 0.0 && v < static_cast<double>(result.positions.size()))) throw Error("an index lies beyond its mesh");
       result.indices.push_back(static_cast<std::uint32_t>(v));
     }
     if ((result.indices.size() - first) % 3 != 0) throw Error("a mesh has a part of a triangle");

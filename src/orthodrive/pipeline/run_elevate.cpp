@@ -50,7 +50,7 @@ StageOutcome run_elevate(const ElevateFiles& files, const RunElevateOptions& opt
   const Terrain& terrain = context.sources.terrain(files.dtm, site);
   const io::DriveLogs& logs = context.sources.drive_logs(files.drive_logs, site);
   ElevateRoadsOptions elevate = options.elevate;
-  elevate.heights.threads = context.threads;
+  elevate.heights.threads = elevate.banking.threads = context.threads;
   const ElevateRoadsResult elevated = elevate_roads(roads, terrain.dtms, logs.log, elevate, context.monitor);
   StageOutcome outcome = outcome_of(elevated, files);
   for (const Findings* part : {&logs.findings, &terrain.findings, &elevated.findings}) append(outcome.findings, *part);
