@@ -20,6 +20,14 @@ struct Corners {
 
 Corners corners_of(const GridFrame& frame, Vec2 p) {
   const Vec2 pixel = frame.pixel_from_world(p) - Vec2{0.5, 0.5};
+  if (pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < frame.width - 1.0 && pixel.y < frame.height - 1.0) {
+    const int left = static_cast<int>(pixel.x), top = static_cast<int>(pixel.y);  // all four inside, as nearly always
+    const auto u = static_cast<float>(pixel.x - left), v = static_cast<float>(pixel.y - top);
+    const auto width = static_cast<std::size_t>(frame.width),
+               first = static_cast<std::size_t>(top) * width + static_cast<std::size_t>(left);
+    return {{first, first + 1, first + width, first + width + 1},
+            {(1.0F - u) * (1.0F - v) / 255.0F, u * (1.0F - v) / 255.0F, (1.0F - u) * v / 255.0F, u * v / 255.0F}};
+  }
   const double left = std::floor(pixel.x), top = std::floor(pixel.y);
   const auto u = static_cast<float>(pixel.x - left), v = static_cast<float>(pixel.y - top);
   const float weights[4] = {(1.0F - u) * (1.0F - v), u * (1.0F - v), (1.0F - u) * v, u * v};
