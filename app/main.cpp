@@ -14,7 +14,11 @@ int main(int argc, char** argv) {
   using namespace orthodrive::app;
   TerminalMonitor monitor;
   Context context{.monitor = &monitor,
-                  .set_stage = [&monitor](const std::string& stage) { monitor.set_stage(stage); },
+                  .set_stage =
+                      [&monitor](const std::string& stage) {
+                        mi_collect(true);  // what the stage before has left goes back to the system
+                        monitor.set_stage(stage);
+                      },
                   .last_words = [&monitor](const char* text) { monitor.fail(text); }};
   CLI::App app{
       "Orthodrive turns orthophotos, OpenStreetMap roads and terrain models into drivable virtual environments."};
