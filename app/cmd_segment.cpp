@@ -18,8 +18,9 @@ struct SegmentCommand {
 void add_segment(CLI::App& app, Context& context) {
   auto command = std::make_shared<SegmentCommand>();
   CLI::App* cmd = app.add_subcommand("segment", "Labels every pixel of an orthophoto: road, building, vegetation, ...");
-  cmd->add_option("photo", command->files.photos,
-                  "orthophoto, any georeferenced raster GDAL reads; several: best first, later ones fill its gaps")
+  cmd->add_option(
+         "photo", command->files.photos,
+         "orthophoto, georeferenced, in any GDAL format of photos; several: best first, later ones fill its gaps")
       ->required();
   cmd->add_option("-o,--output", command->files.labels, "label map (palette GeoTIFF with class table)")->required();
   cmd->add_option("--confidence", command->files.confidence,

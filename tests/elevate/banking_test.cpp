@@ -379,7 +379,8 @@ TEST(Banking, one_thread_equals_many_where_roads_wait_for_others) {
   options.threads = 4;
   const auto four = measure(paths, dtm, options);
   EXPECT_GE(one.findings.size(), 2U);
-  EXPECT_EQ(codes(one.findings), codes(four.findings));
+  ASSERT_EQ(one.findings.size(), four.findings.size());
+  for (std::size_t i = 0; i < one.findings.size(); ++i) EXPECT_EQ(one.findings[i].message, four.findings[i].message);
   for (std::size_t p = 0; p < paths.size(); ++p)
     for (std::size_t n = 0; n < paths[p].nodes.size(); ++n) {
       const RoadNode &a = one.roads.paths[p].nodes[n], &b = four.roads.paths[p].nodes[n];

@@ -43,11 +43,8 @@ def add_runs(ran):
 
 
 def run(args):
-    results = read_results(STORE, {})
-    for name in args.forget:
-        results.pop(name, None)
     if args.forget:
-        write_results(STORE, results)
+        write_results(STORE, {name: r for name, r in read_results(STORE, {}).items() if name not in args.forget})
     if args.only and not args.table:
         for name in args.only:
             subprocess.run([str(ROOT / "tools/fuzz"), name, str(args.seconds)], cwd=ROOT)
