@@ -23,7 +23,7 @@ namespace {
 void keep_formats_of_geodata() {
   static const std::set<std::string_view> kept{
       // photos and pictures
-      "GTiff", "COG", "JPEG", "PNG", "WEBP", "BMP", "GIF", "JP2OpenJPEG", "JP2KAK", "JP2ECW", "JP2MrSID", "ECW",
+      "GTiff", "COG", "JPEG", "PNG", "PNM", "WEBP", "BMP", "GIF", "JP2OpenJPEG", "JP2KAK", "JP2ECW", "JP2MrSID", "ECW",
       "MrSID", "HFA", "NITF", "PCIDSK", "ENVI", "EHdr", "ERS", "MRF", "MBTiles", "GPKG", "VRT", "MEM",
       // terrain
       "AAIGrid", "AIG", "GRASSASCIIGrid", "SRTMHGT", "DTED", "USGSDEM", "SDTS", "XYZ", "ZMap", "GSAG", "GSBG", "GS7BG",
