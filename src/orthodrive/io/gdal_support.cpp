@@ -19,18 +19,17 @@ namespace fs = std::filesystem;
 namespace {
 /// Takes all drivers away but those of formats that photos, terrain and maps come in. GDAL asks every driver about
 /// every file, and the rare ones believe what a header says: that of PROJ's grids allocates 900 MB for a file of 200
-/// bytes. Others turn a small local file into requests to a server.
+/// bytes, that of netCDF 3 GB for one of 14. Others turn a small local file into requests to a server.
 void keep_formats_of_geodata() {
   static const std::set<std::string_view> kept{
       // photos and pictures
       "GTiff", "COG", "JPEG", "PNG", "PNM", "WEBP", "BMP", "GIF", "JP2OpenJPEG", "JP2KAK", "JP2ECW", "JP2MrSID", "ECW",
-      "MrSID", "HFA", "NITF", "PCIDSK", "ENVI", "EHdr", "ERS", "MRF", "MBTiles", "GPKG", "VRT", "MEM",
+      "MrSID", "HFA", "ENVI", "EHdr", "ERS", "MBTiles", "GPKG", "VRT", "MEM",
       // terrain
-      "AAIGrid", "AIG", "GRASSASCIIGrid", "SRTMHGT", "DTED", "USGSDEM", "SDTS", "XYZ", "ZMap", "GSAG", "GSBG", "GS7BG",
-      "RST", "SAGA", "BT", "BAG", "netCDF", "HDF5", "HDF5Image",
+      "AAIGrid", "AIG", "GRASSASCIIGrid", "SRTMHGT", "DTED", "USGSDEM", "XYZ", "GSAG", "GSBG", "GS7BG", "SAGA",
       // maps
       "ESRI Shapefile", "GeoJSON", "GeoJSONSeq", "FlatGeobuf", "GML", "KML", "LIBKML", "GPX", "OSM", "CSV", "SQLite",
-      "MapInfo File", "OpenFileGDB", "DXF", "OGR_VRT", "Memory"};
+      "MapInfo File", "OpenFileGDB", "OGR_VRT", "Memory"};
   GDALDriverManager& manager = *GetGDALDriverManager();
   std::vector<GDALDriver*> others;
   for (int i = 0; i < manager.GetDriverCount(); ++i)
@@ -106,8 +105,9 @@ DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
   if (!dataset)
     throw InputError(
         path.string(),
-        fmt::format("not a {} of a format that is read here, or truncated{}; get the file again or convert it",
-                    kind & GDAL_OF_RASTER ? "raster" : "vector file", errors.any() ? " (" + errors.text() + ")" : ""));
+        fmt::format("not a {} of a format that is read here, or truncated{}; get the file again or convert it with {}",
+                    kind & GDAL_OF_RASTER ? "raster" : "vector file", errors.any() ? " (" + errors.text() + ")" : "",
+                    kind & GDAL_OF_RASTER ? "gdal_translate" : "ogr2ogr"));
   return dataset;
 }
 
