@@ -311,6 +311,20 @@ TEST(BadRaster, truncated_geotiff_at_any_length) {
   }
 }
 
+TEST(BadRaster, blocks_that_its_bytes_cannot_hold) {
+  const Scratch scratch;
+  const std::string path = (scratch / "bands.tif").string();
+  const char* const options[] = {
+      "TILED=YES", "BLOCKXSIZE=1024", "BLOCKYSIZE=1024", "INTERLEAVE=PIXEL", "COMPRESS=DEFLATE", "SPARSE_OK=TRUE",
+      nullptr};
+  GDALDriver* const driver = GetGDALDriverManager()->GetDriverByName("GTiff");
+  GDALClose(driver->Create(path.c_str(), 64, 64, 600, GDT_Byte, options));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(path); }),
+              HasSubstr("600 bands lie in blocks of 629 MB"));
+  GDALClose(driver->Create(path.c_str(), 64, 64, 200, GDT_Byte, options));
+  EXPECT_THAT(message_of<InputError>([&] { (void)io::raster_info(path); }), HasSubstr("no georeferencing"));
+}
+
 TEST(BadRaster, truncated_jpeg) {
   const Scratch scratch;
   const Photo photo = noisy_photo(300);

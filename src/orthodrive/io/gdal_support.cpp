@@ -98,6 +98,30 @@ GdalOptions::GdalOptions(const std::vector<std::string>& options) : texts_(optio
   pointers_.push_back(nullptr);
 }
 
+namespace {
+/// A file may say that it is one block of a thousand bands: reading a pixel of it would take gigabytes.
+void require_plausible_blocks(const fs::path& path, GDALDataset& raster) {
+  constexpr double always = double{1 << 28}, most_per_byte = 1000.0;
+  const char* interleave = raster.GetMetadataItem("INTERLEAVE", "IMAGE_STRUCTURE");
+  const bool together = interleave && std::string_view(interleave) == "PIXEL";
+  double bytes = 0.0;
+  for (int b = 1; b <= raster.GetRasterCount(); ++b) {
+    GDALRasterBand& band = *raster.GetRasterBand(b);
+    int width = 0, height = 0;
+    band.GetBlockSize(&width, &height);
+    const double of_band = double{1} * width * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+    bytes = together ? bytes + of_band : std::max(bytes, of_band);
+  }
+  std::error_code error;  // some formats are folders
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (bytes > std::max(always, error ? 0.0 : most_per_byte * static_cast<double>(size)))
+    throw InputError(path.string(),
+                     fmt::format("says that {} bands lie in blocks of {:.0f} MB, more than its bytes can hold; get the "
+                                 "file again, or make smaller ones: gdal_translate -co TILED=YES IN OUT.tif",
+                                 raster.GetRasterCount(), bytes / 1e6));
+}
+}  // namespace
+
 DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
   if (!fs::exists(path)) throw InputError(path.string(), "no such file");
   GdalErrors errors;
@@ -108,6 +132,7 @@ DatasetPtr open_dataset(const fs::path& path, unsigned kind) {
         fmt::format("not a {} of a format that is read here, or truncated{}; get the file again or convert it with {}",
                     kind & GDAL_OF_RASTER ? "raster" : "vector file", errors.any() ? " (" + errors.text() + ")" : "",
                     kind & GDAL_OF_RASTER ? "gdal_translate" : "ogr2ogr"));
+  require_plausible_blocks(path, *dataset);
   return dataset;
 }
 
