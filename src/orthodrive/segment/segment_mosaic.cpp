@@ -51,12 +51,11 @@ PixelBox scaled(const PixelBox& box, int factor) {
   return {factor * box.col, factor * box.row, factor * box.width, factor * box.height};
 }
 
-/// Edge of the largest window that takes some 700 MB: the photo and the network's layers on it and its margins, scores
+/// Edge of the largest window that takes some 500 MB: the photo and the network's layers on it and its margins, scores
 /// and what the CRF holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
 int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfModel>& crf, int factor) {
-  constexpr double most_bytes = 7.0e8, crf_bytes = 200.0;
-  const double photo_bytes = 4.0,
-               map_bytes = network.sees_map() ? sizeof(NearestLine) + sizeof(double) + map_raster_channels : 0.0;
+  constexpr double most_bytes = 5.0e8, crf_bytes = 200.0;
+  const double photo_bytes = 4.0, map_bytes = network.sees_map() ? map_raster_channels : 0.0;
   constexpr int step_px = 32, least_px = 256, most_px = 8192;
   const double score_bytes = static_cast<double>(sizeof(float)) * network.output_channels();
   const double label_bytes =
@@ -142,18 +141,26 @@ PhotoWindow part_of(const PhotoWindow& window, const PixelBox& seen, const Pixel
   return part;
 }
 
+/// What the windows of a thread use one after the other: pages that the system hands out anew cost as much as what is
+/// written to them.
+struct Workspace {
+  Raster<float> scores;
+  std::vector<float> unary;
+  CrfWorkspace crf;
+};
+
 /// Scores of a box -> marginals of the CRF, in place. `factor`: label pixels along a pixel that the CRF's widths are
 /// in.
-void refine(const CrfModel& crf, const PhotoWindow& photo, const PixelBox& box, int factor, Raster<float>& scores) {
+void refine(const CrfModel& crf, const PhotoWindow& photo, const PixelBox& box, int factor, Workspace& workspace) {
   CrfWidths widths = crf.widths;
   widths.theta_alpha_px *= factor;
   widths.theta_gamma_px *= factor;
   const DenseCrf dense({box.width, box.height, box.col, box.row, photo.rgb.data.data(), photo.valid.data.data()},
                        widths);
-  std::vector<float> unary(scores.data.size());  // -log p but for a constant a pixel, which cancels
-  std::transform(scores.data.begin(), scores.data.end(), unary.begin(), std::negate<>());
-  thread_local CrfWorkspace workspace;
-  dense.infer(crf.parameters, unary, scores.data, &workspace);
+  std::vector<float>& scores = workspace.scores.data;
+  workspace.unary.resize(scores.size());  // -log p but for a constant a pixel, which cancels
+  std::transform(scores.begin(), scores.end(), workspace.unary.begin(), std::negate<>());
+  dense.infer(crf.parameters, workspace.unary, scores, &workspace.crf);
 }
 
 /// For each core the places in it.
@@ -256,14 +263,18 @@ Decision Mosaic::decide_window(std::size_t window) const {
     nothing.alignments.resize(asked_[window].size());
     return nothing;
   }
-  Raster<float> scores(fine_box.width, fine_box.height, network_.output_channels());
+  thread_local Workspace workspace;
+  Raster<float>& scores = workspace.scores;
+  scores.width = fine_box.width, scores.height = fine_box.height, scores.channels = network_.output_channels();
+  scores.data.resize(static_cast<std::size_t>(scores.width) * static_cast<std::size_t>(scores.height) *
+                     static_cast<std::size_t>(scores.channels));
   const Raster<std::uint8_t> map = network_.sees_map() ? map_->read(photo_.frame, seen) : Raster<std::uint8_t>{};
   network_.predict({photo.rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor_,
                    scores.data.data());
   std::vector<PlaceAlignment> alignments = alignments_in(window, scores, fine.valid, fine_box);
   keep_channels(scores, network_.class_count());
   if (crf_) {
-    refine(*crf_, fine, fine_box, factor_, scores);
+    refine(*crf_, fine, fine_box, factor_, workspace);
   } else {
     softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
   }
