@@ -171,18 +171,22 @@ TEST(CrossProfiles, a_row_without_road_is_no_evidence) {
 TEST(StripCosts, are_least_at_the_edges_and_have_their_derivatives) {
   const StraightScene s(0.0);
   const StripCosts strips(s.profiles, 1.5);
-  using enum StripCosts::Strip;
+  using enum StripCosts::Edge;
+  using Strip = StripCosts::Value StripCosts::Values::*;
+  const Strip context = &StripCosts::Values::context, boundary = &StripCosts::Values::boundary;
   const std::size_t row = 80;
-  for (const auto strip : {context_left, context_right, boundary_left, boundary_right})
-    for (double t = -6.0; t < 6.0; t += 0.173) {
-      const double h = 1e-6;
-      const double slope = (strips.at(strip, row, t + h).cost - strips.at(strip, row, t - h).cost) / (2.0 * h);
-      EXPECT_NEAR(strips.at(strip, row, t).derivative, slope, 1e-5) << t;
-    }
-  EXPECT_NEAR(strips.at(context_left, row, 3.0).cost, 0.0, 0.15) << "no road to the left of the left edge";
-  EXPECT_NEAR(strips.at(boundary_left, row, 3.0).cost, 0.0, 0.15);
-  EXPECT_GT(strips.at(context_left, row, 1.0).cost, 0.7) << "an edge inside the road leaves road outside";
-  EXPECT_GT(strips.at(boundary_left, row, 5.0).cost, 0.4) << "an edge outside takes grass for road";
+  for (const auto edge : {left, right})
+    for (const Strip strip : {context, boundary})
+      for (double t = -6.0; t < 6.0; t += 0.173) {
+        const auto value = [&](double at) { return strips.at(edge, row, at).*strip; };
+        const double h = 1e-6;
+        const double slope = (value(t + h).cost - value(t - h).cost) / (2.0 * h);
+        EXPECT_NEAR(value(t).derivative, slope, 1e-5) << t;
+      }
+  EXPECT_NEAR(strips.at(left, row, 3.0).context.cost, 0.0, 0.15) << "no road to the left of the left edge";
+  EXPECT_NEAR(strips.at(left, row, 3.0).boundary.cost, 0.0, 0.15);
+  EXPECT_GT(strips.at(left, row, 1.0).context.cost, 0.7) << "an edge inside the road leaves road outside";
+  EXPECT_GT(strips.at(left, row, 5.0).boundary.cost, 0.4) << "an edge outside takes grass for road";
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/model/rasters.hpp"
@@ -32,6 +33,25 @@ Costs costs_of(const ClassTable& table) {
 
 std::uint8_t byte_of(float value) { return static_cast<std::uint8_t>(std::lround(value)); }
 
+struct PixelCosts {
+  std::uint8_t outside = 0, inside = 0;
+};
+
+/// For every label, every probability of road that a byte holds.
+std::vector<PixelCosts> costs_by_bytes(const Costs& costs) {
+  std::vector<PixelCosts> table(256 * 256);
+  for (std::size_t label = 0; label < 256; ++label) {
+    if (!costs.known[label]) continue;
+    const float rest_outside = costs.road[label] ? 0.0F : costs.outside[label];
+    const float rest_inside = costs.maybe[label] ? costs.inside[label] : 255.0F * no_road_inside;
+    for (std::size_t road = 0; road < 256; ++road) {
+      const float p = static_cast<float>(road) / 255.0F;
+      table[256 * label + road] = {byte_of(p * 255.0F + (1.0F - p) * rest_outside), byte_of((1.0F - p) * rest_inside)};
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 RoadEvidence road_evidence(const LabelMap& labels) {
@@ -45,19 +65,12 @@ RoadEvidence road_evidence(const LabelMap& labels) {
 RoadEvidence road_evidence(const LabelMap& labels, const ConfidenceMap& road_probability) {
   if (!(labels.frame == road_probability.frame) || !(labels.crs == road_probability.crs))
     throw OptionError("the road probability is on another grid than the labels: take both from one run of `segment`");
-  const Costs costs = costs_of(labels.classes);
+  const std::vector<PixelCosts> by_bytes = costs_by_bytes(costs_of(labels.classes));
   RoadEvidence evidence{labels.crs, labels.frame, labels.labels, labels.labels};
   for (std::size_t i = 0; i < labels.labels.data.size(); ++i) {
-    const std::uint8_t label = labels.labels.data[i], road = road_probability.confidence.data[i];
-    if (!costs.known[label]) {
-      evidence.outside.data[i] = evidence.inside.data[i] = 0;
-      continue;
-    }
-    const float p = static_cast<float>(road) / 255.0F;
-    const float rest_outside = costs.road[label] ? 0.0F : costs.outside[label];
-    const float rest_inside = costs.maybe[label] ? costs.inside[label] : 255.0F * no_road_inside;
-    evidence.outside.data[i] = byte_of(p * 255.0F + (1.0F - p) * rest_outside);
-    evidence.inside.data[i] = byte_of((1.0F - p) * rest_inside);
+    const PixelCosts& costs = by_bytes[256 * labels.labels.data[i] + road_probability.confidence.data[i]];
+    evidence.outside.data[i] = costs.outside;
+    evidence.inside.data[i] = costs.inside;
   }
   return evidence;
 }

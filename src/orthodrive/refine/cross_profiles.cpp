@@ -18,8 +18,8 @@ struct Corners {
   float weight[4];
 };
 
-Corners corners_of(const GridFrame& frame, Vec2 p) {
-  const Vec2 pixel = frame.pixel_from_world(p) - Vec2{0.5, 0.5};
+/// `pixel` counts from the centre of the first one.
+Corners corners_of(const GridFrame& frame, Vec2 pixel) {
   if (pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < frame.width - 1.0 && pixel.y < frame.height - 1.0) {
     const int left = static_cast<int>(pixel.x), top = static_cast<int>(pixel.y);  // all four inside, as nearly always
     const auto u = static_cast<float>(pixel.x - left), v = static_cast<float>(pixel.y - top);
@@ -65,8 +65,9 @@ void CrossProfiles::look_again(std::size_t row) {
 }
 
 CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& evidence, double half_m) {
+  const GridFrame& frame = evidence.frame;
   CrossProfiles profiles;
-  profiles.step_m = evidence.frame.gsd_m * step_over_gsd;
+  profiles.step_m = frame.gsd_m * step_over_gsd;
   profiles.cells = 2 * static_cast<int>(std::ceil(half_m / profiles.step_m));
   profiles.half_m = 0.5 * profiles.cells * profiles.step_m;
   const std::size_t rows = (chain.nodes.size() - 1) * rows_per_segment,
@@ -84,11 +85,12 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& 
     float* const negative = &profiles.false_negative[row * cells];
     for (int sample = 0; sample < samples; ++sample) {
       const double f = (static_cast<double>(row % rows_per_segment) + (sample + 0.5) / samples) / rows_per_segment;
-      const Vec2 base = a.base + (b.base - a.base) * f;
+      const Vec2 base = frame.pixel_from_world(a.base + (b.base - a.base) * f) - Vec2{0.5, 0.5};
       const Vec2 normal = normalized(a.normal + (b.normal - a.normal) * f);
+      const Vec2 px_per_m{normal.x / frame.gsd_m, -normal.y / frame.gsd_m};
       for (std::size_t k = 0; k < cells; ++k) {
         const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
-        const Corners corners = corners_of(evidence.frame, base + normal * t);
+        const Corners corners = corners_of(frame, base + px_per_m * t);
         positive[k] += value_at(evidence.outside, corners) / samples;
         negative[k] += value_at(evidence.inside, corners) / samples;
       }
@@ -100,8 +102,8 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& 
 }
 
 StripCosts::StripCosts(const CrossProfiles& profiles, double strip_m)
-    : step_m_(profiles.step_m), half_m_(profiles.half_m), knots_(profiles.cells + 1) {
-  const int cells = std::max(1, static_cast<int>(std::lround(strip_m / step_m_)));
+    : steps_per_m_(1.0 / profiles.step_m), half_m_(profiles.half_m), knots_(profiles.cells + 1) {
+  const int cells = std::max(1, static_cast<int>(std::lround(strip_m / profiles.step_m)));
   // The reference lets errors count more with their distance from the edge. From a half at the edge to one: an edge
   // that is off by little must still feel a force, as its least-squares form would otherwise be flat (fourth power)
   // there.
@@ -111,7 +113,7 @@ StripCosts::StripCosts(const CrossProfiles& profiles, double strip_m)
   for (float& w : weight) w /= sum;
 
   const std::size_t rows = profiles.evidence.size(), knots = static_cast<std::size_t>(knots_);
-  for (auto& field : fields_) field.resize(rows * knots);
+  for (auto& of_edge : knots_of_edge_) of_edge.resize(rows * knots);
   for (std::size_t row = 0; row < rows; ++row) {
     const auto positive = profiles.positive_row(row), negative = profiles.negative_row(row);
     const auto sum_of = [&](std::span<const float> costs, int knot, int direction) {
@@ -124,24 +126,25 @@ StripCosts::StripCosts(const CrossProfiles& profiles, double strip_m)
     };
     for (int knot = 0; knot < knots_; ++knot) {
       const std::size_t i = row * knots + static_cast<std::size_t>(knot);
-      fields_[static_cast<int>(Strip::context_left)][i] = sum_of(positive, knot, +1);
-      fields_[static_cast<int>(Strip::context_right)][i] = sum_of(positive, knot, -1);
-      fields_[static_cast<int>(Strip::boundary_left)][i] = sum_of(negative, knot, -1);
-      fields_[static_cast<int>(Strip::boundary_right)][i] = sum_of(negative, knot, +1);
+      knots_of_edge_[static_cast<int>(Edge::left)][i] = {sum_of(positive, knot, +1), sum_of(negative, knot, -1)};
+      knots_of_edge_[static_cast<int>(Edge::right)][i] = {sum_of(positive, knot, -1), sum_of(negative, knot, +1)};
     }
   }
 }
 
-StripCosts::Value StripCosts::at(Strip strip, std::size_t row, double t_m) const {
-  const double x = std::clamp((t_m + half_m_) / step_m_, 1.0, knots_ - 2.0 - 1e-9);
+StripCosts::Values StripCosts::at(Edge edge, std::size_t row, double t_m) const {
+  const double x = std::clamp((t_m + half_m_) * steps_per_m_, 1.0, knots_ - 2.0 - 1e-9);
   const int i = static_cast<int>(x);
   const double u = x - i;
-  const float* const f =
-      &fields_[static_cast<int>(strip)][row * static_cast<std::size_t>(knots_) + static_cast<std::size_t>(i)];
+  const Knot* const f =
+      &knots_of_edge_[static_cast<int>(edge)][row * static_cast<std::size_t>(knots_) + static_cast<std::size_t>(i)];
   // Catmull-Rom: a continuous derivative, which Levenberg-Marquardt needs to converge.
-  const double f0 = f[-1], f1 = f[0], f2 = f[1], f3 = f[2];
-  const double c1 = 0.5 * (f2 - f0), c2 = f0 - 2.5 * f1 + 2.0 * f2 - 0.5 * f3, c3 = 0.5 * (f3 - f0) + 1.5 * (f1 - f2);
-  return {f1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2.0 * c2 + u * 3.0 * c3)) / step_m_};
+  const auto value = [&](double f0, double f1, double f2, double f3) -> Value {
+    const double c1 = 0.5 * (f2 - f0), c2 = f0 - 2.5 * f1 + 2.0 * f2 - 0.5 * f3, c3 = 0.5 * (f3 - f0) + 1.5 * (f1 - f2);
+    return {f1 + u * (c1 + u * (c2 + u * c3)), (c1 + u * (2.0 * c2 + u * 3.0 * c3)) * steps_per_m_};
+  };
+  return {value(f[-1].context, f[0].context, f[1].context, f[2].context),
+          value(f[-1].boundary, f[0].boundary, f[1].boundary, f[2].boundary)};
 }
 
 }  // namespace orthodrive::refine

@@ -43,17 +43,24 @@ class StripCosts {
  public:
   StripCosts(const CrossProfiles& profiles, double strip_m);
 
-  enum class Strip { context_left, context_right, boundary_left, boundary_right };
+  enum class Edge { left, right };
   struct Value {
     double cost = 0.0, derivative = 0.0;  ///< derivative by t, 1/m
   };
-  /// t is clamped to where the strips are inside the profile.
-  [[nodiscard]] Value at(Strip strip, std::size_t row, double t_m) const;
+  /// Of the strip outside an edge and of that inside.
+  struct Values {
+    Value context, boundary;
+  };
+  /// t, of the edge, is clamped to where the strips are inside the profile.
+  [[nodiscard]] Values at(Edge edge, std::size_t row, double t_m) const;
 
  private:
-  double step_m_, half_m_;
+  double steps_per_m_, half_m_;
   int knots_;
-  std::vector<float> fields_[4];
+  struct Knot {
+    float context, boundary;
+  };
+  std::vector<Knot> knots_of_edge_[2];
 };
 
 }  // namespace orthodrive::refine

@@ -18,8 +18,6 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    using enum StripCosts::Strip;
-    constexpr std::array strips{context_left, context_right, boundary_left, boundary_right};
     const double offset_a = *parameters[0], width_a = *parameters[1], offset_b = *parameters[2],
                  width_b = *parameters[3];
     std::fill_n(residuals, 4, 0.0);
@@ -29,15 +27,20 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
       if (weight_[r] == 0.0) continue;
       const double f = (static_cast<double>(r) + 0.5) / rows_per_segment;
       const double offset = offset_a + (offset_b - offset_a) * f, half = 0.5 * (width_a + (width_b - width_a) * f);
-      for (int i = 0; i < 4; ++i) {
-        const double side = strips[i] == context_left || strips[i] == boundary_left ? 1.0 : -1.0;
-        const auto value = strips_.at(strips[i], segment_ * rows_per_segment + r, offset + side * half);
-        residuals[i] += weight_[r] * value.cost;
-        if (!jacobians) continue;
-        const double d = weight_[r] * value.derivative;
-        const std::array<double, 4> by{d * (1.0 - f), 0.5 * side * d * (1.0 - f), d * f, 0.5 * side * d * f};
-        for (int p = 0; p < 4; ++p)
-          if (jacobians[p]) jacobians[p][i] += by[p];
+      for (int e = 0; e < 2; ++e) {
+        const double side = e == 0 ? 1.0 : -1.0;
+        const StripCosts::Values at_edge = strips_.at(e == 0 ? StripCosts::Edge::left : StripCosts::Edge::right,
+                                                      segment_ * rows_per_segment + r, offset + side * half);
+        const auto add = [&](int i, const StripCosts::Value& value) {
+          residuals[i] += weight_[r] * value.cost;
+          if (!jacobians) return;
+          const double d = weight_[r] * value.derivative;
+          const std::array<double, 4> by{d * (1.0 - f), 0.5 * side * d * (1.0 - f), d * f, 0.5 * side * d * f};
+          for (int p = 0; p < 4; ++p)
+            if (jacobians[p]) jacobians[p][i] += by[p];
+        };
+        add(e, at_edge.context);
+        add(2 + e, at_edge.boundary);
       }
     }
     return true;

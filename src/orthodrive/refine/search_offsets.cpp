@@ -28,21 +28,36 @@ std::vector<double> running_sums(std::span<const float> costs, double step_m) {
   return sums;
 }
 
-/// Adds the misclassified width of one row to the cost of every state.
-void add_row_cost(const CrossProfiles& profiles, std::size_t row, double input_width_m, const Levels& levels,
-                  std::vector<double>& cost) {
-  const auto positive = running_sums(profiles.positive_row(row), profiles.step_m);
-  const auto negative = running_sums(profiles.negative_row(row), profiles.step_m);
+/// Where the sums of a row are read for a state: at its edges, and beyond them.
+struct StateKnots {
+  std::size_t right = 0, left = 0, beyond_right = 0, beyond_left = 0;
+};
+
+/// For every state of roads of that width.
+std::vector<StateKnots> knots_of(const CrossProfiles& profiles, double input_width_m, const Levels& levels) {
   const auto knot = [&](double t) {
     return static_cast<std::size_t>(
         std::clamp<long>(std::lround((t + profiles.half_m) / profiles.step_m), 0, profiles.cells));
   };
-  const double share = profiles.evidence[row] / static_cast<double>(rows_per_segment);
+  std::vector<StateKnots> knots;
   for (int state = 0; state < levels.states(); ++state) {
     const double offset = levels.offset_m(state), half = 0.5 * levels.width_factor(state) * input_width_m;
-    const std::size_t right = knot(offset - half), left = knot(offset + half);
-    cost[state] += share * (negative[left] - negative[right] + positive[knot(offset + half + context_m)] -
-                            positive[left] + positive[right] - positive[knot(offset - half - context_m)]);
+    knots.push_back(
+        {knot(offset - half), knot(offset + half), knot(offset - half - context_m), knot(offset + half + context_m)});
+  }
+  return knots;
+}
+
+/// Adds the misclassified width of one row to the cost of every state.
+void add_row_cost(const CrossProfiles& profiles, std::size_t row, const std::vector<StateKnots>& knots,
+                  std::vector<double>& cost) {
+  const auto positive = running_sums(profiles.positive_row(row), profiles.step_m);
+  const auto negative = running_sums(profiles.negative_row(row), profiles.step_m);
+  const double share = profiles.evidence[row] / static_cast<double>(rows_per_segment);
+  for (std::size_t state = 0; state < knots.size(); ++state) {
+    const StateKnots& k = knots[state];
+    cost[state] += share * (negative[k.left] - negative[k.right] + positive[k.beyond_left] - positive[k.left] +
+                            positive[k.right] - positive[k.beyond_right]);
   }
 }
 
@@ -62,7 +77,8 @@ std::vector<double> running_mean(const std::vector<double>& values) {
 
 /// What the levels of one segment cost: misclassified width, and the pull to the expected offset and the input's width.
 std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& profiles, std::size_t segment,
-                                  const ExpectedOffset& expected, const RefineWeights& weights, const Levels& levels) {
+                                  const ExpectedOffset& expected, const RefineWeights& weights, const Levels& levels,
+                                  const std::vector<StateKnots>& knots) {
   // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
   float evidence = 0.0F;
   for (std::size_t r = 0; r < rows_per_segment; ++r)
@@ -77,7 +93,7 @@ std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& p
   }
   for (std::size_t r = 0; r < rows_per_segment; ++r) {
     const std::size_t row = segment * rows_per_segment + r;
-    if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, chain.nodes[segment].input_width_m, levels, cost);
+    if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, knots, cost);
   }
   return cost;
 }
@@ -113,9 +129,13 @@ ChainShape search_offsets(const RoadChain& chain, const CrossProfiles& profiles,
   const Levels levels{2 * static_cast<int>(options.search_radius_m / offset_step_m) + 1, options.min_width_factor,
                       (largest_factor - options.min_width_factor) / (width_levels - 1)};
   LevelSearch search(levels.offsets, width_levels, options.weights.search_step);
-  for (std::size_t segment = 0; segment + 1 < chain.nodes.size(); ++segment)
+  std::vector<StateKnots> knots;
+  for (std::size_t segment = 0; segment + 1 < chain.nodes.size(); ++segment) {
+    const double width_m = chain.nodes[segment].input_width_m;
+    if (segment == 0 || width_m != chain.nodes[segment - 1].input_width_m) knots = knots_of(profiles, width_m, levels);
     search.add_segment(segment_costs(chain, profiles, segment, expected.empty() ? ExpectedOffset{} : expected[segment],
-                                     options.weights, levels));
+                                     options.weights, levels, knots));
+  }
   ChainShape shape = shape_of(chain, search.cheapest(), levels);
   shape.offset_m = running_mean(shape.offset_m);
   shape.width_m = running_mean(shape.width_m);
