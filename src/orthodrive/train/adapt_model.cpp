@@ -263,19 +263,11 @@ class DecoderTraining {
     std::vector<const Cell*> drawn;
     for (std::size_t i = 0; i < batch; ++i)
       drawn.push_back(&cells[draw(cells.size(), static_cast<std::size_t>(step) * batch + i)]);
-    std::vector<at::Tensor> scores(batch), shipped(batch);
+    const at::Tensor weights = weights_of(drawn);
     parallel_for(batch, options_.threads, [&](std::size_t i) {
       const SingleThreadedTorch one_thread;
-      scores[i] = decode(network_, copies_[i], *drawn[i]);
-      const at::NoGradGuard no_grad;
-      NetworkParams start = start_;
-      shipped[i] = decode(network_, start, *drawn[i]);
-    });
-    const at::Tensor gradient = loss_gradient(scores, shipped, drawn);
-    parallel_for(batch, options_.threads, [&](std::size_t i) {
-      const SingleThreadedTorch one_thread;
-      scores[i].backward(gradient.narrow(0, static_cast<std::int64_t>(i), 1));
-      scores[i] = at::Tensor();
+      const at::Tensor before = decode_as_shipped(*drawn[i]), values = decode(network_, copies_[i], *drawn[i]);
+      values.backward(loss_gradient(values.detach(), before, *drawn[i], weights, static_cast<std::int64_t>(i)));
     });
     update(step);
   }
@@ -296,31 +288,43 @@ class DecoderTraining {
     return order[i % count];
   }
 
-  /// Cross entropy over the whole batch, because a cell may have few roads. Where the map leaves a choice, the network
-  /// as it was makes it: `shipped` has what that gives. So does it for the alignment, of which the map's place says
-  /// nothing.
-  [[nodiscard]] at::Tensor loss_gradient(const std::vector<at::Tensor>& scores, const std::vector<at::Tensor>& shipped,
-                                         const std::vector<const Cell*>& cells) const {
-    std::vector<at::Tensor> values, sets;
-    for (std::size_t i = 0; i < scores.size(); ++i) {
-      const Raster<ClassSet>& allowed = cells[i]->allowed;
-      values.push_back(scores[i].detach());
-      sets.push_back(
-          at::from_blob(const_cast<ClassSet*>(allowed.data.data()), {1, allowed.height, allowed.width}, at::kLong));
-    }
-    const at::Tensor given = at::cat(values, 0), before = at::cat(shipped, 0), allowed = at::cat(sets, 0);
-    const at::Tensor all = network_.classes_of(given).contiguous();
+  [[nodiscard]] at::Tensor decode_as_shipped(const Cell& cell) const {
+    const at::NoGradGuard no_grad;
+    NetworkParams start = start_;
+    return decode(network_, start, cell);
+  }
+
+  /// 1 where a pixel may have a class, one after the other.
+  [[nodiscard]] at::Tensor mask_of(const Cell& cell) const {
+    const Raster<ClassSet>& sets = cell.allowed;
+    const at::Tensor allowed =
+        at::from_blob(const_cast<ClassSet*>(sets.data.data()), {1, 1, sets.height, sets.width}, at::kLong);
     const at::Tensor bits = at::arange(network_.graph.class_count, at::kLong).view({1, -1, 1, 1});
-    const at::Tensor mask = at::bitwise_and(at::bitwise_right_shift(allowed.unsqueeze(1), bits), 1).to(at::kFloat);
-    const at::Tensor count = mask.sum(1, true);
+    return at::bitwise_and(at::bitwise_right_shift(allowed, bits), 1).to(at::kFloat);
+  }
+
+  /// Of the pixels of a batch: cross entropy is over all of it, because a cell may have few roads.
+  [[nodiscard]] at::Tensor weights_of(const std::vector<const Cell*>& cells) const {
+    std::vector<at::Tensor> counts;
+    for (const Cell* cell : cells) counts.push_back(mask_of(*cell).sum(1, true));
+    const at::Tensor count = at::cat(counts, 0);
+    at::Tensor weights = at::where(count == 1, at::ones_like(count), at::full_like(count, set_weight));
+    weights.masked_fill_(count == 0, 0.0);
+    return weights / weights.sum().clamp_min(1.0);
+  }
+
+  /// By what a cell gives. Where the map leaves a choice, the network as it was makes it: `before` is what that gives.
+  /// So does it for the alignment, of which the map's place says nothing. `weights`: of the batch, of which this is
+  /// cell `i`.
+  [[nodiscard]] at::Tensor loss_gradient(const at::Tensor& given, const at::Tensor& before, const Cell& cell,
+                                         const at::Tensor& weights, std::int64_t i) const {
+    const at::Tensor mask = mask_of(cell);
     const at::Tensor chosen = (at::softmax(network_.classes_of(before), 1) + least_probability) * mask;
     const at::Tensor target = chosen / chosen.sum(1, true).clamp_min(least_probability);
-    at::Tensor weight = at::where(count == 1, at::ones_like(count), at::full_like(count, set_weight));
-    weight.masked_fill_(count == 0, 0.0);
-    weight /= weight.sum().clamp_min(1.0);
-    const at::Tensor of_classes = (at::softmax(all, 1) - target) * weight;
+    const at::Tensor of_classes =
+        (at::softmax(network_.classes_of(given).contiguous(), 1) - target) * weights.narrow(0, i, 1);
     const at::Tensor moved = network_.alignment_of(given) - network_.alignment_of(before);
-    return at::cat({of_classes, moved * (alignment_weight / static_cast<double>(allowed.numel()))}, 1);
+    return at::cat({of_classes, moved * (alignment_weight / static_cast<double>(weights.numel()))}, 1);
   }
 
   [[nodiscard]] double rate_at(std::int64_t step) const {
