@@ -37,7 +37,8 @@ Cells cols_near_line(const Cells& cols, Vec2 a, Vec2 along, double y, std::int64
 }
 
 // Copies for wider vector units are chosen when the program starts. None fuses a product and a sum: all give the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define ORTHODRIVE_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define ORTHODRIVE_WIDE
