@@ -57,7 +57,7 @@ void add_build(CLI::App& app, Context& context) {
       "over; a killed run\n"
       "goes on. Ctrl-C ends it within 2 s (exit code 130); the same command goes on. A second build into the folder is "
       "refused.\n"
-      "Needs about 1.5 GB for 10 km2 and 3 GB for 100 km2 of a city at 0.5 m/px; `orthodrive plan` estimates time, "
+      "Needs about 1.5 GB for 10 km2 and 2.5 GB for 100 km2 of a city at 0.5 m/px; `orthodrive plan` estimates time, "
       "memory and "
       "disk.\n\n"
       "Examples:\n"

@@ -109,7 +109,7 @@ void require_plausible_blocks(const fs::path& path, GDALDataset& raster) {
     GDALRasterBand& band = *raster.GetRasterBand(b);
     int width = 0, height = 0;
     band.GetBlockSize(&width, &height);
-    const double of_band = double{1} * width * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
+    const double of_band = static_cast<double>(width) * height * GDALGetDataTypeSizeBytes(band.GetRasterDataType());
     bytes = together ? bytes + of_band : std::max(bytes, of_band);
   }
   std::error_code error;  // some formats are folders

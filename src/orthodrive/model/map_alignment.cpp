@@ -36,14 +36,6 @@ Cells cols_near_line(const Cells& cols, Vec2 a, Vec2 along, double y, std::int64
           static_cast<int>(std::min<double>(cols.last, std::ceil(middle + reach)))};
 }
 
-// Copies for wider vector units are chosen when the program starts. None fuses a product and a sum: all give the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define ORTHODRIVE_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define ORTHODRIVE_WIDE
-#endif
-
 struct Segment {
   Vec2 a, along;
   double per_square = 0.0;  ///< 1 / |along|^2; 0: it has no length
@@ -57,16 +49,12 @@ struct Segment {
 
 /// Pixels from `col` on, `count` of them, in the row whose centre lies at `y` from the segment's beginning. `square`:
 /// of the distance to what is nearest so far, `segment`: which it is.
-ORTHODRIVE_WIDE void take_nearer(const Segment& s, std::int64_t which, double y, std::int64_t col, int count,
-                                 double* __restrict square, std::int64_t* __restrict segment) {
-  const double ax = s.a.x, along_x = s.along.x, along_y = s.along.y, per_square = s.per_square,
-               first = static_cast<double>(col) + 0.5;
+void take_nearer(const Segment& s, std::int64_t which, double y, std::int64_t col, int count, double* __restrict square,
+                 std::int64_t* __restrict segment) {
+  const double first = static_cast<double>(col) + 0.5;
   for (int i = 0; i < count; ++i) {
-    const double x = (first + i) - ax;
-    double t = (x * along_x + y * along_y) * per_square;
-    t = t < 0.0 ? 0.0 : t;
-    t = 1.0 < t ? 1.0 : t;
-    const double dx = along_x * t - x, dy = along_y * t - y, d = dx * dx + dy * dy;
+    const double x = (first + i) - s.a.x, t = s.t(x, y);
+    const double dx = s.along.x * t - x, dy = s.along.y * t - y, d = dx * dx + dy * dy;
     segment[i] = d < square[i] ? which : segment[i];
     square[i] = d < square[i] ? d : square[i];
   }

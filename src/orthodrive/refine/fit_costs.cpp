@@ -27,10 +27,9 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
       if (weight_[r] == 0.0) continue;
       const double f = (static_cast<double>(r) + 0.5) / rows_per_segment;
       const double offset = offset_a + (offset_b - offset_a) * f, half = 0.5 * (width_a + (width_b - width_a) * f);
-      for (int e = 0; e < 2; ++e) {
-        const double side = e == 0 ? 1.0 : -1.0;
-        const StripCosts::Values at_edge = strips_.at(e == 0 ? StripCosts::Edge::left : StripCosts::Edge::right,
-                                                      segment_ * rows_per_segment + r, offset + side * half);
+      for (const auto edge : {StripCosts::Edge::left, StripCosts::Edge::right}) {
+        const double side = edge == StripCosts::Edge::left ? 1.0 : -1.0;
+        const StripCosts::Values strips = strips_.at(edge, segment_ * rows_per_segment + r, offset + side * half);
         const auto add = [&](int i, const StripCosts::Value& value) {
           residuals[i] += weight_[r] * value.cost;
           if (!jacobians) return;
@@ -39,8 +38,8 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
           for (int p = 0; p < 4; ++p)
             if (jacobians[p]) jacobians[p][i] += by[p];
         };
-        add(e, at_edge.context);
-        add(2 + e, at_edge.boundary);
+        add(static_cast<int>(edge), strips.context);
+        add(2 + static_cast<int>(edge), strips.boundary);
       }
     }
     return true;
