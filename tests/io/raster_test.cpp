@@ -313,6 +313,7 @@ TEST(BadRaster, truncated_geotiff_at_any_length) {
 
 TEST(BadRaster, blocks_that_its_bytes_cannot_hold) {
   const Scratch scratch;
+  GDALRegister_GTiff();
   const std::string path = (scratch / "bands.tif").string();
   const char* const options[] = {
       "TILED=YES", "BLOCKXSIZE=1024", "BLOCKYSIZE=1024", "INTERLEAVE=PIXEL", "COMPRESS=DEFLATE", "SPARSE_OK=TRUE",
