@@ -1,6 +1,8 @@
 // `orthodrive-train` on a pack against `orthodrive train` on the files the pack was made of.
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include "app/run_tool.hpp"
@@ -141,6 +143,45 @@ TEST(TrainPackedProgram, its_sources_are_complete_without_other_libraries) {
                            "src/orthodrive/crf/crf_kernels_avx512.cpp", "third_party/fmt/format-inl.h"})
     EXPECT_TRUE(fs::exists(scratch / "bundle" / file)) << file;
   EXPECT_FALSE(fs::exists(scratch / "bundle" / "src/orthodrive/io/caffe_model.cpp"));
+}
+
+/// Names of functions and data in our namespace, as `nm` lists them with one letter for their kind.
+void add_symbols(const fs::path& object, std::set<std::string>& defined, std::map<std::string, std::string>& wanted) {
+  const ToolRun run = run_program({"/usr/bin/nm", object});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::istringstream lines(run.out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t at = line.find("10orthodrive");  // a namespace is mangled as its length and its name
+    if (at == std::string::npos) continue;
+    const std::size_t space = line.rfind(' ');
+    const std::string name = line.substr(space + 1);
+    if (line[space - 1] == 'U')
+      wanted[name] = object.filename();
+    else
+      defined.insert(name);
+  }
+}
+
+/// Fails when a source of the program calls what lies in a file that the bundle leaves out: it would not link there.
+TEST(TrainPackedProgram, its_sources_call_nothing_that_the_bundle_leaves_out) {
+  const Scratch scratch;
+  ASSERT_EQ(run_program({paths::in_source("tools/trainer/bundle"), scratch / "bundle"}).exit_code, 0);
+  const fs::path build = fs::path(paths::trainer).parent_path();
+  std::set<std::string> defined;
+  std::map<std::string, std::string> wanted;  // the name, and who wants it
+  int sources = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(scratch / "bundle" / "src")) {
+    if (entry.path().extension() != ".cpp") continue;
+    ++sources;
+    const std::string room = entry.path().parent_path().filename();
+    add_symbols(build / "src/orthodrive" / room / "CMakeFiles" / ("orthodrive_" + room + ".dir") /
+                    (entry.path().filename().string() + ".o"),
+                defined, wanted);
+  }
+  EXPECT_GT(sources, 50);
+  for (const char* source : {"train_packed", "terminal_monitor"})
+    add_symbols(build / "app/CMakeFiles/orthodrive-train.dir" / (std::string(source) + ".cpp.o"), defined, wanted);
+  for (const auto& [name, object] : wanted) EXPECT_TRUE(defined.contains(name)) << object << " wants " << name;
 }
 
 }  // namespace

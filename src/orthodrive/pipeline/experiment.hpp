@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "orthodrive/geo/vec.hpp"
-#include "orthodrive/train/train_network.hpp"
+#include "orthodrive/model/class_table.hpp"
+#include "orthodrive/train/train_options.hpp"
 
 namespace orthodrive {
 

@@ -3,7 +3,9 @@
 
 #include <vector>
 
+#include "orthodrive/core/monitor.hpp"
 #include "orthodrive/pipeline/experiment.hpp"
+#include "orthodrive/train/train_network.hpp"
 
 namespace orthodrive {
 

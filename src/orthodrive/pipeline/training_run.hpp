@@ -15,6 +15,7 @@
 #include "orthodrive/nets/net_surgery.hpp"
 #include "orthodrive/pipeline/experiment.hpp"
 #include "orthodrive/pipeline/network_spec.hpp"
+#include "orthodrive/train/train_network.hpp"
 
 namespace orthodrive {
 

@@ -1,5 +1,4 @@
-// A file of its own: descriptions of trainings are read where there is no libtorch.
-#include "orthodrive/train/train_network.hpp"
+#include "orthodrive/train/train_options.hpp"
 
 namespace orthodrive {
 
