@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "orthodrive/core/error.hpp"
@@ -76,9 +77,10 @@ TEST(DrawCrop, keeps_the_map_on_its_roads) {
   EXPECT_GT(on_road, 200);
 }
 
-TEST(DrawCrop, keeps_the_grey_beyond_the_photo) {
-  const TrainingScene scene = toy_scene();
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+TEST(DrawCrop, beyond_the_photo_is_grey_or_the_photo_mirrored) {
+  TrainingScene scene = toy_scene();
+  int grey_crops = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const Crop crop = draw_crop(scene, {.size_px = 128, .gsd_m = 0.5, .augmentation = {.domain = 1.0}}, seed);
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < crop.allowed.data.size(); ++i) {
@@ -86,7 +88,17 @@ TEST(DrawCrop, keeps_the_grey_beyond_the_photo) {
       ++beyond;
       for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(crop.rgb.data[3 * i + c], no_photo_value);
     }
+    if (beyond == 0) continue;  // mirrored: all of it has labels
     EXPECT_GT(beyond, 100u);
+    ++grey_crops;
+  }
+  EXPECT_GT(grey_crops, 8);
+  EXPECT_LT(grey_crops, 32);
+  scene.map = {
+      {{{0.0, 10.0}, {100.0, 10.0}}, 3.0}};  // a map of its own goes on as it is, a mirrored photo would not fit
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Crop crop = draw_crop(scene, {.size_px = 128, .gsd_m = 0.5}, seed);
+    EXPECT_GT(std::ranges::count(crop.allowed.data, unknown_class), 100) << seed;
   }
 }
 

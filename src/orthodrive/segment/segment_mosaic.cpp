@@ -19,6 +19,7 @@
 #include "orthodrive/nets/reusing_allocator.hpp"
 #include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/nets/single_threaded_torch.hpp"
+#include "orthodrive/segment/mirror_beyond.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/photo_look.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
@@ -254,10 +255,10 @@ std::vector<PlaceAlignment> Mosaic::alignments_in(std::size_t window, const Rast
 Decision Mosaic::decide_window(std::size_t window) const {
   const PixelBox& core = cores_[window];
   const PixelBox predicted = intersection(core.grown(crf_margin_px(crf_)), pixels_of(photo_.frame)),
-                 seen = predicted.grown(network_.margin_px());
-  const PhotoWindow photo = photo_.read(seen);
+                 seen = predicted.grown(network_.margin_px()), inside = intersection(seen, pixels_of(photo_.frame));
+  const PhotoWindow photo = photo_.read(inside);
   const PixelBox fine_core = scaled(core, factor_), fine_box = scaled(predicted, factor_);
-  const PhotoWindow fine = fine_ ? fine_->read(fine_box) : part_of(photo, seen, predicted);
+  const PhotoWindow fine = fine_ ? fine_->read(fine_box) : part_of(photo, inside, predicted);
   if (!shows_photo(fine.valid, fine_box, fine_core)) {
     Decision nothing = decide(fine_core, fine_box, fine.valid, {}, road_classes_);
     nothing.alignments.resize(asked_[window].size());
@@ -268,9 +269,11 @@ Decision Mosaic::decide_window(std::size_t window) const {
   scores.width = fine_box.width, scores.height = fine_box.height, scores.channels = network_.output_channels();
   scores.data.resize(static_cast<std::size_t>(scores.width) * static_cast<std::size_t>(scores.height) *
                      static_cast<std::size_t>(scores.channels));
-  const Raster<std::uint8_t> map = network_.sees_map() ? map_->read(photo_.frame, seen) : Raster<std::uint8_t>{};
-  network_.predict({photo.rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor_,
-                   scores.data.data());
+  const Raster<std::uint8_t> rgb = mirror_beyond(photo.rgb, seen, photo_.frame),
+                             map = network_.sees_map()
+                                       ? mirror_map_beyond(map_->read(photo_.frame, inside), seen, photo_.frame)
+                                       : Raster<std::uint8_t>{};
+  network_.predict({rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor_, scores.data.data());
   std::vector<PlaceAlignment> alignments = alignments_in(window, scores, fine.valid, fine_box);
   keep_channels(scores, network_.class_count());
   if (crf_) {

@@ -7,6 +7,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/segment/mirror_beyond.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "orthodrive/train/disturb_photo.hpp"
 
@@ -53,25 +54,28 @@ std::vector<RoadLine> placed(const std::vector<RoadLine>& lines, const Placement
   return result;
 }
 
-/// Adds the photo at p (pixel edges at whole numbers), bilinear. False where it ends.
-bool add_sample(const Raster<std::uint8_t>& rgb, Vec2 p, std::array<float, 3>& sum) {
+/// Adds the photo at p (pixel edges at whole numbers), bilinear, mirrored beyond its edges.
+void add_sample(const Raster<std::uint8_t>& rgb, Vec2 p, std::array<float, 3>& sum) {
   const double x = p.x - 0.5, y = p.y - 0.5;
-  const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
-  if (left < 0 || top < 0 || left + 1 >= rgb.width || top + 1 >= rgb.height) return false;
-  const auto u = static_cast<float>(x - left), v = static_cast<float>(y - top);
-  const std::uint8_t* upper = &rgb.at(left, top);
-  const std::uint8_t* lower = &rgb.at(left, top + 1);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float a = static_cast<float>(upper[c]) * (1.0F - u) + static_cast<float>(upper[c + 3]) * u;
-    const float b = static_cast<float>(lower[c]) * (1.0F - u) + static_cast<float>(lower[c + 3]) * u;
-    sum[c] += a * (1.0F - v) + b * v;
+  const auto left = static_cast<std::int64_t>(std::floor(x)), top = static_cast<std::int64_t>(std::floor(y));
+  const auto u = static_cast<float>(x - static_cast<double>(left)),
+             v = static_cast<float>(y - static_cast<double>(top));
+  const auto pixel = [&](std::int64_t col, std::int64_t row) {
+    return &rgb.at(static_cast<int>(mirrored_index(col, rgb.width)), static_cast<int>(mirrored_index(row, rgb.height)));
+  };
+  const std::uint8_t *const a = pixel(left, top), *const b = pixel(left + 1, top), *const c = pixel(left, top + 1),
+                            *const d = pixel(left + 1, top + 1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float upper = static_cast<float>(a[i]) * (1.0F - u) + static_cast<float>(b[i]) * u;
+    const float lower = static_cast<float>(c[i]) * (1.0F - u) + static_cast<float>(d[i]) * u;
+    sum[i] += upper * (1.0F - v) + lower * v;
   }
-  return true;
 }
 
 /// A crop pixel is the mean of as many samples as it covers source pixels: what is finer than the crop averages out, as
-/// it does where prediction resamples a photo. `missing`: pixels without a photo.
-Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vector<std::size_t>& missing) {
+/// it does where prediction resamples a photo. Beyond the photo's edges it is mirrored, as prediction does (labels,
+/// too). `beyond`: those pixels.
+Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vector<std::size_t>& beyond) {
   Crop crop{Raster<std::uint8_t>(size, size, 3, no_photo_value), Raster<ClassSet>(size, size, 1, unknown_class),
             placed(scene.map, place, size)};
   const int samples = std::max(1, static_cast<int>(std::lround(length(place.right))));
@@ -79,19 +83,17 @@ Crop cut(const TrainingScene& scene, int size, const Placement& place, std::vect
   for (int row = 0; row < size; ++row) {
     for (int col = 0; col < size; ++col) {
       std::array<float, 3> sum{};
-      bool inside = true;
-      for (int i = 0; inside && i < samples * samples; ++i) {
+      for (int i = 0; i < samples * samples; ++i) {
         const double right = (i % samples + 0.5) / samples - 0.5, down = (i / samples + 0.5) / samples - 0.5;
-        inside = add_sample(scene.rgb, place.origin + place.right * (col + right) + place.down * (row + down), sum);
-      }
-      if (!inside) {
-        missing.push_back(static_cast<std::size_t>(row * size + col));
-        continue;
+        add_sample(scene.rgb, place.origin + place.right * (col + right) + place.down * (row + down), sum);
       }
       for (int c = 0; c < 3; ++c)
         crop.rgb.at(col, row, c) = static_cast<std::uint8_t>(sum[static_cast<std::size_t>(c)] * share + 0.5F);
       const Vec2 p = place.origin + place.right * col + place.down * row;
-      crop.allowed.at(col, row) = scene.allowed.at(static_cast<int>(p.x), static_cast<int>(p.y));
+      const auto x = static_cast<std::int64_t>(std::floor(p.x)), y = static_cast<std::int64_t>(std::floor(p.y));
+      const auto from_col = mirrored_index(x, scene.rgb.width), from_row = mirrored_index(y, scene.rgb.height);
+      crop.allowed.at(col, row) = scene.allowed.at(static_cast<int>(from_col), static_cast<int>(from_row));
+      if (from_col != x || from_row != y) beyond.push_back(static_cast<std::size_t>(row * size + col));
     }
   }
   return crop;
@@ -124,8 +126,8 @@ void add_noise(Raster<std::uint8_t>& rgb, Random& random) {
 
 Crop draw_crop(const TrainingScene& scene, const CropOptions& options, std::uint64_t seed) {
   Random random(seed);
-  std::vector<std::size_t> missing;
-  Crop crop = cut(scene, options.size_px, draw_placement(scene, options, random), missing);
+  std::vector<std::size_t> beyond;
+  Crop crop = cut(scene, options.size_px, draw_placement(scene, options, random), beyond);
   const Augmentation& vary = options.augmentation;
   if (vary.blur && random.uniform() < 0.3) blur(crop.rgb);
   if (vary.domain > 0.0)
@@ -133,8 +135,11 @@ Crop draw_crop(const TrainingScene& scene, const CropOptions& options, std::uint
   else if (vary.colors)
     disturb_colors(crop.rgb, random);
   if (vary.noise && random.uniform() < 0.3) add_noise(crop.rgb, random);
-  for (const std::size_t pixel : missing)  // as prediction sees it
+  if (scene.map.empty() && random.uniform() < 0.5) return crop;
+  for (const std::size_t pixel : beyond) {  // as where a photo has no data; a map of its own is not mirrored
+    crop.allowed.data[pixel] = unknown_class;
     for (std::size_t c = 0; c < 3; ++c) crop.rgb.data[3 * pixel + c] = no_photo_value;
+  }
   return crop;
 }
 
