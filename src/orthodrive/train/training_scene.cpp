@@ -60,8 +60,10 @@ void add_sample(const Raster<std::uint8_t>& rgb, Vec2 p, std::array<float, 3>& s
   const auto left = static_cast<std::int64_t>(std::floor(x)), top = static_cast<std::int64_t>(std::floor(y));
   const auto u = static_cast<float>(x - static_cast<double>(left)),
              v = static_cast<float>(y - static_cast<double>(top));
+  const bool inside = left >= 0 && top >= 0 && left + 1 < rgb.width && top + 1 < rgb.height;
   const auto pixel = [&](std::int64_t col, std::int64_t row) {
-    return &rgb.at(static_cast<int>(mirrored_index(col, rgb.width)), static_cast<int>(mirrored_index(row, rgb.height)));
+    if (!inside) col = mirrored_index(col, rgb.width), row = mirrored_index(row, rgb.height);
+    return &rgb.at(static_cast<int>(col), static_cast<int>(row));
   };
   const std::uint8_t *const a = pixel(left, top), *const b = pixel(left + 1, top), *const c = pixel(left, top + 1),
                             *const d = pixel(left + 1, top + 1);
