@@ -219,25 +219,24 @@ BuildStage segment_stage(SiteBuild& build) {
   if (!site.adapt) help = [=, &build] { help_segment(files, options, build.context); };
   nlohmann::json options_in_key = frame_options(site.frame);
   options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
-  return {
-      .name = "segment",
-      .version = site.adapt ? 3 : 2,  // 2: the photo mirrored beyond its edges; one that adapts had other labels before
-      .sources = {{"photo", site.photos, SourceRole::Kind::raster},
-                  {"model", {model_file}},
-                  {"osm", osm},
-                  {"buildings", buildings},
-                  {"surroundings", surroundings}},
-      .options = options_in_key,
-      .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
-      .check =
-          [=, &build, &site] {
-            for (const fs::path& photo : site.photos) (void)io::raster_info(photo);
-            const SegmentModel& model = build.context.sources.model(model_file);
-            (void)choose_crf(model, model_file, options, build.context);
-            if (site.adapt) require_adaptable(model, model_file.string());
-          },
-      .run = [=, &build] { return run_segment(files, options, build.context); },
-      .help = help};
+  return {.name = "segment",
+          .version = site.adapt ? 3 : 2,  // 2: edges are mirrored; one that adapts differed before
+          .sources = {{"photo", site.photos, SourceRole::Kind::raster},
+                      {"model", {model_file}},
+                      {"osm", osm},
+                      {"buildings", buildings},
+                      {"surroundings", surroundings}},
+          .options = options_in_key,
+          .outputs = {"labels.tif", "confidence.tif", "road_probability.tif", ".orthodrive/alignment.csv"},
+          .check =
+              [=, &build, &site] {
+                for (const fs::path& photo : site.photos) (void)io::raster_info(photo);
+                const SegmentModel& model = build.context.sources.model(model_file);
+                (void)choose_crf(model, model_file, options, build.context);
+                if (site.adapt) require_adaptable(model, model_file.string());
+              },
+          .run = [=, &build] { return run_segment(files, options, build.context); },
+          .help = help};
 }
 
 }  // namespace orthodrive

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace orthodrive {
 namespace {
 
-bool is_turned(std::int64_t index, std::int64_t count) {
+/// Where `index` lies on the way to and fro, from 0 to 2 `count` - 1; from `count` on it is on the way back.
+std::int64_t on_the_round(std::int64_t index, std::int64_t count) {
   const std::int64_t round = 2 * count;
-  return ((index % round) + round) % round >= count;
+  return ((index % round) + round) % round;
 }
+bool is_turned(std::int64_t index, std::int64_t count) { return on_the_round(index, count) >= count; }
 
 /// 128 is no distance; what would be 256 becomes the farthest.
 void turn(std::uint8_t& distance) {
@@ -19,11 +22,11 @@ void turn(std::uint8_t& distance) {
 }  // namespace
 
 std::int64_t mirrored_index(std::int64_t index, std::int64_t count) {
-  const std::int64_t round = 2 * count, at = ((index % round) + round) % round;
-  return at < count ? at : round - 1 - at;
+  const std::int64_t at = on_the_round(index, count);
+  return at < count ? at : 2 * count - 1 - at;
 }
 
-Raster<std::uint8_t> mirror_beyond(const Raster<std::uint8_t>& inside, const PixelBox& box, const GridFrame& frame) {
+Raster<std::uint8_t> mirror_beyond(Raster<std::uint8_t> inside, const PixelBox& box, const GridFrame& frame) {
   const PixelBox part = intersection(box, pixels_of(frame));
   if (part == box) return inside;
   const auto channels = static_cast<std::size_t>(inside.channels);
@@ -42,9 +45,8 @@ Raster<std::uint8_t> mirror_beyond(const Raster<std::uint8_t>& inside, const Pix
   return whole;
 }
 
-Raster<std::uint8_t> mirror_map_beyond(const Raster<std::uint8_t>& inside, const PixelBox& box,
-                                       const GridFrame& frame) {
-  Raster<std::uint8_t> whole = mirror_beyond(inside, box, frame);
+Raster<std::uint8_t> mirror_map_beyond(Raster<std::uint8_t> inside, const PixelBox& box, const GridFrame& frame) {
+  Raster<std::uint8_t> whole = mirror_beyond(std::move(inside), box, frame);
   for (int row = 0; row < box.height; ++row)
     if (is_turned(box.row + row, frame.height))
       for (int col = 0; col < box.width; ++col) turn(whole.at(col, row, 1));

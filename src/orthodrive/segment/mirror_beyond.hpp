@@ -14,11 +14,11 @@ namespace orthodrive {
 
 /// The pixels of `box`, whose part in the frame is `inside`, out of those of that part. What is mirrored must lie in
 /// it: so it does where `box` is a box in the frame, grown on all sides alike.
-[[nodiscard]] Raster<std::uint8_t> mirror_beyond(const Raster<std::uint8_t>& inside, const PixelBox& box,
+[[nodiscard]] Raster<std::uint8_t> mirror_beyond(Raster<std::uint8_t> inside, const PixelBox& box,
                                                  const GridFrame& frame);
 
 /// Likewise of a map raster (map_alignment.hpp): its vectors are mirrored, too.
-[[nodiscard]] Raster<std::uint8_t> mirror_map_beyond(const Raster<std::uint8_t>& inside, const PixelBox& box,
+[[nodiscard]] Raster<std::uint8_t> mirror_map_beyond(Raster<std::uint8_t> inside, const PixelBox& box,
                                                      const GridFrame& frame);
 
 }  // namespace orthodrive

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "orthodrive/core/byte_archive.hpp"
@@ -256,7 +257,7 @@ Decision Mosaic::decide_window(std::size_t window) const {
   const PixelBox& core = cores_[window];
   const PixelBox predicted = intersection(core.grown(crf_margin_px(crf_)), pixels_of(photo_.frame)),
                  seen = predicted.grown(network_.margin_px()), inside = intersection(seen, pixels_of(photo_.frame));
-  const PhotoWindow photo = photo_.read(inside);
+  PhotoWindow photo = photo_.read(inside);
   const PixelBox fine_core = scaled(core, factor_), fine_box = scaled(predicted, factor_);
   const PhotoWindow fine = fine_ ? fine_->read(fine_box) : part_of(photo, inside, predicted);
   if (!shows_photo(fine.valid, fine_box, fine_core)) {
@@ -269,7 +270,7 @@ Decision Mosaic::decide_window(std::size_t window) const {
   scores.width = fine_box.width, scores.height = fine_box.height, scores.channels = network_.output_channels();
   scores.data.resize(static_cast<std::size_t>(scores.width) * static_cast<std::size_t>(scores.height) *
                      static_cast<std::size_t>(scores.channels));
-  const Raster<std::uint8_t> rgb = mirror_beyond(photo.rgb, seen, photo_.frame),
+  const Raster<std::uint8_t> rgb = mirror_beyond(std::move(photo.rgb), seen, photo_.frame),
                              map = network_.sees_map()
                                        ? mirror_map_beyond(map_->read(photo_.frame, inside), seen, photo_.frame)
                                        : Raster<std::uint8_t>{};
