@@ -65,13 +65,12 @@ struct AdaptedNetwork {
   }
 };
 
-/// A piece of the photo: what the trunk makes of it, and what the map says of it.
+/// A piece of the photo, and what the map says of it.
 struct Cell {
   Raster<std::uint8_t> rgb;
   Raster<std::uint8_t> map;  ///< as the network sees it, moved; none
   Raster<ClassSet> allowed;
-  Raster<ClassSet> with_edges;       ///< MapEdges::sharp; of cells held back
-  std::vector<at::Tensor> features;  ///< of forward_padded_before()
+  Raster<ClassSet> with_edges;  ///< MapEdges::sharp; of cells held back
 };
 
 // ---- which pieces of the photo
@@ -160,7 +159,7 @@ std::vector<Cell> read_cells(const PhotoSource& photo, const WeakLabels& labels,
   return cells;
 }
 
-// ---- the trunk
+// ---- the network
 
 enum class MapUse { seen, hidden };
 
@@ -168,22 +167,6 @@ InputTensors input_of(const AdaptedNetwork& network, const Cell& cell, MapUse ma
   const bool seen = map == MapUse::seen && !cell.map.empty();
   return input_tensors(network.graph, {cell.rgb.data.data(), seen ? cell.map.data.data() : nullptr}, 1, cell.rgb.width,
                        cell.rgb.height);
-}
-
-void run_trunk(const AdaptedNetwork& network, const NetworkParams& params, std::span<Cell> cells, int threads) {
-  parallel_for(cells.size(), threads, [&](std::size_t i) {
-    const SingleThreadedTorch one_thread;
-    const at::NoGradGuard no_grad;
-    NetworkParams own = params;  // handles only
-    cells[i].features =
-        forward_padded_before(network.graph, own, input_of(network, cells[i], MapUse::seen), network.decoder);
-  });
-}
-
-// ---- the decoder
-
-at::Tensor decode(const AdaptedNetwork& network, NetworkParams& params, const Cell& cell) {
-  return forward_padded_from(network.graph, params, cell.features, network.decoder, cell.rgb.width).values;
 }
 
 struct RoadCounts {
@@ -266,7 +249,9 @@ class DecoderTraining {
     const at::Tensor weights = weights_of(drawn);
     parallel_for(batch, options_.threads, [&](std::size_t i) {
       const SingleThreadedTorch one_thread;
-      const at::Tensor before = decode_as_shipped(*drawn[i]), values = decode(network_, copies_[i], *drawn[i]);
+      const std::vector<at::Tensor> features = run_trunk(*drawn[i]);
+      const at::Tensor before = decode_as_shipped(features, *drawn[i]),
+                       values = decode(copies_[i], features, *drawn[i]);
       values.backward(loss_gradient(values.detach(), before, *drawn[i], weights, static_cast<std::int64_t>(i)));
     });
     update(step);
@@ -288,10 +273,22 @@ class DecoderTraining {
     return order[i % count];
   }
 
-  [[nodiscard]] at::Tensor decode_as_shipped(const Cell& cell) const {
+  /// Once for each time that a cell is drawn: what the trunk gives of all cells would fill half a gigabyte.
+  [[nodiscard]] std::vector<at::Tensor> run_trunk(const Cell& cell) const {
+    const at::NoGradGuard no_grad;
+    NetworkParams start = start_;  // handles only
+    return forward_padded_before(network_.graph, start, input_of(network_, cell, MapUse::seen), network_.decoder);
+  }
+
+  [[nodiscard]] at::Tensor decode(NetworkParams& params, const std::vector<at::Tensor>& features,
+                                  const Cell& cell) const {
+    return forward_padded_from(network_.graph, params, features, network_.decoder, cell.rgb.width).values;
+  }
+
+  [[nodiscard]] at::Tensor decode_as_shipped(const std::vector<at::Tensor>& features, const Cell& cell) const {
     const at::NoGradGuard no_grad;
     NetworkParams start = start_;
-    return decode(network_, start, cell);
+    return decode(start, features, cell);
   }
 
   /// 1 where a pixel may have a class, one after the other.
@@ -395,16 +392,14 @@ AdaptedModel adapt_model(const TensorFile& model, const std::string& source, con
                                  report.learned_cells, report.held_back_cells, least_learned, least_held_back);
     return result;
   }
-  std::vector<Cell> learned = read_cells(scaled, labels, map, boxes.learned, CellUse::learned, options),
-                    held_back = read_cells(scaled, labels, map, boxes.held_back, CellUse::held_back, options);
+  const std::vector<Cell> learned = read_cells(scaled, labels, map, boxes.learned, CellUse::learned, options),
+                          held_back = read_cells(scaled, labels, map, boxes.held_back, CellUse::held_back, options);
   const SingleThreadedTorch one_thread;
   const SingleThreadedBlas one_thread_blas;
   const ReuseTensorMemory reuse_memory;
 
   const NetworkParams start = params_from_file(network.graph, model, source);
   report.before = measure(network, start, held_back, MapUse::seen, options.threads);
-  run_trunk(network, start, learned, options.threads);
-
   DecoderTraining training(network, start, options);
   for (std::int64_t step = 0; step < options.steps; ++step) {
     if (monitor && monitor->cancelled()) throw Error("adapt: cancelled");
