@@ -12,6 +12,7 @@
 #include "app/run_tool.hpp"
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/io/alignment_io.hpp"
+#include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/pipeline/run_drive.hpp"
 #include "orthodrive/pipeline/run_elevate.hpp"
 #include "orthodrive/pipeline/run_network.hpp"
@@ -61,6 +62,15 @@ StageResult run(const BuildStage& stage, const fs::path& out, const std::string&
   return result;
 }
 
+/// 255 where the labels have a road.
+void write_road_probability(const fs::path& labels_file, const fs::path& file) {
+  const LabelMap labels = io::read_labels(labels_file);
+  ConfidenceMap road{labels.crs, labels.frame, labels.labels};
+  for (std::uint8_t& value : road.confidence.data)
+    value = value < labels.classes.classes.size() && labels.classes.classes[value].role == Role::road ? 255 : 0;
+  io::write_confidence(file, road);
+}
+
 TEST(StageVersions, other_results_have_another_version) {
   const Scratch scratch;
   const fs::path folder = scratch / "site", out = scratch / "out";
@@ -68,7 +78,7 @@ TEST(StageVersions, other_results_have_another_version) {
   const Site site = read_site(folder / "site.toml");
   fs::create_directories(out / ".orthodrive");
   fs::copy_file(folder / "truth/labels.tif", out / "labels.tif");
-  fs::copy_file(folder / "truth/labels.tif", out / "road_probability.tif");  // any raster of bytes will do
+  write_road_probability(folder / "truth/labels.tif", out / "road_probability.tif");
   io::write_alignment(out / ".orthodrive/alignment.csv", {}, {});
   const std::string of_site = hash_of(folder, {"ortho.tif", "roads.osm", "dtm_1m.tif", "truth/labels.tif"});
 

@@ -51,7 +51,7 @@ TEST(FitChain, finds_the_painted_road) {
 
 TEST(FitChain, a_hidden_stretch_takes_most_of_the_shift_and_the_width_of_its_way) {
   StraightScene s(-0.6);
-  for (std::size_t row = 50; row < 90; ++row) s.profiles.evidence[row] = 0.0F;  // 40 m of 160 m
+  for (std::size_t row = 50; row < 90; ++row) s.profiles.evidence[row] = {0.0, 0.0};  // 40 m of 160 m
   const ChainFit fit = s.fit();
   for (std::size_t i = 27; i < 43; ++i) {
     EXPECT_GT(fit.shape.offset_m[i], 0.35) << "one way's shift has a prior of 0.2 m; the map's comes by `expected`";
@@ -60,6 +60,28 @@ TEST(FitChain, a_hidden_stretch_takes_most_of_the_shift_and_the_width_of_its_way
   }
   EXPECT_GT(fit.sigma_offset_m[35], fit.sigma_offset_m[15]) << "less sure where nothing is seen";
   EXPECT_GT(fit.sigma_width_m[35], fit.sigma_width_m[15]);
+}
+
+TEST(FitChain, across_from_a_mouth_the_other_edge_tells_where_the_road_lies) {
+  StraightScene s(-0.6);
+  for (std::size_t row = 60; row < 80; ++row)  // 20 m of 160 m are road to the left, as far as one sees
+    for (int k = 0; k < s.profiles.cells; ++k) {
+      if ((k + 0.5) * s.profiles.step_m < s.profiles.half_m + 0.6) continue;
+      const std::size_t cell = row * static_cast<std::size_t>(s.profiles.cells) + static_cast<std::size_t>(k);
+      s.profiles.false_positive[cell] = 1.0F, s.profiles.false_negative[cell] = 0.0F;
+    }
+  const ChainFit hidden = [s]() mutable {
+    for (std::size_t row = 60; row < 80; ++row) s.profiles.evidence[row] = {0.0, 0.0};
+    return s.fit();
+  }();
+  for (std::size_t row = 60; row < 80; ++row) s.profiles.evidence[row] = {0.0, 1.0};
+  const ChainFit fit = s.fit();
+  for (std::size_t i = 30; i < 40; ++i) {
+    EXPECT_NEAR(fit.shape.offset_m[i], 0.6, 0.1) << i;
+    EXPECT_NEAR(fit.shape.width_m[i], 6.0, 0.25) << i;
+  }
+  EXPECT_LT(std::abs(fit.shape.offset_m[35] - 0.6), std::abs(hidden.shape.offset_m[35] - 0.6));
+  EXPECT_LT(fit.sigma_offset_m[35], hidden.sigma_offset_m[35]);
 }
 
 TEST(FitChain, is_less_sure_where_edges_are_soft) {
@@ -105,7 +127,7 @@ TEST(FitChain, passes_through_its_meetings_and_keeps_to_its_limits) {
 
 TEST(FitChain, nothing_seen_leaves_the_map) {
   StraightScene s(0.0);
-  s.profiles.evidence.assign(s.profiles.evidence.size(), 0.0F);
+  s.profiles.evidence.assign(s.profiles.evidence.size(), {0.0, 0.0});
   const ChainFit fit = s.fit();
   EXPECT_THAT(fit.shape.offset_m, testing::Each(testing::DoubleNear(0.0, 1e-6)));
   EXPECT_THAT(fit.shape.width_m, testing::Each(testing::DoubleNear(6.0, 1e-6)));
@@ -145,7 +167,7 @@ TEST(CrossProfiles, show_the_road_where_it_is_painted) {
   const StraightScene s(1.0);  // the map lies to the left of the road: the road at t = -4 .. 2
   const std::size_t row = s.profiles.evidence.size() / 2;
   ASSERT_TRUE(s.profiles.road_near[row]);
-  EXPECT_EQ(s.profiles.evidence[row], s.profiles.chain_evidence[row]);
+  EXPECT_EQ(s.profiles.evidence[row].both(), 1.0);
   for (int k = 0; k < s.profiles.cells; ++k) {
     const double t = (k + 0.5) * s.profiles.step_m - s.profiles.half_m;
     const double outside = s.profiles.positive_row(row)[static_cast<std::size_t>(k)],
@@ -164,8 +186,8 @@ TEST(CrossProfiles, a_row_without_road_is_no_evidence) {
   std::fill(s.profiles.false_positive.begin(), s.profiles.false_positive.begin() + s.profiles.cells, 0.0F);
   s.profiles.look_again(0);
   EXPECT_FALSE(s.profiles.road_near[0]);
-  EXPECT_EQ(s.profiles.evidence[0], 0.0F);
-  EXPECT_GT(s.profiles.chain_evidence[0], 0.0F);
+  EXPECT_EQ(s.profiles.evidence[0].mean(), 0.0);
+  EXPECT_GT(s.profiles.chain_evidence[0].both(), 0.0);
 }
 
 TEST(StripCosts, are_least_at_the_edges_and_have_their_derivatives) {

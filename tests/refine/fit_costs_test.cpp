@@ -108,7 +108,8 @@ TEST(FitCosts, classification_of_the_four_strips) {
       profiles.false_positive.push_back(static_cast<float>(road));
       profiles.false_negative.push_back(static_cast<float>(1.0 - road));
     }
-    profiles.chain_evidence.push_back(1.0F), profiles.evidence.push_back(row == 0 ? 1.0F : 0.5F);
+    profiles.chain_evidence.push_back({1.0, 1.0});
+    profiles.evidence.push_back(row == 0 ? EdgeEvidence{1.0, 1.0} : EdgeEvidence{0.5, 0.25});
     profiles.road_near.push_back(true);
   }
   const StripCosts strips(profiles, 1.5);
@@ -122,7 +123,7 @@ TEST(FitCosts, classification_of_the_four_strips) {
   EXPECT_LT(square(0.8, 6.0), square(1.8, 6.0));
   EXPECT_LT(square(0.8, 6.0), square(0.8, 8.0));
   EXPECT_LT(square(0.8, 6.0), square(0.8, 4.0));
-  profiles.evidence.assign(profiles.evidence.size(), 0.0F);
+  profiles.evidence.assign(profiles.evidence.size(), {0.0, 0.0});
   for (const double r : residuals_of(*Cost(classification_cost(strips, profiles, 0, 20.0)), {{5}, {6}, {5}, {6}}))
     EXPECT_EQ(r, 0.0) << "without evidence nothing counts";
 }

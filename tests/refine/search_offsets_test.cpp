@@ -32,7 +32,7 @@ RoadChain straight_chain(std::size_t segments) {
 
 /// `is_road(segment, t)` at the middle of each cell; `evidence` 0..1 of all rows.
 CrossProfiles make_profiles(std::size_t segments, const std::function<double(std::size_t, double)>& road,
-                            float evidence = 1.0F) {
+                            double evidence = 1.0) {
   CrossProfiles profiles{.step_m = step_m, .half_m = half_m, .cells = static_cast<int>(2.0 * half_m / step_m)};
   for (std::size_t row = 0; row < segments * rows_per_segment; ++row) {
     for (int k = 0; k < profiles.cells; ++k) {
@@ -40,8 +40,8 @@ CrossProfiles make_profiles(std::size_t segments, const std::function<double(std
       profiles.false_positive.push_back(static_cast<float>(share));
       profiles.false_negative.push_back(static_cast<float>(1.0 - share));
     }
-    profiles.chain_evidence.push_back(evidence);
-    profiles.evidence.push_back(evidence);
+    profiles.chain_evidence.push_back({evidence, evidence});
+    profiles.evidence.push_back({evidence, evidence});
     profiles.road_near.push_back(true);
   }
   return profiles;
@@ -76,7 +76,7 @@ struct BruteForce {
     double cost = 0.0, evidence = 0.0;
     for (std::size_t r = 0; r < rows_per_segment; ++r) {
       const std::size_t row = segment * rows_per_segment + r;
-      const double share = profiles.evidence[row] / static_cast<double>(rows_per_segment);
+      const double share = profiles.evidence[row].both() / static_cast<double>(rows_per_segment);
       evidence += share;
       const auto cell = [&](double t) { return std::lround((t + half_m) / step_m); };
       for (long k = 0; k < profiles.cells; ++k) {
@@ -110,7 +110,7 @@ TEST(SearchOffsets, equals_the_best_of_all_paths) {
       const double half = 2.0 + 0.8 * static_cast<double>(segment);
       return std::abs(t - middle) < half ? 0.6 + 0.4 * random.uniform() : 0.4 * random.uniform();
     });
-    for (float& evidence : profiles.evidence) evidence = static_cast<float>(random.uniform());
+    for (EdgeEvidence& evidence : profiles.evidence) evidence.left = evidence.right = random.uniform();
     const std::vector<ExpectedOffset> expected{{0.4, 0.3}, {0.1, 0.0}, {-0.2, 1.0}, {0.0, 0.0}};
     const BruteForce all{profiles, expected, options, 3};
     const int states = 3 * width_levels;

@@ -39,19 +39,26 @@ TEST(RingPaths, are_known_by_their_form) {
   roads.paths.push_back(make_path({{{114, 50}, 1}, {{180, 50}, 50}}));  // an arm, driven both ways
   roads.paths.push_back(make_path({{{180, 60}, 51}, {{114, 50}, 1}}));  // one that leads in
   roads.paths.back().oneway = Oneway::forward;
-  EXPECT_EQ(paths_on_rings(roads), (std::vector<bool>{true, true, true, false, false}));
-  EXPECT_EQ(paths_on_rings(one_way_loop(12, 14.0, 1)), std::vector<bool>{true});
+  EXPECT_EQ(rings_of_paths(roads), (std::vector<int>{0, 0, 0, -1, -1}));
+  EXPECT_EQ(rings_of_paths(one_way_loop(12, 14.0, 1)), std::vector<int>{0});
+  RoadNetwork two = roads;
+  for (RoadPath path : roads.paths) {
+    for (RoadNode& node : path.nodes) node.p.x += 300.0, node.osm_node += 1000;
+    two.paths.push_back(path);
+  }
+  two.paths[5].roundabout = two.paths[6].roundabout = true;
+  EXPECT_EQ(rings_of_paths(two), (std::vector<int>{0, 0, 0, -1, -1, 1, 1, 1, -1, -1}));
 }
 
 TEST(RingPaths, are_no_blocks_of_houses_no_large_loops_and_no_streets_for_both_ways) {
-  const std::vector<bool> none(4, false);
-  EXPECT_EQ(paths_on_rings(one_way_loop(4, 30.0, 4)), none);
-  EXPECT_EQ(paths_on_rings(one_way_loop(16, 60.0, 4)), none);
+  const std::vector<int> none(4, -1);
+  EXPECT_EQ(rings_of_paths(one_way_loop(4, 30.0, 4)), none);
+  EXPECT_EQ(rings_of_paths(one_way_loop(16, 60.0, 4)), none);
   RoadNetwork both_ways = one_way_loop(12, 14.0, 4);
   both_ways.paths[2].oneway = Oneway::no;
-  EXPECT_EQ(paths_on_rings(both_ways), none);
+  EXPECT_EQ(rings_of_paths(both_ways), none);
   both_ways.paths[2].roundabout = true;
-  EXPECT_EQ(paths_on_rings(both_ways), (std::vector<bool>{false, false, true, false}));
+  EXPECT_EQ(rings_of_paths(both_ways), (std::vector<int>{-1, -1, 0, -1}));
 }
 
 TEST(PathLinks, the_straight_way_goes_on_at_a_junction) {

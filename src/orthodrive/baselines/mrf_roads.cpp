@@ -52,7 +52,7 @@ MrfSite make_site(const ChainNode& a, const ChainNode& b, int layer, const MrfRo
   site.length_m = distance(a.base, b.base);
   site.normal = site.length_m > 0.0 ? left_normal((b.base - a.base) * (1.0 / site.length_m)) : a.normal;
   site.along = left_normal(site.normal) * -1.0;
-  site.share = a.evidence * site.length_m / options.segment_m;
+  site.share = a.evidence.both() * site.length_m / options.segment_m;
   const auto level = [&](double width_m) { return static_cast<int>(std::lround(width_m / (2.0 * options.step_m))); };
   site.input_width = std::max(1, level(a.input_width_m));
   const int narrowest = std::max(1, level(std::max(options.min_width_m, options.min_width_factor * a.input_width_m)));
@@ -69,7 +69,7 @@ void report_unseen(const RoadPath& path, const RoadChain& chain, const ChainPiec
                         fmt::format("way {} has no length, left as it is", path.osm_id),
                         chain.nodes[piece.first].base.x, chain.nodes[piece.first].base.y});
   if (path.tunnel) return;
-  const auto unseen = [&](std::size_t i) { return chain.nodes[i].evidence > 0.0 && sites[i].sums.seen < min_seen; };
+  const auto unseen = [&](std::size_t i) { return chain.nodes[i].evidence.both() > 0.0 && sites[i].sums.seen < min_seen; };
   for (std::size_t begin = piece.first; begin < piece.last;) {
     std::size_t end = begin;
     while (end < piece.last && unseen(end)) ++end;

@@ -61,7 +61,7 @@ void CrossProfiles::look_again(std::size_t row) {
     most = std::max(most, sum);
   }
   road_near[row] = most >= road_near_share * static_cast<double>(window);
-  evidence[row] = road_near[row] ? chain_evidence[row] : 0.0F;
+  evidence[row] = road_near[row] ? chain_evidence[row] : EdgeEvidence{0.0, 0.0};
 }
 
 CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& evidence, double half_m) {
@@ -74,8 +74,8 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& 
                     cells = static_cast<std::size_t>(profiles.cells);
   profiles.false_positive.assign(rows * cells, 0.0F);
   profiles.false_negative.assign(rows * cells, 0.0F);
-  profiles.chain_evidence.assign(rows, 0.0F);
-  profiles.evidence.assign(rows, 0.0F);
+  profiles.chain_evidence.assign(rows, {0.0, 0.0});
+  profiles.evidence.assign(rows, {0.0, 0.0});
   profiles.road_near.assign(rows, false);
 
   constexpr int samples = 2;  // along each row's half segment: 0.5 m apart at a spacing of 2 m
@@ -95,7 +95,7 @@ CrossProfiles sample_cross_profiles(const RoadChain& chain, const RoadEvidence& 
         negative[k] += value_at(evidence.inside, corners) / samples;
       }
     }
-    profiles.chain_evidence[row] = static_cast<float>(a.evidence);
+    profiles.chain_evidence[row] = a.evidence;
     profiles.look_again(row);
   }
   return profiles;

@@ -16,12 +16,12 @@ constexpr std::size_t rows_per_segment = 2;  ///< stations at 1/4 and 3/4 of a s
 /// Costs are constant in cells of step_m; cell k spans t = (k .. k + 1) * step_m - half_m. Left of the path is t > 0.
 struct CrossProfiles {
   double step_m = 0.0, half_m = 0.0;
-  int cells = 0;                      ///< a row
-  std::vector<float> false_positive;  ///< cost of the cell outside the road, row after row
-  std::vector<float> false_negative;  ///< cost of the cell inside the road
-  std::vector<float> chain_evidence;  ///< one a row: how much the chain lets it count
-  std::vector<float> evidence;        ///< the same, 0 where no road is near
-  std::vector<bool> road_near;        ///< one a row: the labels show a road somewhere in the row
+  int cells = 0;                             ///< a row
+  std::vector<float> false_positive;         ///< cost of the cell outside the road, row after row
+  std::vector<float> false_negative;         ///< cost of the cell inside the road
+  std::vector<EdgeEvidence> chain_evidence;  ///< one a row: how much the chain lets it count
+  std::vector<EdgeEvidence> evidence;        ///< the same, 0 where no road is near
+  std::vector<bool> road_near;               ///< one a row: the labels show a road somewhere in the row
 
   /// Sets road_near and evidence of a row by its costs.
   void look_again(std::size_t row);

@@ -254,7 +254,8 @@ class ChainProblem {
       const std::size_t a = own(i), b = own(i + 1);
       if (a == b) continue;
       double evidence = 0.0;
-      for (std::size_t r = 0; r < rows_per_segment; ++r) evidence += profiles_.evidence[i * rows_per_segment + r];
+      for (std::size_t r = 0; r < rows_per_segment; ++r)
+        evidence += profiles_.evidence[i * rows_per_segment + r].mean();
       if (evidence > 0.0) {
         blocks_.classes.push_back(problem_.AddResidualBlock(
             classification_cost(strips_, profiles_, i, weights_.evidence), new ceres::CauchyLoss(weights_.loss_scale),
@@ -306,7 +307,7 @@ class ChainProblem {
     const std::vector<double> soft_m = edge_softness_m();
     const double edge_bias_m = edge_bias_share * options_.strip_m * sigmas.class_residual / weights_.evidence;
     const auto seen = [&](std::size_t i) {
-      return profiles_.evidence[std::min(i, last_ - 1) * rows_per_segment] > 0.0F;
+      return profiles_.evidence[std::min(i, last_ - 1) * rows_per_segment].both() > 0.0;
     };
     fit_.sigma_offset_m.resize(count_), fit_.sigma_width_m.resize(count_);
     for (std::size_t i = 0; i < count_; ++i) {
@@ -326,8 +327,9 @@ class ChainProblem {
       double sum = 0.0;
       int edges = 0;
       for (std::size_t row = i * rows_per_segment; row < (i + 1) * rows_per_segment; ++row) {
-        if (profiles_.evidence[row] <= 0.0F) continue;
-        for (const double side : {0.5, -0.5}) sum += band_m(row, offset_[own(i)] + side * width_[own(i)]), ++edges;
+        const EdgeEvidence& evidence = profiles_.evidence[row];
+        for (const auto& [side, counts] : {std::pair{0.5, evidence.left}, {-0.5, evidence.right}})
+          if (counts > 0.0) sum += band_m(row, offset_[own(i)] + side * width_[own(i)]), ++edges;
       }
       if (edges > 0) of_segment[i] = sum / edges;
     }

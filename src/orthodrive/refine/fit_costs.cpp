@@ -13,8 +13,11 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
  public:
   ClassificationCost(const StripCosts& strips, const CrossProfiles& profiles, std::size_t segment, double weight)
       : strips_(strips), segment_(segment) {
-    for (std::size_t r = 0; r < rows_per_segment; ++r)
-      weight_[r] = weight * profiles.evidence[segment * rows_per_segment + r] / static_cast<double>(rows_per_segment);
+    for (std::size_t r = 0; r < rows_per_segment; ++r) {
+      const EdgeEvidence& evidence = profiles.evidence[segment * rows_per_segment + r];
+      weight_[r] = {weight * evidence.left / static_cast<double>(rows_per_segment),
+                    weight * evidence.right / static_cast<double>(rows_per_segment)};
+    }
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
@@ -24,16 +27,17 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
     for (int p = 0; jacobians && p < 4; ++p)
       if (jacobians[p]) std::fill_n(jacobians[p], 4, 0.0);
     for (std::size_t r = 0; r < rows_per_segment; ++r) {
-      if (weight_[r] == 0.0) continue;
       const double f = (static_cast<double>(r) + 0.5) / rows_per_segment;
       const double offset = offset_a + (offset_b - offset_a) * f, half = 0.5 * (width_a + (width_b - width_a) * f);
       for (const auto edge : {StripCosts::Edge::left, StripCosts::Edge::right}) {
-        const double side = edge == StripCosts::Edge::left ? 1.0 : -1.0;
+        const double side = edge == StripCosts::Edge::left ? 1.0 : -1.0,
+                     weight = weight_[r][static_cast<std::size_t>(edge)];
+        if (weight == 0.0) continue;
         const StripCosts::Values strips = strips_.at(edge, segment_ * rows_per_segment + r, offset + side * half);
         const auto add = [&](int i, const StripCosts::Value& value) {
-          residuals[i] += weight_[r] * value.cost;
+          residuals[i] += weight * value.cost;
           if (!jacobians) return;
-          const double d = weight_[r] * value.derivative;
+          const double d = weight * value.derivative;
           const std::array<double, 4> by{d * (1.0 - f), 0.5 * side * d * (1.0 - f), d * f, 0.5 * side * d * f};
           for (int p = 0; p < 4; ++p)
             if (jacobians[p]) jacobians[p][i] += by[p];
@@ -48,7 +52,7 @@ class ClassificationCost final : public ceres::SizedCostFunction<4, 1, 1, 1, 1> 
  private:
   const StripCosts& strips_;
   std::size_t segment_;
-  std::array<double, rows_per_segment> weight_{};
+  std::array<std::array<double, 2>, rows_per_segment> weight_{};  // of the left and the right edge
 };
 
 /// Angle between the segments a-b and b-c, signed, and its derivatives by the offsets of the three nodes.

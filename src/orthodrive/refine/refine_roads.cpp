@@ -226,8 +226,9 @@ class Refinement {
       for (std::size_t i = 0; i + 1 < nodes.size(); i += sample_nodes) {
         if (of_traces[i]) continue;
         const double known_m = learned[c][i].offset_m;
-        if (refined_[c].road_near[i] && nodes[i].evidence > 0.0)
-          samples.push_back({nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i] - known_m, nodes[i].evidence});
+        if (refined_[c].road_near[i] && nodes[i].evidence.both() > 0.0)
+          samples.push_back(
+              {nodes[i].base, nodes[i].normal, shapes_[c].offset_m[i] - known_m, nodes[i].evidence.both()});
         if (from_traces && !traces_[c].empty() && traces_[c][i].recordings > 0.0)
           samples.push_back({nodes[i].base, nodes[i].normal, traces_[c][i].offset_m - known_m,
                              trace_share * std::pow(field.sample_sigma_m / traces_[c][i].sigma_m, 2)});

@@ -53,7 +53,7 @@ void add_row_cost(const CrossProfiles& profiles, std::size_t row, const std::vec
                   std::vector<double>& cost) {
   const auto positive = running_sums(profiles.positive_row(row), profiles.step_m);
   const auto negative = running_sums(profiles.negative_row(row), profiles.step_m);
-  const double share = profiles.evidence[row] / static_cast<double>(rows_per_segment);
+  const double share = profiles.evidence[row].both() / static_cast<double>(rows_per_segment);
   for (std::size_t state = 0; state < knots.size(); ++state) {
     const StateKnots& k = knots[state];
     cost[state] += share * (negative[k.left] - negative[k.right] + positive[k.beyond_left] - positive[k.left] +
@@ -80,9 +80,9 @@ std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& p
                                   const ExpectedOffset& expected, const RefineWeights& weights, const Levels& levels,
                                   const std::vector<StateKnots>& knots) {
   // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
-  float evidence = 0.0F;
+  double evidence = 0.0;
   for (std::size_t r = 0; r < rows_per_segment; ++r)
-    evidence += profiles.evidence[segment * rows_per_segment + r] / rows_per_segment;
+    evidence += profiles.evidence[segment * rows_per_segment + r].both() / rows_per_segment;
   const double width_share = weights.search_width_share * looseness(chain.nodes[segment]);
   const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected.sigma_m, 2);
   std::vector<double> cost(static_cast<std::size_t>(levels.states()));
@@ -93,7 +93,7 @@ std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& p
   }
   for (std::size_t r = 0; r < rows_per_segment; ++r) {
     const std::size_t row = segment * rows_per_segment + r;
-    if (profiles.evidence[row] > 0.0F) add_row_cost(profiles, row, knots, cost);
+    if (profiles.evidence[row].both() > 0.0) add_row_cost(profiles, row, knots, cost);
   }
   return cost;
 }

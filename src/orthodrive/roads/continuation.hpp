@@ -33,12 +33,12 @@ constexpr double continuation_degree = std::numbers::pi / 180.0;
 
 /// Whole ways. OSM cuts ways at junctions and where a tag changes: the same road goes on where it keeps its class and
 /// name, and a bend of 50 degrees is still one road to smooth or to give one profile. Beyond 100 degrees two ways that
-/// share an end are two roads that meet in a point. No link is made on a ring that would not be made elsewhere.
+/// share an end are two roads that meet in a point. A ring is one road, closed in itself.
 constexpr ContinuationRule way_continuation{.look_ahead_m = 10.0,
                                             .look_ahead_share = 1.0,
                                             .max_bend_rad = 50.0 * continuation_degree,
                                             .max_bend_alone_rad = 100.0 * continuation_degree,
-                                            .max_bend_on_ring_rad = 50.0 * continuation_degree,
+                                            .max_bend_on_ring_rad = 100.0 * continuation_degree,
                                             .other_class_rad = 30.0 * continuation_degree,
                                             .other_name_rad = 15.0 * continuation_degree,
                                             .same_way_first = false};

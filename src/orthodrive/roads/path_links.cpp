@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 
+#include "orthodrive/roads/ring_paths.hpp"
+
 namespace orthodrive {
 namespace {
 
@@ -13,10 +15,10 @@ const RoadNode& node_of(const RoadNetwork& roads, PathEnd end) {
   return end.at_back ? nodes.back() : nodes.front();
 }
 
-MeetingEnd meeting_end(const RoadNetwork& roads, PathEnd end, const ContinuationRule& rule) {
+MeetingEnd meeting_end(const RoadNetwork& roads, PathEnd end, int ring, const ContinuationRule& rule) {
   Polyline line = centerline(roads.paths[end.path]);
   if (end.at_back) std::reverse(line.begin(), line.end());
-  return {direction_into(line, rule), &roads.paths[end.path]};
+  return {direction_into(line, rule), &roads.paths[end.path], ring};
 }
 
 }  // namespace
@@ -30,10 +32,11 @@ PathLinks link_path_ends(const RoadNetwork& roads, const ContinuationRule& rule)
     for (const RoadNode& node : roads.paths[p].nodes)
       if (node.osm_node > 0) ++visits[node.osm_node];
   }
+  const std::vector<int> ring = rings_of_paths(roads);
   PathLinks links;
   for (const auto& [id, ends] : ends_at) {
     std::vector<MeetingEnd> meeting;
-    for (const PathEnd end : ends) meeting.push_back(meeting_end(roads, end, rule));
+    for (const PathEnd end : ends) meeting.push_back(meeting_end(roads, end, ring[end.path], rule));
     const std::vector<std::optional<std::size_t>> partner = pair_ends(meeting, visits[id] == 2, rule);
     for (std::size_t i = 0; i < ends.size(); ++i)
       if (partner[i]) links[ends[i]] = ends[*partner[i]];

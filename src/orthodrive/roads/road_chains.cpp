@@ -39,8 +39,23 @@ double width_sigma_share(const RoadPath& path, bool on_ring) {
   return path.width_source == WidthSource::lanes ? 0.2 : 0.3;
 }
 
+/// The rings of a map, and how wide their carriageways are where no tag tells: that they have one lane does not.
+class Rings {
+ public:
+  explicit Rings(const RoadNetwork& osm) : of_path_(rings_of_paths(osm)) {
+    for (std::size_t p = 0; p < of_path_.size(); ++p)
+      if (is_on(p)) length_m_[of_path_[p]] += length_m(centerline(osm.paths[p]));
+  }
+  [[nodiscard]] bool is_on(std::size_t path) const { return of_path_[path] >= 0; }
+  [[nodiscard]] double width_m(std::size_t path) const { return usual_ring_width_m(length_m_.at(of_path_[path])); }
+
+ private:
+  std::vector<int> of_path_;
+  std::map<int, double> length_m_;
+};
+
 RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::map<std::int64_t, int>& incidences,
-                   const std::vector<bool>& on_ring, const ChainOptions& options) {
+                   const Rings& rings, const ChainOptions& options) {
   RoadChain chain{.closed = paths.closed};
   for (const ChainPath& member : paths.paths) chain.pieces.push_back({member.path, member.reversed});
   Polyline osm_line;  // of the whole chain, without repeated points
@@ -50,9 +65,11 @@ RoadChain resample(const RoadNetwork& osm, const PathChain& paths, const std::ma
   for (ChainPiece& piece : chain.pieces) {
     const RoadPath& path = osm.paths[piece.path];
     chain.rank = std::max(chain.rank, road_rank(path.highway));
-    const double sigma_share = width_sigma_share(path, on_ring[piece.path]);
+    const double sigma_share = width_sigma_share(path, rings.is_on(piece.path));
     std::vector<RoadNode> nodes = path.nodes;
     if (piece.reversed) std::reverse(nodes.begin(), nodes.end());
+    if (rings.is_on(piece.path) && path.width_source != WidthSource::tag)
+      for (RoadNode& node : nodes) node.width_m = std::max(node.width_m, rings.width_m(piece.path));
     piece.first = chain.nodes.empty() ? 0 : chain.nodes.size() - 1;
     if (chain.nodes.empty())
       chain.nodes.push_back({.base = nodes.front().p,
@@ -112,25 +129,60 @@ std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& 
   for (const RoadPath& path : osm.paths)
     for (const RoadNode& node : path.nodes)
       if (node.osm_node > 0) ++incidences[node.osm_node];
-  const std::vector<bool> on_ring = paths_on_rings(osm);
+  const Rings rings(osm);
   std::vector<RoadChain> chains;
   for (const PathChain& paths : chain_paths(osm, link_path_ends(osm)))
-    chains.push_back(resample(osm, paths, incidences, on_ring, options));
+    chains.push_back(resample(osm, paths, incidences, rings, options));
   return chains;
 }
 
+namespace {
+
+/// Which edges of a chain another road opens.
+struct MaskedEdges {
+  bool left = false, right = false;
+};
+constexpr MaskedEdges both_edges{true, true};
+
+/// Those on whose side the roads of another chain leave a node. Both where the own chain ends there: its mouth opens to
+/// both; and where they leave along it.
+MaskedEdges edges_beside(const RoadChain& own, std::size_t own_node, const RoadChain& other, std::size_t other_node) {
+  constexpr double look_m = 8.0;       // so far along the other road
+  constexpr double least_sine = 0.26;  // 15 degrees
+  if (!own.closed && (own_node == 0 || own_node + 1 == own.nodes.size())) return both_edges;
+  const ChainNode &at = own.nodes[own_node], &from = other.nodes[other_node];
+  MaskedEdges sides;
+  const auto look = [&](std::ptrdiff_t step) {
+    const auto last = std::ssize(other.nodes) - 1;
+    std::ptrdiff_t i = static_cast<std::ptrdiff_t>(other_node);
+    if (other.closed && (i == 0 || i == last)) i = step > 0 ? 0 : last;
+    Vec2 way{0.0, 0.0};
+    while (i + step >= 0 && i + step <= last && length(way) < look_m)
+      i += step, way = other.nodes[static_cast<std::size_t>(i)].base - from.base;
+    if (length(way) == 0.0) return;  // it ends here
+    const double sine = dot(normalized(way), at.normal);
+    if (sine > -least_sine) sides.left = true;
+    if (sine < least_sine) sides.right = true;
+  };
+  look(+1), look(-1);
+  return sides;
+}
+
+}  // namespace
+
 void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm) {
   constexpr double fillet_m = 3.0;  // corners of a mouth reach about this far beyond the other road's edge
-  const auto mask_around = [](RoadChain& chain, double s_m, double radius_m) {
+  const auto mask_around = [](RoadChain& chain, double s_m, double radius_m, MaskedEdges sides) {
     const double total = chain.nodes.back().s_m;
     for (std::size_t i = 0; i + 1 < chain.nodes.size(); ++i) {
       double d = std::abs(0.5 * (chain.nodes[i].s_m + chain.nodes[i + 1].s_m) - s_m);
       if (chain.closed) d = std::min(d, total - d);
-      if (d < radius_m) chain.nodes[i].evidence = 0.0;
+      if (d >= radius_m) continue;
+      if (sides.left) chain.nodes[i].evidence.left = 0.0;
+      if (sides.right) chain.nodes[i].evidence.right = 0.0;
     }
   };
 
-  // Widest two roads at each junction: a chain is masked by the widest of the others.
   struct Incidence {
     std::size_t chain, node;
     double width_m;
@@ -143,13 +195,11 @@ void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm) {
       if (node.osm_node > 0) junctions[node.osm_node].push_back({c, i, node.input_width_m});
     }
   for (const auto& [id, incidences] : junctions)
-    for (const Incidence& own : incidences) {
-      double other_width_m = 0.0;
+    for (const Incidence& own : incidences)
       for (const Incidence& other : incidences)
-        if (&other != &own) other_width_m = std::max(other_width_m, other.width_m);
-      if (other_width_m > 0.0)
-        mask_around(chains[own.chain], chains[own.chain].nodes[own.node].s_m, 0.5 * other_width_m + fillet_m);
-    }
+        if (&other != &own)
+          mask_around(chains[own.chain], chains[own.chain].nodes[own.node].s_m, 0.5 * other.width_m + fillet_m,
+                      edges_beside(chains[own.chain], own.node, chains[other.chain], other.node));
 
   // Where a path lies in its chain: s along the chain of a distance along the path.
   struct PathOnChain {
@@ -161,7 +211,7 @@ void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm) {
       const ChainPiece& piece = chains[c].pieces[k];
       on_chain[piece.path] = {c, k};
       if (osm.paths[piece.path].tunnel)
-        for (std::size_t i = piece.first; i < piece.last; ++i) chains[c].nodes[i].evidence = 0.0;
+        for (std::size_t i = piece.first; i < piece.last; ++i) chains[c].nodes[i].evidence = {0.0, 0.0};
     }
   const auto mask_crossing = [&](std::size_t path, Vec2 p, double other_width_m) {
     RoadChain& chain = chains[on_chain[path].chain];
@@ -169,7 +219,7 @@ void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm) {
     std::size_t nearest = piece.first;
     for (std::size_t i = piece.first; i <= piece.last; ++i)
       if (distance(chain.nodes[i].base, p) < distance(chain.nodes[nearest].base, p)) nearest = i;
-    mask_around(chain, chain.nodes[nearest].s_m, 0.5 * other_width_m + fillet_m);
+    mask_around(chain, chain.nodes[nearest].s_m, 0.5 * other_width_m + fillet_m, both_edges);
   };
   for (const PathCrossing& crossing : find_crossings(osm)) {
     mask_crossing(crossing.path_a, crossing.p, osm.paths[crossing.path_b].nodes[crossing.segment_b].width_m);

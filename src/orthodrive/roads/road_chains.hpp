@@ -9,6 +9,13 @@
 
 namespace orthodrive {
 
+/// 0..1: how much the labels count for each edge of a road.
+struct EdgeEvidence {
+  double left = 1.0, right = 1.0;
+  [[nodiscard]] double both() const { return left < right ? left : right; }
+  [[nodiscard]] double mean() const { return 0.5 * (left + right); }
+};
+
 struct ChainNode {
   Vec2 base;    ///< on the OSM line
   Vec2 normal;  ///< unit, to the left; of the line smoothed over some metres, so that neighbours do not cross
@@ -16,7 +23,7 @@ struct ChainNode {
   double s_m = 0.0;           ///< along the OSM line
   double input_width_m = 0.0;
   double width_sigma_m = 0.0;  ///< standard deviation of the input width, by where it comes from
-  double evidence = 1.0;       ///< 0..1: how much the labels count between this node and the next
+  EdgeEvidence evidence;       ///< between this node and the next
 };
 
 /// What the roads around a node say about its offset.
@@ -49,8 +56,8 @@ struct ChainOptions {
 /// junction) and resamples them. Every path lands in exactly one chain; chains are ordered by their lowest path.
 [[nodiscard]] std::vector<RoadChain> build_chains(const RoadNetwork& osm, const ChainOptions& options);
 
-/// Lowers the evidence to 0 where the labels show another road: near junctions (the mouth of the other road), where a
-/// road crosses above or below, and in tunnels.
+/// Lowers the evidence to 0 where the labels show another road: near junctions (the mouth of the other road; the edge
+/// across from it counts where a road passes), where a road crosses above or below, and in tunnels.
 void mask_evidence(std::vector<RoadChain>& chains, const RoadNetwork& osm);
 
 }  // namespace orthodrive
