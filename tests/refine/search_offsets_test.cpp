@@ -76,15 +76,17 @@ struct BruteForce {
     double cost = 0.0, evidence = 0.0;
     for (std::size_t r = 0; r < rows_per_segment; ++r) {
       const std::size_t row = segment * rows_per_segment + r;
-      const double share = profiles.evidence[row].both() / static_cast<double>(rows_per_segment);
-      evidence += share;
+      const double left = profiles.evidence[row].left / static_cast<double>(rows_per_segment),
+                   right = profiles.evidence[row].right / static_cast<double>(rows_per_segment);
+      evidence += 0.5 * (left + right);
       const auto cell = [&](double t) { return std::lround((t + half_m) / step_m); };
       for (long k = 0; k < profiles.cells; ++k) {
         const double inside = profiles.negative_row(row)[static_cast<std::size_t>(k)],
                      outside = profiles.positive_row(row)[static_cast<std::size_t>(k)];
-        if (k >= cell(offset - half) && k < cell(offset + half)) cost += share * inside * step_m;
-        if (k >= cell(offset + half) && k < cell(offset + half + 2.0)) cost += share * outside * step_m;
-        if (k >= cell(offset - half - 2.0) && k < cell(offset - half)) cost += share * outside * step_m;
+        if (k >= cell(offset - half) && k < cell(offset)) cost += right * inside * step_m;
+        if (k >= cell(offset) && k < cell(offset + half)) cost += left * inside * step_m;
+        if (k >= cell(offset + half) && k < cell(offset + half + 2.0)) cost += left * outside * step_m;
+        if (k >= cell(offset - half - 2.0) && k < cell(offset - half)) cost += right * outside * step_m;
       }
     }
     const RefineWeights& w = options.weights;
@@ -110,7 +112,7 @@ TEST(SearchOffsets, equals_the_best_of_all_paths) {
       const double half = 2.0 + 0.8 * static_cast<double>(segment);
       return std::abs(t - middle) < half ? 0.6 + 0.4 * random.uniform() : 0.4 * random.uniform();
     });
-    for (EdgeEvidence& evidence : profiles.evidence) evidence.left = evidence.right = random.uniform();
+    for (EdgeEvidence& evidence : profiles.evidence) evidence = {random.uniform(), random.uniform()};
     const std::vector<ExpectedOffset> expected{{0.4, 0.3}, {0.1, 0.0}, {-0.2, 1.0}, {0.0, 0.0}};
     const BruteForce all{profiles, expected, options, 3};
     const int states = 3 * width_levels;

@@ -30,7 +30,7 @@ std::vector<double> running_sums(std::span<const float> costs, double step_m) {
 
 /// Where the sums of a row are read for a state: at its edges, and beyond them.
 struct StateKnots {
-  std::size_t right = 0, left = 0, beyond_right = 0, beyond_left = 0;
+  std::size_t right = 0, middle = 0, left = 0, beyond_right = 0, beyond_left = 0;
 };
 
 /// For every state of roads of that width.
@@ -42,22 +42,24 @@ std::vector<StateKnots> knots_of(const CrossProfiles& profiles, double input_wid
   std::vector<StateKnots> knots;
   for (int state = 0; state < levels.states(); ++state) {
     const double offset = levels.offset_m(state), half = 0.5 * levels.width_factor(state) * input_width_m;
-    knots.push_back(
-        {knot(offset - half), knot(offset + half), knot(offset - half - context_m), knot(offset + half + context_m)});
+    knots.push_back({knot(offset - half), knot(offset), knot(offset + half), knot(offset - half - context_m),
+                     knot(offset + half + context_m)});
   }
   return knots;
 }
 
-/// Adds the misclassified width of one row to the cost of every state.
+/// Adds the misclassified width of one row to the cost of every state: of each half of the road as much as its edge
+/// counts.
 void add_row_cost(const CrossProfiles& profiles, std::size_t row, const std::vector<StateKnots>& knots,
                   std::vector<double>& cost) {
   const auto positive = running_sums(profiles.positive_row(row), profiles.step_m);
   const auto negative = running_sums(profiles.negative_row(row), profiles.step_m);
-  const double share = profiles.evidence[row].both() / static_cast<double>(rows_per_segment);
+  const double left = profiles.evidence[row].left / static_cast<double>(rows_per_segment),
+               right = profiles.evidence[row].right / static_cast<double>(rows_per_segment);
   for (std::size_t state = 0; state < knots.size(); ++state) {
     const StateKnots& k = knots[state];
-    cost[state] += share * (negative[k.left] - negative[k.right] + positive[k.beyond_left] - positive[k.left] +
-                            positive[k.right] - positive[k.beyond_right]);
+    cost[state] += left * (negative[k.left] - negative[k.middle] + positive[k.beyond_left] - positive[k.left]) +
+                   right * (negative[k.middle] - negative[k.right] + positive[k.right] - positive[k.beyond_right]);
   }
 }
 
@@ -82,7 +84,7 @@ std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& p
   // Where nothing is measured the pull must not win over the neighbours' offset: it counts with the evidence.
   double evidence = 0.0;
   for (std::size_t r = 0; r < rows_per_segment; ++r)
-    evidence += profiles.evidence[segment * rows_per_segment + r].both() / rows_per_segment;
+    evidence += profiles.evidence[segment * rows_per_segment + r].mean() / rows_per_segment;
   const double width_share = weights.search_width_share * looseness(chain.nodes[segment]);
   const double offset_scale_m2 = std::pow(weights.search_offset_m, 2) + std::pow(expected.sigma_m, 2);
   std::vector<double> cost(static_cast<std::size_t>(levels.states()));
@@ -93,7 +95,7 @@ std::vector<double> segment_costs(const RoadChain& chain, const CrossProfiles& p
   }
   for (std::size_t r = 0; r < rows_per_segment; ++r) {
     const std::size_t row = segment * rows_per_segment + r;
-    if (profiles.evidence[row].both() > 0.0) add_row_cost(profiles, row, knots, cost);
+    if (profiles.evidence[row].mean() > 0.0) add_row_cost(profiles, row, knots, cost);
   }
   return cost;
 }
