@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, and a grid in UTM. Where MapProxy or the
+"""`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, a grid in UTM; and a whole build of it. Where MapProxy or the
 photo is missing: says so and ends with 77. Usage: fetch_mapproxy_test.py TOOL SOURCE_TREE"""
 import json
 import math
@@ -18,7 +18,8 @@ import numpy
 
 import servers
 
-TOOL, PHOTO = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]) / "../shared/data/kvarnbyn/ortho.jpg"
+TOOL, DATA = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]) / "../shared/data/kvarnbyn"
+PHOTO = DATA / "ortho.jpg"
 try:
     import mapproxy.wsgiapp
     from osgeo import gdal
@@ -189,6 +190,31 @@ class MapProxy(unittest.TestCase):
         self.fetch("wms.tif", kind="wms", url=self.url + "/service?", layer="ortho", format="image/png")
         self.assertEqual(gdal.Open(str(self.root / "wms.tif")).GetSpatialRef().GetAuthorityCode(None), "32633")
         self.check_place("wms.tif", 8.0)
+
+    def test_one_command_builds_a_site_from_tiles(self):
+        """Its roads lie where those of the same site built from the photo itself lie."""
+        def build(name, photo, more=""):
+            folder = self.root / name
+            folder.mkdir()
+            osm, dtm = (json.dumps(str((DATA / f).resolve())) for f in ("roads.osm", "dtm_10m_utm33.tif"))
+            text = f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = {json.dumps(photo)}\nosm = [{osm}]\ndtm = [{dtm}]\n'
+            (folder / "site.toml").write_text(text + more)
+            run = subprocess.run([TOOL, "build", folder / "site.toml", "-o", folder / "out"], capture_output=True, text=True, timeout=280, env=os.environ)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            return folder / "out"
+
+        tiles = f'[[fetch]]\nto = "photo.mbtiles"\nkind = "xyz"\nresolution_m = 0.7\nurl = "{self.url}/tiles/1.0.0/ortho/quad/{{z}}/{{x}}/{{y}}.jpeg?origin=nw"\n' \
+                'attribution = "Orthophoto: Lantmäteriet"\nlicence = "CC BY 4.0"\n'
+        fetched, local = build("fetched", "photo.mbtiles", tiles), build("local", str(PHOTO.resolve()))
+        run = subprocess.run([TOOL, "evaluate", "roads", fetched / "roads.gpkg", local / "roads.gpkg", "--json"], capture_output=True, text=True)
+        scores = json.loads(run.stdout)
+        print(f"roads from tiles and from the photo: {scores['offset_m']['mean_abs']:.2f} m apart, widths {scores['width_m']['mean_abs']:.2f} m")
+        self.assertLess(scores["offset_m"]["mean_abs"], 0.3)
+        self.assertLess(scores["width_m"]["mean_abs"], 0.5)
+        self.assertGreater(scores["surface_iou"], 0.8)
+        for name in ("roads.xodr", "scene/tileset.json", "drive/lap.csv", "report.html"):
+            self.assertTrue((fetched / name).exists(), name)
+        self.assertIn("Orthophoto: Lantmäteriet", (fetched / "report.html").read_text())
 
     def test_a_layer_that_is_not_there(self):
         said = self.fetch("none.mbtiles", code=1, kind="wmts", url=self.url + "/wmts/1.0.0/WMTSCapabilities.xml", layer="orto")
