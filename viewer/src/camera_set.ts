@@ -32,7 +32,7 @@ export class CameraSet {
 
   adoptCar(car: Car): void {
     this.car = car;
-    this.orbit = new OrbitCamera(this.canvas, car.object);
+    this.orbit = new OrbitCamera(this.canvas);
     this.orbit.enabled = false;
     this.orbit.onChange = () => this.onChange();
     this.driver = new DriverCamera(car.eye_m);

@@ -131,8 +131,9 @@ export class OrbitCamera {
   readonly camera = new PerspectiveCamera(50, 1, 0.3, sight_m);
   onChange: () => void = () => {};
   private readonly controls: OrbitControls;
+  private placed = false;
 
-  constructor(element: HTMLElement, car: Object3D) {
+  constructor(element: HTMLElement) {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, element);
     this.controls.enablePan = false;
@@ -140,17 +141,20 @@ export class OrbitCamera {
     this.controls.maxDistance = 200;
     this.controls.maxPolarAngle = 0.49 * Math.PI;
     this.controls.addEventListener('change', () => this.onChange());
-    this.controls.target.copy(car.position);
-    this.camera.position.copy(car.position).add(new Vector3(7, -7, 4));
   }
 
   set enabled(on: boolean) {
     this.controls.enabled = on;
   }
 
-  /** Goes along with the car. */
+  /** Goes along with the car. It begins behind it: over the road, where no house stands. */
   update(car: Object3D): void {
     const middle = car.position.clone().add(new Vector3(0, 0, 0.7));
+    if (!this.placed) {
+      this.placed = true;
+      this.controls.target.set(0, 0, 0);
+      this.camera.position.set(-8.5, 2, 3).applyQuaternion(car.quaternion);
+    }
     const move = middle.sub(this.controls.target);
     if (move.lengthSq() === 0) return;
     this.controls.target.add(move);
