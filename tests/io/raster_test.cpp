@@ -16,6 +16,7 @@
 #include "orthodrive/core/hash.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/model/class_table_json.hpp"
 #include "paths.hpp"
 #include "places.hpp"
 #include "scratch.hpp"
@@ -111,13 +112,15 @@ TEST(Labels, raster_without_class_table_is_refused) {
 }
 
 TEST(ClassTable, json_round_trip_and_rubbish) {
-  const ClassTable back = io::class_table_from_json(io::class_table_to_json(default_class_table()));
-  EXPECT_EQ(io::class_table_to_json(back), io::class_table_to_json(default_class_table()));
+  const ClassTable back = class_table_from_json(class_table_to_json(default_class_table()));
+  EXPECT_EQ(class_table_to_json(back), class_table_to_json(default_class_table()));
   for (
       const char* rubbish :
       {"", "[]", R"({"name":"x"})", R"({"name":"x","classes":[]})",
+       R"({"name":"x","classes":[{"name":"a","color":[1,2,5e126],"role":"road","cost_false_positive":0,"cost_false_negative":0}]})",
+       R"({"name":"x","classes":[{"name":"a","color":[1,2,256],"role":"road","cost_false_positive":0,"cost_false_negative":0}]})",
        R"({"name":"x","classes":[{"name":"a","color":[1,2,3],"role":"rod","cost_false_positive":0,"cost_false_negative":0}]})"})
-    EXPECT_THROW((void)io::class_table_from_json(rubbish), Error) << rubbish;
+    EXPECT_THROW((void)class_table_from_json(rubbish), Error) << rubbish;
 }
 
 TEST(Photo, lossless_round_trip_keeps_pixels_and_validity) {

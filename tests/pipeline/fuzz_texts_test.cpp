@@ -10,6 +10,7 @@
 #include "fuzz/expect_survives.hpp"
 #include "orthodrive/io/area_reader.hpp"
 #include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/model/class_table_json.hpp"
 #include "orthodrive/model/site_area.hpp"
 #include "orthodrive/nets/model_metadata.hpp"
 #include "orthodrive/pipeline/experiment.hpp"
@@ -148,7 +149,7 @@ TEST(FuzzTexts, model_metadata) {
     const std::map<std::string, std::string> items{
         {"architecture", "vgg16-8s"}, {"gsd_m", "0.5"}, {"classes", bytes_of(file)}};
     (void)parse_model_metadata(items, file.string());
-    (void)io::class_table_from_json(bytes_of(file));
+    (void)class_table_from_json(bytes_of(file));
   });
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/whole_number.hpp"
 
 namespace orthodrive {
 
@@ -34,8 +35,8 @@ std::optional<CrfModel> read_crf(const TensorFile& file, int classes, const std:
     const auto json = nlohmann::json::parse(text->second);
     crf.widths = {json.at("theta_alpha_px").get<double>(), json.at("theta_beta").get<double>(),
                   json.at("theta_gamma_px").get<double>()};
-    crf.parameters.iterations = json.at("iterations").get<int>();
-  } catch (const nlohmann::json::exception& error) {
+    crf.parameters.iterations = whole_number<int>(json.at("iterations"), "iterations");
+  } catch (const std::exception& error) {
     throw InputError(source, fmt::format("its metadata item 'crf' is damaged: {}", error.what()));
   }
   const auto values = [&](const std::string& name, std::size_t count) {

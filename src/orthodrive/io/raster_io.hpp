@@ -145,9 +145,4 @@ void write_png(const std::filesystem::path& path, const Raster<std::uint8_t>& rg
 /// The same of a file in memory, up to 8192 pixels a side. Throws InputError where it cannot be decoded.
 [[nodiscard]] Raster<std::uint8_t> decode_image(std::span<const std::uint8_t> bytes);
 
-/// Serialisation of class tables: {"name":...,
-/// "classes":[{"name","color","role","cost_false_positive","cost_false_negative"}]}.
-[[nodiscard]] std::string class_table_to_json(const ClassTable& table);
-[[nodiscard]] ClassTable class_table_from_json(const std::string& text);
-
 }  // namespace orthodrive::io

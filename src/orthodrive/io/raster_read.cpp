@@ -13,6 +13,7 @@
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/raster_support.hpp"
+#include "orthodrive/model/class_table_json.hpp"
 #include "orthodrive/model/sample_height.hpp"
 
 namespace orthodrive::io {

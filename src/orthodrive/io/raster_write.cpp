@@ -12,6 +12,7 @@
 #include "orthodrive/core/stop.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/raster_support.hpp"
+#include "orthodrive/model/class_table_json.hpp"
 
 namespace orthodrive::io {
 namespace fs = std::filesystem;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "orthodrive/core/error.hpp"
+#include "orthodrive/core/whole_number.hpp"
 
 namespace orthodrive {
 namespace {
@@ -25,12 +26,12 @@ TensorType type_from_string(const std::string& name) {
 TensorPlace parse_place(const std::string& name, const nlohmann::json& entry, std::uint64_t data_bytes) {
   TensorPlace place;
   place.type = type_from_string(entry.at("dtype").get<std::string>());
-  entry.at("shape").get_to(place.shape);
+  for (const auto& edge : entry.at("shape"))
+    place.shape.push_back(whole_number<std::int64_t>(edge, "an edge of a shape"));
   const auto& offsets = entry.at("data_offsets");
-  if (offsets.size() != 2 || !offsets[0].is_number_unsigned() || !offsets[1].is_number_unsigned()) {
-    throw Error("data_offsets are not two positions");
-  }
-  offsets[0].get_to(place.begin), offsets[1].get_to(place.end);
+  if (offsets.size() != 2) throw Error("data_offsets are not two positions");
+  place.begin = whole_number<std::uint64_t>(offsets.at(0), "a position in data_offsets");
+  place.end = whole_number<std::uint64_t>(offsets.at(1), "a position in data_offsets");
   if (place.begin > place.end || place.end > data_bytes ||
       place.size() != byte_count({name, place.type, place.shape})) {
     throw Error("truncated or inconsistent");

@@ -15,6 +15,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/printable.hpp"
+#include "orthodrive/core/whole_number.hpp"
 #include "orthodrive/io/raster_io.hpp"
 
 namespace orthodrive::io {
@@ -76,6 +77,12 @@ double number_at(const std::uint8_t* at, int type, bool normalized) {
   }
 }
 
+std::size_t count_of(const Json& value) { return whole_number<std::size_t>(value, "a count, a length or an index"); }
+std::size_t count_or_zero(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  return found == object.end() ? 0 : count_of(*found);
+}
+
 /// A glb in memory.
 class Glb {
  public:
@@ -91,17 +98,18 @@ class Glb {
   }
 
   /// All numbers of an accessor, element after element.
-  [[nodiscard]] std::vector<double> numbers(std::size_t index) {
-    const Json& accessor = json.at("accessors").at(index);
-    const int type = accessor.at("componentType");
-    const std::size_t width = width_of(accessor.at("type")), count = accessor.at("count"), size = size_of(type);
-    const std::size_t view_index = accessor.at("bufferView"), offset = accessor.value("byteOffset", std::size_t{0});
+  [[nodiscard]] std::vector<double> numbers(const Json& index) {
+    const Json& accessor = json.at("accessors").at(count_of(index));
+    const int type = whole_number<int>(accessor.at("componentType"), "a componentType");
+    const std::size_t width = width_of(accessor.at("type")), count = count_of(accessor.at("count")),
+                      size = size_of(type);
+    const std::size_t view_index = count_of(accessor.at("bufferView")), offset = count_or_zero(accessor, "byteOffset");
     const View& view = unpacked(view_index);
     const std::size_t stride = view.stride > 0 ? view.stride : width * size;
     const std::size_t size_of_all = view.bytes.size();
     if (count > size_of_all || offset > size_of_all || stride > size_of_all ||
         (count > 0 && (count - 1) * stride + width * size > size_of_all - offset))
-      throw Error(fmt::format("accessor {} reaches beyond its view", index));
+      throw Error(fmt::format("accessor {} reaches beyond its view", index.dump()));
     // Any number of meshes may show the same accessor, each with a copy of its own.
     constexpr std::size_t most_numbers = 50'000'000;  // of a file; our tiles have some 100 000
     if (count * width > most_numbers - numbers_read_) throw Error("its meshes are absurdly large");
@@ -119,11 +127,11 @@ class Glb {
   [[nodiscard]] std::span<const std::uint8_t> picture_of(const Json& material) const {
     const auto shown = material.find("pbrMetallicRoughness");
     if (shown == material.end() || !shown->contains("baseColorTexture")) return {};
-    const Json& texture = json.at("textures").at(shown->at("baseColorTexture").at("index").get<std::size_t>());
+    const Json& texture = json.at("textures").at(count_of(shown->at("baseColorTexture").at("index")));
     const Json& source = texture.contains("source") ? texture : texture.at("extensions").at("EXT_texture_webp");
-    const Json& image = json.at("images").at(source.at("source").get<std::size_t>());
+    const Json& image = json.at("images").at(count_of(source.at("source")));
     if (!image.contains("bufferView")) return {};
-    return part(json.at("bufferViews").at(image.at("bufferView").get<std::size_t>()));
+    return part(json.at("bufferViews").at(count_of(image.at("bufferView"))));
   }
 
   Json json;
@@ -142,7 +150,7 @@ class Glb {
   }
 
   [[nodiscard]] std::span<const std::uint8_t> part(const Json& view) const {
-    const std::size_t offset = view.value("byteOffset", std::size_t{0}), length = view.at("byteLength");
+    const std::size_t offset = count_or_zero(view, "byteOffset"), length = count_of(view.at("byteLength"));
     if (bin_ > bytes_.size() || offset > bytes_.size() - bin_ || length > bytes_.size() - bin_ - offset)
       throw Error("a view reaches beyond the file");
     return std::span(bytes_).subspan(bin_ + offset, length);
@@ -153,7 +161,7 @@ class Glb {
     if (views_.size() <= index) views_.resize(index + 1);
     if (views_[index]) return *views_[index];
     View& result = views_[index].emplace();
-    result.stride = view.value("byteStride", std::size_t{0});
+    result.stride = count_or_zero(view, "byteStride");
     if (!view.contains("extensions")) {
       const auto bytes = part(view);
       result.bytes.assign(bytes.begin(), bytes.end());
@@ -161,13 +169,13 @@ class Glb {
     }
     const Json& packed = view.at("extensions").at("EXT_meshopt_compression");
     const auto from = part(packed);
-    const std::size_t count = packed.at("count"), stride = packed.at("byteStride");
+    const std::size_t count = count_of(packed.at("count")), stride = count_of(packed.at("byteStride"));
     // The codec needs two bits for 16 bytes that are alike: a view does not expand further.
     constexpr std::size_t largest_stride = 256, most_expansion = 64, slack = 65536;
     if (stride == 0 || stride > largest_stride || count > (most_expansion * from.size() + slack) / stride)
       throw Error("a view is absurdly large");
     result.bytes.resize(count * stride);
-    result.stride = view.value("byteStride", std::size_t{0});
+    result.stride = count_or_zero(view, "byteStride");
     const bool are_indices = packed.at("mode") == "TRIANGLES";
     if (are_indices ? count % 3 != 0 || (stride != 2 && stride != 4) : stride % 4 != 0)
       throw Error("a view has an odd size");
@@ -202,8 +210,8 @@ MeshKind kind_of(const std::string& name) {
   throw Error("mesh \"" + name + "\" is none of a scene's");
 }
 
-TriMesh read_mesh(Glb& glb, std::size_t index) {
-  const Json& mesh = glb.json.at("meshes").at(index);
+TriMesh read_mesh(Glb& glb, const Json& index) {
+  const Json& mesh = glb.json.at("meshes").at(count_of(index));
   TriMesh result{.kind = kind_of(mesh.at("name"))};
   for (const Json& primitive : mesh.at("primitives")) {
     const Json& attributes = primitive.at("attributes");

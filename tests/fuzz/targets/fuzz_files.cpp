@@ -27,6 +27,7 @@
 #include "orthodrive/io/tile_reader.hpp"
 #include "orthodrive/io/tree_reader.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/model/class_table_json.hpp"
 #include "orthodrive/pipeline/experiment.hpp"
 #include "orthodrive/pipeline/site.hpp"
 #include "orthodrive/synth/track_table.hpp"
@@ -123,7 +124,7 @@ constexpr Reader readers[] = {
     {"alignment", "a.csv", [](const fs::path& file) { (void)io::read_alignment(file, {}); }},
     {"table", "a.csv", read_table},
     {"npy", "a.npy", [](const fs::path& file) { (void)io::read_npy(file); }},
-    {"class_json", "a.json", [](const fs::path& file) { (void)io::class_table_from_json(text_of(file)); }},
+    {"class_json", "a.json", [](const fs::path& file) { (void)class_table_from_json(text_of(file)); }},
     {"road_layers", "a.gpkg", read_road_layers},
     {"tile", "tile_0_0.glb", [](const fs::path& file) { (void)io::read_tile_glb({.path = file}); }},
     {"tileset", "tileset.json", [](const fs::path& file) { (void)io::read_tileset(file.parent_path()); }},

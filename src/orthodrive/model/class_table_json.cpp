@@ -1,11 +1,14 @@
-// Class tables as JSON, as they travel in the metadata of label maps and beside the weights of a network.
+#include "orthodrive/model/class_table_json.hpp"
 
+#include <array>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/io/raster_io.hpp"
+#include "orthodrive/core/whole_number.hpp"
+#include "orthodrive/model/rasters.hpp"
 
-namespace orthodrive::io {
+namespace orthodrive {
 
 std::string class_table_to_json(const ClassTable& table) {
   nlohmann::ordered_json classes = nlohmann::ordered_json::array();
@@ -18,13 +21,22 @@ std::string class_table_to_json(const ClassTable& table) {
   return nlohmann::ordered_json{{"name", table.name}, {"classes", classes}}.dump();
 }
 
+namespace {
+std::array<std::uint8_t, 3> color_of(const nlohmann::json& json) {
+  std::array<std::uint8_t, 3> color{};
+  if (json.size() != color.size()) throw Error("a color has three numbers");
+  for (std::size_t i = 0; i < color.size(); ++i) color[i] = whole_number<std::uint8_t>(json.at(i), "a color");
+  return color;
+}
+}  // namespace
+
 ClassTable class_table_from_json(const std::string& text) {
   try {
     const auto json = nlohmann::json::parse(text);
     ClassTable table{.name = json.at("name")};
     for (const auto& c : json.at("classes"))
       table.classes.push_back({.name = c.at("name"),
-                               .color = c.at("color"),
+                               .color = color_of(c.at("color")),
                                .role = role_from_string(c.at("role")),
                                .cost_false_positive = c.at("cost_false_positive"),
                                .cost_false_negative = c.at("cost_false_negative")});
@@ -35,4 +47,4 @@ ClassTable class_table_from_json(const std::string& text) {
   }
 }
 
-}  // namespace orthodrive::io
+}  // namespace orthodrive
