@@ -69,7 +69,9 @@ void report_unseen(const RoadPath& path, const RoadChain& chain, const ChainPiec
                         fmt::format("way {} has no length, left as it is", path.osm_id),
                         chain.nodes[piece.first].base.x, chain.nodes[piece.first].base.y});
   if (path.tunnel) return;
-  const auto unseen = [&](std::size_t i) { return chain.nodes[i].evidence.both() > 0.0 && sites[i].sums.seen < min_seen; };
+  const auto unseen = [&](std::size_t i) {
+    return chain.nodes[i].evidence.both() > 0.0 && sites[i].sums.seen < min_seen;
+  };
   for (std::size_t begin = piece.first; begin < piece.last;) {
     std::size_t end = begin;
     while (end < piece.last && unseen(end)) ++end;
