@@ -10,10 +10,15 @@
 namespace orthodrive::app {
 namespace {
 void print_json(const SiteSize& size, const BuildEstimate& all) {
-  nlohmann::ordered_json out{{"area_km2", size.area_km2}, {"megapixels", size.megapixels},
-                             {"road_km", size.road_km},   {"machine", machine_of_costs()},
-                             {"seconds", all.seconds},    {"memory_mb", all.memory_mb},
-                             {"disk_mb", all.disk_mb},    {"stages", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json out{{"area_km2", size.area_km2},
+                             {"megapixels", size.megapixels},
+                             {"road_km", size.road_km},
+                             {"machine", machine_of_costs()},
+                             {"speed", all.speed},
+                             {"seconds", all.seconds},
+                             {"memory_mb", all.memory_mb},
+                             {"disk_mb", all.disk_mb},
+                             {"stages", nlohmann::ordered_json::array()}};
   for (const StageEstimate& s : all.stages)
     out["stages"].push_back(
         {{"stage", s.stage}, {"seconds", s.seconds}, {"memory_mb", s.memory_mb}, {"disk_mb", s.disk_mb}});
@@ -28,7 +33,8 @@ void print_table(const SiteSize& size, const BuildEstimate& all) {
   };
   for (const StageEstimate& s : all.stages) line(s.stage, s.seconds, s.memory_mb, s.disk_mb);
   line("all", all.seconds, all.memory_mb, all.disk_mb);
-  fmt::print("Estimated from builds on {}, nothing else running.\n", machine_of_costs());
+  fmt::print("Estimated from builds on {}; this machine, as busy as it is now, has {:.2f} of its speed.\n",
+             machine_of_costs(), all.speed);
 }
 }  // namespace
 
@@ -45,16 +51,15 @@ void add_plan(CLI::App& app, Context& context) {
   cmd->add_option("--set", args->overrides, "override of the site file, section.key=value; may be repeated");
   cmd->add_flag("--json", args->json, "JSON on standard output");
   cmd->footer(
-      "Reads the site file, the header of its photo and its map. Estimates are good to a factor of two for a build "
-      "from "
-      "nothing;\n"
+      "Reads the site file, the header of its photo and its map, and tries for half a second how fast the machine is.\n"
+      "Estimates are good to a factor of two for a build from nothing;\n"
       "segment.adapt and segment.crf are not in them.\n\n"
       "Examples:\n"
       "  orthodrive plan sites/kvarnbyn.toml\n"
       "  orthodrive --threads 8 plan site.toml --json");
   cmd->callback([args, &context] {
     const SiteSize size = size_of(read_site(args->site, args->overrides));
-    const BuildEstimate all = estimate_build(size, context.threads);
+    const BuildEstimate all = estimate_build(size, measure_machine_speed(context.threads));
     args->json ? print_json(size, all) : print_table(size, all);
   });
 }

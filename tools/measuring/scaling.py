@@ -15,7 +15,7 @@ SITES = {"1": ["--preset", "village", "--seed", "7", "--size", "1000", "--gsd", 
          "100": ["--preset", "region", "--seed", "7", "--size", "10000"]}
 CITIES = {"10c": ["--preset", "conurbation", "--seed", "7", "--size", "3160"],
           "100c": ["--preset", "conurbation", "--seed", "7", "--size", "10000"]}
-REAL = {"23": ROOT / "sites/pardubice.toml"}
+REAL = {"3": ROOT / "sites/kvarnbyn.toml", "23": ROOT / "sites/pardubice.toml"}
 STAGES = ["segment", "refine", "elevate", "network", "scene", "drive", "report"]
 
 
@@ -77,11 +77,11 @@ def table(numbers):
 
 
 def planned(numbers):
-    """What `orthodrive plan` says before a build, over what it took."""
+    """What `orthodrive plan` says for the machine of its costs, over what a build took."""
     text = header(["", "seconds, said", "taken", "memory, GB, said", "taken", "disk, MB, said", "taken"])
     for name in sorted(numbers, key=lambda name: (name in CITIES, km2(name))):
         n = numbers[name]
-        text += row([title(name), fixed(n["plan"]["seconds"], 0), fixed(n["seconds"], 0), fixed(n["plan"]["memory_mb"] / 1e3, 2),
+        text += row([title(name), fixed(n["plan"]["speed"] * n["plan"]["seconds"], 0), fixed(n["seconds"], 0), fixed(n["plan"]["memory_mb"] / 1e3, 2),
                      fixed(n["memory_mb"] / 1e3, 2), fixed(n["plan"]["disk_mb"], 0), fixed(n["disk_mb"], 0)])
     return text
 

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "orthodrive/core/parallel.hpp"
 #include "orthodrive/geo/polyline.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/pipeline/sources.hpp"
@@ -25,20 +23,24 @@ struct StageCost {
 };
 
 // By `tools/measure scaling --fit`: synthetic villages, regions and conurbations of 1 to 100 km2 at 0.5 m/px and
-// Pardubice (23 km2 at 0.46 m/px), each from nothing with two threads on the machine below. docs/measured/scaling.md
-// has the numbers.
-constexpr int measured_threads = 2;
+// Kvarnbyn and Pardubice (3 and 23 km2 at 0.5 m/px), each from nothing with two threads on the machine below.
+// docs/measured/scaling.md has the numbers.
 constexpr std::array<StageCost, 7> costs{{
     // stage     seconds                        memory (MB)                   disk (MB)
-    {"segment", {1.1, 0.0, 0.34, 0.059}, {1180, 0, 2.1, 0.15}, {0.0, 0.0, 0.068, 0.2}},
-    {"refine", {0.0, 0.0, 0.0, 0.144}, {262, 21, 0, 0.064}, {0.13, 0.0, 0.0, 0.131}},
-    {"elevate", {0.0, 0.055, 0.0, 0.047}, {237, 6.7, 0, 0.47}, {0.13, 0.0, 0.0, 0.165}},
-    {"network", {0.0, 0.0, 0.0, 0.075}, {241, 3.8, 0, 0.75}, {0.0, 0.0, 0.0, 0.054}},
-    {"scene", {3.2, 0.0, 0.093, 0.108}, {481, 0, 2.9, 0.5}, {5.2, 0.0, 0.23, 0.26}},
-    {"drive", {1.25, 0.0, 0.0, 0.0073}, {243, 4.2, 0, 0.5}, {5.0, 0.11, 0.0, 0.0}},
-    {"report", {1.5, 0.0, 0.0078, 0.0087}, {343, 6.7, 0.6, 0.25}, {5.6, 0.0, 0.0, 0.004}},
+    {"segment", {0.864, 0.0, 0.197, 0.0376}, {1180, 0, 1.49, 0.12}, {0.0, 0.0, 0.068, 0.2}},
+    {"refine", {0.0, 0.0, 0.0157, 0.0519}, {323, 22.2, 0, 0}, {0.13, 0.0, 0.0, 0.131}},
+    {"elevate", {0.008, 0.0939, 0.0102, 0.0101}, {297, 5.75, 0, 0.774}, {0.13, 0.0, 0.0, 0.165}},
+    {"network", {0.0, 0.0, 0.0, 0.045}, {317, 0, 0.712, 0.825}, {0.0, 0.0, 0.0, 0.054}},
+    {"scene", {1.81, 0.0, 0.0436, 0.0732}, {654, 0, 2.71, 0.711}, {5.2, 0.0, 0.23, 0.26}},
+    {"drive", {0.563, 0.0, 0.0, 0.0054}, {315, 2.43, 0.225, 0.552}, {5.0, 0.11, 0.0, 0.0}},
+    {"report", {0.793, 0.0, 0.0035, 0.008}, {384, 8.73, 0, 0.719}, {5.6, 0.0, 0.0, 0.004}},
 }};
+/// The machine of these costs with nothing else on it.
+constexpr MachineSpeed measured_machine{.seconds_of_one = 0.067, .seconds_of_all = 0.068, .threads = 2};
 constexpr double parallel_share = 0.8;  // of the time of two threads
+
+/// Pieces of work a second.
+double rate_of_all(const MachineSpeed& machine) { return machine.threads / machine.seconds_of_all; }
 
 double length_km(const RoadNetwork& roads) {
   double sum_m = 0.0;
@@ -56,9 +58,10 @@ SiteSize size_of(const Site& site) {
           .road_km = length_km(sources.osm(site.osm, site.frame).roads)};
 }
 
-BuildEstimate estimate_build(const SiteSize& size, int threads) {
-  const double slower = 1.0 - parallel_share + parallel_share * measured_threads / worker_count(threads);
-  BuildEstimate all;
+BuildEstimate estimate_build(const SiteSize& size, const MachineSpeed& here) {
+  const double slower = (1.0 - parallel_share) * here.seconds_of_one / measured_machine.seconds_of_one +
+                        parallel_share * rate_of_all(measured_machine) / rate_of_all(here);
+  BuildEstimate all{.speed = 1.0 / slower};
   for (const StageCost& cost : costs) {
     const StageEstimate stage{cost.stage, slower * cost.seconds.of(size), cost.memory_mb.of(size),
                               cost.disk_mb.of(size)};
@@ -70,6 +73,6 @@ BuildEstimate estimate_build(const SiteSize& size, int threads) {
   return all;
 }
 
-std::string machine_of_costs() { return "2 cores (Intel Xeon), default model"; }
+std::string machine_of_costs() { return "2 cores (AMD EPYC), default model"; }
 
 }  // namespace orthodrive

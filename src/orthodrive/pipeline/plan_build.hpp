@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "orthodrive/pipeline/machine_speed.hpp"
 #include "orthodrive/pipeline/site.hpp"
 
 namespace orthodrive {
@@ -25,14 +26,15 @@ struct StageEstimate {
 };
 struct BuildEstimate {
   std::vector<StageEstimate> stages;
+  double speed = 0.0;  ///< of this machine over that of the costs, with as many threads as either has
   double seconds = 0.0;
   double memory_mb = 0.0;  ///< largest of the stages: one runs at a time
   double disk_mb = 0.0;
 };
-/// On a machine like the one that was measured, with nothing else on it. `threads`: 0 = all cores.
-[[nodiscard]] BuildEstimate estimate_build(const SiteSize& size, int threads = 0);
+/// On a machine of that speed, from nothing.
+[[nodiscard]] BuildEstimate estimate_build(const SiteSize& size, const MachineSpeed& machine);
 
-/// The machine that the costs were measured on: "2 cores (Intel Xeon)".
+/// The machine that the costs were measured on: "2 cores (AMD EPYC)".
 [[nodiscard]] std::string machine_of_costs();
 
 }  // namespace orthodrive
