@@ -148,6 +148,23 @@ TEST(RefineRoads, parallel_carriageways_keep_apart) {
   }
 }
 
+TEST(RefineRoads, a_median_that_the_labels_take_for_road_stays_between_carriageways_of_a_divided_road) {
+  RoadScene scene = make_scene(400.0);
+  add_truth(scene, straight(at(20, 205), at(380, 205)), 9.0);
+  add_truth(scene, straight(at(380, 195), at(20, 195)), 9.0);
+  paint(scene.labels, {at(20, 190.5), at(380, 190.5), at(380, 209.5), at(20, 209.5)}, label_road);
+  for (const int k : {0, 1}) {
+    add_way(scene, k + 1, map_line(scene.truth[k].line, {}, 7.5), "primary");
+    scene.osm.paths.back().oneway = Oneway::forward;
+  }
+  const auto roads = refine_roads(scene.osm, scene.labels).roads;
+  for (const int k : {0, 1}) {
+    const RoadError after = print("refined", compare(roads.paths[k], scene.truth[k], 40.0));
+    EXPECT_LT(after.max_offset_m, 0.2);
+    EXPECT_LT(after.max_width_m, 0.3);
+  }
+}
+
 TEST(RefineRoads, dual_carriageways_do_not_collapse_onto_the_one_that_is_seen) {
   // OSM lies 5 m too far south, so that the northern line is nearer to the southern carriageway, which trees hide for
   // 120 m.

@@ -18,6 +18,7 @@ struct Neighbour {
   double fraction = 0.0;               ///< 0..1 along that segment
   double base_m = 0.0;                 ///< of the other OSM line along the node's normal, positive to the left
   double alignment = 1.0;  ///< dot product of both normals: near +1, or -1 where they run against each other
+  double median_m = 0.0;   ///< least width of what divides them: above 0 between the carriageways of a divided road
 };
 
 /// For every chain the nearest other one to the left and to the right of each node, where both run within 20 degrees of
@@ -39,12 +40,13 @@ struct Merging {
 void silence_merging(const std::vector<Merging>& merging, const std::vector<ExpectedOffset>& expected,
                      CrossProfiles& profiles);
 
-/// From where on another road lies, beyond edge_m along a node's normal, to its left (side +1) or right (-1).
+/// From where on another road lies, or the median before it, beyond edge_m along a node's normal, to its left (side +1)
+/// or right (-1).
 struct Occupied {
   std::size_t node = 0;
   double side = 1.0;
   double edge_m = 0.0;
-  double overlap_m = 0.0;  ///< how far the chain's own edge is beyond the other one's: below 0 where they are apart
+  double overlap_m = 0.0;  ///< how far the chain's own edge is beyond that one: below 0 where they are apart
   bool yields = false;     ///< where both claim the same road, the chain that has left its own way for it yields
 };
 [[nodiscard]] std::vector<Occupied> occupied_by_neighbours(std::size_t chain,
