@@ -553,6 +553,21 @@ TEST(BuildNetwork, LinesThatCrossBesideTheirCommonNodeGetNoSecondOne) {
   for (const Finding& finding : result.findings) EXPECT_NE(finding.code, "network.crossing_without_node");
 }
 
+TEST(BuildNetwork, a_slip_road_on_the_wrong_side_of_its_carriageway_still_merges) {
+  // It crosses the carriageway at 6 degrees, 45 m before both meet.
+  const auto one_way = [](std::vector<Vec2> points, std::vector<std::int64_t> ids, std::int64_t way) {
+    return make_path(points, ids, {.osm_id = way, .width_m = 4.0, .oneway = Oneway::forward, .lanes = 1});
+  };
+  const NetworkResult result =
+      build_network(network_of({one_way({{-200, 0}, {0, 0}}, {1, 9}, 1),
+                                one_way({{-150, -12}, {-60, -1.5}, {-30, 1.5}, {0, 0}}, {2, 0, 0, 9}, 2),
+                                one_way({{0, 0}, {150, 0}}, {9, 3}, 3)}));
+  expect_sound(result.map);
+  for (const Finding& finding : result.findings) EXPECT_NE(finding.code, "network.crossing_without_node");
+  ASSERT_EQ(result.map.junctions.size(), 1u);
+  EXPECT_EQ(result.map.junctions[0].connections.size(), 2u) << "from both onto the one";
+}
+
 TEST(BuildNetwork, junctions_closer_than_their_roads_are_wide_become_one) {
   const NetworkResult result = build_network(network_of({make_path({{-60, 0}, {0, 0}, {3, 0}, {60, 0}}, {1, 2, 3, 4}),
                                                          make_path({{0, 0}, {0, 50}}, {2, 5}, {.osm_id = 2}),

@@ -249,6 +249,26 @@ TEST(TurnRestrictions, forbidden_turns_have_no_road) {
   EXPECT_EQ(movements(build_network(roads).map, "1", "3").size(), 1u) << "another node, another way";
 }
 
+TEST(TurnRestrictions, count_at_their_node_of_a_joined_junction_alone) {
+  // Two crossings 3 m apart: way 5 between them lies inside of one junction.
+  RoadNetwork roads = network_of(
+      {make_path({{-100, 0}, {0, 0}}, {1, 9}, {.osm_id = 1}), make_path({{0, 0}, {3, 0}}, {9, 10}, {.osm_id = 5}),
+       make_path({{3, 0}, {100, 0}}, {10, 2}, {.osm_id = 2}), make_path({{0, 0}, {0, 100}}, {9, 3}, {.osm_id = 3}),
+       make_path({{3, 0}, {3, -100}}, {10, 4}, {.osm_id = 4})});
+  ASSERT_EQ(build_network(roads).map.junctions.size(), 1u);
+  const auto ways_on = [&](const TurnRestriction& restriction) {
+    roads.restrictions = {restriction};
+    const roadquery::RoadMap map = build_network(roads).map;
+    std::string ways;
+    for (const char* way : {"2", "3", "4"})
+      if (!movements(map, "1", way).empty()) ways += way;
+    return ways;
+  };
+  EXPECT_EQ(ways_on({1, 9, 5, true}), "24") << "straight on at the first, then as one likes";
+  EXPECT_EQ(ways_on({1, 9, 5, false}), "3") << "not to the second at all";
+  EXPECT_EQ(ways_on({5, 10, 4, false}), "23") << "what is forbidden after the way between";
+}
+
 /// A ring of four one-way ways with an arm each, counter-clockwise; `tagged` as roundabout. `gap_rad` of the last one
 /// is left out.
 RoadNetwork ring_with_arms(bool tagged, double gap_rad = 0.0, double turn = 1.0, double radius_m = 15.0) {

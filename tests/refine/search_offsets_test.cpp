@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "orthodrive/core/random.hpp"
+#include "orthodrive/refine/parallel_roads.hpp"
 
 namespace orthodrive::refine {
 namespace {
@@ -57,6 +58,22 @@ TEST(SearchOffsets, finds_a_road_beside_the_map_and_its_width) {
   EXPECT_THAT(shape.offset_m, testing::Each(testing::DoubleNear(2.5, 0.25)));
   EXPECT_THAT(shape.width_m, testing::Each(testing::DoubleNear(6.0, 0.35)));  // levels are 0.65 m apart
   ASSERT_EQ(shape.offset_m.size(), chain.nodes.size());
+}
+
+TEST(SearchOffsets, a_road_does_not_hide_where_a_merging_one_is) {
+  // The labels show road on both sides and doubt the one between: any place of the left edge leaves road beside it, but
+  // for those to the right of the line, where nothing counts.
+  const RoadChain chain = straight_chain(30);
+  const RefineRoadsOptions options;
+  CrossProfiles profiles = make_profiles(30, [](std::size_t, double t) {
+    return std::abs(t) > 12.0 ? 0.0 : std::abs(t) < 3.0 ? 0.7 : 1.0;
+  });
+  std::vector<Merging> merging;
+  for (std::size_t i = 0; i < 30; ++i) merging.push_back({i, -1.0});
+  const std::vector<ExpectedOffset> expected(31, {0.0, 3.0});
+  silence_merging(chain, merging, {}, options, profiles);
+  const ChainShape shape = search_offsets(chain, profiles, expected, options);
+  EXPECT_THAT(shape.offset_m, testing::Each(testing::Gt(-4.0)));
 }
 
 /// The exact optimum, by trying all paths. Costs are counted cell by cell.

@@ -1,7 +1,7 @@
 """Widths of wide and narrow roads against surfaces drawn by hand. Writes docs/measured/road_surface.md.
 
-Motorway-like carriageways, roundabout rings, service ways and tracks by the widths in roads.gpkg; gores by the lanes of the
-network, all roads across them together, for a gore belongs to two. Every piece is measured on the photo and the map 140 m
+Motorway-like carriageways, roundabout rings, service ways and tracks by the widths in roads.gpkg; gores by the lanes and
+junction areas of the network, all roads across them together, for a gore belongs to two. Every piece is measured on the photo and the map 140 m
 around it, which takes a minute in all. `--as before` keeps the numbers of another build (--tool) to compare with.
 """
 import bisect
@@ -57,23 +57,42 @@ def places_along(line):
         yield (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])), ((a[1] - b[1]) / length, (b[0] - a[0]) / length)
 
 
-def width_across(rings, p, across):
-    """Of the area that contains p, to both sides as far as it goes without a gap of over a decimetre; 0 outside."""
+def reach_across(rings, p, across, side):
+    """How far the area that contains p goes to one side without a gap of over a decimetre; 0 outside."""
+    gap, reach = 0, 0.0
+    for k in range(int(ACROSS_M / ACROSS_STEP_M)):
+        t = side * (k + 0.5) * ACROSS_STEP_M
+        gap = 0 if any(contains(ring, (p[0] + t * across[0], p[1] + t * across[1])) for ring in rings) else gap + 1
+        if gap > 2:
+            break
+        reach += ACROSS_STEP_M if gap == 0 else 0.0
+    return reach
+
+
+def distance_to(edge, p):
+    (ax, ay), (bx, by) = edge
+    share = ((p[0] - ax) * (bx - ax) + (p[1] - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2)
+    share = min(1.0, max(0.0, share))
+    return math.dist(p, (ax + share * (bx - ax), ay + share * (by - ay)))
+
+
+def true_width(ring, line, p, across):
+    """Of a drawn piece across its middle line at p; None where the section leaves the piece by one of its two ends."""
+    edges = list(zip(ring, ring[1:] + ring[:1]))
+    edges = [e for e in edges if e[0] != e[1]]
+    ends = [min(edges, key=lambda e: distance_to(e, q)) for q in (line[0], line[-1])]
     width = 0.0
     for side in (1, -1):
-        gap = 0
-        for k in range(int(ACROSS_M / ACROSS_STEP_M)):
-            t = side * (k + 0.5) * ACROSS_STEP_M
-            q = (p[0] + t * across[0], p[1] + t * across[1])
-            gap = 0 if any(contains(ring, q) for ring in rings) else gap + 1
-            if gap > 2:
-                break
-            width += ACROSS_STEP_M if gap == 0 else 0.0
+        reach = reach_across([ring], p, across, side)
+        leaves = (p[0] + side * reach * across[0], p[1] + side * reach * across[1])
+        if min(edges, key=lambda e: distance_to(e, leaves)) in ends:
+            return None
+        width += reach
     return width
 
 
-def gore_errors(truth, lanes):
-    """Error of the width of all carriageways at places on the gores' middle lines, m."""
+def gore_errors(truth, paved):
+    """Error of the width of all carriageways at places on the gores' middle lines, m. `paved`: polygons, outer rings first."""
     errors = []
     surfaces = {f["properties"]["id"]: f["geometry"]["coordinates"] for f in truth if f["geometry"]["type"] == "Polygon"}
     for f in truth:
@@ -82,12 +101,13 @@ def gore_errors(truth, lanes):
         line = f["geometry"]["coordinates"]
         to_m = metres_from(*line[0])
         is_near = lambda ring: any(abs(x) < 80 and abs(y) < 80 for x, y in ring)
-        ours = [ring for lane in lanes if is_near(ring := [to_m(p) for p in lane])]
-        drawn = [[to_m(p) for p in ring] for ring in surfaces[f["properties"]["of"]]]
-        for p, across in places_along([to_m(q) for q in line]):
-            true_m = width_across(drawn, p, across)
-            if true_m > 0.0:
-                errors.append(width_across(ours, p, across) - true_m)
+        ours = [ring for polygon in paved if is_near(ring := [to_m(p) for p in polygon[0]])]
+        drawn = [to_m(p) for p in surfaces[f["properties"]["of"]][0]]
+        middle = [to_m(q) for q in line]
+        for p, across in places_along(middle):
+            true_m = true_width(drawn, middle, p, across)
+            if true_m is not None:
+                errors.append(reach_across(ours, p, across, 1) + reach_across(ours, p, across, -1) - true_m)
     return errors
 
 
@@ -136,9 +156,9 @@ def measure_piece(args, name, identifier, features):
     tool("refine", "--osm", osm, "--labels", labels, "--road-probability", probability, "--alignment", alignment, "-o", roads)
     if features[0]["properties"]["kind"] == "gore":
         tool("network", "--roads", roads, "-o", network, "--geojson", layers)
-        lanes = [ring for f in json.loads(layers.read_text())["features"] if f["properties"].get("type") not in (None, "sidewalk") and f["geometry"]["type"] == "Polygon"
-                 for ring in f["geometry"]["coordinates"]]
-        return summary_of(gore_errors(features, lanes))
+        paved = [f["geometry"]["coordinates"] for f in json.loads(layers.read_text())["features"]
+                 if f["properties"]["layer_name"] == "junctions" or f["properties"]["layer_name"] == "lanes" and f["properties"]["type"] != "sidewalk"]
+        return summary_of(gore_errors(features, paved))
     truth.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     width = tool.json("evaluate", "roads", roads, truth, "--json")["width_m"]
     return {"n": width["n"], "bias": width["bias"], "mean_abs": width["mean_abs"]}

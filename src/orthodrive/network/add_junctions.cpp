@@ -5,7 +5,6 @@
 #include <iterator>
 #include <map>
 #include <numbers>
-#include <set>
 
 #include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/lanes.hpp"
@@ -87,28 +86,79 @@ double turn_between(const Gate& in, const Gate& out) {
   return std::atan2(cross(in.pose.direction, out.pose.direction), dot(in.pose.direction, out.pose.direction));
 }
 
-/// Vertices of a joined junction that can be driven to from `from` on its inner pieces of way.
-std::set<VertexIndex> reachable_vertices(const NetworkPlan& plan, const std::vector<std::size_t>& inside,
-                                         VertexIndex from) {
-  std::set<VertexIndex> reached{from};
-  for (bool grown = true; grown;) {
-    grown = false;
-    for (const std::size_t i : inside) {
-      const Stretch& stretch = plan.junctions.stretches[i];
-      const Chain& chain = plan.topology.chains[stretch.chain];
-      const ChainGeometry& geometry = plan.geometry[stretch.chain];
-      bool forward = true, backward = true;
-      for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
-        if (geometry.vertex_s[k] < stretch.s0 || geometry.vertex_s[k + 1] > stretch.s1) continue;
-        const DirectedPiece part = chain.pieces[k];
-        if (plan.roads.paths[plan.topology.pieces[part.piece].path].oneway == Oneway::no) continue;
-        (part.reversed ? forward : backward) = false;
-      }
-      if (forward && reached.count(stretch.vertex0)) grown |= reached.insert(stretch.vertex1).second;
-      if (backward && reached.count(stretch.vertex1)) grown |= reached.insert(stretch.vertex0).second;
+/// A piece of way between two vertices of a joined junction.
+struct InnerWay {
+  VertexIndex vertex0, vertex1;
+  std::int64_t way0 = 0, way1 = 0;       ///< OSM's, at either end
+  bool forward = true, backward = true;  ///< whether one may drive from vertex0 to vertex1, and back
+};
+InnerWay inner_way(const NetworkPlan& plan, const Stretch& stretch) {
+  const Chain& chain = plan.topology.chains[stretch.chain];
+  const ChainGeometry& geometry = plan.geometry[stretch.chain];
+  InnerWay inner{.vertex0 = stretch.vertex0, .vertex1 = stretch.vertex1};
+  for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
+    if (geometry.vertex_s[k] < stretch.s0 || geometry.vertex_s[k + 1] > stretch.s1) continue;
+    const DirectedPiece part = chain.pieces[k];
+    const RoadPath& path = plan.roads.paths[plan.topology.pieces[part.piece].path];
+    if (inner.way0 == 0) inner.way0 = path.osm_id;
+    inner.way1 = path.osm_id;
+    if (path.oneway != Oneway::no) (part.reversed ? inner.forward : inner.backward) = false;
+  }
+  return inner;
+}
+
+/// Of every junction.
+std::vector<std::vector<InnerWay>> inner_ways(const NetworkPlan& plan, std::size_t junctions) {
+  std::vector<std::vector<InnerWay>> ways(junctions);
+  for (const Stretch& stretch : plan.junctions.stretches)
+    if (stretch.inside && stretch.vertex0 && stretch.vertex1)
+      ways[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(inner_way(plan, stretch));
+  return ways;
+}
+
+/// What relations say of the ways on at a node.
+class Restrictions {
+ public:
+  explicit Restrictions(const NetworkPlan& plan) : plan_(plan) {
+    for (const TurnRestriction& r : plan.roads.restrictions) at_node_[r.via_node].push_back(&r);
+  }
+  [[nodiscard]] bool forbid(VertexIndex vertex, std::int64_t from_way, std::int64_t to_way) const {
+    const auto found = at_node_.find(plan_.topology.vertices[vertex].osm_node);
+    return found != at_node_.end() && std::ranges::any_of(found->second, [&](const TurnRestriction* r) {
+             return r->from_way == from_way && r->only != (r->to_way == to_way);
+           });
+  }
+
+ private:
+  const NetworkPlan& plan_;
+  std::map<std::int64_t, std::vector<const TurnRestriction*>> at_node_;
+};
+
+/// A vertex of a joined junction, and how one has come there.
+struct Arrival {
+  VertexIndex vertex;
+  std::int64_t way = 0;
+  const InnerWay* on = nullptr;  ///< null: by the road that one comes from
+};
+
+/// Where one can drive to from a road's end on the inner ways of a joined junction without turning round.
+std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Restrictions& restrictions,
+                                   Arrival start) {
+  std::vector<Arrival> arrivals{start};
+  for (std::size_t next = 0; next < arrivals.size(); ++next) {
+    const Arrival at = arrivals[next];
+    const auto drive = [&](bool allowed, VertexIndex from, std::int64_t first_way, Arrival there) {
+      if (!allowed || from != at.vertex || at.on == there.on) return;
+      if (restrictions.forbid(at.vertex, at.way, first_way)) return;
+      const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
+      if (std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
+    };
+    for (const InnerWay& w : inside) {
+      drive(w.forward, w.vertex0, w.way0, {w.vertex1, w.way1, &w});
+      drive(w.backward, w.vertex1, w.way1, {w.vertex0, w.way0, &w});
     }
   }
-  return reached;
+  return arrivals;
 }
 
 /// How one drives from one end to another, by lanes counted from the inside (0 = innermost).
@@ -116,32 +166,6 @@ struct Movement {
   int from = 0, to = 0;  ///< indices of ends
   double turn_rad = 0.0;
   std::size_t first_in = 0, count_in = 0, first_out = 0, count_out = 0;
-};
-
-/// What relations say of the ways out of a road.
-class Restrictions {
- public:
-  explicit Restrictions(const NetworkPlan& plan) : plan_(plan) {
-    for (const TurnRestriction& r : plan.roads.restrictions) at_node_[r.via_node].push_back(&r);
-  }
-  /// `vertices`: those of the junction.
-  [[nodiscard]] bool forbid(const std::vector<VertexIndex>& vertices, const JunctionEnd& from,
-                            const JunctionEnd& to) const {
-    if (at_node_.empty()) return false;
-    const std::int64_t from_way = way_of(from), to_way = way_of(to);
-    for (const VertexIndex vertex : vertices) {
-      const auto found = at_node_.find(plan_.topology.vertices[vertex].osm_node);
-      if (found == at_node_.end()) continue;
-      for (const TurnRestriction* r : found->second)
-        if (r->from_way == from_way && r->only != (r->to_way == to_way)) return true;
-    }
-    return false;
-  }
-
- private:
-  [[nodiscard]] std::int64_t way_of(const JunctionEnd& end) const { return plan_.roads.paths[at(end.path)].osm_id; }
-  const NetworkPlan& plan_;
-  std::map<std::int64_t, std::vector<const TurnRestriction*>> at_node_;
 };
 
 /// The lanes that arrows give a turn: from the first to the last that shows it. `bits`: what the turn may be called.
@@ -193,16 +217,20 @@ bool leads_back(const JunctionPlan& junctions, const JunctionEnd& from, const Ju
 /// Movements from one end, without their lanes; the first one is the main one: the chain's own, or the straightest.
 /// `sharp` collects turns that turn round; they are used only where a road has no other way in.
 std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions& restrictions,
-                                     const std::vector<VertexIndex>& vertices, const std::vector<JunctionEnd>& ends,
+                                     const std::vector<InnerWay>& inside, const std::vector<JunctionEnd>& ends,
                                      const std::vector<Gate>& in, const std::vector<Gate>& out, std::size_t from,
-                                     const std::set<VertexIndex>& reached, std::vector<Movement>& sharp) {
+                                     std::vector<Movement>& sharp) {
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
+  const auto way_of = [&](const JunctionEnd& end) { return plan.roads.paths[end.path].osm_id; };
+  const std::vector<Arrival> arrivals = arrivals_from(inside, restrictions, {ends[from].vertex, way_of(ends[from])});
   for (std::size_t to = 0; to < ends.size(); ++to) {
-    if (out[to].lanes.empty() || reached.count(ends[to].vertex) == 0) continue;
+    const bool reached = std::ranges::any_of(arrivals, [&](const Arrival& at) {
+      return at.vertex == ends[to].vertex && !restrictions.forbid(at.vertex, at.way, way_of(ends[to]));
+    });
+    if (out[to].lanes.empty() || !reached) continue;
     // Back into the same road: only round a circuit, not round a block's inner drive.
     if (ends[to].stretch == ends[from].stretch && static_cast<int>(to) != ends[from].through) continue;
-    if (restrictions.forbid(vertices, ends[from], ends[to])) continue;
     movements.push_back({static_cast<int>(from), static_cast<int>(to), turn_between(in[from], out[to])});
   }
   if (movements.empty()) return movements;
@@ -511,6 +539,14 @@ void number_junctions_after_roads(RoadMap& map) {
   for (roadquery::Junction& junction : map.junctions) junction.id += last_road;
 }
 
+/// Vertices of every junction.
+std::vector<std::vector<VertexIndex>> vertices_of_junctions(const NetworkPlan& plan, std::size_t junctions) {
+  std::vector<std::vector<VertexIndex>> vertices(junctions);
+  for (const VertexIndex v : plan.topology.vertices.indices())
+    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[at(j)].push_back(v);
+  return vertices;
+}
+
 /// The median of what was seen at the nodes of a junction; 0: nothing.
 double seen_kerb_radius_m(const NetworkPlan& plan, const std::vector<VertexIndex>& vertices) {
   std::vector<double> radii;
@@ -533,16 +569,8 @@ double seen_kerb_radius_m(const NetworkPlan& plan, const std::vector<VertexIndex
 JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vector<JunctionEnd>>& ends, RoadMap& map,
                             Findings& findings) {
   JunctionParts parts;
-  std::vector<std::vector<std::size_t>> inside(ends.size());
-  for (std::size_t i = 0; i < plan.junctions.stretches.size(); ++i) {
-    const Stretch& stretch = plan.junctions.stretches[i];
-    if (stretch.inside && stretch.vertex0 && stretch.vertex1)
-      inside[at(plan.junctions.junction_of_vertex[stretch.vertex0])].push_back(i);
-  }
+  const std::vector<std::vector<InnerWay>> inside = inner_ways(plan, ends.size());
   const Restrictions restrictions(plan);
-  std::vector<std::vector<VertexIndex>> vertices(ends.size());
-  for (const VertexIndex v : plan.topology.vertices.indices())
-    if (const int j = plan.junctions.junction_of_vertex[v]; j >= 0) vertices[at(j)].push_back(v);
   for (std::size_t j = 0; j < ends.size(); ++j) {
     std::vector<Gate> in, out;
     for (const JunctionEnd& end : ends[j]) {
@@ -552,9 +580,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     }
     std::vector<Movement> movements, sharp;
     for (std::size_t from = 0; from < ends[j].size(); ++from) {
-      const std::set<VertexIndex> reached = reachable_vertices(plan, inside[j], ends[j][from].vertex);
-      std::vector<Movement> on =
-          movements_from(plan, restrictions, vertices[j], ends[j], in, out, from, reached, sharp);
+      std::vector<Movement> on = movements_from(plan, restrictions, inside[j], ends[j], in, out, from, sharp);
       for (std::size_t i = 0; i < on.size(); ++i) {
         const std::size_t lanes = in[from].lanes.size(), lanes_on = out[at(on[0].to)].lanes.size();
         choose_lanes(on[i], i == 0, lanes - std::min(lanes, lanes_on), in[from], out[at(on[i].to)],
@@ -594,6 +620,7 @@ JunctionParts add_junctions(const NetworkPlan& plan, const std::vector<std::vect
     map.junctions.push_back(std::move(junction));
   }
   number_junctions_after_roads(map);
+  const std::vector<std::vector<VertexIndex>> vertices = vertices_of_junctions(plan, ends.size());
   for (const roadquery::Junction& junction : map.junctions) {
     const std::vector<VertexIndex>& here = vertices[at(junction.id - map.roads.back().id - 1)];
     if (const double radius = seen_kerb_radius_m(plan, here); radius > 0.0) parts.kerb_radius_m[junction.id] = radius;

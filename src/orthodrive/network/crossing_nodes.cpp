@@ -15,7 +15,9 @@ namespace orthodrive::network {
 namespace {
 
 constexpr double shared_reach_m = 20.0;
-constexpr double same_place_m = 0.5;  // a node so near takes the crossing's place
+// Nobody builds a crossing so flat: slip roads whose lines got to the wrong side of each other before they merge.
+constexpr double flat_cos = 0.8660, merging_reach_m = 150.0;  // 30 degrees
+constexpr double same_place_m = 0.5;                          // a node so near takes the crossing's place
 
 /// A node to be put into a path.
 struct Insertion {
@@ -39,11 +41,11 @@ RoadNode node_between(const RoadPath& path, std::size_t segment, double fraction
 }
 
 /// Ids of the nodes of a path within reach of a place on it.
-std::set<std::int64_t> nodes_near(const RoadPath& path, std::size_t segment, double fraction) {
+std::set<std::int64_t> nodes_near(const RoadPath& path, std::size_t segment, double fraction, double reach_m) {
   const double s = mix(path.nodes[segment].s_m, path.nodes[segment + 1].s_m, fraction);
   std::set<std::int64_t> ids;
   for (const RoadNode& node : path.nodes)
-    if (node.osm_node > 0 && std::abs(node.s_m - s) <= shared_reach_m) ids.insert(node.osm_node);
+    if (node.osm_node > 0 && std::abs(node.s_m - s) <= reach_m) ids.insert(node.osm_node);
   return ids;
 }
 
@@ -57,8 +59,13 @@ bool is_level(const RoadNetwork& roads, const PathCrossing& crossing) {
   if (!roadquery::is_same_level(z(a, crossing.segment_a, crossing.fraction_a),
                                 z(b, crossing.segment_b, crossing.fraction_b)))
     return false;
-  const std::set<std::int64_t> of_a = nodes_near(a, crossing.segment_a, crossing.fraction_a),
-                               of_b = nodes_near(b, crossing.segment_b, crossing.fraction_b);
+  const auto along = [](const RoadPath& path, std::size_t segment) {
+    return normalized(path.nodes[segment + 1].p - path.nodes[segment].p);
+  };
+  const bool flat = std::abs(dot(along(a, crossing.segment_a), along(b, crossing.segment_b))) > flat_cos;
+  const double reach_m = flat ? merging_reach_m : shared_reach_m;
+  const std::set<std::int64_t> of_a = nodes_near(a, crossing.segment_a, crossing.fraction_a, reach_m),
+                               of_b = nodes_near(b, crossing.segment_b, crossing.fraction_b, reach_m);
   return std::none_of(of_a.begin(), of_a.end(), [&](std::int64_t id) { return of_b.contains(id); });
 }
 

@@ -119,16 +119,20 @@ std::vector<std::vector<Merging>> find_merging(const std::vector<RoadChain>& cha
   return merging;
 }
 
-void silence_merging(const std::vector<Merging>& merging, const std::vector<ExpectedOffset>& expected,
+void silence_merging(const RoadChain& chain, const std::vector<Merging>& merging,
+                     const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options,
                      CrossProfiles& profiles) {
   const std::size_t cells = static_cast<std::size_t>(profiles.cells);
   for (const auto& [node, side] : merging) {
-    const double middle_m = expected.empty() ? 0.0 : expected[node].offset_m;
+    const ExpectedOffset line = expected.empty() ? ExpectedOffset{} : expected[node];
+    const double half_m = 0.5 * max_width_factor(chain.nodes[node], options) * chain.nodes[node].input_width_m;
     for (std::size_t row = node * rows_per_segment; row < (node + 1) * rows_per_segment; ++row) {
       for (std::size_t k = 0; k < cells; ++k) {
         const double t = (static_cast<double>(k) + 0.5) * profiles.step_m - profiles.half_m;
-        if (side * (t - middle_m) > 0.0)
-          profiles.false_positive[row * cells + k] = profiles.false_negative[row * cells + k] = 0.0F;
+        const double away_m = side * (t - line.offset_m);
+        if (away_m <= 0.0) continue;
+        profiles.false_positive[row * cells + k] = 0.0F;
+        profiles.false_negative[row * cells + k] = away_m > half_m + line.sigma_m ? 1.0F : 0.0F;
       }
       profiles.look_again(row);
     }

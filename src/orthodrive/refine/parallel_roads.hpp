@@ -36,8 +36,11 @@ struct Merging {
                                                              const RoadNetwork& osm);
 
 /// The labels show merging roads as one surface: takes what lies on the other's side of the expected line out of the
-/// evidence, so that the edges on the far sides and the widths of both ways tell where they are.
-void silence_merging(const std::vector<Merging>& merging, const std::vector<ExpectedOffset>& expected,
+/// evidence, so that the edges on the far sides and the widths of both ways tell where they are. What lies there
+/// further away than half of the widest that the road may be, and a sigma of the expected line, is no road of this
+/// chain: else it could hide, whole, where nothing is heard of it.
+void silence_merging(const RoadChain& chain, const std::vector<Merging>& merging,
+                     const std::vector<ExpectedOffset>& expected, const RefineRoadsOptions& options,
                      CrossProfiles& profiles);
 
 /// From where on another road lies, or the median before it, beyond edge_m along a node's normal, to its left (side +1)

@@ -145,7 +145,7 @@ class Refinement {
     for (std::size_t c = 0; c < chains_.size(); ++c) expected[c] = expected_of_search(c);
     const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
       CrossProfiles profiles = profiles_of(chains_[c], evidence_, options);
-      silence_merging(merging_[c], expected_[c], profiles);
+      silence_merging(chains_[c], merging_[c], expected_[c], options, profiles);
       mask_neighbours(occupied, profiles);
       keep_road_near(c, profiles);
       return search_offsets(chains_[c], profiles, expected[c], options);
@@ -274,7 +274,7 @@ class Refinement {
         [&](std::size_t c) {
           if (phase > 2 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
           CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
-          silence_merging(merging_[c], expected_[c], profiles);
+          silence_merging(chains_[c], merging_[c], expected_[c], options_, profiles);
           mask_neighbours(occupied_by_neighbours(c, neighbours_, shapes_), profiles);
           refined_[c].fit = fit_chain(chains_[c], profiles, shapes_[c], couplings[c], options_);
           keep_road_near(c, profiles);
