@@ -1,8 +1,9 @@
 """Widths of wide and narrow roads against surfaces drawn by hand. Writes docs/measured/road_surface.md.
 
 Motorway-like carriageways, roundabout rings, service ways and tracks by the widths in roads.gpkg; gores by the lanes and
-junction areas of the network, all roads across them together, for a gore belongs to two. Every piece is measured on the photo and the map 140 m
-around it, which takes a minute in all. `--as before` keeps the numbers of another build (--tool) to compare with.
+junction areas of the network, all roads across them together, for a gore belongs to two, where a section leaves the drawn
+piece by its long sides. Every piece is measured on the photo and the map 140 m around it, which takes two minutes in all.
+`--as before` keeps the numbers of another build (--tool) to compare with.
 """
 import bisect
 import json
@@ -188,7 +189,7 @@ def table(numbers):
     text = header(["kind", "pieces", *(f"{title}: bias / mean error of the width, m" for title in COLUMNS.values())])
     for kind in KINDS:
         pieces = [[town.get(column, {}).get(kind, {}) for column in COLUMNS] for town in numbers["towns"].values()]
-        compared = [[found[i][name] for found in pieces for name in found[0] if name in found[1]] for i in range(len(COLUMNS))]
+        compared = [[found[i][name] for found in pieces for name in found[1] if name in found[i] and (name in found[0] or not found[0])] for i in range(len(COLUMNS))]
         means = [mean_of(column) for column in compared]
         count = max((m["pieces"] for m in means if m), default=0)
         text += row([kind, count, *("-" if not m else f"{fixed(m['bias'])} / {fixed(m['mean_abs'])}" for m in means)])
@@ -199,7 +200,7 @@ def table(numbers):
             values = [town.get(column, {}).get(kind, {}).get(piece) for column in COLUMNS]
             text += row([piece, kind, *("-" if not v or not v["n"] else f"{fixed(v['bias'])} / {fixed(v['mean_abs'])}" for v in values)])
     commits = ", ".join(f"{COLUMNS[c]} on {commit_}" for c, commit_ in numbers["commits"].items())
-    return text + f"\nMeans are over the pieces that both columns have, each once. Written by `tools/measure wide-roads` from `bench/results/{STORE}` ({commits})."
+    return text + f"\nMeans are over the pieces that both columns have, each once; gores were not measured so before. Written by `tools/measure wide-roads` from `bench/results/{STORE}` ({commits})."
 
 
 def run(args):
