@@ -426,6 +426,19 @@ TEST(RoadCuts, no_two_roads_join_the_same_two_junctions) {
   }
 }
 
+TEST(RoadCuts, junctions_are_one_where_only_roads_on_each_other_would_part_them) {
+  // A bay of a bus stop beside a street, mapped as a way of its own.
+  const auto junctions = [](double length_m, double aside_m) {
+    return build_network(
+               network_of({make_path({{-80, 0}, {0, 0}, {length_m, 0}, {length_m + 80, 0}}, {1, 2, 3, 4}),
+                           make_path({{0, 0}, {0.5 * length_m, aside_m}, {length_m, 0}}, {2, 0, 3}, {.osm_id = 2})}))
+        .map.junctions.size();
+  };
+  EXPECT_EQ(junctions(46.0, 4.0), 1u) << "a metre of street on a metre of bay";
+  EXPECT_EQ(junctions(46.0, 25.0), 2u) << "they part";
+  EXPECT_EQ(junctions(90.0, 4.0), 2u) << "too far from each other";
+}
+
 TEST(RoadCuts, ways_do_not_change_in_a_bend) {
   // Two ways meet in the corner of a street.
   std::vector<Vec2> first{{0, 0}}, second;

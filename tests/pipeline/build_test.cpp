@@ -181,7 +181,8 @@ TEST_F(Build, the_reference_s_refinement_gives_other_roads_for_each_set_of_weigh
 TEST_F(Build, refines_with_the_weights_that_the_site_names) {
   fs::copy(folder / "first", folder / "weighted", fs::copy_options::recursive);
   write_bytes(folder / "site" / "weights.toml",
-              "search_offset_m = 0.01\nmap_shift_m = 0.05\nway_shift_m = 0.05\nnode_shift_m = 0.05\n");
+              "search_offset_m = 0.01\nmap_shift_m = 0.05\nway_shift_m = 0.05\nnode_shift_m = 0.05\n"
+              "misplaced_sigmas = 100.0\n");
   ASSERT_EQ(build("weighted", {"--set", "refine.weights=weights.toml"}).exit_code, 0);
   EXPECT_EQ(skipped_stages("weighted"), std::vector<std::string>{"segment"});
   const auto offset_m = [](const char* out) {

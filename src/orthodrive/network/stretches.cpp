@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace orthodrive::network {
 namespace {
@@ -17,6 +18,7 @@ constexpr double part_m = 15.0;         // roads of two junctions that lie on ea
 constexpr double min_road_m = 1.0;      // what is left of a road between two junctions
 constexpr double join_share = 0.65;     // junctions join when less than this share of the wished cuts fits between them
 constexpr double widest_join_m = 40.0;  // largest distance between vertices of a joined junction
+constexpr double widest_twin_m = 60.0;  // the same where two roads that would lie on each other are all that is between
 constexpr double roundabout_join_m = 4.0;  // the ring of a roundabout stays a ring where it can
 
 std::vector<Stretch> cut_at_junctions(const Topology& topology, const ChainGeometries& geometry) {
@@ -45,6 +47,9 @@ bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, cons
   const std::size_t k = piece_at(geometry, 0.5 * (stretch.s0 + stretch.s1));
   return topology.ring_of_piece[topology.chains[stretch.chain].pieces[k].piece] >= 0;
 }
+
+/// Of a stretch of this length, for its cuts.
+double room_for_cuts_m(double gap_m) { return std::max(gap_m - min_road_m, 0.5 * gap_m); }
 
 /// Sampled from the junction outwards.
 struct ArmLine {
@@ -115,15 +120,17 @@ ArmLine road_part(ArmLine line, double trim_m) {
   return line;
 }
 
+/// Whether a cross section of an arm reaches into the other carriageway.
+bool lies_on(const ArmLine& arm, const ArmLine& other) {
+  for (std::size_t i = 0; i < arm.center.size(); ++i)
+    if (meets(arm, i, other)) return true;
+  return false;
+}
+
 /// Whether two roads lie on each other where they begin and have parted a little further on: roads that run side by
 /// side for long are no fork.
 bool forks(const ArmLine& a, const ArmLine& b) {
-  const auto any = [](const ArmLine& from, const ArmLine& other) {
-    for (std::size_t i = 0; i < from.center.size(); ++i)
-      if (meets(from, i, other)) return true;
-    return false;
-  };
-  return any(a, b) && !meets(a, a.center.size() - 1, b) && !meets(b, b.center.size() - 1, a);
+  return lies_on(a, b) && !meets(a, a.center.size() - 1, b) && !meets(b, b.center.size() - 1, a);
 }
 
 class JunctionPlanner {
@@ -145,9 +152,11 @@ class JunctionPlanner {
 
   JunctionPlan run() {
     cut_back();
-    join(narrow_gaps());
+    join(narrow_gaps(), widest_join_m);
     cut_back();  // joined junctions have more arms
-    join(gaps_beside_forks());
+    join(gaps_beside_forks(), widest_join_m);
+    cut_back();
+    join(gaps_of_twins(), widest_twin_m);
     cut_back();
     absorb_inner_roads();
     cut_back();
@@ -227,13 +236,42 @@ class JunctionPlanner {
     });
   }
 
+  /// Of two roads between the same two junctions only a metre each would be left, and the metres lie on each other.
+  std::vector<Gap> gaps_of_twins() {
+    std::map<std::pair<VertexIndex, VertexIndex>, std::vector<std::size_t>> between;
+    for (const Gap& gap : gaps_where([](std::size_t, double share) { return share < 1.0; })) {
+      const Stretch& stretch = plan_.stretches[gap.stretch];
+      const auto ends = std::minmax({group(stretch.vertex0), group(stretch.vertex1)});
+      if (ends.first != ends.second && !on_roundabout(topology_, geometry_[stretch.chain], stretch))
+        between[ends].push_back(gap.stretch);
+    }
+    return gaps_where([&](std::size_t i, double) {
+      const Stretch& stretch = plan_.stretches[i];
+      const auto found = between.find(std::minmax({group(stretch.vertex0), group(stretch.vertex1)}));
+      if (found == between.end() || std::ranges::find(found->second, i) == found->second.end()) return false;
+      return std::ranges::any_of(found->second, [&](std::size_t other) {
+        return other != i && lies_on(rest_of_road(i), rest_of_road(other));
+      });
+    });
+  }
+
+  /// What shorten_cuts leaves of a stretch whose cuts do not fit.
+  ArmLine rest_of_road(std::size_t i) const {
+    Stretch rest = plan_.stretches[i];
+    const double wished = rest.trim0_m + rest.trim1_m, gap = rest.s1 - rest.s0;
+    const double room = room_for_cuts_m(gap);
+    rest.s0 += rest.trim0_m * room / wished;
+    rest.s1 -= rest.trim1_m * room / wished;
+    return sample_arm(geometry_, rest, false, INFINITY);
+  }
+
   /// The narrowest gaps first: what they leave of a group's extent the others may take.
-  void join(std::vector<Gap> gaps) {
+  void join(std::vector<Gap> gaps, double widest_m) {
     std::sort(gaps.begin(), gaps.end());
     for (const Gap& gap : gaps) {
       Stretch& stretch = plan_.stretches[gap.stretch];
       const VertexIndex a = group(stretch.vertex0), b = group(stretch.vertex1);
-      if (a != b && extent_m(places_[a], places_[b]) > widest_join_m) continue;
+      if (a != b && extent_m(places_[a], places_[b]) > widest_m) continue;
       stretch.inside = true;
       if (a == b) continue;
       std::vector<Vec2>&all = places_[std::min(a, b)], &others = places_[std::max(a, b)];
@@ -286,7 +324,7 @@ class JunctionPlanner {
   void shorten_cuts() {
     for (Stretch& stretch : plan_.stretches) {
       const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-      const double room = std::max(gap - min_road_m, 0.5 * gap);
+      const double room = room_for_cuts_m(gap);
       if (stretch.inside || wished <= room) continue;
       stretch.trim0_m *= room / wished;
       stretch.trim1_m *= room / wished;

@@ -26,7 +26,6 @@ constexpr double pointing_px = 1.25, pointing_of_soft_1pm = 0.62;
 constexpr double soft_reach_m = 2.0, soft_along_m = 8.0;  // what is looked at beside an edge, and along it
 constexpr double edge_bias_share = 0.2;
 constexpr double seen_outlier_sigmas = 2.0;
-constexpr double misplaced_sigmas = 3.0;     // nodes that a mapper put further off are pulled back no harder
 constexpr double unseen_width_share = 0.08;  // by which a hidden stretch may differ from the rest of its way
 
 /// Of the offset of one node.
@@ -220,7 +219,7 @@ class ChainProblem {
                   &width_[i]);
         blocks_.priors.push_back(problem_.AddResidualBlock(
             node_shift_cost(chain_.nodes[i].normal, expected_at(i).offset_m, 1.0 / weights_.node_shift_m),
-            new ceres::ScaledLoss(new ceres::CauchyLoss(misplaced_sigmas), node_share_ * node_share_,
+            new ceres::ScaledLoss(new ceres::CauchyLoss(weights_.misplaced_sigmas), node_share_ * node_share_,
                                   ceres::TAKE_OWNERSHIP),
             way_shift_[k].data(), &offset_[i]));
       }

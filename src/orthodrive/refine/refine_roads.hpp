@@ -28,7 +28,8 @@ struct RefineWeights {
   double offset = 0.3;              ///< w_o, 1/m
   double map_shift_m = 5.0;         ///< sigma of the shift of the map: OSM was traced from photos that lie elsewhere
   double way_shift_m = 0.2;         ///< sigma of the shift of a way beyond that of the map around it
-  double node_shift_m = 0.2;        ///< sigma of a node's offset around the shift of its way; some are far off
+  double node_shift_m = 0.2;        ///< sigma of a node's offset around the shift of its way
+  double misplaced_sigmas = 3.0;    ///< scale of its Cauchy loss: a node further off was put in a wrong place
   double node_width_share = 0.013;  ///< sigma of a node's width around the width of its way, as a share of it
   double input_width = 0.2;         ///< factor on the sigma of the input's width (road_chains.hpp)
   double seen_sigma = 1.0;          ///< factor on the sigmas of a network that sees the map

@@ -14,6 +14,7 @@ constexpr std::array table{
     NamedWeight{"map_shift_m", &RefineWeights::map_shift_m},
     NamedWeight{"way_shift_m", &RefineWeights::way_shift_m},
     NamedWeight{"node_shift_m", &RefineWeights::node_shift_m},
+    NamedWeight{"misplaced_sigmas", &RefineWeights::misplaced_sigmas},
     NamedWeight{"node_width_share", &RefineWeights::node_width_share},
     NamedWeight{"input_width", &RefineWeights::input_width},
     NamedWeight{"seen_sigma", &RefineWeights::seen_sigma},
