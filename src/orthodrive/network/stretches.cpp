@@ -186,6 +186,7 @@ class JunctionPlanner {
     for (const VertexIndex v : arms_.indices()) {
       const std::vector<Arm>& junction = arms_[v];
       std::vector<ArmLine> lines;
+      lines.reserve(junction.size() + inner[v].size());
       for (const Arm& arm : junction)
         lines.push_back(sample_arm(geometry_, plan_.stretches[arm.stretch], arm.at_s1, reach_m + clear_m));
       for (const std::size_t i : inner[v])  // no arms, but carriageways that arms have to leave
