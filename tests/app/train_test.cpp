@@ -425,6 +425,10 @@ TEST(TrainBadInput, experiments_and_what_they_name) {
     return data("[[images]]\nname = \"p\"\nimages = \"images\"\nlabels = \"labels\"\npalette = [" + entry + "]");
   };
   shop.expect_failure("experiment-1.toml:", with_colour("{color = [511, 0, 0], classes = [\"road\"]}"));
+  shop.expect_failure(".toml:14: an entry of 'color' is 5.04e+78: out of range",
+                      with_colour("{color = [5.04e78, 0, 0], classes = [\"road\"]}"));
+  shop.expect_failure("an entry of 'color' is 2.5: must be a whole number",
+                      with_colour("{color = [2.5, 0, 0], classes = [\"road\"]}"));
   shop.expect_failure("class 'rode' is not in the table 'orthodrive-8', which has ground, road",
                       with_colour("{color = [255, 0, 0], classes = [\"rode\"]}"));
   shop.expect_failure("nothing to train on", data(shop.pictures("held_out = [\"*\"]")));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -47,13 +48,7 @@ class TomlSection {
       if (!flag) fail(*node, fmt::format("{} must be true or false", called(key)));
       value = *flag;
     } else if constexpr (std::is_arithmetic_v<T>) {
-      const auto number = node->value<double>();
-      if (!number) fail(*node, fmt::format("{} must be a number", called(key)));
-      if constexpr (std::is_integral_v<T>)
-        if (!(*number >= static_cast<double>(std::numeric_limits<T>::min()) &&
-              *number < static_cast<double>(std::numeric_limits<T>::max())))
-          fail(*node, fmt::format("{} is {}: out of range", called(key), *number));
-      value = static_cast<T>(*number);
+      value = number_of<T>(*node, called(key));
     } else {
       const auto found = node->value<T>();
       if (!found) fail(*node, fmt::format("{} must be a text", called(key)));
@@ -68,9 +63,13 @@ class TomlSection {
     if (!node->is_array()) fail(*node, fmt::format("{} must be a list", called(key)));
     values.clear();
     for (const toml::node& entry : *node->as_array()) {
-      const auto value = entry.value<T>();
-      if (!value) fail(entry, fmt::format("{} has an entry of the wrong type", called(key)));
-      values.push_back(*value);
+      if constexpr (std::is_arithmetic_v<T>) {
+        values.push_back(number_of<T>(entry, fmt::format("an entry of {}", called(key))));
+      } else {
+        const auto value = entry.value<T>();
+        if (!value) fail(entry, fmt::format("{} has an entry of the wrong type", called(key)));
+        values.push_back(*value);
+      }
     }
   }
 
@@ -134,6 +133,18 @@ class TomlSection {
   [[noreturn]] void fail(const toml::node& node, const std::string& what) const;
 
  private:
+  template <typename T>
+  [[nodiscard]] T number_of(const toml::node& node, const std::string& name) const {
+    const auto number = node.value<double>();
+    if (!number) fail(node, fmt::format("{} must be a number", name));
+    if constexpr (std::is_integral_v<T>) {
+      if (!(*number >= static_cast<double>(std::numeric_limits<T>::min()) &&
+            *number < static_cast<double>(std::numeric_limits<T>::max())))
+        fail(node, fmt::format("{} is {}: out of range", name, *number));
+      if (std::trunc(*number) != *number) fail(node, fmt::format("{} is {}: must be a whole number", name, *number));
+    }
+    return static_cast<T>(*number);
+  }
   [[nodiscard]] std::string called(std::string_view key) const {
     return fmt::format("'{}{}{}'", name_, name_.empty() ? "" : ".", key);
   }
