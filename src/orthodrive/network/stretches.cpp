@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace orthodrive::network {
@@ -48,8 +47,14 @@ bool on_roundabout(const Topology& topology, const ChainGeometry& geometry, cons
   return topology.ring_of_piece[topology.chains[stretch.chain].pieces[k].piece] >= 0;
 }
 
-/// Of a stretch of this length, for its cuts.
-double room_for_cuts_m(double gap_m) { return std::max(gap_m - min_road_m, 0.5 * gap_m); }
+/// Cuts that do not fit leave min_road_m of the road, or half of it.
+void shorten_cuts(Stretch& stretch) {
+  const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
+  const double room = std::max(gap - min_road_m, 0.5 * gap);
+  if (wished <= room) return;
+  stretch.trim0_m *= room / wished;
+  stretch.trim1_m *= room / wished;
+}
 
 /// Sampled from the junction outwards.
 struct ArmLine {
@@ -160,7 +165,8 @@ class JunctionPlanner {
     cut_back();
     absorb_inner_roads();
     cut_back();
-    shorten_cuts();
+    for (Stretch& stretch : plan_.stretches)
+      if (!stretch.inside) shorten_cuts(stretch);
     number_junctions();
     return std::move(plan_);
   }
@@ -239,30 +245,28 @@ class JunctionPlanner {
 
   /// Of two roads between the same two junctions only a metre each would be left, and the metres lie on each other.
   std::vector<Gap> gaps_of_twins() {
-    std::map<std::pair<VertexIndex, VertexIndex>, std::vector<std::size_t>> between;
+    std::map<std::pair<VertexIndex, VertexIndex>, std::vector<Gap>> between;
     for (const Gap& gap : gaps_where([](std::size_t, double share) { return share < 1.0; })) {
       const Stretch& stretch = plan_.stretches[gap.stretch];
       const auto ends = std::minmax({group(stretch.vertex0), group(stretch.vertex1)});
       if (ends.first != ends.second && !on_roundabout(topology_, geometry_[stretch.chain], stretch))
-        between[ends].push_back(gap.stretch);
+        between[ends].push_back(gap);
     }
-    return gaps_where([&](std::size_t i, double) {
-      const Stretch& stretch = plan_.stretches[i];
-      const auto found = between.find(std::minmax({group(stretch.vertex0), group(stretch.vertex1)}));
-      if (found == between.end() || std::ranges::find(found->second, i) == found->second.end()) return false;
-      return std::ranges::any_of(found->second, [&](std::size_t other) {
-        return other != i && lies_on(rest_of_road(i), rest_of_road(other));
-      });
-    });
+    std::vector<Gap> twins;
+    for (const auto& [ends, gaps] : between)
+      for (const Gap& gap : gaps)
+        if (std::ranges::any_of(gaps, [&](const Gap& other) {
+              return other.stretch != gap.stretch && lies_on(rest_of_road(gap.stretch), rest_of_road(other.stretch));
+            }))
+          twins.push_back(gap);
+    return twins;
   }
 
-  /// What shorten_cuts leaves of a stretch whose cuts do not fit.
+  /// What its cuts leave of a stretch.
   ArmLine rest_of_road(std::size_t i) const {
     Stretch rest = plan_.stretches[i];
-    const double wished = rest.trim0_m + rest.trim1_m, gap = rest.s1 - rest.s0;
-    const double room = room_for_cuts_m(gap);
-    rest.s0 += rest.trim0_m * room / wished;
-    rest.s1 -= rest.trim1_m * room / wished;
+    shorten_cuts(rest);
+    rest.s0 += rest.trim0_m, rest.s1 -= rest.trim1_m;
     return sample_arm(geometry_, rest, false, INFINITY);
   }
 
@@ -319,16 +323,6 @@ class JunctionPlanner {
         continue;
       if (on_roundabout(topology_, geometry_[stretch.chain], stretch)) continue;
       stretch.inside = stretch.s1 - stretch.s0 - min_road_m < stretch.trim0_m + stretch.trim1_m;
-    }
-  }
-
-  void shorten_cuts() {
-    for (Stretch& stretch : plan_.stretches) {
-      const double gap = stretch.s1 - stretch.s0, wished = stretch.trim0_m + stretch.trim1_m;
-      const double room = room_for_cuts_m(gap);
-      if (stretch.inside || wished <= room) continue;
-      stretch.trim0_m *= room / wished;
-      stretch.trim1_m *= room / wished;
     }
   }
 

@@ -217,11 +217,10 @@ class ChainProblem {
         if (own(i) != i) continue;
         add_prior(difference_cost(node_share_ / (weights_.node_width_share * node.input_width_m)), &way_width_[k],
                   &width_[i]);
-        blocks_.priors.push_back(problem_.AddResidualBlock(
-            node_shift_cost(chain_.nodes[i].normal, expected_at(i).offset_m, 1.0 / weights_.node_shift_m),
-            new ceres::ScaledLoss(new ceres::CauchyLoss(weights_.misplaced_sigmas), node_share_ * node_share_,
-                                  ceres::TAKE_OWNERSHIP),
-            way_shift_[k].data(), &offset_[i]));
+        add_robust_prior(node_shift_cost(chain_.nodes[i].normal, expected_at(i).offset_m, 1.0 / weights_.node_shift_m),
+                         new ceres::ScaledLoss(new ceres::CauchyLoss(weights_.misplaced_sigmas),
+                                               node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
+                         way_shift_[k].data(), &offset_[i]);
       }
     }
     for (double& w : way_width_) parameters_.push_back(&w);
@@ -356,7 +355,11 @@ class ChainProblem {
  private:
   template <typename... Unknowns>
   void add_prior(ceres::CostFunction* cost, Unknowns*... unknowns) {
-    blocks_.priors.push_back(problem_.AddResidualBlock(cost, nullptr, unknowns...));
+    add_robust_prior(cost, nullptr, unknowns...);
+  }
+  template <typename... Unknowns>
+  void add_robust_prior(ceres::CostFunction* cost, ceres::LossFunction* loss, Unknowns*... unknowns) {
+    blocks_.priors.push_back(problem_.AddResidualBlock(cost, loss, unknowns...));
   }
   template <typename... Unknowns>
   void add_scaled(ceres::CostFunction* cost, Unknowns*... unknowns) {
