@@ -8,7 +8,9 @@
 namespace orthodrive::network {
 
 inline constexpr const char* gore_mark = "gore";
-inline constexpr double widest_gore_m = 3.0;    ///< there the verge begins
+/// There the verge begins: physical noses are 6 to 9 m wide between travelled ways, shoulders included (AASHTO, A
+/// Policy on Geometric Design of Highways and Streets, 10.9.6).
+inline constexpr double widest_gore_m = 5.0;
 inline constexpr double longest_gore_m = 80.0;  ///< along the road
 inline constexpr double gore_overlap_m = 0.3;   ///< of its lanes with the other road, so that one surface goes over
 

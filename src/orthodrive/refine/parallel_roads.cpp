@@ -18,6 +18,7 @@ constexpr double least_alignment = 0.9397;  // cos 20 degrees, as the no-overlap
 constexpr double junction_m = 40.0;         // roads that split run into each other for about so far
 constexpr double merge_m = 300.0;           // slip roads run beside the carriageway they join for at most so long
 constexpr double watched_gap_m = 1.0;       // edges further apart need no limit
+constexpr double least_strays_m = 0.1;      // keeps the share of an overlap steady where neither edge strays
 // Maps draw two carriageways where something stands or grows between them. The narrowest is a barrier with two faces
 // (0.6 m of concrete, 0.8 m of steel) and what keeps wheels off it; planted medians have 2.5 m and more (RAA 2008).
 constexpr double least_median_m = 1.0;
@@ -156,7 +157,8 @@ std::vector<std::vector<Neighbour>> find_neighbours(const std::vector<RoadChain>
   return neighbours;
 }
 
-std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vector<std::vector<Neighbour>>& neighbours,
+std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vector<RoadChain>& chains,
+                                             const std::vector<std::vector<Neighbour>>& neighbours,
                                              const std::vector<ChainShape>& shapes) {
   std::vector<Occupied> occupied;
   if (neighbours[chain].empty()) return occupied;
@@ -169,28 +171,46 @@ std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vecto
       std::nth_element(offsets.begin(), middle, offsets.end());
       it->second = *middle;
     }
-    return std::abs(offset_m - it->second);
+    return offset_m - it->second;
   };
   const ChainShape& own = shapes[chain];
   for (const Neighbour& n : neighbours[chain]) {
     const auto value = [&](const std::vector<double>& of_nodes) {
       return of_nodes[n.segment] + n.fraction * (of_nodes[n.segment + 1] - of_nodes[n.segment]);
     };
-    const double side = n.base_m > 0.0 ? 1.0 : -1.0, offset_m = value(shapes[n.chain].offset_m);
-    const double edge_m =
-        n.base_m + n.alignment * offset_m - side * (0.5 * value(shapes[n.chain].width_m) + n.median_m);
+    const double side = n.base_m > 0.0 ? 1.0 : -1.0;
+    const double offset_m = value(shapes[n.chain].offset_m), width_m = value(shapes[n.chain].width_m);
+    const double edge_m = n.base_m + n.alignment * offset_m - side * (0.5 * width_m + n.median_m);
     const double overlap_m = side * (own.offset_m[n.node] - edge_m) + 0.5 * own.width_m[n.node];
     const double own_strays_m = strays_m(chain, own.offset_m[n.node]), other_strays_m = strays_m(n.chain, offset_m);
-    occupied.push_back({n.node, side, edge_m, overlap_m,
-                        own_strays_m > other_strays_m || (own_strays_m == other_strays_m && chain > n.chain)});
+    const bool yields = std::abs(own_strays_m) > std::abs(other_strays_m) ||
+                        (std::abs(own_strays_m) == std::abs(other_strays_m) && chain > n.chain);
+    const double own_grows_m = 0.5 * (own.width_m[n.node] - chains[chain].nodes[n.node].input_width_m);
+    const double other_grows_m = 0.5 * (width_m - chains[n.chain].nodes[n.segment].input_width_m);
+    const double own_beyond_m = std::max(0.0, side * own_strays_m + own_grows_m) + least_strays_m;
+    const double other_beyond_m = std::max(0.0, other_grows_m - side * n.alignment * other_strays_m) + least_strays_m;
+    occupied.push_back({n.node, side, edge_m, overlap_m, yields, own_beyond_m / (own_beyond_m + other_beyond_m)});
   }
   return occupied;
 }
 
-void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profiles) {
+std::vector<ChainCoupling::Limit> borders_of_search(const std::vector<Occupied>& occupied) {
+  std::vector<ChainCoupling::Limit> borders;
+  for (const Occupied& o : occupied)
+    borders.push_back({o.node, o.side, o.edge_m + (o.yields ? 0.0 : o.side * 0.5 * std::max(0.0, o.overlap_m))});
+  return borders;
+}
+
+std::vector<ChainCoupling::Limit> borders_of_fit(const std::vector<Occupied>& occupied) {
+  std::vector<ChainCoupling::Limit> borders;
+  for (const Occupied& o : occupied)
+    borders.push_back({o.node, o.side, o.edge_m + o.side * (1.0 - o.share) * std::max(0.0, o.overlap_m)});
+  return borders;
+}
+
+void mask_neighbours(const std::vector<ChainCoupling::Limit>& borders, CrossProfiles& profiles) {
   const std::size_t cells = static_cast<std::size_t>(profiles.cells);
-  for (const auto& [node, side, edge_m, overlap_m, yields] : occupied) {
-    const double border_m = edge_m + (yields ? 0.0 : side * 0.5 * std::max(0.0, overlap_m));
+  for (const auto& [node, side, border_m] : borders) {
     for (std::size_t row = node * rows_per_segment;
          row < std::min((node + 1) * rows_per_segment, profiles.evidence.size()); ++row) {
       for (std::size_t k = 0; k < cells; ++k) {
@@ -206,8 +226,10 @@ void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profi
 
 std::vector<ChainCoupling::Limit> limits_of(const std::vector<Occupied>& occupied) {
   std::vector<ChainCoupling::Limit> limits;
-  for (const Occupied& o : occupied)
-    if (o.overlap_m > -watched_gap_m) limits.push_back({o.node, o.side, o.edge_m + o.side * 0.5 * o.overlap_m});
+  for (const Occupied& o : occupied) {
+    const double own = o.overlap_m > 0.0 ? 1.0 - o.share : 0.5;
+    if (o.overlap_m > -watched_gap_m) limits.push_back({o.node, o.side, o.edge_m + o.side * own * o.overlap_m});
+  }
   return limits;
 }
 

@@ -51,16 +51,23 @@ struct Occupied {
   double edge_m = 0.0;
   double overlap_m = 0.0;  ///< how far the chain's own edge is beyond that one: below 0 where they are apart
   bool yields = false;     ///< where both claim the same road, the chain that has left its own way for it yields
+  double share = 0.5;      ///< of the overlap that is not the chain's: the further its edge strays to the other's side
+                           ///< from that of the map, beside the other's, the more
 };
-[[nodiscard]] std::vector<Occupied> occupied_by_neighbours(std::size_t chain,
+[[nodiscard]] std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vector<RoadChain>& chains,
                                                            const std::vector<std::vector<Neighbour>>& neighbours,
                                                            const std::vector<ChainShape>& shapes);
 
-/// Takes what lies beyond the edges of neighbours out of the evidence: no road of this chain. Where it overlaps a
-/// neighbour and does not yield, the border lies half way between both edges.
-void mask_neighbours(const std::vector<Occupied>& occupied, CrossProfiles& profiles);
+/// Borders between a chain and its neighbours. Of the search: a chain that yields ends at the other's edge, any other
+/// half way between both edges. Of the fit: the overlap is shared.
+[[nodiscard]] std::vector<ChainCoupling::Limit> borders_of_search(const std::vector<Occupied>& occupied);
+[[nodiscard]] std::vector<ChainCoupling::Limit> borders_of_fit(const std::vector<Occupied>& occupied);
 
-/// Borders between a chain and its neighbours, half way between their edges, where they are near.
+/// Takes what lies beyond the borders out of the evidence: no road of this chain.
+void mask_neighbours(const std::vector<ChainCoupling::Limit>& borders, CrossProfiles& profiles);
+
+/// What holds the edges of a chain where those of its neighbours are near: the border, half way between them where they
+/// are apart.
 [[nodiscard]] std::vector<ChainCoupling::Limit> limits_of(const std::vector<Occupied>& occupied);
 
 }  // namespace orthodrive::refine

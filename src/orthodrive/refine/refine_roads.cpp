@@ -128,7 +128,7 @@ class Refinement {
         couplings[chain].meetings.push_back({node, dot(place.p - at.base, at.normal), sigma_m});
       }
     for (std::size_t c = 0; c < chains_.size(); ++c)
-      couplings[c].limits = limits_of(occupied_by_neighbours(c, neighbours_, shapes_));
+      couplings[c].limits = limits_of(occupied_by_neighbours(c, chains_, neighbours_, shapes_));
     fit_chains(3, couplings);
   }
 
@@ -146,7 +146,7 @@ class Refinement {
     const auto search_chain = [&](std::size_t c, const std::vector<Occupied>& occupied) {
       CrossProfiles profiles = profiles_of(chains_[c], evidence_, options);
       silence_merging(chains_[c], merging_[c], expected_[c], options, profiles);
-      mask_neighbours(occupied, profiles);
+      mask_neighbours(borders_of_search(occupied), profiles);
       keep_road_near(c, profiles);
       return search_offsets(chains_[c], profiles, expected[c], options);
     };
@@ -159,7 +159,7 @@ class Refinement {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       std::vector<ChainShape> next = shapes_;
       const auto search_again = [&](std::size_t c) {
-        const std::vector<Occupied> occupied = occupied_by_neighbours(c, neighbours_, shapes_);
+        const std::vector<Occupied> occupied = occupied_by_neighbours(c, chains_, neighbours_, shapes_);
         if (std::ranges::any_of(occupied,
                                 [](const Occupied& o) { return o.yields && o.overlap_m > tolerated_overlap_m; }))
           next[c] = search_chain(c, occupied);
@@ -275,7 +275,7 @@ class Refinement {
           if (phase > 2 && couplings[c].meetings.empty() && couplings[c].limits.empty()) return;  // nothing new for it
           CrossProfiles profiles = profiles_of(chains_[c], evidence_, options_);
           silence_merging(chains_[c], merging_[c], expected_[c], options_, profiles);
-          mask_neighbours(occupied_by_neighbours(c, neighbours_, shapes_), profiles);
+          mask_neighbours(borders_of_fit(occupied_by_neighbours(c, chains_, neighbours_, shapes_)), profiles);
           refined_[c].fit = fit_chain(chains_[c], profiles, shapes_[c], couplings[c], options_);
           keep_road_near(c, profiles);
         },
