@@ -9,6 +9,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/roads/cut_corners.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -27,6 +28,7 @@ OsmRoads read_all_osm(const Sources::Files& files, const SiteFrame& site) {
   for (std::size_t i = 1; i < paths.size(); ++i)
     if (paths[i].osm_id == paths[i - 1].osm_id && paths[i].part == paths[i - 1].part)
       throw OptionError(fmt::format("sources.osm: way {} is in two of the files, keep one", paths[i].osm_id));
+  cut_at_corners(all.roads);
   return all;
 }
 

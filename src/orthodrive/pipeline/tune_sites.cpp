@@ -11,6 +11,7 @@
 #include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/pipeline/score_files.hpp"
 #include "orthodrive/pipeline/toml_section.hpp"
+#include "orthodrive/roads/cut_corners.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -124,6 +125,7 @@ void add_sites(TuneSites& all, const SiteEntry& entry, const fs::path& file, Mon
   const SiteFrame frame = labelled_site(entry.labels, labels);
   TuneSite whole{.name = entry.name, .fold = entry.fold, .evidence = all.evidence.size()};
   whole.osm = io::read_osm_roads(entry.osm, frame);
+  cut_at_corners(whole.osm);
   whole.truth = read_road_truth(entry.truth, frame.crs);
   whole.region = read_region(entry.region, frame.crs);
 
