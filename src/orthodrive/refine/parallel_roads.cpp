@@ -196,6 +196,7 @@ std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vecto
 
 std::vector<ChainCoupling::Limit> borders_of_search(const std::vector<Occupied>& occupied) {
   std::vector<ChainCoupling::Limit> borders;
+  borders.reserve(occupied.size());
   for (const Occupied& o : occupied)
     borders.push_back({o.node, o.side, o.edge_m + (o.yields ? 0.0 : o.side * 0.5 * std::max(0.0, o.overlap_m))});
   return borders;
@@ -203,6 +204,7 @@ std::vector<ChainCoupling::Limit> borders_of_search(const std::vector<Occupied>&
 
 std::vector<ChainCoupling::Limit> borders_of_fit(const std::vector<Occupied>& occupied) {
   std::vector<ChainCoupling::Limit> borders;
+  borders.reserve(occupied.size());
   for (const Occupied& o : occupied)
     borders.push_back({o.node, o.side, o.edge_m + o.side * (1.0 - o.share) * std::max(0.0, o.overlap_m)});
   return borders;
