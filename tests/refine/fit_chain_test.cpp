@@ -103,6 +103,29 @@ TEST(FitChain, is_less_sure_where_edges_are_soft) {
   EXPECT_LT(soft.sigma_offset_m[20], 0.7) << "the first half is as sharp as before";
 }
 
+/// A hairpin of a radius of 7 m between straights of 40 m. Nothing is painted; the evidence says so.
+TEST(FitChain, keeps_a_hidden_hairpin_near_the_map) {
+  RefineRoadsOptions options;
+  RoadScene scene = make_scene(200.0);
+  constexpr double radius_m = 7.0, straight_m = 40.0, bend_m = M_PI * radius_m;
+  std::vector<RoadNode> nodes;
+  for (double s = 0.0; s <= 2.0 * straight_m + bend_m; s += 2.0) {
+    const double angle = std::clamp((s - straight_m) / radius_m, 0.0, M_PI);
+    const double along_m = s < straight_m ? s : s > straight_m + bend_m ? 2.0 * straight_m + bend_m - s : straight_m;
+    nodes.push_back(
+        {.p = at(50.0 + along_m + radius_m * std::sin(angle), 100.0 - radius_m * std::cos(angle)), .width_m = 4.0});
+  }
+  add_way(scene, 1, nodes);
+  const RoadChain chain = build_chains(scene.osm, {.spacing_m = options.spacing_m}).at(0);
+  CrossProfiles profiles = sample_cross_profiles(chain, road_evidence(scene.labels), 20.0);
+  for (auto& evidence : profiles.evidence) evidence = {0.0, 0.0};
+  const std::size_t count = chain.nodes.size();
+  const ChainFit fit =
+      fit_chain(chain, profiles, {std::vector<double>(count, 0.0), std::vector<double>(count, 4.0)}, {}, options);
+  EXPECT_TRUE(fit.solve.converged);
+  EXPECT_THAT(fit.shape.offset_m, testing::Each(testing::AllOf(testing::Gt(-1.7), testing::Lt(1.7))));
+}
+
 TEST(FitChain, stays_within_its_bounds) {
   StraightScene s(-3.0);
   s.options.search_radius_m = 1.0;

@@ -217,9 +217,10 @@ class ChainProblem {
         if (own(i) != i) continue;
         add_prior(difference_cost(node_share_ / (weights_.node_width_share * node.input_width_m)), &way_width_[k],
                   &width_[i]);
+        // Only who is seen elsewhere was put in a wrong place: smoothness alone must not cut a hidden bend.
+        ceres::LossFunction* loss = is_seen(i) ? new ceres::CauchyLoss(weights_.misplaced_sigmas) : nullptr;
         add_robust_prior(node_shift_cost(chain_.nodes[i].normal, expected_at(i).offset_m, 1.0 / weights_.node_shift_m),
-                         new ceres::ScaledLoss(new ceres::CauchyLoss(weights_.misplaced_sigmas),
-                                               node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
+                         new ceres::ScaledLoss(loss, node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
                          way_shift_[k].data(), &offset_[i]);
       }
     }
@@ -308,19 +309,19 @@ class ChainProblem {
         estimate_sigmas(problem_, parameters_, blocks_, evidence_rows_, floor_residual, options_.spacing_m);
     const std::vector<double> soft_m = edge_softness_m();
     const double edge_bias_m = edge_bias_share * options_.strip_m * sigmas.class_residual / weights_.evidence;
-    const auto seen = [&](std::size_t i) {
-      return profiles_.evidence[std::min(i, last_ - 1) * rows_per_segment].both() > 0.0;
-    };
     fit_.sigma_offset_m.resize(count_), fit_.sigma_width_m.resize(count_);
     for (std::size_t i = 0; i < count_; ++i) {
       const double pointing_m = std::max(pointing_px * pixel_m, pointing_of_soft_1pm * soft_m[i] * soft_m[i]);
       const double edge_m = std::hypot(pointing_m, edge_bias_m);
       fit_.sigma_offset_m[i] = std::hypot(sigmas.of_parameters[2 * own(i)], pointing_m / std::sqrt(2.0));
-      const double unseen_m = seen(i) ? 0.0 : unseen_width_share * width_[own(i)];
+      const double unseen_m = is_seen(i) ? 0.0 : unseen_width_share * width_[own(i)];
       fit_.sigma_width_m[i] = std::hypot(sigmas.of_parameters[2 * own(i) + 1], std::sqrt(2.0) * edge_m, unseen_m);
     }
   }
 
+  [[nodiscard]] bool is_seen(std::size_t node) const {
+    return profiles_.evidence[std::min(node, last_ - 1) * rows_per_segment].both() > 0.0;
+  }
   /// Of each node: the width of the band at its edges in which road and the rest are both likely, the integral of
   /// 4 p (1 - p) across it, mean of both edges over some metres; 0 where nothing is seen.
   [[nodiscard]] std::vector<double> edge_softness_m() const {
