@@ -694,10 +694,10 @@ TEST(BuildNetwork, CarriagewaysDoNotLieOnEachOther) {
       if (x < 40.0 || x > 160.0) continue;  // the main road tapers to its width beyond the ends of the service road
       const roadquery::Edges edges = roadquery::road_edges(road, s);
       if (road.osm_id == "1") {
-        EXPECT_NEAR(edges.left_t - edges.right_t, 7.0 - 2.0 * 0.45, 0.1) << "gives what is missing";
+        EXPECT_NEAR(edges.left_t - edges.right_t, 7.0 - 2.0 * 0.65, 0.1) << "gives what is missing";
       }
       if (road.osm_id == "2") {
-        EXPECT_NEAR(edges.left_t - edges.right_t, 3.7, 0.06) << "a lane of 1.85 m each way stays";
+        EXPECT_NEAR(edges.left_t - edges.right_t, 4.1, 0.06) << "a lane of 2.05 m each way stays";
       }
     }
 }

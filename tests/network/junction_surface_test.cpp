@@ -249,8 +249,8 @@ TEST(JunctionSurfaces, LittleGapsThatArmsCloseArePaved) {
 }
 
 TEST(JunctionSurfaces, CarsHaveRoomRoundTheEndOfAGoreThatTheyTurnRound) {
-  // A track forks by 32 degrees: both prongs are 4 m wide and lead away from the stem.
-  const double angle = 32.0 * M_PI / 180.0, half_m = 2.0, radius_m = 4.0;
+  // A track forks by 32 degrees: both prongs are 4.4 m wide and lead away from the stem.
+  const double angle = 32.0 * M_PI / 180.0, half_m = 2.2, radius_m = 4.0;
   const Vec2 way{std::cos(angle), std::sin(angle)}, middle{std::cos(0.5 * angle), std::sin(0.5 * angle)};
   const auto paved = [&](Oneway oneway, double away_m) {
     const PathOptions o{.highway = "track", .width_m = 2.0 * half_m};

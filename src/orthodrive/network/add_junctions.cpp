@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "orthodrive/network/crown_shape.hpp"
+#include "orthodrive/network/fit_plan.hpp"
 #include "orthodrive/network/lanes.hpp"
 #include "orthodrive/network/refit_profile.hpp"
 #include "orthodrive/network/road_parts.hpp"
@@ -32,6 +33,8 @@ constexpr double straight_turn_rad = 35.0 * std::numbers::pi / 180.0;
 // Jumps of the gradient on connecting roads that turn, driven at walking pace: 1 % 2 m off the reference line. At 4 m/s
 // a wheel gets 0.04 m/s from it, as from 0.1 % at 40 m/s.
 constexpr double max_crown_rate_jump_in_turns = 5e-3;  // 1/m
+
+constexpr double inner_look_m = 8.0;  // over which an inner way of a joined junction has its direction
 
 constexpr double shortest_turn_m = 0.5;  // of a reference line that is moved to the inside of its bend
 
@@ -91,11 +94,15 @@ struct InnerWay {
   VertexIndex vertex0, vertex1;
   std::int64_t way0 = 0, way1 = 0;       ///< OSM's, at either end
   bool forward = true, backward = true;  ///< whether one may drive from vertex0 to vertex1, and back
+  Vec2 direction0, direction1;           ///< at either end, of who drives from vertex0 to vertex1
 };
 InnerWay inner_way(const NetworkPlan& plan, const Stretch& stretch) {
   const Chain& chain = plan.topology.chains[stretch.chain];
   const ChainGeometry& geometry = plan.geometry[stretch.chain];
   InnerWay inner{.vertex0 = stretch.vertex0, .vertex1 = stretch.vertex1};
+  const auto place = [&](double s) { return pose_at(geometry.plan, std::clamp(s, stretch.s0, stretch.s1)).p; };
+  inner.direction0 = normalized(place(stretch.s0 + inner_look_m) - place(stretch.s0));
+  inner.direction1 = normalized(place(stretch.s1) - place(stretch.s1 - inner_look_m));
   for (std::size_t k = 0; k < chain.pieces.size(); ++k) {
     if (geometry.vertex_s[k] < stretch.s0 || geometry.vertex_s[k + 1] > stretch.s1) continue;
     const DirectedPiece part = chain.pieces[k];
@@ -138,26 +145,32 @@ class Restrictions {
 struct Arrival {
   VertexIndex vertex;
   std::int64_t way = 0;
+  Vec2 direction;                ///< in which one drives
   const InnerWay* on = nullptr;  ///< null: by the road that one comes from
+  bool turned = false;           ///< one had to turn round on the way
 };
 
-/// Where one can drive to from a road's end on the inner ways of a joined junction without turning round.
+bool turns_round(Vec2 from, Vec2 to) { return std::abs(std::atan2(cross(from, to), dot(from, to))) > max_turn_rad; }
+
+/// Where one can drive to from a road's end on the inner ways of a joined junction. First what needs no turning round.
 std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Restrictions& restrictions,
                                    Arrival start) {
   std::vector<Arrival> arrivals{start};
-  for (std::size_t next = 0; next < arrivals.size(); ++next) {
-    const Arrival at = arrivals[next];
-    const auto drive = [&](bool allowed, VertexIndex from, std::int64_t first_way, Arrival there) {
-      if (!allowed || from != at.vertex || at.on == there.on) return;
-      if (restrictions.forbid(at.vertex, at.way, first_way)) return;
-      const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
-      if (std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
-    };
-    for (const InnerWay& w : inside) {
-      drive(w.forward, w.vertex0, w.way0, {w.vertex1, w.way1, &w});
-      drive(w.backward, w.vertex1, w.way1, {w.vertex0, w.way0, &w});
+  for (const bool round : {false, true})
+    for (std::size_t next = 0; next < arrivals.size(); ++next) {
+      const Arrival at = arrivals[next];
+      const auto drive = [&](bool allowed, VertexIndex from, std::int64_t first_way, Vec2 into, Arrival there) {
+        if (!allowed || from != at.vertex || at.on == there.on) return;
+        if (restrictions.forbid(at.vertex, at.way, first_way)) return;
+        there.turned = at.turned || turns_round(at.direction, into);
+        const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
+        if (there.turned <= round && std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
+      };
+      for (const InnerWay& w : inside) {
+        drive(w.forward, w.vertex0, w.way0, w.direction0, {w.vertex1, w.way1, w.direction1, &w});
+        drive(w.backward, w.vertex1, w.way1, w.direction1 * -1.0, {w.vertex0, w.way0, w.direction0 * -1.0, &w});
+      }
     }
-  }
   return arrivals;
 }
 
@@ -166,6 +179,7 @@ struct Movement {
   int from = 0, to = 0;  ///< indices of ends
   double turn_rad = 0.0;
   std::size_t first_in = 0, count_in = 0, first_out = 0, count_out = 0;
+  bool turned = false;  ///< only by turning round inside the junction
 };
 
 /// The lanes that arrows give a turn: from the first to the last that shows it. `bits`: what the turn may be called.
@@ -223,15 +237,26 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions
   std::vector<Movement> movements;
   if (in[from].lanes.empty()) return movements;
   const auto way_of = [&](const JunctionEnd& end) { return plan.roads.paths[end.path].osm_id; };
-  const std::vector<Arrival> arrivals = arrivals_from(inside, restrictions, {ends[from].vertex, way_of(ends[from])});
+  const std::vector<Arrival> arrivals =
+      arrivals_from(inside, restrictions, {ends[from].vertex, way_of(ends[from]), in[from].pose.direction});
   for (std::size_t to = 0; to < ends.size(); ++to) {
-    const bool reached = std::ranges::any_of(arrivals, [&](const Arrival& at) {
-      return at.vertex == ends[to].vertex && !restrictions.forbid(at.vertex, at.way, way_of(ends[to]));
-    });
+    bool reached = false, turned = true;
+    for (const Arrival& at : arrivals) {
+      if (at.vertex != ends[to].vertex || restrictions.forbid(at.vertex, at.way, way_of(ends[to]))) continue;
+      reached = true;
+      turned = turned && (at.turned || (at.on && turns_round(at.direction, out[to].pose.direction)));
+    }
     if (out[to].lanes.empty() || !reached) continue;
     // Back into the same road: only round a circuit, not round a block's inner drive.
     if (ends[to].stretch == ends[from].stretch && static_cast<int>(to) != ends[from].through) continue;
-    movements.push_back({static_cast<int>(from), static_cast<int>(to), turn_between(in[from], out[to])});
+    movements.push_back({.from = static_cast<int>(from),
+                         .to = static_cast<int>(to),
+                         .turn_rad = turn_between(in[from], out[to]),
+                         .turned = turned});
+  }
+  if (std::ranges::any_of(movements, [](const Movement& m) { return !m.turned; })) {
+    std::ranges::copy_if(movements, std::back_inserter(sharp), &Movement::turned);
+    std::erase_if(movements, [](const Movement& m) { return m.turned; });
   }
   if (movements.empty()) return movements;
   const auto bend = [&](const Movement& m) { return m.to == ends[from].through ? -1.0 : std::abs(m.turn_rad); };
@@ -271,7 +296,7 @@ void report_left_out(const NetworkPlan& plan, const std::vector<JunctionEnd>& en
     const JunctionEnd &from = ends[at(m.from)], &to = ends[at(m.to)];
     const bool kept = std::ranges::any_of(
         movements, [&m](const Movement& other) { return other.from == m.from && other.to == m.to; });
-    if (kept || std::abs(m.turn_rad) > max_turn_rad) continue;
+    if (kept || m.turned || std::abs(m.turn_rad) > max_turn_rad) continue;
     findings.push_back({Severity::info, "network.turn_left_out",
                         fmt::format("no turn of {:.0f} degrees from way {} into way {}, which leads back",
                                     std::abs(m.turn_rad) * degrees, plan.roads.paths[from.path].osm_id,

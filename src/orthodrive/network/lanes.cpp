@@ -19,7 +19,7 @@ using roadquery::RoadMark;
 // streets keep room for parking.
 constexpr double two_way_lane_m = 3.0, one_way_lane_m = 3.25;
 constexpr double min_tagged_lane_m = 2.2;  // a car and its mirrors
-constexpr double min_lane_m = 1.85, notable_widening_m = 0.3;
+constexpr double min_lane_m = 2.05, notable_widening_m = 0.3;
 constexpr double wheelbase_m = 2.7;    // of a family car
 constexpr int max_untagged_lanes = 4;  // a direction
 constexpr double taper_m =

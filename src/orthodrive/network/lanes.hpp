@@ -32,9 +32,9 @@ struct LaneLayout {
 /// narrower than 2.2 m for the sake of a tag.
 [[nodiscard]] LaneLayout lane_layout(const RoadPath& path, double median_width_m, DrivingSide driving_side);
 
-/// What a carriageway needs at least, m: lanes of 1.85 m for two directions, for SUMO leaves narrower ones out; a car
-/// takes the middle of them. One direction alone has no other lane to swing out into: a car with its mirrors (2.2 m),
-/// and what its wheels stray to both sides of its way in a bend.
+/// What a carriageway needs at least, m: lanes of 2.05 m for two directions, where two cars meet (RASt 06, 4.3); alone
+/// a car takes the middle of them. One direction alone has no other lane to swing out into: a car with its mirrors (2.2
+/// m), and what its wheels stray to both sides of its way in a bend.
 [[nodiscard]] double least_carriageway_m(Oneway oneway, double curvature_1pm = 0.0);
 
 /// Widens carriageways that are narrower than that. Finding network.widened where that is by more than 0.3 m.
