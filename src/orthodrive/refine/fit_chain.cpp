@@ -26,6 +26,7 @@ constexpr double pointing_px = 1.25, pointing_of_soft_1pm = 0.62;
 constexpr double soft_reach_m = 2.0, soft_along_m = 8.0;  // what is looked at beside an edge, and along it
 constexpr double edge_bias_share = 0.2;
 constexpr double seen_outlier_sigmas = 2.0;
+constexpr double hidden_reach_m = 10.0;      // a gap between seen stretches that is shorter than twice this is bridged
 constexpr double unseen_width_share = 0.08;  // by which a hidden stretch may differ from the rest of its way
 
 /// Of the offset of one node.
@@ -218,7 +219,7 @@ class ChainProblem {
         add_prior(difference_cost(node_share_ / (weights_.node_width_share * node.input_width_m)), &way_width_[k],
                   &width_[i]);
         // Only who is seen elsewhere was put in a wrong place: smoothness alone must not cut a hidden bend.
-        ceres::LossFunction* loss = is_seen(i) ? new ceres::CauchyLoss(weights_.misplaced_sigmas) : nullptr;
+        ceres::LossFunction* loss = is_hidden(i) ? nullptr : new ceres::CauchyLoss(weights_.misplaced_sigmas);
         add_robust_prior(node_shift_cost(chain_.nodes[i].normal, expected_at(i).offset_m, 1.0 / weights_.node_shift_m),
                          new ceres::ScaledLoss(loss, node_share_ * node_share_, ceres::TAKE_OWNERSHIP),
                          way_shift_[k].data(), &offset_[i]);
@@ -321,6 +322,18 @@ class ChainProblem {
 
   [[nodiscard]] bool is_seen(std::size_t node) const {
     return profiles_.evidence[std::min(node, last_ - 1) * rows_per_segment].both() > 0.0;
+  }
+  /// Neither edge is seen here, nor within some metres.
+  [[nodiscard]] bool is_hidden(std::size_t node) const {
+    const auto far = [&](std::size_t i) {
+      return std::abs(chain_.nodes[i].s_m - chain_.nodes[node].s_m) > hidden_reach_m;
+    };
+    const auto seen = [&](std::size_t i) { return profiles_.evidence[i * rows_per_segment].mean() > 0.0; };
+    for (std::size_t i = node; i-- > 0 && !far(i);)
+      if (seen(i)) return false;
+    for (std::size_t i = node; i < last_ && !far(i); ++i)
+      if (seen(i)) return false;
+    return true;
   }
   /// Of each node: the width of the band at its edges in which road and the rest are both likely, the integral of
   /// 4 p (1 - p) across it, mean of both edges over some metres; 0 where nothing is seen.
