@@ -1,6 +1,5 @@
 #include "orthodrive/refine/parallel_roads.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "orthodrive/network/crown_shape.hpp"
 #include "orthodrive/network/fit_plan.hpp"
@@ -85,9 +86,7 @@ Gate gate_of(const Road& road, const RoadPath& path, bool at_end, bool incoming)
   return gate;
 }
 
-double turn_between(const Gate& in, const Gate& out) {
-  return std::atan2(cross(in.pose.direction, out.pose.direction), dot(in.pose.direction, out.pose.direction));
-}
+double turn_between(Vec2 in, Vec2 out) { return std::atan2(cross(in, out), dot(in, out)); }
 
 /// A piece of way between two vertices of a joined junction.
 struct InnerWay {
@@ -150,7 +149,7 @@ struct Arrival {
   bool turned = false;           ///< one had to turn round on the way
 };
 
-bool turns_round(Vec2 from, Vec2 to) { return std::abs(std::atan2(cross(from, to), dot(from, to))) > max_turn_rad; }
+bool turns_round(Vec2 in, Vec2 out) { return std::abs(turn_between(in, out)) > max_turn_rad; }
 
 /// Where one can drive to from a road's end on the inner ways of a joined junction. First what needs no turning round.
 std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Restrictions& restrictions,
@@ -164,7 +163,8 @@ std::vector<Arrival> arrivals_from(const std::vector<InnerWay>& inside, const Re
         if (restrictions.forbid(at.vertex, at.way, first_way)) return;
         there.turned = at.turned || turns_round(at.direction, into);
         const auto known = [&](const Arrival& a) { return a.vertex == there.vertex && a.on == there.on; };
-        if (there.turned <= round && std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
+        if (there.turned && !round) return;
+        if (std::ranges::none_of(arrivals, known)) arrivals.push_back(there);
       };
       for (const InnerWay& w : inside) {
         drive(w.forward, w.vertex0, w.way0, w.direction0, {w.vertex1, w.way1, w.direction1, &w});
@@ -251,22 +251,22 @@ std::vector<Movement> movements_from(const NetworkPlan& plan, const Restrictions
     if (ends[to].stretch == ends[from].stretch && static_cast<int>(to) != ends[from].through) continue;
     movements.push_back({.from = static_cast<int>(from),
                          .to = static_cast<int>(to),
-                         .turn_rad = turn_between(in[from], out[to]),
+                         .turn_rad = turn_between(in[from].pose.direction, out[to].pose.direction),
                          .turned = turned});
   }
-  if (std::ranges::any_of(movements, [](const Movement& m) { return !m.turned; })) {
-    std::ranges::copy_if(movements, std::back_inserter(sharp), &Movement::turned);
-    std::erase_if(movements, [](const Movement& m) { return m.turned; });
-  }
   if (movements.empty()) return movements;
-  const auto bend = [&](const Movement& m) { return m.to == ends[from].through ? -1.0 : std::abs(m.turn_rad); };
+  const auto bend = [&](const Movement& m) {
+    return std::pair{m.turned, m.to == ends[from].through ? -1.0 : std::abs(m.turn_rad)};
+  };
   const auto main = std::min_element(movements.begin(), movements.end(),
                                      [&](const Movement& a, const Movement& b) { return bend(a) < bend(b); });
   std::rotate(movements.begin(), main, main + 1);
   const int main_to = movements.front().to;
+  const bool main_turned = movements.front().turned;
   const auto is_sharp = [&](const Movement& m) {
     const bool back = leads_back(plan.junctions, ends[from], ends[at(m.to)]);
-    return m.to != main_to && std::abs(m.turn_rad) > (back ? max_turn_back_rad : max_turn_rad);
+    return m.to != main_to &&
+           ((m.turned && !main_turned) || std::abs(m.turn_rad) > (back ? max_turn_back_rad : max_turn_rad));
   };
   std::copy_if(movements.begin(), movements.end(), std::back_inserter(sharp), is_sharp);
   std::erase_if(movements, is_sharp);

@@ -189,7 +189,8 @@ std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vecto
     const double other_grows_m = 0.5 * (width_m - chains[n.chain].nodes[n.segment].input_width_m);
     const double own_beyond_m = std::max(0.0, side * own_strays_m + own_grows_m) + least_strays_m;
     const double other_beyond_m = std::max(0.0, other_grows_m - side * n.alignment * other_strays_m) + least_strays_m;
-    occupied.push_back({n.node, side, edge_m, overlap_m, yields, own_beyond_m / (own_beyond_m + other_beyond_m)});
+    const double share = overlap_m > 0.0 ? own_beyond_m / (own_beyond_m + other_beyond_m) : 0.5;
+    occupied.push_back({n.node, side, edge_m, overlap_m, yields, share});
   }
   return occupied;
 }
@@ -228,10 +229,9 @@ void mask_neighbours(const std::vector<ChainCoupling::Limit>& borders, CrossProf
 
 std::vector<ChainCoupling::Limit> limits_of(const std::vector<Occupied>& occupied) {
   std::vector<ChainCoupling::Limit> limits;
-  for (const Occupied& o : occupied) {
-    const double own = o.overlap_m > 0.0 ? 1.0 - o.share : 0.5;
-    if (o.overlap_m > -watched_gap_m) limits.push_back({o.node, o.side, o.edge_m + o.side * own * o.overlap_m});
-  }
+  for (const Occupied& o : occupied)
+    if (o.overlap_m > -watched_gap_m)
+      limits.push_back({o.node, o.side, o.edge_m + o.side * (1.0 - o.share) * o.overlap_m});
   return limits;
 }
 

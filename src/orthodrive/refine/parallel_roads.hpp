@@ -52,7 +52,7 @@ struct Occupied {
   double overlap_m = 0.0;  ///< how far the chain's own edge is beyond that one: below 0 where they are apart
   bool yields = false;     ///< where both claim the same road, the chain that has left its own way for it yields
   double share = 0.5;      ///< of the overlap that is not the chain's: the further its edge strays to the other's side
-                           ///< from that of the map, beside the other's, the more
+                           ///< from that of the map, beside the other's, the more. Half where they are apart
 };
 [[nodiscard]] std::vector<Occupied> occupied_by_neighbours(std::size_t chain, const std::vector<RoadChain>& chains,
                                                            const std::vector<std::vector<Neighbour>>& neighbours,

@@ -4,14 +4,11 @@
 #include <cmath>
 
 namespace orthodrive {
-namespace {
 
 double bend_rad(const MeetingEnd& from, const MeetingEnd& to) {
   const Vec2 in = from.direction * -1.0;
   return std::abs(std::atan2(cross(in, to.direction), dot(in, to.direction)));
 }
-
-}  // namespace
 
 Vec2 direction_into(std::span<const Vec2> line, const ContinuationRule& rule) {
   const bool whole_line = rule.look_ahead_share >= 1.0;  // point_at ends where the line does

@@ -64,6 +64,9 @@ struct MeetingEnd {
   int ring = -1;                   ///< roundabout that it is part of, -1 for none
 };
 
+/// How much a road bends that comes out of one end and goes on into the other, 0 (straight on) .. pi.
+[[nodiscard]] double bend_rad(const MeetingEnd& from, const MeetingEnd& to);
+
 /// Direction of an end: `line` begins at it.
 [[nodiscard]] Vec2 direction_into(std::span<const Vec2> line, const ContinuationRule& rule);
 

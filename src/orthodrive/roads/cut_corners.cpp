@@ -1,7 +1,6 @@
 #include "orthodrive/roads/cut_corners.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -40,8 +39,7 @@ bool is_corner(const RoadNetwork& roads, const std::vector<Visit>& visits, const
                const ContinuationRule& rule) {
   const RoadPath& path = roads.paths[own.path];
   std::vector<MeetingEnd> arms{arm_of(path, own.node, false, rule), arm_of(path, own.node, true, rule)};
-  const Vec2 in = arms[0].direction * -1.0, out = arms[1].direction;
-  if (std::abs(std::atan2(cross(in, out), dot(in, out))) < rule.max_bend_rad) return false;
+  if (bend_rad(arms[0], arms[1]) < rule.max_bend_rad) return false;
   for (const Visit& other : visits) {
     if (other.path == own.path && other.node == own.node) continue;
     const RoadPath& by = roads.paths[other.path];
