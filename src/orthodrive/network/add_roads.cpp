@@ -105,12 +105,15 @@ void set_link(RoadMap& map, RoadEnd end, RoadLink link) {
   (end.at_end ? road.successor : road.predecessor) = link;
 }
 
-void report_reduced_lanes(const RoadPath& path, const Draft& draft, Findings& findings) {
+void report_reduced_lanes(const NetworkPlan& plan, const Draft& draft, Findings& findings) {
+  const RoadPath& path = path_of(plan, draft);
   const Vec2 p = path.nodes[path.nodes.size() / 2].p;
+  std::vector<ProfileSample> given;  // who reads it knows the width of the map or the photo, not that of the lanes
+  for (const RoadNode& node : plan.given.paths[draft.path].nodes) given.push_back({node.s_m, node.width_m});
   findings.push_back({Severity::warning, "network.too_many_lanes",
                       fmt::format("way {}: {} lanes do not fit in {:.1f} m, took {}", path.osm_id,
-                                  std::max(path.lanes, path.lanes_forward + path.lanes_backward), median(draft.widths),
-                                  draft.layout.total()),
+                                  std::max(path.lanes, path.lanes_forward + path.lanes_backward),
+                                  std::min(median(std::move(given)), median(draft.widths)), draft.layout.total()),
                       p.x, p.y});
 }
 
@@ -226,7 +229,7 @@ StretchRoads add_stretch(const NetworkPlan& plan, const Stretch& stretch, const 
     drafts.push_back(draft_road(plan, stretch.chain, cuts[k], cuts[k + 1], map.roads.back()));
     map.roads.back().id = static_cast<int>(map.roads.size());
     if (drafts.back().layout.reduced && told.insert(drafts.back().path).second)
-      report_reduced_lanes(path_of(plan, drafts.back()), drafts.back(), findings);
+      report_reduced_lanes(plan, drafts.back(), findings);
   }
   add_stretch_lanes(plan, map, first_road, drafts, plan.geometry[stretch.chain].closed && !stretch.vertex0);
   const int last_road = static_cast<int>(map.roads.size()) - 1;

@@ -117,7 +117,7 @@ NetworkResult build_network(const RoadNetwork& input, const BuildNetworkOptions&
   progress(0.9);
   result.map.name = options.name;
   if (!roads.crs.definition.empty()) result.map.geo_reference = proj_string(roads.crs);
-  const NetworkPlan plan{roads, topology, geometry, junctions, cuts, options};
+  const NetworkPlan plan{input, roads, topology, geometry, junctions, cuts, options};
   const std::vector<std::vector<JunctionEnd>> ends = add_roads(plan, result.map, result.findings);
   const JunctionParts parts = add_junctions(plan, ends, result.map, result.findings);
   narrow_sidewalks(result.map);

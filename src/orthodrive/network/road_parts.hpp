@@ -13,6 +13,7 @@ namespace orthodrive::network {
 
 /// What the parts of the stage share: never changed once built.
 struct NetworkPlan {
+  const RoadNetwork& given;  ///< the same paths before crossings were joined, rings closed and carriageways widened
   const RoadNetwork& roads;
   const Topology& topology;
   const ChainGeometries& geometry;
