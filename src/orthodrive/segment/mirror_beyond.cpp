@@ -56,4 +56,18 @@ Raster<std::uint8_t> mirror_map_beyond(Raster<std::uint8_t> inside, const PixelB
   return whole;
 }
 
+Raster<std::uint8_t> mirrored(Raster<std::uint8_t> raster) {
+  for (int row = 0; row < raster.height; ++row)
+    for (int west = 0, east = raster.width - 1; west < east; ++west, --east)
+      std::swap_ranges(&raster.at(west, row), &raster.at(west, row) + raster.channels, &raster.at(east, row));
+  return raster;
+}
+
+Raster<std::uint8_t> mirrored_map(Raster<std::uint8_t> raster) {
+  raster = mirrored(std::move(raster));
+  for (int row = 0; row < raster.height; ++row)
+    for (int col = 0; col < raster.width; ++col) turn(raster.at(col, row, 0));
+  return raster;
+}
+
 }  // namespace orthodrive

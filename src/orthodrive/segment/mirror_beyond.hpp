@@ -21,4 +21,9 @@ namespace orthodrive {
 [[nodiscard]] Raster<std::uint8_t> mirror_map_beyond(Raster<std::uint8_t> inside, const PixelBox& box,
                                                      const GridFrame& frame);
 
+/// East and west changed.
+[[nodiscard]] Raster<std::uint8_t> mirrored(Raster<std::uint8_t> raster);
+/// Likewise of a map raster; none stays none.
+[[nodiscard]] Raster<std::uint8_t> mirrored_map(Raster<std::uint8_t> raster);
+
 }  // namespace orthodrive

@@ -20,7 +20,7 @@
 #include "orthodrive/nets/reusing_allocator.hpp"
 #include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/nets/single_threaded_torch.hpp"
-#include "orthodrive/segment/mirror_beyond.hpp"
+#include "orthodrive/segment/more_looks.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/photo_look.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
@@ -55,7 +55,8 @@ PixelBox scaled(const PixelBox& box, int factor) {
 
 /// Edge of the largest window that takes some 500 MB: the photo and the network's layers on it and its margins, scores
 /// and what the CRF holds on the label pixels it predicts. Margins are computed twice, so that large windows are fast.
-int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfModel>& crf, int factor) {
+int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfModel>& crf, int factor,
+                       double finest_scale) {
   constexpr double most_bytes = 5.0e8, crf_bytes = 200.0;
   const double photo_bytes = 4.0, map_bytes = network.sees_map() ? map_raster_channels : 0.0;
   constexpr int step_px = 32, least_px = 256, most_px = 8192;
@@ -63,8 +64,9 @@ int suitable_window_px(const InferenceNetwork& network, const std::optional<CrfM
   const double label_bytes =
       factor * factor * (photo_bytes + score_bytes + (crf ? crf_bytes + 2.0 * score_bytes : 0.0));
   const auto bytes = [&](double px) {
-    const double predicted = px + 2.0 * crf_margin_px(crf), seen = predicted + 2.0 * network.margin_px();
-    return seen * seen * (photo_bytes + map_bytes + network.peak_bytes_per_pixel()) +
+    const double predicted = px + 2.0 * crf_margin_px(crf);
+    const double looked_at = predicted / finest_scale + 2.0 * network.margin_px();
+    return looked_at * looked_at * (photo_bytes + map_bytes + network.peak_bytes_per_pixel()) +
            predicted * predicted * label_bytes;
   };
   int window = least_px;
@@ -200,13 +202,16 @@ class Mosaic {
         places_(with_map_ ? options.places : std::span<const Vec2>{}),
         crf_(options.crf),
         road_classes_(road_classes_of(model.classes)),
-        photo_(resample_source(source, network_gsd(source.frame, model))) {
-    const int window_px = options.window_px == 0 ? suitable_window_px(network_, crf_, factor_) : options.window_px;
+        photo_(resample_source(source, network_gsd(source.frame, model))),
+        label_frame_(label_frame(source.frame, model)) {
+    if (is_fine(source.frame, model)) looks_ = MoreLooks(source, network_gsd(source.frame, model));
+    const int window_px =
+        options.window_px == 0 ? suitable_window_px(network_, crf_, factor_, looks_.finest_scale()) : options.window_px;
     if (window_px < 1) throw OptionError(fmt::format("window of {} px: take 1 or more", window_px));
     if (crf_ && crf_->parameters.classes != network_.class_count())
       throw OptionError(fmt::format("the CRF has {} classes, the network {}: take the one trained with it",
                                     crf_->parameters.classes, network_.class_count()));
-    if (factor_ > 1) fine_ = resample_source(source, label_frame(source.frame, model));
+    if (factor_ > 1) fine_ = resample_source(source, label_frame_);
     cores_ = plan_cores(photo_.frame, window_px);
     asked_ = places_by_core(places_, photo_.frame, window_px, cores_.size());
   }
@@ -230,8 +235,10 @@ class Mosaic {
   std::span<const Vec2> places_;
   std::optional<CrfModel> crf_;
   std::vector<std::size_t> road_classes_;
-  PhotoSource photo_;                ///< at the network's scale
+  PhotoSource photo_;  ///< at the network's scale
+  GridFrame label_frame_;
   std::optional<PhotoSource> fine_;  ///< where labels are finer, at theirs
+  MoreLooks looks_;                  ///< of a photo fine enough
   std::vector<PixelBox> cores_;
   std::vector<std::vector<std::size_t>> asked_;
 };
@@ -270,13 +277,11 @@ Decision Mosaic::decide_window(std::size_t window) const {
   scores.width = fine_box.width, scores.height = fine_box.height, scores.channels = network_.output_channels();
   scores.data.resize(static_cast<std::size_t>(scores.width) * static_cast<std::size_t>(scores.height) *
                      static_cast<std::size_t>(scores.channels));
-  const Raster<std::uint8_t> rgb = mirror_beyond(std::move(photo.rgb), seen, photo_.frame),
-                             map = network_.sees_map()
-                                       ? mirror_map_beyond(map_->read(photo_.frame, inside), seen, photo_.frame)
-                                       : Raster<std::uint8_t>{};
-  network_.predict({rgb.data.data(), map.empty() ? nullptr : map.data.data()}, predicted, factor_, scores.data.data());
+  network_.predict(network_window(network_, map_, photo_.frame, seen, std::move(photo.rgb)).input(), predicted, factor_,
+                   scores.data.data());
   std::vector<PlaceAlignment> alignments = alignments_in(window, scores, fine.valid, fine_box);
   keep_channels(scores, network_.class_count());
+  looks_.average(network_, map_, label_frame_, fine_box, scores);
   if (crf_) {
     refine(*crf_, fine, fine_box, factor_, workspace);
   } else {
