@@ -107,6 +107,18 @@ TEST_F(StopDeathTest, ignored_signals_stay_ignored) {
       testing::ExitedWithCode(7), "");
 }
 
+TEST_F(StopDeathTest, a_signal_that_comes_when_all_is_done_changes_nothing) {
+  EXPECT_EXIT(
+      {
+        ::signal(SIGINT, SIG_DFL);
+        { const StopOnSignals stoppable; }
+        kill(getpid(), SIGINT);
+        std::this_thread::sleep_for(20ms);
+        _exit(7);
+      },
+      testing::ExitedWithCode(7), "");
+}
+
 TEST(ProgressClock, tells_rate_and_rest_once_there_is_something_to_go_by) {
   ProgressClock clock;
   EXPECT_FALSE(clock.update(0.0, "segment", 100.0));

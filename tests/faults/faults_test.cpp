@@ -194,6 +194,23 @@ TEST(Faults, a_source_that_changes_under_way_is_one_line_and_the_stage_does_not_
   small.expect_results_of_undisturbed_build();
 }
 
+/// Another program writes the photo anew while the network looks for it: the reader meets a file without a header.
+TEST(Faults, a_source_that_is_half_written_under_way_has_changed) {
+  const SmallBuild small;
+  fs::remove_all(small.out());
+  const fs::path photo = small.site() / "ortho.tif", err = small.folder() / "stderr";
+  const std::string bytes = bytes_of(photo);
+  const pid_t child = start_program(small.command({"--quiet"}), small.folder() / "stdout", err);
+  while (!fs::exists(small.out() / ".orthodrive/lock")) std::this_thread::sleep_for(1ms);
+  std::ofstream(photo).close();
+  EXPECT_EQ(wait_for(child), 1);
+  EXPECT_EQ(lines_of(bytes_of(err)), 1u) << bytes_of(err);
+  EXPECT_THAT(bytes_of(err), HasSubstr("ortho.tif: changed while stage segment read it"));
+  std::ofstream(photo, std::ios::binary) << bytes;
+  ASSERT_EQ(small.build().exit_code, 0);
+  small.expect_results_of_undisturbed_build();
+}
+
 TEST(Faults, a_second_build_into_the_folder_is_refused_with_the_name_of_the_first) {
   const SmallBuild small;
   for (const std::string lock : {"SHIM_OTHER=1", "SHIM_NO_FLOCK=1"}) {

@@ -169,7 +169,7 @@ def other_faults(tool, site, out, whole):
         while build.poll() is None and not ((out / ".orthodrive/lock").exists() and next_stage(out) == stage):
             time.sleep(0.002)
         content = (site / file).read_bytes()
-        (site / file).write_bytes(content + b"\n")
+        (site / file).write_bytes(content + b"\n")  # for a moment the file is empty
         said = build.communicate()[1].splitlines()
         (site / file).write_bytes(content)
         told = build.returncode == 1 and said and "changed while stage" in said[-1] and not (out / "run.json").exists()

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "orthodrive/core/atomic_file.hpp"
 
@@ -29,7 +28,6 @@ void throw_if_stopped() {
 // signals that the others mask.
 struct StopOnSignals::State {
   StopOptions options;
-  std::vector<std::pair<int, struct sigaction>> before;
   std::atomic<bool> done{false};
   std::thread watch;
 
@@ -57,7 +55,6 @@ StopOnSignals::StopOnSignals(StopOptions options) : state_(std::make_unique<Stat
     sigaction(signal, nullptr, &before);
     if (before.sa_handler == SIG_IGN) continue;
     sigaction(signal, &action, nullptr);
-    state_->before.emplace_back(signal, before);
   }
   state_->watch = std::thread([state = state_.get()] { state->run(); });
 }
@@ -65,7 +62,6 @@ StopOnSignals::StopOnSignals(StopOptions options) : state_(std::make_unique<Stat
 StopOnSignals::~StopOnSignals() {
   state_->done = true;
   state_->watch.join();
-  for (const auto& [signal, action] : state_->before) sigaction(signal, &action, nullptr);
 }
 
 }  // namespace orthodrive

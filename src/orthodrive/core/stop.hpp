@@ -28,7 +28,8 @@ struct StopOptions {
 
 /// While it lives, SIGINT, SIGTERM and SIGHUP are requests to stop. What does not come to such a place in time (one
 /// long call of a library) is ended where it is: temporaries of AtomicFile are removed, then the process exits with 128
-/// + the signal. A signal that was ignored before (nohup) stays ignored. Make one at a time.
+/// + the signal. A signal that was ignored before (nohup) stays ignored. After it signals change nothing: the work is
+/// done, and the program, which unloads its libraries, ends with its exit code and all its output. Make one at a time.
 class StopOnSignals {
  public:
   explicit StopOnSignals(StopOptions options = {});

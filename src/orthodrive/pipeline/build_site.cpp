@@ -102,9 +102,9 @@ class StageRunner {
     build_.context.exchange = exchange ? &*exchange : nullptr;
     StageRecord record = cache_.run(stage.name, now, stage.outputs, [&] {
       (void)build_.context.sources.take_asked();
-      StageOutcome outcome = stage.run();
+      StageOutcome outcome;
+      sources_.require_unchanged(stage, [&] { outcome = stage.run(); });
       require_declared(stage, build_.context.sources.take_asked());
-      sources_.require_unchanged(stage);
       return outcome;
     });
     build_.context.info(fmt::format("{:<9} {:6.1f} s  {:5.0f} MB", stage.name, record.seconds,

@@ -44,6 +44,16 @@ json WatchedSources::of(const BuildStage& stage) const {
   return result;
 }
 
+void WatchedSources::require_unchanged(const BuildStage& stage, const std::function<void()>& read) const {
+  try {
+    read();
+  } catch (const InputError&) {
+    require_unchanged(stage);
+    throw;
+  }
+  require_unchanged(stage);
+}
+
 void WatchedSources::require_unchanged(const BuildStage& stage) const {
   for (const SourceRole& source : stage.sources) {
     if (source.files.empty()) continue;

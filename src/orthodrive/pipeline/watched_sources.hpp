@@ -2,6 +2,7 @@
 // The source files of a build: their hashes, and whether they stayed the same while stages read them.
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -22,10 +23,13 @@ class WatchedSources {
   [[nodiscard]] nlohmann::json of(const BuildStage& stage) const;
   /// Of all stages.
   [[nodiscard]] const nlohmann::json& all() const { return hashes_; }
-  /// Throws InputError when a file of the stage is not what it was at the start.
-  void require_unchanged(const BuildStage& stage) const;
+  /// Does what reads the files of the stage. Throws InputError when one of them is not what it was at the start, also
+  /// in place of the error of a reader that met a file half-written.
+  void require_unchanged(const BuildStage& stage, const std::function<void()>& read) const;
 
  private:
+  void require_unchanged(const BuildStage& stage) const;
+
   struct File {
     FileStamp stamp;
     bool racy = false;  ///< the stamp alone does not tell

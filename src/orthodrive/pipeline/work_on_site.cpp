@@ -68,12 +68,13 @@ class Helper {
     if (!is_made(stage, outlook.now)) {
       CellExchange exchange(store, CellExchange::Role::helps, share.first());
       build_.context.exchange = &exchange;
-      try {
-        stage.help();
-      } catch (const StageIsMade&) {
-      }
+      sources_.require_unchanged(stage, [&] {
+        try {
+          stage.help();
+        } catch (const StageIsMade&) {
+        }
+      });
       build_.context.exchange = nullptr;
-      sources_.require_unchanged(stage);
     }
     helped_.insert(key);
     if (is_made(stage, outlook.now)) CellStore::remove(build_.out_dir, stage.name);
