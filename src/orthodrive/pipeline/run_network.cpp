@@ -148,7 +148,7 @@ BuildStage network_stage(SiteBuild& build) {
       .junction_grids = site.junction_grids,
       .judge = true};
   return {.name = "network",
-          .version = 5,
+          .version = 6,
           .options = {{"name", site.name},
                       {"refine.driving_side", to_string(site.driving_side)},
                       {"network.crg", site.crg},
