@@ -16,7 +16,6 @@ from measuring.segment import timed
 STORE, PAGE = "second_eye.json", PAGES / "second_eye.md"
 SITES = {"village-99": ["--preset", "village", "--seed", 99], "circuit-7": ["--preset", "circuit"], "junction-7": ["--preset", "junction"]}
 TOWNS = ["kvarnbyn", "pardubice"]
-PHOTOS = {"Pardubice": ("Pardubice, 105 Mpx of 0.5 m", 104.9), "village-99": ("village 99, 25 Mpx of 0.2 m", 25.0)}  # whose speed is measured
 SHIFT_M = 50  # of a map that lies wrong altogether
 # Whether the labels have seen the map, and whether the alignment is evidence.
 VARIANTS = {"photo alone": (False, False), "labels see the map": (True, False), "and alignment": (True, True)}
@@ -113,10 +112,11 @@ class Measuring:
 
     def speed(self):
         village = self.tool.synth(ROOT / "out/synth/village-99", *SITES["village-99"])
-        for name, photo, osm in (("Pardubice", DATA / "pardubice/ortho.tif", DATA / "pardubice/roads.osm"), ("village-99", village / "ortho.tif", village / "roads.osm")):
+        for name, photo, osm in (("Pardubice, 0.5 m", DATA / "pardubice/ortho.tif", DATA / "pardubice/roads.osm"), ("village-99, 0.2 m", village / "ortho.tif", village / "roads.osm")):
+            megapixels = math.prod(json.loads(run_program("gdalinfo", "-json", photo))["size"]) / 1e6
             for variant, words in {"photo alone": [], "with the map": ["--osm", osm, "--alignment", self.out / "alignment.csv"]}.items():
                 seconds, gigabytes = timed(self.tool, "segment", photo, "--model", self.args.eye, "-o", self.out / "labels.tif", *words)
-                self.numbers["speed"].setdefault(name, {})[variant] = {"seconds": seconds, "megabytes": 1000 * gigabytes}
+                self.numbers["speed"].setdefault(name, {})[variant] = {"megapixels": megapixels, "seconds": seconds, "megabytes": 1000 * gigabytes}
         self.keep()
 
     def roads(self, name, photo, osm, truth, *more):
@@ -175,9 +175,8 @@ def table(numbers):
     text = label_rows(numbers["labels"])
     text += "\n" + header(["segment", "photo", "s", "Mpx/s", "MB"])
     for name, variants in numbers["speed"].items():
-        photo, megapixels = PHOTOS[name]
         for variant, s in variants.items():
-            text += row([variant, photo, fixed(s["seconds"], 1), fixed(megapixels / s["seconds"]), fixed(s["megabytes"], 0)])
+            text += row([variant, f"{name}, {s['megapixels']:.0f} Mpx", fixed(s["seconds"], 1), fixed(s["megapixels"] / s["seconds"]), fixed(s["megabytes"], 0)])
     text += "\n" + header(["map's roads on synthetic sites", "places", "off the truth before, m", "after, m", "p95, m", "stated sigma, m", "within it, %"])
     for name, p in numbers["places"].items():
         text += row([name, p["places"], fixed(p["before_m"]), fixed(p["after_m"]), fixed(p["after_p95_m"]), fixed(p["sigma_m"]), percent(p["within_sigma"])])

@@ -23,7 +23,7 @@ struct NetworkWindow {
 [[nodiscard]] NetworkWindow network_window(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame,
                                            const PixelBox& seen, Raster<std::uint8_t> rgb);
 
-/// Pixels of the network along a pixel of each further look.
+/// Pixels of the network along a pixel of each further look, the finest first.
 constexpr double look_scales[] = {0.75, 1.25};
 
 /// The further looks at a photo; none where it is empty.
