@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What this program was built of; CMake writes build_info.cpp from build_info.cpp.in.
 

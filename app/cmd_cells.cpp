@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive cells: a build that several processes share, on one machine or on a cluster.
 
 #include <fmt/format.h>

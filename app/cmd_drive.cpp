@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive drive: laps, routes or every road in a simulated car.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive elevate: heights and gradients for refined roads.
 
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive evaluate: scores against truth.
 
 #include <fmt/format.h>

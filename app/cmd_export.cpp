@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive export: the scene of an area in one file, for programs that are no viewers.
 
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive fmu: roads, and a car if asked, as a functional mock-up unit.
 
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive forests: the two random forests of the MRF baseline, learned from labelled photos.
 
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive help-files: manual pages and completions of shells, as the installation wants them. Not listed by --help.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive network: roads with widths and heights as OpenDRIVE.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive refine: OSM roads moved onto the road in the labels, or by the MRF baseline in the photo.
 
 #include <map>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive scene: textured terrain with the roads cut in, as 3D Tiles.
 
 #include <map>

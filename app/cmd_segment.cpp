@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive segment: a class for every pixel of an orthophoto.
 
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive synth: a synthetic site with exact truth.
 
 #include <fmt/format.h>

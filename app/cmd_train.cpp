@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive train: a segmentation network from an experiment.
 
 #include <fmt/format.h>

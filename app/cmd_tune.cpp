@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive tune: weights of the road refinement from sites with truth.
 
 #include <fmt/format.h>

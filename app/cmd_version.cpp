@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive version: what this program was built of.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive view: a small web server for one built site and the viewer, reachable from this machine only.
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The commands of the tool as plain text: what manual pages and completions are made of.
 

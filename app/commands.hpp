@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // One function a sub-command: it declares its options and what happens when it is called.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Completion of commands, options and their values in shells, made of the command table. Values of TEXT options without
 // a list of choices are completed as files.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The command line: parse, read, call, write. Exit codes: 0 done, 1 data or processing, 2 usage, 128 + n ended by
 // signal n.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Manual pages (roff with the macros of man(7)) of the tool and of its commands.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How a command calls a unit of the pipeline and tells what came of it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a person at a terminal, or a program that reads a log, sees of a run.
 

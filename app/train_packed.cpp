@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // orthodrive-train: `orthodrive train` on a data set written by `orthodrive train --pack`, built with nothing but
 // libtorch (tools/trainer). Exit codes: 0 done, 1 data or processing, 2 usage.
 

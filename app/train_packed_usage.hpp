@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What `orthodrive-train --help` prints; the manual page of `orthodrive train` shows it, too.
 

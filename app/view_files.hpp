@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which files of a built site and of the viewer a browser gets from `orthodrive view`.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The web server of `orthodrive view`: cpp-httplib, with bounds on what one who connects can take.
 

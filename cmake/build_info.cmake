@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Which commit a build is of, for `orthodrive version`: tools/package names it; an archive of `git archive` carries it in
 # cmake/commit.txt. Other builds record none, so that a commit
 # alone builds nothing anew.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Every dependency of the project, in one place. Debian 12 packages only; tools/setup installs them.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)

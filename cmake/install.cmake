@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # `cmake --install build/release --prefix P`. The tree may be moved afterwards: the tool looks for models, viewer and the
 # libraries of FMUs relative to itself (core/find_resource.hpp), so bin, share and lib/orthodrive have fixed names. Below
 # /usr the road library goes where the distribution keeps libraries (lib/x86_64-linux-gnu of Debian).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The language of every project here, and ccache where it is installed. Included after project().
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Debian packages by CPack, one a component of cmake/install.cmake. tools/package configures with ORTHODRIVE_PACKAGE=ON,
 # CMAKE_INSTALL_PREFIX=/usr and, where it is known, ORTHODRIVE_COMMIT; docs/packaging.md.
 set(ORTHODRIVE_MAINTAINER "Orthodrive maintainers <maintainers@orthodrive.invalid>" CACHE STRING "Name <address>, for packages")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # One target a folder: orthodrive::<folder>. DEPS are other folders of ours, LIBS are third-party targets
 # that stay private (they do not leak into who links us).
 set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* How high is the road under a wheel? Loads an OpenDRIVE file and asks along a straight line across it, as a simulator
  * asks a thousand times a second for each tyre. Plain C and libroadquery.so, nothing else.
  *

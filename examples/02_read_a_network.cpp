@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is in an OpenDRIVE file? Reads one and prints its roads by class, the elements of their reference lines, its
 // junctions, and how the longest road goes on. Links roadquery alone, which needs nothing but the standard library.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenStreetMap has a road 3 m beside where the photo shows it, and guesses its width. Paints a label map with a true
 // road of 7 m width, gives refine_roads() the displaced line with 5.5 m, and prints what is left of both errors. No
 // files.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One tile of the scene: a hill, a grey photo and one road over it, made in place; the meshes with their sizes, and a
 // point of the road's mesh against the road's own surface: what is seen is what is driven.
 //

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Road length and width by class, out of what `orthodrive build` leaves behind; numpy and GDAL are all that is needed.
 
 Usage: 05_measure_the_roads.py FOLDER     (the folder that was given to `orthodrive build -o`)

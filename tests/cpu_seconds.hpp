@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Time of the processor for tests that bound it: other work on the machine stretches the wall time to any length, this
 /// by a fifth (both measured). It still makes a run slower, never faster, so the least of a few counts.

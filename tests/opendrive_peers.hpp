@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Real readers of OpenDRIVE: the ASAM schema (xmllint) and SUMO (netconvert).
 

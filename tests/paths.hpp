@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where the sources and the programs under test are. Set in paths.cpp alone, so that no other object file depends on
 // the folder of the checkout and the compiler cache serves every clone.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // main() of all test programs: each run has a temporary folder of its own, so that tests which write files of one name
 // can run at one time.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env node
+// SPDX-License-Identifier: Apache-2.0
 // Validates .glb files (or all of a folder) with Khronos' gltf-validator: one line a file, exit code 1 on any error.
 //   npm ci --prefix viewer && node tools/validate_gltf.mjs DIR/scene [more files or folders]
 import {readdirSync, readFileSync, statSync} from 'node:fs';

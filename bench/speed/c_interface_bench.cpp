@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a query costs a simulator: through libroadquery.so, not inlined, on a network of a site. CPU time of one core,
 // the least of several rounds.
 //

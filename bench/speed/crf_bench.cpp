@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Dense CRF, megapixels a second: two windows of 1024 x 1024 px on two threads (as segment_mosaic would), lattices
 // built and ten mean-field iterations with both kernels. How many lattice vertices there are depends on the photo; set
 // ORTHODRIVE_BENCH_PPM to a real one (gdal_translate -of PNM -srcwin ... photo.tif photo.ppm, at least 2048 x 1024 px),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG heights a second: a point that moves along a measured-like grid (1 cm rows and columns on a bend), by (u, v)
 // and by (x, y), points all over it, and the road query with and without such a file laid on its road.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Heights and network against the length of the roads: a town of streets every 100 m, every seventh one a tertiary road
 // that others pass under where both are, on hills seen through a grid of 10 m with noise. Nodes every 2 m. Usage:
 // bench_heights [kilometres ...]; a line a case: km, nodes, seconds of elevate and of network, peak memory of the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Refinement of roads against the size of the area and the number of nodes: labels of a synthetic village, repeated
 // until there are 400 megapixels, and as many of its roads as a case asks for. The reference took 37 minutes for 17,714
 // nodes. Usage: bench_refine [megapixels] [nodes ...]; prints a line a case: nodes, kilometres, seconds, nodes a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How fast is the road query on a map? CPU time through libroadquery's functions, which are not inlined.
 //
 //   bench_road_query MAP.xodr [POINTS]     routes along the links, any order, the worst of POINTS queries

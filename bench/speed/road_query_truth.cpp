@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Does the query name the right road? Points from known (road, s, t) of a map, asked with their height and without or
 // with a cursor.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Steps of a car a second: on a plane, which is the car alone, and on a road that its tyres ask. 300 times real time at
 // 1 kHz are 3.3 us a step.
 

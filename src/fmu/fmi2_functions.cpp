@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C functions of FMI 2.0 (Functional Mock-up Interface 2.0.4, ch. 2 and 4) for co-simulation, over the same
 // instances as those of FMI 3.0.
 

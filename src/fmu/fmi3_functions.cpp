@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C functions of FMI 3.0 (Functional Mock-up Interface Specification 3.0, ch. 2 and 4) for co-simulation.
 // Signatures are those of the standard. What belongs to other kinds of FMUs, or to capabilities that the
 // modelDescription denies, must exist and returns fmi3Error.

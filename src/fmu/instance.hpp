@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // One instance of an FMU: values, the model behind them, and the order in which things may happen. The same for FMI 2.0
 // and 3.0.

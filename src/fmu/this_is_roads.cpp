@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "fmu/instance.hpp"
 
 const fmu::ModelKind& fmu::this_model() { return road_model(); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads as tables: what the query evaluates instead of the exact functions of road_surface.hpp, a few nanoseconds a
 // point. Every station is compared with the exact reference line when it is made.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Evaluation of baked roads: the foot of a point on a station's piece of line, and the surface there. Inline, because
 // this is what a tyre waits for.

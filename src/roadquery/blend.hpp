@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The one rule of how overlapping roads make one surface: for the query and for the mesh.
 

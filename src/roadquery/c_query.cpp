@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // C interface: what is under a point, and where a point of a road is.
 
 #include <algorithm>

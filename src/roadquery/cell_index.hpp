@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which stations of baked roads lie over a place: a hash table of square cells.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a connecting road has from the roads that it connects where its file does not say it.
 

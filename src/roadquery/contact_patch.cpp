@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "roadquery/contact_patch.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The plane that a tyre's contact area, or a plate of a simulator, stands on.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A road surface as a curved regular grid (ASAM OpenCRG 1.2): heights over a reference line of equal steps.
 //   z(u, v) = z of the reference line + banking(u) v + grid(u, v), bilinear between the rows u_i and the columns v_j.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The clear-text part of an OpenCRG file, up to the line $$$$.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Binary data that was sent as text: every CR LF pair in it became LF, and all values after one are shifted by a byte.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // On which side of the road one drives: OpenDRIVE's rule RHT (right) or LHT (left).
 

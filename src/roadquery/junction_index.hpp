@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Junctions with a surface of their own, side by side in memory.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where a junction's own surface is the answer, whatever else lies there.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The surface of a junction: a height field over its paved area that meets the roads at its arms exactly. Pure
 // functions, no allocation in contains() and evaluate(), safe from any thread.

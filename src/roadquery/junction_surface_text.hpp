@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A junction's surface as text: what stands in the userData of <junction>. Writer and reader share this one form.
 //

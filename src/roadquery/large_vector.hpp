@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A vector for tables that are read at random: in pages of 2 MB where Linux grants them. A page of 4 KB costs a walk
 // through the page tables for nearly every access to a table of many megabytes, as much as the access itself.

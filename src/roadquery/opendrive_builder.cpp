@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenDRIVE, element by element. Elements are told apart by their name and their parent's; what the structs of
 // road_map.hpp do not hold (signals, objects of other kinds, ...) is passed over.
 

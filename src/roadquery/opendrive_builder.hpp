@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads out of the elements of an OpenDRIVE file, whichever parser reads its XML.
 

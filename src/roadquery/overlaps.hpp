@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which surfaces of baked roads lie one over or beside the other.
 

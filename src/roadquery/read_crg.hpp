@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Reads OpenCRG files (*.crg), ASAM OpenCRG 1.0 to 1.2: formatted (LRFI, LDFI) and binary (KRBI, KDBI).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenDRIVE files, read with expat.
 
 #include <expat.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The outer borders of all roads on the ground, as 3D line segments: where the terrain meets them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OpenCRG surfaces laid on the roads of a map, as OpenDRIVE says (1.7, 10.6; formulas in 1.9, 10.6.1).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads as OpenDRIVE 1.7 describes them, as plain structs of the standard library. The one surface definition: the
 // network stage builds it, io writes it, the mesh, the drive and the query evaluate it with the functions in

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which road, and how high, is under a point? Made for tyre contact points that ask thousands of times a second.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Evaluation of roads: reference line, profile, lanes, surface. Pure functions, no allocation, safe from any thread.
 

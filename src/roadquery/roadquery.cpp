@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // C interface: loading, and what is in the map.
 
 #include "roadquery/roadquery.h"

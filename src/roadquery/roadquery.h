@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* C interface of the road query, for simulators in any language. Exports of libroadquery.so; no exception leaves it.
  *
  *   rq_map* map;

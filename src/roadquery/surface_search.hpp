@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The steps of a road query: which surfaces lie over a point, and which of them are its level.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Heights of the ground on a grid, as an ESRI ASCII grid holds them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A car on four wheels: rigid body with six degrees of freedom, suspension, tyres, drive train. docs/vehicle.md.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "vehicle/car_geometry.hpp"
 
 #include <cmath>

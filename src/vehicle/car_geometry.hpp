@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What follows from the parameters once and for all: where the masses are and how the hubs move.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a car is made of. Files of models/vehicles hold the values, each with its unit and source; read_car.hpp reads
 // them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a car tells about itself, and how it is put on the road.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Every value of a car: where it stands in a file, its unit and the range that is accepted. Reading, checking and the
 // table of docs/vehicle.md all go through this list.

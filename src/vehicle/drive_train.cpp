@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "vehicle/drive_train.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Everything that turns: engine, clutch, gears, differentials, brakes, wheels.
 

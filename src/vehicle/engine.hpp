@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Engine: torque over speed and pedal, idle, rev limit, fuel.
 

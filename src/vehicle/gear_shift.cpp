@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "vehicle/gear_shift.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Steady forces of a tyre: Magic Formula, Pacejka, Tyre and Vehicle Dynamics, 3rd ed. 2012, sec. 4.3.2 (eq. 4.E..).
 

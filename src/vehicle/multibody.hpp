@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Equations of motion of a body with four hubs that slide along straight paths in it.
 

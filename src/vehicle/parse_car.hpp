@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Parameter files of cars (models/vehicles): a small part of TOML. docs/vehicle.md lists keys, units and ranges.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Transient slip of a tyre: the deflection of its contact patch, after Pacejka (3rd ed. 2012), ch. 7 (single-contact-
 // point model) and sec. 8.6 (towards standstill).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bad data: one clear line, exit code 1, nothing half-written, earlier outputs untouched.
 
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What holds for every sub-command: help, exit codes, missing files.
 
 #include "app/expect_clean_failure.hpp"

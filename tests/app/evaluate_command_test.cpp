@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The command: what it accepts as truth, and what it prints. Files are written by the tool itself (synth) or by hand.
 
 #include <gtest/gtest.h>

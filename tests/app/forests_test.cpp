@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The MRF baseline from the command line: learn forests from a labelled photo, refine roads with them.
 
 #include <nlohmann/json.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive network` with all the files it can write.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive new` as people call it: one file written, or one line and nothing.
 
 #include "app/expect_clean_failure.hpp"

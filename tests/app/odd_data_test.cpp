@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Odd data, from files to a road network: what comes out can be driven, and findings say where and what was assumed.
 
 #include <fmt/format.h>

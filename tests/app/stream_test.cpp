@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole mosaics through the tool: memory that does not grow with them, and photos of unusual kinds.
 
 #include <sys/resource.h>

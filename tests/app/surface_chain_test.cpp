@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a road is made of, from the OSM tag to the lane under a tyre.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sub-command as users run it: files, not structs.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive-train` on a pack against `orthodrive train` on the files the pack was made of.
 #include <algorithm>
 #include <fstream>

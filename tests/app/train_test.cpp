@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive train` as a user meets it: what a run leaves in its folder, going on after a kill, stages, the CRF, and
 // whatever may be wrong with data, weights and checkpoints. Networks learn next to nothing in the few steps here;
 // whether they learn is tested in tests/segment.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive view` as a web server: what it gives out, what it keeps to itself, how it starts and ends.
 
 #include <arpa/inet.h>

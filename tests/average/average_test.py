@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """tools/average on small model files made in place."""
 import json
 import pathlib

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The baseline of the thesis: does it count pixels right, and do its two weight sets behave as table 3.4 says?
 
 #include "orthodrive/baselines/nlo_roads.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Photos of exact little scenes: every class its colour, with noise of its own roughness.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/baselines/reference_heights.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Superpixels and their features on photos of two plain colours.
 
 #include "orthodrive/baselines/superpixels.hpp"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Asks one of ASAM's checkers about a file: asam_checker.py qc_opendrive|qc_openscenario FILE RESULT.xqar. Prints how many of
 its checks ran and what it found, by level, as JSON."""
 import json

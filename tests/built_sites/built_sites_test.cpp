@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `orthodrive build` made of the village and of Kvarnbyn, before real readers and against the truth.
 
 #include <gtest/gtest.h>

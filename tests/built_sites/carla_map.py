@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Compares CARLA's view of an OpenDRIVE file with ours: carla_map.py FILE.xodr ASK.json. ASK holds `points` [road, lane, s, x,
 y, z of the surface, z of the reference line] in coordinates of the CRS, `lanes` [road, lane, s of its end] and `links` [road, lane, next
 road, next lane]. CARLA's map (no server) is asked for the waypoint at each point and for what follows each lane."""

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The road networks of whole sites before three readers of OpenDRIVE that others keep: ASAM's checker, CARLA's map and
 // SUMO's traffic. tools/setup --peers installs the first two.
 

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """The outputs of a build open in QGIS, and QGIS draws them with the styles beside them, without anybody asking.
 
 Usage: qgis_styles.py BUILT_FOLDER. Exit code 77: QGIS is not here (tools/setup --peers installs it).

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """item.json of a build is what STAC 1.0.0 asks of an item, and says what is true of the folder.
 
 Usage: stac_item.py BUILT_FOLDER. The rules are those of the item specification (github.com/radiantearth/stac-spec,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Random trips on a SUMO net: sumo_trips.py NET.xml FOLDER --trips N --seed S. One vehicle sets out every three seconds, from
 anywhere to anywhere at least 300 m away that it can reach (randomTrips.py of SUMO). Collisions count on junctions, too. Prints what
 came of them as JSON."""

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where models and the viewer are looked for, and what is said when they are not there.
 
 #include "orthodrive/core/find_resource.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ending early: requests, signals, and what does not listen. Each in a process of its own: a request cannot be taken
 // back.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The dense CRF told slowly: a permutohedral lattice in a std::map, the O(n^2) Gaussian itself, and mean field over
 // either, all in double. Truth for the tests of the fast one. Written from the papers' formulas and Kraehenbuehl's

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Checks the pages: docs/**/*.md and README.md.
 
 - Every path in back quotes exists: `tests/roads`, `src/roadquery`, and with the name of a room `refine/fit_chain` (the

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Each check of check_docs.py finds the fault that it is for, in a small tree made here, and finds none without it."""
 import tempfile
 import unittest

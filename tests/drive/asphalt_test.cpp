@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A car that keeps to its line leaves the asphalt nowhere.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a wheel finds beside its road.
 
 #include "orthodrive/drive/monitored_road.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG files under the wheels.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Banking and crown: measured on terrain with a known bed, and by the rules of design.
 
 #include <gmock/gmock.h>

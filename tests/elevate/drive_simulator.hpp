@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A road known exactly, a terrain model's idea of it, and a car that drives on it with sensors as real ones err.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All of stage elevate at once: what heights, banking and drive logs must agree on.
 
 #include "orthodrive/elevate/elevate_roads.hpp"

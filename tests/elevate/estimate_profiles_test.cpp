@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/elevate/estimate_profiles.hpp"
 
 #include <gmock/gmock.h>

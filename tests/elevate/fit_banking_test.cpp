@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels of banking: pixels of a terrain model across a road, and the fit along one chain.
 
 #include "orthodrive/elevate/fit_banking.hpp"

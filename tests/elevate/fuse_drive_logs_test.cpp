@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/elevate/fuse_drive_logs.hpp"
 
 #include <gmock/gmock.h>

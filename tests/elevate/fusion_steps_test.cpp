@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The steps of fuse_drive_logs one by one: samples, meetings, the given profile, rows.
 
 #include <gmock/gmock.h>

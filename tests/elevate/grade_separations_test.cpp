@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which road passes over the other, and where the terrain is the road.
 
 #include "orthodrive/elevate/grade_separations.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What must hold of profiles: no kinks, limits of the class, clearance, error bars; and the reference's methods beside
 // them.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One real minute of driving (comma2k19): the halves of its information must agree. There is no map and no terrain of
 // the place, so the road is drawn along the drive itself, with a height profile as coarse as a poor terrain model's.
 // Prints numbers of docs/measured/drive_logs.md (tools/measure drive-logs).

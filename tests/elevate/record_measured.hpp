@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a test measures, as a property of its result: `tools/measure drive-logs` reads these from googletest's JSON
 // report.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Straight roads with a node every 2 m, for tests of kernels.
 

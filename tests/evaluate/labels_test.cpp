@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Label scores from maps small enough to count by hand.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Network scores of maps made by hand, each with one known fault.
 
 #include <gtest/gtest.h>

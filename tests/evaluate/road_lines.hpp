@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads along given lines, for the tests of this folder. Lines are in metres from `origin`.
 

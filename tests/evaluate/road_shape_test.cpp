@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Measures of refined roads that go beyond area and offset: smoothness, moves away from the truth, polygons.
 
 #include <gtest/gtest.h>

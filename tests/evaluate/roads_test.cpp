@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Road and height scores: disturb exact roads by a known amount and read it off the score.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The photo is a formula, the picture of the tile is drawn from it with a known shift.
 #include "orthodrive/evaluate/texture_position.hpp"
 

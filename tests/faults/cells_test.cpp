@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive cells`: a build that several processes share has the bytes of one, whoever is killed.
 
 #include <signal.h>

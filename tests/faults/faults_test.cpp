@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Kills, stops, full disks, folders without permission, sources that change: the same bytes in the end, or one clear
 // line and nothing lost.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What reruns a stage of `orthodrive build`, and what it says of it.
 
 #include <fstream>

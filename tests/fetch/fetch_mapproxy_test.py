@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, a grid in UTM; and a whole build of it. Where MapProxy or the
 photo is missing: says so and ends with 77. Usage: fetch_mapproxy_test.py TOOL SOURCE_TREE"""
 import json

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """`orthodrive fetch` against servers on loopback, with and without faults. Usage: fetch_test.py TOOL [unittest's words]"""
 import json
 import os

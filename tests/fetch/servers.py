@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Servers on loopback for the tests of `orthodrive fetch`: tiles and files with ranges, and a proxy that injects faults."""
 import hashlib
 import http.client

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Serves one picture as every tile, fast enough that the client is what is measured. Prints its port.
 // Usage: fetch_tile_server PICTURE THREADS
 

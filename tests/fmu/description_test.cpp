@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The modelDescription.xml: valid against the schema of FMI, and in step with the tables.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C functions of the shared libraries, as a simulator loads them: what is allowed when, and errors with text.
 
 #include <dlfcn.h>

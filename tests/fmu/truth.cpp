@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What an FMU must answer, from the libraries themselves. Reads rows of inputs from stdin, writes rows of outputs.
 //   truth_of_fmu roads NETWORK             rows: x y z_guess of four tyres
 //   truth_of_fmu car NETWORK CAR x y z heading speed STEPS     rows: steering throttle brake, each held for STEPS ms

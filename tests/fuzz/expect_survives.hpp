@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Every reader of foreign files gets seeded mutations of a small valid sample. It returns or throws an error that a
 // person can read; it never crashes, hangs or takes memory without bound. A crash leaves the input that caused it in

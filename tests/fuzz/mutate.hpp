@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Seeded damage to a small valid file: what transfers, editors and other people's writers do to files, and worse.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files of pictures, maps, roads, drives and weights.
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """The arrows between rooms hold in every #include, header-only ones too. Prints each break; exit code 1 when there is one.
 
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """The include rule can fail: a small tree with one sin at a time, and one without."""
 import pathlib
 import tempfile

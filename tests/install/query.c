@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* A simulator in C: asks for the road below a point, and for what lies around it.
  * Usage: query FILE X Y Z [TERRAIN.asc] */
 #include <math.h>

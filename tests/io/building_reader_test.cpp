@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Buildings out of OSM and GeoJSON.
 
 #include "orthodrive/io/building_reader.hpp"

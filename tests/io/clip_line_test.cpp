@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lines against areas small enough to draw.
 
 #include "orthodrive/io/clip_line.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG files: those of ASAM with known shapes, our own, and broken ones.
 
 #include <gmock/gmock.h>

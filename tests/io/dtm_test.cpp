@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Terrain models: own grid, warped, holes, cover.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GeoJSON out and in.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Several photos as one: priority, hidden seams, and the same bytes in every window. Photos are painted from one scene,
 // so that the truth of every pixel is known.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Arrays as numpy saves them (NEP 1, format 1.0).
 

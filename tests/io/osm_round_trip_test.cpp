@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What write_osm writes, read_osm reads.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OSM in: tags, roads cut at the area, features, broken files.
 
 #include <fmt/format.h>

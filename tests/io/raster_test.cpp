@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rasters: what is written comes back; what is broken is refused with a remedy.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // roads.gpkg out and in.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Photos read and labels written window by window: the same as all at once, and nothing left behind.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Barriers, water, railways and lamps out of OSM and GeoJSON.
 
 #include "orthodrive/io/surroundings_reader.hpp"

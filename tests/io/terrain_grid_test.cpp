@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What io writes for simulators is what the road query, and GDAL, read.
 
 #include "roadquery/terrain_grid.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tiles come back as they were written, and broken ones give one line.
 #include "orthodrive/io/tile_reader.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Trees out of OSM and GeoJSON.
 
 #include "orthodrive/io/tree_reader.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/math/normal_matrix.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/model/allowed_classes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/model/map_alignment.hpp"
 
 #include <gtest/gtest.h>

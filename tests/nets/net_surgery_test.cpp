@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/nets/net_surgery.hpp"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // models/default.safetensors for tests: as a model, and as a trunk to train from.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bends on slopes: heights and bankings of bends that were eased, and how fast roads may turn about their line.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hand-made networks, small enough to draw.
 
 #include "orthodrive/network/build_network.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Crowns of nodes as lateral shapes of roads.
 
 #include "network_support.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fitting from exact truth: circles, straights, clothoids, profiles.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Gores between a main road and a slip road drawn by hand.
 
 #include "orthodrive/network/gores.hpp"

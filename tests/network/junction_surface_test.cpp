@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface of junctions from exact truth: planes, slopes, crowns, arms that disagree, and what must hold for all.
 
 #include "orthodrive/network/junction_surface.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What lies beside the driving lanes: which strips a carriageway has, and that they fill it along roads and junctions.
 
 #include "orthodrive/network/lane_rests.hpp"

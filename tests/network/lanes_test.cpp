@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lanes, their markings and their tapers; turn lanes, restrictions and roundabouts at junctions.
 
 #include "orthodrive/network/lanes.hpp"

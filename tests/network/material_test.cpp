@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What lanes are made of, from the paths to the file and back.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The network as GeoPackage and GeoJSON, read back by OGR.
 
 #include "orthodrive/io/network_layers.hpp"

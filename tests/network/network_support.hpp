@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Small road networks drawn by hand, and what must hold for every map.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Our files before real readers: our own, the ASAM schema (xmllint) and SUMO (netconvert); and real towns from OSM.
 
 #include <gmock/gmock.h>

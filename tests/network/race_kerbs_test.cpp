@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Kerbs of race tracks drawn by hand, whose curvature is known.
 
 #include "orthodrive/network/race_kerbs.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/network/raise_sidewalks.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Profiles of connecting roads on surfaces of which the heights are known.
 
 #include "orthodrive/network/refit_profile.hpp"

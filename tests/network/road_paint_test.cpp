@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stop and give-way lines, arrows and crosswalks.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What we write is what we read: the surface of every road at random places, and everything that hangs on a road.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG surfaces of roads against the roads' own surface.
 
 #include "orthodrive/network/sample_crg.hpp"

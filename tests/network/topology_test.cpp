@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ways cut into pieces, pieces joined to chains: small networks drawn by hand.
 
 #include "orthodrive/network/topology.hpp"

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Manual pages and completions that the tool writes of its command table, against what its --help says, read by groff, bash, zsh and fish.
 
 Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and the rest is right.

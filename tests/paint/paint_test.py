@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """tools/paint on a photo made in place. Usage: paint_test.py SOURCE_TREE. Exit code 77: Pillow or SciPy is missing."""
 import json
 import pathlib

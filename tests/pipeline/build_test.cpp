@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `orthodrive build` as a whole, on a small village: same bytes, resuming, bad input.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The catalogue that comes with the tool, and site files made of it. Nothing here asks a server.
 
 #include "orthodrive/pipeline/catalogue.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Descriptions that people write: TOML, tables, JSON.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/pipeline/map_labels.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Roughness that a drive measured, in the OpenCRG files of the network.
 
 #include "orthodrive/pipeline/road_relief.hpp"

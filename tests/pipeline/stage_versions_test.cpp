@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether somebody changed what a stage makes and forgot its version. The stages after segment run on fixed labels, and
 // hashes of what they write are compared with those of tests/pipeline/stage_results.txt.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tuning from files to weights, on scenes small enough to refine in no time.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fit of one chain on painted labels, and the profiles that it reads.
 
 #include "orthodrive/refine/fit_chain.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every residual of the chain fit: its analytic derivatives against central differences, and its value by hand.
 
 #include "orthodrive/refine/fit_costs.hpp"

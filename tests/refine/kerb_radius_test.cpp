@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Corners of known radius painted into labels.
 
 #include "orthodrive/refine/kerb_radius.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The dynamic programming of the offset search against all paths, one by one.
 
 #include "orthodrive/refine/level_search.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unpaved roads that the labels show and no tag tells of.
 
 #include "orthodrive/refine/photo_surface.hpp"

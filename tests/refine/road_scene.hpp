@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Exact little scenes: roads of known line and width painted into labels, and the OSM that a mapper would have drawn.
 

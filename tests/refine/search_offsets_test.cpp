@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The first guess of refine: exact on a coarse grid. Profiles are made by hand: cells of 0.25 m, a road where told.
 
 #include "orthodrive/refine/search_offsets.hpp"

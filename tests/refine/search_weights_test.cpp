@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The search itself, on losses whose best weights are known.
 
 #include "orthodrive/refine/search_weights.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/remote/source_record.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Truth from polygons, merge tables, pictures of errors and the page, from maps small enough to count by hand.
 
 #include <gmock/gmock.h>

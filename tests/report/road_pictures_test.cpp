@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/report/road_pictures.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The C interface in plain C99: load, query, poses, patches, lists, errors. Prints what failed; exit code 0 when all is
  * well. Usage: test_roadquery_c arc.xodr FOLDER (for files that the test writes). */
 #include <math.h>

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* After rq_load nothing allocates, and nothing calls the system: malloc and its kin are counted, and the kernel kills
  * the process at any call but write and exit. A lock that waits is a system call, too; that no lock is there at all,
  * check_exports.cmake sees. Usage: test_roadquery_no_calls arc.xodr TERRAIN.asc */

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # libroadquery.so exports rq_* only and needs nothing but the C and C++ runtime.
 execute_process(COMMAND nm -D --defined-only ${LIBRARY} OUTPUT_VARIABLE SYMBOLS COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" LINES "${SYMBOLS}")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The mean plane under a rectangle.
 
 #include "roadquery/contact_patch.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG files made ready for the query: against a real peer, closed forms and the files' own numbers.
 
 #include "roadquery/crg_grid.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a query answers does not depend on where its cursor was, nor on what else is asked for.
 
 #include <gtest/gtest.h>

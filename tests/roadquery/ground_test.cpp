@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Terrain grids, the borders of roads, and the ground between the two.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface of a junction as exact functions: planes, quadratic fields, arms with a crown.
 
 #include "roadquery/junction_surface.hpp"

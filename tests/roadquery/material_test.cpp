@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What lanes are made of: names of surfaces, and <material> as others write it.
 
 #include <gtest/gtest.h>

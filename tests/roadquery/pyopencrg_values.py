@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Heights and slopes of one OpenCRG file under every option and modifier that changes them, by a real peer: PyOpenCRG 0.2.2.
 
     pip install numpy PyOpenCRG==0.2.2

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG files laid on roads: every mode against its formula in OpenDRIVE (1.9, 10.6.1), and what is refused.
 
 #include "roadquery/road_crgs.hpp"

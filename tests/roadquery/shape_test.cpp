@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Roads whose cross section is not a plane: <shape> of the lateral profile.
 
 #include <gtest/gtest.h>

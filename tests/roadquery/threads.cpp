@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One map, four threads, each with its own cursors: the same answers as of one thread, and no data race that
 // ThreadSanitizer sees (this program and the library are built with it). Usage: test_roadquery_threads NETWORK
 // TERRAIN.asc

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One rule says which road runs on into which, one walker makes chains of it.
 
 #include "orthodrive/roads/continuation.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Junctions where lines meet: checked against solutions by hand.
 
 #include "orthodrive/roads/join_junctions.hpp"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Inside Blender: imports a glTF file and writes what has come of it as JSON.
 
 blender -b --factory-startup --python blender_import.py -- FILE.glb OUT.json

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Blender imports what `orthodrive export` writes of a built site: the same objects, triangles, places and pictures.
 
 Usage: blender_test.py TOOL SITE_FOLDER BUILT_FOLDER OUT_FOLDER. Exit code 77: there is no Blender.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Buildings on small sites: where they stand, how high, and that nothing overlaps.
 
 #include "orthodrive/scene/buildings.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Car parks, paths and gravel on small sites: beside roads and buildings, areas and bays whose number is known.
 
 #include "orthodrive/scene/ground_cover.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hedges, walls, railways, lamps and water on small sites: where they stand, and that nothing stands on a road.
 
 #include "orthodrive/scene/line_objects.hpp"

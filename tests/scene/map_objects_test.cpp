@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signs, traffic lights, furniture, towers and wires: where they stand and look, and that none stands on a road.
 
 #include "orthodrive/scene/map_objects.hpp"

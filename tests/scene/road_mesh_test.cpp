@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The road mesh keeps to the roads' surface within 2 cm, everywhere and not only at its vertices; its triangles keep to
 // lanes.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/scene/road_paint.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Roofs over footprints whose roof is known exactly.
 
 #include "orthodrive/scene/roof.hpp"

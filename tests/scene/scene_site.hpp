@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Small sites with exact truth for the tests of the scene, and what must hold for every mesh.
 

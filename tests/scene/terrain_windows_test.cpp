@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Terrain read in windows: holes are filled the same whichever window shows them.
 #include "orthodrive/scene/terrain_windows.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Crowns in painted woods.
 
 #include "orthodrive/scene/tree_crowns.hpp"

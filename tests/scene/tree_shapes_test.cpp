@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The wood that trees are copies of.
 
 #include "orthodrive/scene/tree_shapes.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Trees on small sites: nothing of them over a road, nothing in a building.
 
 #include "orthodrive/scene/trees.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tunnels and decks: what lies over and beside them, and that their roads go on in those on the ground without a crack.
 
 #include "orthodrive/scene/tunnels.hpp"

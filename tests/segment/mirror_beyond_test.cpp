@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/segment/mirror_beyond.hpp"
 
 #include <gtest/gtest.h>

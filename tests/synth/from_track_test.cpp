@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sites round surveyed tracks: a made-up one whose edges are known by formula, and the Red Bull Ring.
 
 #include <fmt/format.h>

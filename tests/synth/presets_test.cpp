@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The circuit and the motorway junction: what must hold for every seed, and small painted sites.
 
 #include <gtest/gtest.h>

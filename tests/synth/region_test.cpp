@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Regions: what the plan must hold for every size and seed, and a small one painted tile by tile.
 
 #include <gtest/gtest.h>

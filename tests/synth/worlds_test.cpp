@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Other worlds: grids, lanes and farmland, seasons, pavements, low suns. All from exact truth.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/train/disturbed_map.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/train/train_network.hpp"
 
 #include <gtest/gtest.h>

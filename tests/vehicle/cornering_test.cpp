@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The steady circle against linear theory; mirror images; the driver's envelope against the car itself.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Differentials, all-wheel drive, gears, idle.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parameter files: what is read, and one clear line for each way to be wrong.
 
 #include <gmock/gmock.h>

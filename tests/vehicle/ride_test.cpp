@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Heave, pitch and wheel hop against the two-mass model solved in closed form.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The car at rest, on level roads, slopes and banks.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ahead: brakes, coasting, power, top speed, energy, and the size of the step.
 
 #include <gtest/gtest.h>

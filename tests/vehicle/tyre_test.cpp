@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Magic Formula against the formula written out, and the transient slip against its closed form.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a network gains that adapts to a site, and what that costs. Writes docs/measured/adapt.md.
 
     tools/measure adapt --model out/without_town/model.safetensors --only kvarnbyn      a model that has not seen the town

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Banking: synthetic sites against their truth, and how Kvarnbyn's bends lie. Writes docs/measured/banking.md and a picture.
 
 Estimates banking on the true lines of the folders village-11 to -14, village-99, circuit and junction (made where they lack),

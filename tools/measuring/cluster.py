@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A build shared by two nodes of a Slurm cluster, one of them lost half-way. Writes docs/measured/cluster.md.
 
 Slurm's daemons run on this machine, on the loopback, with one core a node: two nodes need two cores and nothing else beside them.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the sub-commands of tools/measure share: paths, running the tool, numbers as text, results, tables in pages."""
 import decimal
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draws lanes, markings and connecting roads of places of an OpenDRIVE file as SVG.
 
 Several places become panels beside each other, three in a row.

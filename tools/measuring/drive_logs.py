@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Drive logs: simulated drives with exact truth, their roughness, the real minute. Writes docs/measured/drive_logs.md.
 
 The drives and their truth are those of tests/elevate. Each test records what it measures as a property of its result

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A family car on every road of a town, by drive --all-roads. Writes docs/measured/every_road.md.
 
 Give networks as NAME=FILE, for example  --files Kvarnbyn=out/kvarnbyn/roads.xodr Pardubice=out/pardubice/roads.xodr

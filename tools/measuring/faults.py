@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Faults of `orthodrive build`: kills, stops, full and read-only disks, permissions, clocks, sources, a second host. Writes docs/measured/faults.md.
 
 By hand: some minutes. Builds two synthetic sites, disturbs builds of them, lets the same command finish and compares all files that

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """`orthodrive fetch` from loopback: tiles a second, tiles under injected faults, kills. Writes docs/measured/fetch.md.
 
 Needs fetch_tile_server of the tests (cmake --build build/release --target fetch_tile_server), Debian's python3-numpy and python3-pil.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Learns the forests that `orthodrive refine --method mrf` needs: too large to be kept in the repository.
 
 villages: from six synthetic villages of 0.2 m/px, made where missing -> OUT/forests_villages.yml

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How often readers of foreign files were run by libFuzzer without a finding left. Writes docs/measured/fuzz.md.
 
 Runs `tools/fuzz` and adds what ran to bench/results/fuzz.json. A finding takes the count of its reader back to nothing, and so does

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The pictures of docs/measured/elevate.md, as the reference's figures 3.9 and 3.10."""
 import math
 

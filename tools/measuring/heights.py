@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Heights: all methods and samplings of `elevate`, on Kvarnbyn and synthetic sites. Writes docs/measured/elevate.md.
 
 Tables and pictures; some minutes on two cores. Synthetic roads are the true lines, so that heights alone are measured.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Junction surfaces of built sites: size, heights, kerb radii. Writes the table of docs/measured/junctions.md.
 
 Give built sites as NAME=FOLDER, for example  --sites village=out/village kvarnbyn=out/kvarnbyn

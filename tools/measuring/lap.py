@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Laps of the Red Bull Ring: the cars on the real track, on its heights and flat. Writes docs/measured/lap.md.
 
 Makes the site of ../shared/data/spielberg (real edges and heights), writes its true roads as OpenDRIVE and drives them: a few

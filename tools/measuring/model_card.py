@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measures a model and writes the numbers into its card, between its marks.
 
 Needs the data in ../shared/data, the painted pieces (tools/measure painted) and the synthetic sites that models/regions.toml names (made here

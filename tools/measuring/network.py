@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """OpenDRIVE networks of the real towns: scores, schema, SUMO. Writes the tables of docs/measured/network.md.
 
 Needs the refined roads "SITE drawn.default.gpkg" that `tools/measure refine` leaves in out/refinement/roads, netconvert,

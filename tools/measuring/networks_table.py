@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The comparison of networks: trains and measures them. Writes the tables of docs/measured/segment.md.
 
     tools/measure networks train [NAME ...]      what is not trained yet; hours on two cores

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """OpenDRIVE files of two versions: bytes by kind of element, entries, and how far their surfaces lie apart. Writes a part of docs/measured/network.md.
 
     tools/measure opendrive pardubice before.xodr after.xodr

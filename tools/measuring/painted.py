@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Renders images and labels of the painted pieces into out/painted, for experiments with [[images]]."""
 from measuring.common import *
 

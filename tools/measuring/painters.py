@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How well two independent paintings of the hand-made test pieces agree: what a network can reach at most on them.
 
 Prints JSON: road IoU, mean IoU over the classes, pixel accuracy, road IoU of each piece. Both paintings are drawn on a grid of half a metre; `unknown` in either does not count.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures of built sites, from the driver's seat and from the air, for docs/pictures.md; with --sheets twenty a site.
 
     tools/measure pictures --sites kvarnbyn=out/kvarnbyn ring=out/ring

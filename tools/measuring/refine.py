@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Road refinement: all methods on synthetic and real sites. Writes docs/measured/refine.md.
 
 With both MRF polygons and three NLO weight sets it takes three quarters of an hour on two cores; the default alone three

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Regions x models: road IoU on held-out data, and on regions left out of the training. Writes docs/measured/regions.md.
 
     tools/measure regions --model default=models/default.safetensors --model third=out/worlds/model.safetensors

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The road query: speed, load and wrong roads on built sites. Writes docs/measured/roadquery.md, c_interface.md, opencrg.md.
 
 Runs bench_road_query, bench_road_query_truth and bench_c_interface of build/release on every site given by --site

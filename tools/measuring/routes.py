@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Do the lanes that SUMO reads from our OpenDRIVE connect what OpenStreetMap connects? Prints JSON.
 
 Draws pairs of directed roads (1000, always the same ones) from the largest part of the OSM graph in which every place can be

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How a build grows with its area: seconds, memory and disk of each stage. Writes docs/measured/scaling.md and its curve.
 
 By hand, on a machine that does nothing else: 100 km2 take a quarter of an hour, to make the site as long again (25 minutes where

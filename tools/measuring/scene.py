@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The scene stage on built sites: time, memory, size, and what `evaluate scene` finds. Writes docs/measured/scene.md.
 
 Give sites as NAME=SITE_TOML=OUT, OUT the folder that `orthodrive build SITE_TOML` wrote, for example

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where the scene stage's time goes, by perf: samples of the processor whose call stack holds a function of a part.
 
     tools/measure scene-parts --sites village=village/site.toml=village/out

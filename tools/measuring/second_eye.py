@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a network that sees the map adds: labels, alignment of the map's roads, refined roads. Writes docs/measured/second_eye.md.
 
     tools/measure second-eye --eye out/second_eye/model.safetensors

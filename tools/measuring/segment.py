@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Segmentation: speed, memory, windows against the whole, road IoU. Writes a table of docs/measured/segment.md.
 
 A quarter of an hour on two idle cores; parts that are not named keep their last values from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Whole sites: seconds, memory, and the village against its exact truth. Writes docs/measured/site.md.
 
 Builds every site from nothing: half an hour on two cores. What is not measured in this run keeps its last values from

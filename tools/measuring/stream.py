@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The viewer on a large site: first picture, memory, holes, triangles and draw calls while driving. Writes docs/measured/stream.md.
 
 Give sites as NAME=OUT, OUT the folder that `orthodrive build` wrote, for example

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The car: its checks against closed forms and its speed. Writes docs/measured/vehicle.md.
 
 Runs test_vehicle and bench_vehicle of build/release (a minute). With --table nothing runs: the page is written from the last

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Verdict of `evaluate network` on OpenDRIVE files. Writes the tables of docs/measured/verdict.md.
 
 Give files as NAME=FILE, for example  --files village=out/village/roads.xodr kvarnbyn=out/kvarnbyn/roads.xodr

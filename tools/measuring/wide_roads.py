@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Widths of wide and narrow roads against surfaces drawn by hand. Writes docs/measured/road_surface.md.
 
 Motorway-like carriageways, roundabout rings, service ways and tracks by the widths in roads.gpkg; gores by the lanes and

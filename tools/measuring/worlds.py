@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Makes the synthetic sites of other worlds that models/training/worlds.txt lists, in out/synth.
 
 Sites that are there already are left as they are. --experiment prints the [[raster]] tables that an experiment in

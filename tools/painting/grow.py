@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Seeds grown to regions: a pixel takes the class of the seeds nearest to it in colour, texture and place.
 
 Meant for what has no sharp outline (lawn, bare trees, trodden soil); roads and buildings are drawn as polygons.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Photos as arrays; a piece is cut out with what lies around it."""
 import os
 

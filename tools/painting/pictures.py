@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pictures for the painter: a piece with a grid in metres, and what was painted over it."""
 import numpy
 from PIL import Image, ImageDraw

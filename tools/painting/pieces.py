@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Pieces as polygons: from the painter's sheet, to GeoJSON and back, and as label images.
 
 GeoJSON features have `piece`, `class`, `photo` and `held_out`; later ones cover earlier ones. Coordinates are pixels of

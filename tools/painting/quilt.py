@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Textures quilted out of painted photos: Efros and Freeman, Image quilting for texture synthesis and transfer, 2001.
 
 A texture is the detail of a class without its colour: each source patch is divided by its own mean, so that a tile holds 128 where it is as

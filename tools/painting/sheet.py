@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The painter's sheet: what is painted, as text. Coordinates are metres in the piece, x to the right, y down.
 
     piece NAME PHOTO X_M Y_M [held_out]     a square of 100 x 100 m; its top left corner in the photo

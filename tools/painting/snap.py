@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Draws the sides of a polygon to edges in the photo.
 
 Each side longer than `min_side_m` is moved along its normal to where the brightness changes most along the whole side,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The car on the roads of a site, for WebAssembly: the same surface and the same vehicle as the tool's own drive. One
 // of each a module. src/driving.ts is the other side.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "lane_strips.hpp"
 
 #include <algorithm>

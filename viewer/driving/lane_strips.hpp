@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The lanes of all roads as strips of triangles on the surface that is driven, for pages to draw.
 

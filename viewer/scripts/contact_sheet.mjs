@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures of a built site from the driver's seat, evenly along its lap, on one sheet:
 // node viewer/scripts/contact_sheet.mjs SITE_DIR TOOL OUT.jpg [COUNT]
 // Beside the sheet, in a folder of its name, lie the single pictures.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Measures how the viewer streams a built site in Chromium: node measure_stream.mjs SITE_DIR TOOL [name=value ...], JSON on stdout.
 //   length=10000 m of the lap at speed=50 m/s, looked at from camera=driver (or follow). By the clock, or with step=0.2 as if
 //   every picture took 0.2 s: for machines that draw slower than that, where loading is as slow.

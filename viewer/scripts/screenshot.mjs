@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A picture of a built site, for documents: node viewer/scripts/screenshot.mjs SITE_DIR TOOL OUT.png ['?camera=follow&t=20']
 // A name that ends in .jpg: a JPEG without the page's cards.
 

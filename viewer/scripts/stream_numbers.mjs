@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What measure_stream.mjs makes of the places of a lap and of what it saw. No browser, no files.
 
 const apart_m = 10; // places of the road ahead that are looked at

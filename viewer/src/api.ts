@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What scripts and tests can ask and do: window.orthodrive.
 
 import type {CameraMode} from './cameras';

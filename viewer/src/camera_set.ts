@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All cameras, and which of them is looked through.
 
 import {PerspectiveCamera, Sphere, Vector3} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The cameras: fly over the map, look straight down, follow the car, go around it, and sit in it.
 
 import {Object3D, PerspectiveCamera, Sphere, Vector3} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driven car where the lap says: its wheels turn, steer and follow the road. Its frame: x ahead, y left, z up, origin
 // on the road under the middle of the wheelbase.
 

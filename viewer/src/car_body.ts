@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shapes of a passenger car as smooth surfaces: cross sections along the car, from the lower edge of one side over the
 // top to that of the other. Panels, windows, lamps and pillars are pieces of such a surface, a little off it.
 // The car's frame: x ahead, y left, z up, origin on the road under the middle of the wheelbase.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a car is made of. What is outside mirrors the sky.
 
 import {type Color, type ColorRepresentation, DoubleSide, MeshLambertMaterial, MeshPhysicalMaterial, MeshStandardMaterial} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of a passenger car of given dimensions: bodywork, windows, lamps, mirrors, and what the driver has before him.
 
 import {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pedals, gear, the circle of accelerations and the loads of the tyres; what the drive does not have is not shown.
 
 import type {CarState, Lap} from './lap';

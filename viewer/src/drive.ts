@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The cars on the roads: the lap that is replayed or the car that somebody drives, the other lap beside it, and what the
 // page tells of them.
 

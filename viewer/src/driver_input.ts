@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Keys, a gamepad and the touch pads of the page as steering wheel and pedals.
 
 import type {Controls} from './driving';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A car to drive oneself: the tool's own vehicle on the roads of the site, as WebAssembly (viewer/driving).
 
 import type {CarState} from './lap';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Findings (odd but not fatal) as dots on the ground; a click on one shows its message.
 
 import {BufferAttribute, BufferGeometry, Camera, Color, Points, PointsMaterial, Vector2, Vector3} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hedges and trees from afar are lumps of few triangles. Here they get leaves: the rim of a lump dissolves into the leaves of
 // its texture, light comes through, and the inside is dark. Trees near by have cards with leaves: they are lit likewise.
 

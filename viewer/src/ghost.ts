@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A second drive beside the first: a car that one sees through, and how far apart in time both are.
 
 import {Scene} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Near the eye the photo is too coarse to be looked at: there the ground shows patterns of what lies there, in the photo's
 // own colours. What lies where comes from the labels' roles and from how green the photo is.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the ground looks like from a metre away: grass, soil, forest floor, paving, gravel. Painted with seeded strokes
 // that go on across the edges, so that the patterns repeat every 2 m. Runs in a worker: it takes some tenths of a second.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import {paintGround} from './ground_patterns';
 
 const patterns = paintGround();

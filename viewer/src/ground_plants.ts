@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tufts of grass around the eye, on the triangles of a tile's terrain: where they stand depends on the triangle alone.
 
 import {

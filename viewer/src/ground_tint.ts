@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /** The photo's colour around a place, without what is smaller than some metres: cars, and the shadows of trees. `green`: 0 to 1. */
 export const groundTintGlsl = `
 float brightness(vec3 color) { return dot(color, vec3(0.2126, 0.7152, 0.0722)); }

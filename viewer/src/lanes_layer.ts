@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lanes of all roads, coloured by their types, on the surface that is driven.
 
 import {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driven lap: rows of lap.csv and the state between them.
 
 /** State of the car; x east, y north, z up in metres from the site's origin; angles in radians. */

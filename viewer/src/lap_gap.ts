@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // When another lap passed the place where a car is: the time gap of two drives side by side.
 
 import type {CarState, Lap} from './lap';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The switches of the page: what is shown, and what is usually shown.
 
 import * as panel from './panel';

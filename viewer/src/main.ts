@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The viewer of a built site: ties scene, cameras, cars and page together, and draws when something has changed.
 
 import './style.css';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fewer draw calls: parts that never move against each other become one mesh a material.
 
 import {BufferGeometry, Material, Mesh, Object3D} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Seeded numbers and noise.
 
 /** Mulberry32 (Ettinger 2017). */

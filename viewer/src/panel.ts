@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The page around the picture: switches, dashboard, timeline.
 
 import type {CarState, Lap} from './lap';

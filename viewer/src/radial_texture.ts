@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 import {CanvasTexture, SRGBColorSpace} from 'three';
 
 /** A round picture of 64 x 64 px: CSS colours at shares of the radius. */

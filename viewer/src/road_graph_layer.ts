@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The roads before and after they were moved onto the photo, and how sure that is: road_graph.geojson.
 
 import type {Object3D} from 'three';

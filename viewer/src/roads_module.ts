@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The roads of the site in the tool's own code, as WebAssembly (viewer/driving): loaded once, for who drives and who looks at lanes.
 
 import wasmUrl from '../../build/driving/driving.wasm?url';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driven lap as a line on the map, coloured by speed.
 
 import {Color} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The car that somebody drives.
 
 import carText from '../../models/vehicles/family_car.toml?raw';

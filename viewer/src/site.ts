@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads what `orthodrive build` left behind: /site/scene/tileset.json, then run.json, drive/lap.csv and lap.xosc,
 // findings.geojson.
 // The scene's frame here is the site CRS less the site's origin: x east, y north, z up, metres.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything that can be switched on and off: the tiles and what is drawn over them.
 
 import type {Scene} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Light and air: sky, sun with shadows, and haze in the colour of the horizon.
 
 import {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sky as surfaces mirror it: one gradient for the dome, for wet-looking asphalt at grazing angles, glass, paint and water.
 
 import {Color, type Material, Vector3, type WebGLProgramParametersWithUniforms} from 'three';

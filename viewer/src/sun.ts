@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the sun stands, in the scene's frame.
 // Low-precision formulae of the Astronomical Almanac (U.S. Naval Observatory), sec. C: within 0.01 degrees from 1950 to 2050.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tileable materials of roads, verges and paint, shared by all tiles: their pictures lie in scene/materials once.
 
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a tile takes of the graphics card's memory.
 
 import {BufferAttribute, InstancedMesh, InterleavedBufferAttribute, Mesh, MeshStandardMaterial, Texture, TypedArray} from 'three';

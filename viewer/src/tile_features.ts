@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the parts of a tile are: roads and buildings by ids of the vertices (EXT_mesh_features), classes by the labels'
 // picture, both with rows of a table (EXT_structural_metadata).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The 3D Tiles of the site and what of them is shown.
 
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';

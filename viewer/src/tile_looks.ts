@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the parts of the tiles look like, by the layers that are shown: photo, materials, classes, normals, relief.
 
 import type {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // WGS84 longitude and latitude to UTM, for what is given as GeoJSON.
 // Krueger's series to the third order in n, good to a millimetre within 3000 km of the central meridian:
 // Karney, Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85 (2011), eq. 7-9 and 35.

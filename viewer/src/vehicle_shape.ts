@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Dimensions of the driven car: what drive/lap.xosc (OpenSCENARIO) says of it.
 
 export interface VehicleShape {

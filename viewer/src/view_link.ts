@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The address of a view: what the page shows as text after the '?', and back.
 
 import {CameraMode, cameraModes, View} from './cameras';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A wheel that stands in the car's frame: axle along y, tyre with round shoulders, rim with spokes on both sides.
 
 import {BoxGeometry, CylinderGeometry, Group, LatheGeometry, Material, Mesh, MeshStandardMaterial, Object3D, Vector2} from 'three';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Opens a built site in a real browser (Debian's Chromium, software rendering) and checks what a person would look at.
 // node viewer/test/browser_test.mjs SITE_DIR TOOL
 // Leaves viewer_*.png in SITE_DIR: of the cameras, the layers, a ghost, a telephone. Exit code 0 when everything is as it should be.

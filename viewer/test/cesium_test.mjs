@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Opens the tiles of a built site in CesiumJS, in Debian's Chromium: another reader of 3D Tiles sees the same site, where it is.
 // node viewer/test/cesium_test.mjs SITE_DIR TOOL
 // Leaves cesium_above.png and cesium_near.png in SITE_DIR. Exit code 0 when everything is as it should be.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks of what the page shows of drives: one's own, the dashboard, a second lap as a ghost.
 
 import assert from 'node:assert/strict';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks of the ground near the eye.
 
 import assert from 'node:assert/strict';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks that texts out of data are shown as texts, and that the page loads and runs nothing but its own.
 
 import assert from 'node:assert/strict';

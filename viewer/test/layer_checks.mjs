@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks of the layers.
 
 import assert from 'node:assert/strict';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Checks of the page on a telephone: 390 px wide, by touch.
 
 import assert from 'node:assert/strict';

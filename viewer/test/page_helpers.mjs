@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the checks of the page share.
 
 import assert from 'node:assert/strict';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Numbers of screenshots. The browser itself decodes the PNGs.
 
 /** In the page: the bytes of the pixels of each PNG. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Starts `orthodrive view` and a browser for the tests.
 
 import {spawn} from 'node:child_process';

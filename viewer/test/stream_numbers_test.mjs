@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What measure_stream.mjs counts, on laps that can be drawn: node viewer/test/stream_numbers_test.mjs
 
 import assert from 'node:assert/strict';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How far the nearest edge of the photo is: road borders should lie on edges.
 //

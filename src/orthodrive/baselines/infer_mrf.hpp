@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Block-coordinate dynamic programming: the best states of one road with all others fixed are found exactly (Viterbi),
 // road after road, until the energy no longer falls.

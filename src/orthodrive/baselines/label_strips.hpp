@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Classification errors counted pixel by pixel in a strip beside a road's border: the sums of eq. 3.3 of "From Aerial
 // Images to Virtual Driving Environments" (2016), sec. 3.3.2.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the MRF sees: three numbers a pixel, read tile by tile, and their sums across each road segment.
 

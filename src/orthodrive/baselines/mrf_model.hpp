@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The Markov random field of Mattyus et al. (2015; thesis sec. 3.2): a site is a straight piece of road, its state an
 // offset along its normal and a width. docs/baselines.md has the energy as formulas.

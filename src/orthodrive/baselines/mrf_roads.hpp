@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The baseline: Mattyus et al., Enhancing Road Maps by Parsing Aerial Images around the World, 2015, with the terms
 // that the reference used (thesis sec. 3.2): road and context forests, image edges, smoothness, no overlap of parallel

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // From the rectangles that the MRF places to road surfaces, both ways of the reference (thesis sec. 3.2.3).
 

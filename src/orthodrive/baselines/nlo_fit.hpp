@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // One path of the baseline (nlo_roads.hpp): resampling, the least-squares problem, the curvature filter.
 

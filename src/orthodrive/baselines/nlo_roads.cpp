@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/baselines/nlo_roads.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The baseline: the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.3.2
 // and 3.3.3, as published. refine_roads is the default method; this one is for comparison.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/baselines/one_cv_thread.hpp"
 
 #include <mutex>

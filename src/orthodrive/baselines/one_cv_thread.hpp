@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OpenCV's own threads off while one of these lives: we run one tile a thread, and SLIC's threads share their sums.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The reference's methods for the heights of roads, one OSM way at a time: moving averages of the terrain (table 3.6)
 // and the nonlinear optimisation of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.4.2.

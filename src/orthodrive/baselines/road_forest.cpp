@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/baselines/road_forest.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Two random forests on superpixels: how likely a pixel is road, and how likely it is what lies beside roads.
 //

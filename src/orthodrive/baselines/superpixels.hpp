@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // SLIC superpixels of a photo (Achanta et al., SLIC Superpixels Compared to State-of-the-art Superpixel Methods, 2012)
 // and what the forests see of each: colour, texture and how it differs from its neighbours.

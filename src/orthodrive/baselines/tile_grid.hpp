@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The fixed grid of tiles in which the photo is worked on, so that no result depends on which window was asked for.
 

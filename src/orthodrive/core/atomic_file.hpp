@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Writing that never leaves a half-written file: write beside the target, then rename, which is atomic (POSIX).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Plain structs to bytes and back: results that one process leaves another of the same program. No format for users.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What was meant by a word that is not known: for messages about keys, values and names that people type.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What went wrong, sorted by who can fix it. Caught once, in app/main.cpp.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the program needs at run time and does not carry in itself: models and the viewer. Found relative to the
 // program, so that an installed tree works wherever it is moved.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Odd but not fatal: what a stage went on with, and where. Findings become points of findings.geojson.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Content hashes (XXH3, 128 bit) for caching and for telling that two outputs are the same. Not for security.
 

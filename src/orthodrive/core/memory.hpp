@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Peak memory of this process, resettable so that each stage has its own figure.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Loops over independent items. Each call writes to its own slot, so the result does not depend on the thread count.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How fast work goes on and how long the rest of it takes, from fractions told from time to time.
 

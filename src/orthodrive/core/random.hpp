@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A small seeded generator whose stream is fixed by us, not by the standard library: same seed, same bytes.
 // splitmix64: Steele, Lea, Flood, Fast splittable pseudorandom number generators, 2014.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Loops whose items several processes make together. Each process runs the same function on the same input; what one
 // has made of an item the others take as bytes, so that all have the same results whoever made which.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Ending a run early and well: a request that loops look at, and signals of the system as such requests.
 

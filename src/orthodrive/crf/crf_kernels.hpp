@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The inner loops of the dense CRF, compiled once a processor family (crf_kernels_*.cpp) and chosen at run time. Values
 // of all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.

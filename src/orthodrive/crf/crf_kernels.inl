@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Included by crf_kernels_*.cpp with ORTHODRIVE_CRF_KERNELS naming the function to define. Everything but that function
 // has internal linkage and nothing of the standard library is instantiated here: code for newer processors must not
 // leak into the rest of the program.

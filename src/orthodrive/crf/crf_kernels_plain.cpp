@@ -1,2 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
 #define ORTHODRIVE_CRF_KERNELS plain_crf_kernels
 #include "orthodrive/crf/crf_kernels.inl"

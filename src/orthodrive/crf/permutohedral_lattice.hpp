@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Gaussian filtering of scattered values in D dimensions, in time linear in the number of points.
 // Adams, Baek, Davis, Fast High-Dimensional Filtering Using the Permutohedral Lattice, 2010. A point lies in a simplex

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where the axles of a car run while the middle of its wheelbase follows a line.
 

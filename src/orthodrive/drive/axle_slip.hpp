@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How far the tyres of an axle have to be turned out of their way for a side force.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Drives every road of a network once: what a car would stumble over is found before it does.
 

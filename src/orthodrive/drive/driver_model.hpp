@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Follows a line at a planned speed with steering wheel and pedals.
 

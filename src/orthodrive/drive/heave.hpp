@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How the body of a car moves up and down on its springs along a line: for planning speeds over bumps.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How far a car's line may be moved sideways so that its wheels stay on the road.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The raw way along a route: points on the roads, not yet a line that a car can follow.
 

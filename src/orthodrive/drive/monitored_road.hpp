@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The roads under a car's wheels, with note of where there is none and where it has a step.
 

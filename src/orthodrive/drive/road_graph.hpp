@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The roads of a map as a directed graph: a node is a road in one direction, an edge leads to where one may go on.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which roads to drive: a closed loop through the road graph, with the lanes' directions respected.
 

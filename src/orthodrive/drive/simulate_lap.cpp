@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/drive/simulate_lap.hpp"
 
 #include <fmt/format.h>

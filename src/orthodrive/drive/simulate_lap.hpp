@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The stage "drive": laps in a simulated car whose four tyres ask the road surface 1000 times a second.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads as they are driven: the nodes of ways that continue each other in one row, with the shape of the line.
 

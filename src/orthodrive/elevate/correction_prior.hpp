@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Step 5 of fuse_drive_logs: what is known of the corrections without any measurement. They are small and smooth, and
 // roads agree where they meet.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Banking as roads are designed, for where nothing can be measured.
 //

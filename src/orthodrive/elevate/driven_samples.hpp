@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Step 2 of fuse_drive_logs: what a matched recording measured, averaged over 2 m of road each.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "elevate": all of it in its order. Refined roads get heights, then banking, then the measurements of drive
 // logs.

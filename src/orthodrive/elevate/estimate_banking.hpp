@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Banking and crown of roads: measured across the carriageway where the terrain model is fine enough, else as roads are
 // designed. The surface that it describes: z(t) = z + t tan(banking) - |t| tan(crown), t positive to the left.

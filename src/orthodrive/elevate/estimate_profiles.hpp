@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Heights and gradients of road paths from terrain models: the whole network as smooth profiles (docs/elevate.md), and
 // the methods of "From Aerial Images to Virtual Driving Environments" (2016), sec. 3.4, to compare with.

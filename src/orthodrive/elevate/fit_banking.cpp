@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Each terrain pixel on the carriageway is one equation: rise over the profile = a + t b - g(t) c - h(t) d, with the
 // unknown rise a of the terrain over the profile, slope b and crown slope c at its station; g(t) is |t| averaged over
 // the pixel; d is how much more the ground falls beyond both edges, h(t) what of the pixel lies there times how far.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Banking along one chain from terrain pixels across it: one banded least-squares problem.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a drive log says of roads: gradient, banking and roughness, added with the weight that their accuracy deserves.
 //

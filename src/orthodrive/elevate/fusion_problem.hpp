@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Step 4 of fuse_drive_logs: the unknowns of the least-squares problem, and its rows.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The profile that drive logs correct: heights, gradients and banking of the nodes, read along a chain.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which road a drive was on: map matching by a hidden Markov model.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The roughness of a road from what a car's body felt of it: vertical acceleration through the inverse of a quarter
 // car.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The profiles of all roads of a network, fitted at once. docs/elevate.md tells the model and where its numbers come
 // from.

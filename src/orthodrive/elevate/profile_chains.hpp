@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads as chains of ways that go on in each other, and the cubic B-splines that are their profiles: C2 by
 // construction.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Step 3 of fuse_drive_logs: which chains a drive changes. Those that were driven on, and those that meet them within
 // the reach of a correction.

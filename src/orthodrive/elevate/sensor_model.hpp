@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Step 6 of fuse_drive_logs: what sensors in a car measure of the road below it (docs/drive_logs.md).
 

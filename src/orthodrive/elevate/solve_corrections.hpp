@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Step 7 of fuse_drive_logs: solves for the corrections and writes them with their standard deviations into the roads.
 

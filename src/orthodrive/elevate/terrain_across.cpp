@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/elevate/terrain_across.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What fine terrain models show of the carriageway: their own pixels, each seen from the nearest station.
 

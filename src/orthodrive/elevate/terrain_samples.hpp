@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the terrain models say at the nodes of the roads, and where that is the road.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Shortest ways from one place on a road to another, in the direction of driving: the transitions of match_log.
 

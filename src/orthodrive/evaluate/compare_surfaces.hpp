@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How far the surfaces of two versions of a network lie apart, e.g. of one built and of its file read back.
 

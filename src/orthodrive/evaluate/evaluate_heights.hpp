@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How well heights, gradients and banking of roads agree with a terrain model or with true roads.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a road network in OpenDRIVE's terms is worth: its size, and the faults that a car would feel.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How well roads lie on the true carriageways: area, centre line, width, and whether the stated uncertainty is right.
 

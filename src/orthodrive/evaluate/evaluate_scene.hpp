@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What is wrong with the tiles of a scene: cracks, roads beside their surface, normals that differ at borders, things
 // that stand on roads and in buildings. Of level 0; of the others what they cost.

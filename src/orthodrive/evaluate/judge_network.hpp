@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Can every road of a network be driven? Both wheel tracks of every driving lane are followed through every link, and
 // what a tyre feels there is held against limits.

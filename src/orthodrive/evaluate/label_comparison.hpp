@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Truth and prediction side by side, pixel for pixel. Scores and pictures both look through this.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Driving lanes in driving direction and where each leads, for judge_network.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Classes taken together for a score, as the thesis (sec. 2.4) merges 38 classes into 32.
 

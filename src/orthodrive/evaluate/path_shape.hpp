@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How smooth paths are, whatever the truth: the variance of their width and the jumps of their curvature.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads by id and their ends, for the .cpp files of this folder.
 

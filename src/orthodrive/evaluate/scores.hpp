@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What all evaluations share: where they look, and how errors are summed up.
 

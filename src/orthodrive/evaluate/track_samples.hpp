@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the tyres of an axle feel along a path of lanes, for judge_network.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Coordinate reference systems by their EPSG code or any text PROJ understands.
 

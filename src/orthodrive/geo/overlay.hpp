@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Polygon overlay and noding by GEOS (OverlayNG with snap rounding, which does not fail), values in and out.
 // Coordinates of results are multiples of the grid size. Give small coordinates: those of UTM cost digits.

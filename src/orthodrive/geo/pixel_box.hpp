@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A rectangle of pixels of a grid. Absolute: it may reach beyond the grid on any side.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Owner of one operation of the PROJ library; for the sources of this room.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Rasters as values, and the north-up grid that places one in the site CRS.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which boxes, or which segments of many lines, are near a place? An R-tree (Boost.Geometry), built once.
 

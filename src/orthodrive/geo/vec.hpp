@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Points and vectors in metres (site CRS unless the name says otherwise).
 

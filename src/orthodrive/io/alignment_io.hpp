@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a network says of the map's roads, as CSV: alignment.csv.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Weights out of a binary Caffe model (.caffemodel: protobuf, message NetParameter of BVLC Caffe's caffe.proto).
 

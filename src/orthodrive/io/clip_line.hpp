@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The pieces of a line inside a polygon, with the vertices that survive known by their index.
 

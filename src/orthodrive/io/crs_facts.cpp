@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/crs_facts.hpp"
 
 #include "orthodrive/io/gdal_support.hpp"

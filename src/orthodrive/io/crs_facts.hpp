@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What services need to know of a coordinate reference system beside its transformations.
 

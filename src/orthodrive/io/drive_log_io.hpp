@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Drive logs: comma2k19 folders and CSV -> model/drive_log.hpp.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Features of GeoJSON and GeoPackage through OGR; findings and other small things as GeoJSON.
 
 #include <fmt/format.h>

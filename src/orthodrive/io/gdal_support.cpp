@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/gdal_support.hpp"
 
 #include <cpl_conv.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What every file of io that touches GDAL shares. Internal to io: not for other folders.
 

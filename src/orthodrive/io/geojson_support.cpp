@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GeoJSON, by hand: RFC 7946 is small, and the order and digits of what we write are ours.
 
 #include "orthodrive/io/geojson_support.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Texts of GeoJSON (RFC 7946). Internal to io.
 

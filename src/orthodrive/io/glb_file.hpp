@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A binary glTF 2.0 file under construction: JSON, and the buffer that it describes, compressed by meshoptimizer where
 // wanted (EXT_meshopt_compression).

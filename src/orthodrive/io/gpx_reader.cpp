@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/gpx_reader.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Layers of a GeoPackage to look at.
 
 #include <fmt/format.h>

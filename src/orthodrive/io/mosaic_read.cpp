@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Several photos of a site as one.
 
 #include <fmt/format.h>

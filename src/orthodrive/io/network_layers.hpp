@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // An OpenDRIVE network as layers to look at and to analyse: GeoPackage and GeoJSON.
 

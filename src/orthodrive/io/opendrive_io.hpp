@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OpenDRIVE 1.7 and 1.8 writing. Reading is roadquery::read_opendrive, which simulators share.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The surface of a junction in the words of OpenDRIVE 1.8: <boundary> (12.10) and <elevationGrid> (12.11).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything of an OSM file that has a tag: buildings, water, parking ... as polygons and lines.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the tags of a road say about its lanes. https://wiki.openstreetmap.org/wiki/Lanes, Key:turn, Key:sidewalk,
 // Key:shoulder, Key:maxspeed.
 

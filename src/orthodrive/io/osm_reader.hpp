@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OSM files as they are, node by node. Roads ready for the stages are read by io/vector_io.hpp.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Roads of an OSM file. Two passes: first the drivable ways, then the places of their nodes, so that an extract of a
 // country needs memory for its roads only.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the tags of a road say, as numbers. https://wiki.openstreetmap.org/wiki/Key:width and neighbours.
 

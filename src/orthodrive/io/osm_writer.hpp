@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OSM XML (API 0.6) writing. Reading is io/vector_io.hpp.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reading of photos: as they are, or warped on demand onto the grid of a site.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/qgis_style.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Styles for QGIS (QML, as QGIS 3.22 writes it): what the outputs look like when they are dropped into a map.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Rasters: files <-> model, through GDAL. All reading ends in the site CRS; all writing goes aside first.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reading of rasters that are no photos: terrain models and labels.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writing of rasters box by box. GDAL's block cache is not used for what is written: it flushes blocks from whatever
 // thread needs room, and a full disk would be blamed on the photo that thread reads.
 

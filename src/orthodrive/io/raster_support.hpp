@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Shared by the raster readers and writers of io: wrapping our rasters as GDAL datasets, georeferencing, completeness.
 

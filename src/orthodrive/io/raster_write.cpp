@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writing of rasters: cloud-optimised GeoTIFF through GDAL's COG driver, PNG and JPEG. Always aside first.
 
 #include <cpl_vsi.h>

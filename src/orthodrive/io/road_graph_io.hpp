@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The roads before and after they were moved onto the photo, for the viewer and for QGIS.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // roads.gpkg: layers centrelines, nodes and surface, tables restrictions and signs. The nodes are the truth; lines and
 // polygons are made from them for people and for other tools, and carry the attributes of the way.
 

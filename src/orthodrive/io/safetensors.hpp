@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Weights as safetensors files (format: safetensors_header.hpp). Reads F32 and F16; values are float in memory.
 // Other types, and files too large to be held twice: safetensors_stream.hpp.

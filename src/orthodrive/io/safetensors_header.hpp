@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The head of a safetensors file: u64 header length (little endian), a JSON header, then the tensors' bytes.
 // https://github.com/huggingface/safetensors (format section). As there, the tensors fill the data without gap or

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/safetensors_stream.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Safetensors files that are too large to be held in memory twice: written in pieces, read tensor by tensor.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // glTF 2.0 of the scene's tiles (3D Tiles 1.1; the tree of them is in tileset_io.hpp).
 

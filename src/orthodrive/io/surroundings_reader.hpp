@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Barriers, water, railways, paths, street lamps, power lines and objects out of maps.
 

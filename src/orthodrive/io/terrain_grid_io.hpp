@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Terrain for simulators: roadquery/terrain_grid.hpp reads it.
 

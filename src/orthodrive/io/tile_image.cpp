@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/tile_image.hpp"
 
 #include <cpl_vsi.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Tiles as scene_io.hpp writes them, read back: to score what a viewer gets.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The tree of the tiles: tileset.json of 3D Tiles 1.1.
 

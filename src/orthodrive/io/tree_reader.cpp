@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/tree_reader.hpp"
 
 #include "orthodrive/io/vector_io.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/io/write_zip.hpp"
 
 #include <zip.h>

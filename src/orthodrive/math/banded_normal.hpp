@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Linear least squares whose unknowns lie along a line: each residual joins neighbours only, so the normal matrix is
 // banded and everything is linear in the number of unknowns.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Quadratic programs whose only constraints are bounds, with a banded matrix.
 

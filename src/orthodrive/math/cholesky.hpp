@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Linear equations with a symmetric positive definite matrix, dense or banded, by Cholesky's method. Sparse ones:
 // normal_matrix.hpp; tridiagonal ones that are not symmetric or go round in a circle: tridiagonal.hpp.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The cubic spline through values at any knots: twice continuously differentiable.
 // (de Boor, A Practical Guide to Splines, 1978, ch. IV)

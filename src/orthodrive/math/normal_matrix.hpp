@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Error bars of a least-squares solution: variances without the full inverse.
 

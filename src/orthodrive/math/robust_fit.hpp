@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Robust least squares whose residuals are all linear in the unknowns, as heights make them: sparse Newton steps with a
 // line search. Where the loss is not convex, a tenth of the reweighted (majorising) curvature keeps the step a descent.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The uniform cubic B-spline: C2, four coefficients a place. (de Boor, A practical guide to splines, 1978, ch. X)
 

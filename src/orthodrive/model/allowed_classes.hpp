@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Weak labels: for every pixel the set of classes it may have, as bits. One bit is an ordinary label, no bit means that
 // nothing is known there.

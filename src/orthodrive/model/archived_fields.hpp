@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The fields of structs that several rooms leave in archives (core/byte_archive.hpp).
 

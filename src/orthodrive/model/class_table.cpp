@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/model/class_table.hpp"
 
 #include "orthodrive/core/error.hpp"

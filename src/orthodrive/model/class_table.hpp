@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Classes are data: a table comes with each model, no code knows "class 33". Later stages use roles and costs only.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Class tables as JSON, as they travel in the metadata of label maps and of the weights of a network.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Curved regular grids (roadquery/crg.hpp) by their definition: places in the plane and heights, without the options of
 // a file. What answers fast, with them, is roadquery/crg_grid.hpp.

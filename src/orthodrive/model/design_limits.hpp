@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What roads are built for, by highway class: how fast they are driven, and what their profiles may do.
 

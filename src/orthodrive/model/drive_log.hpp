@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a measuring car recorded: where it was, how it was turned, what its inertial sensors felt. On disk: comma2k19
 // folders and CSV (io/drive_log_io).

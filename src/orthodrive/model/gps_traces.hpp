@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where somebody has driven, as a receiver recorded it. On disk: GPX.
 

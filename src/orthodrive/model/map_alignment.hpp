@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How a network sees the map beside the photo, and what it says about it. Lengths are in pixels of the network's grid.
 // Zampieri et al., Multimodal image alignment through a multiscale chain of neural networks, 2018; Girard et al.,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OpenStreetMap data as it is in a file: nodes, ways that share them, tags. What the synthetic site hands to io.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Several photos as one, best first. Where the first shows nothing the next one is seen, and so on; seams are hidden.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A photo that is read window by window: mosaics do not fit in memory.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Rasters that are read window by window: those of a country do not fit in memory.
 

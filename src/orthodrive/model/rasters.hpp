@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The rasters that stages exchange, each on a north-up grid in the site CRS.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What every method of refinement gives: the default of refine/ and the baselines.
 

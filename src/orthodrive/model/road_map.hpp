@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OSM's roads as a network sees them. Apart from map_alignment.hpp, which training without OSM needs, too.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a road is made of, how well one knows it, and what a tyre finds on it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads from OSM to OpenDRIVE: one path a way (a piece of a way where the way leaves the area), with samples that the
 // stages refine and elevate fill in step by step. On disk: roads.gpkg.

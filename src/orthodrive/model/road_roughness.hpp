@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How rough a road is, by ISO 8608:2016: displacement PSD G_d(n) = G_d(n0) (n / n0)^-w with n0 = 0.1 cycles/m; and a
 // surface with that PSD, made up but the same for the same seed.

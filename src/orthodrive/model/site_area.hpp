@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The area of a site as people give it, in degrees, and the frame that is made of it. What cannot be is told with what
 // to do about it.

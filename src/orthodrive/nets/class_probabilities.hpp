@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Scores of a network -> class probabilities of pixels, the last step of a prediction.
 

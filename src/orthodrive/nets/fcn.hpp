@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Runs a NetworkGraph with libtorch. Includes ATen: for the .cpp files of this folder only.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Runs of layers that prediction computes row by row: the wide tensors inside an inverted residual or a separable
 // convolution (Sandler et al. 2018) stay in the cache. Includes ATen: for the .cpp files of this folder only.

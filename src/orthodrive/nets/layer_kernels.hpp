@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The inner loops of fused layers, compiled once a processor family (layer_kernels_*.cpp) and chosen at run time. A
 // pixel's channels lie side by side and are a multiple of 8. Every sum runs in the order of its weights, so a value

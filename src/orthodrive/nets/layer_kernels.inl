@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Included by layer_kernels_*.cpp, which name the function to define, the floats of a vector and the rows of a tile (as
 // many as the registers hold). Everything but that function has internal linkage and nothing of the standard library
 // is instantiated here: code for newer processors must not leak into the rest of the program.

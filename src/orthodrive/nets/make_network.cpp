@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // VGG16: Simonyan and Zisserman, 2015, configuration D; GoogLeNet: Szegedy et al., 2015, table 1; both turned into
 // fully convolutional networks by Long et al., 2015, with the layer parameters of the thesis, appendix B: only
 // conv1_1 is unpadded and real pixels surround the tile, 97 px to 450 x 450 in training.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/nets/model_metadata.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Starting weights of a network: taken from other networks where they fit, else by rule.
 

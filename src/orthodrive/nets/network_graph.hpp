@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A fully convolutional network as a list of layers, and what follows from it without running it: which pixels a score
 // depends on, hence the margin a window needs. Nothing here knows tensors.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // forward_padded() in two parts, for learning that leaves the first layers as they are. Includes ATen: for .cpp files.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Large tensors of one layer become those of the next. The C library gives blocks of this size back to the system
 // when they are freed, and getting fresh zeroed pages took half the time of a prediction.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/nets/single_threaded_blas.hpp"
 
 #include <dlfcn.h>

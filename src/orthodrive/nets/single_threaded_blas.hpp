@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OpenBLAS keeps threads of its own beside those of libtorch and of our windows; they only wait for each other.
 

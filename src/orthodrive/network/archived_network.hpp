@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The fields of fitted chains and junctions that processes which share a network hand each other
 // (core/byte_archive.hpp).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "network": roads with widths and heights -> OpenDRIVE roads, lanes and junctions. docs/network.md tells the
 // method.

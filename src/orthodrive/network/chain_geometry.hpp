@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The fitted form of a chain: reference line, profile and widths over one s.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The nodes of a chain as one line that can be fitted: ends that should meet do meet, spacing is even enough, bends are
 // not sharper than the carriageway is wide.

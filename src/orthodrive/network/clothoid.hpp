@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Clothoids (Euler spirals): curves whose curvature changes linearly with their length. Lines and arcs are the cases
 // without curvature or without change.

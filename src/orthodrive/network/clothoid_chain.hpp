@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A chain of clothoids, arcs and lines beside nodes, and what makes it shorter: joints are taken out and elements made
 // straight or round while all nodes stay near.

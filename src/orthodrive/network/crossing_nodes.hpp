@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Common nodes where OSM lacks them: ways that cross on one level.
 

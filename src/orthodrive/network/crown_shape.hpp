@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A crown that changes along a road as few <shape> entries of OpenDRIVE.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Reference lines as parametric cubics (OpenDRIVE's paramPoly3): for lines that no chain of clothoids was found for.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Side roads turn into the surface of the road that they meet before they reach it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The circle that lies best beside points: how roundabouts are recognised and completed.
 

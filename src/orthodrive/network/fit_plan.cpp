@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // See fit_plan.hpp for the method; docs/measured/network.md for what it reaches. The biarc is that of K. M. Bolton,
 // Biarc curves, Computer-Aided Design 7 (1975), in closed form: the joint lies where both control lengths d are equal,
 // d being the root of

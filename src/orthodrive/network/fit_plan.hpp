@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Reference lines: lines, arcs and clothoids (OpenDRIVE's spirals) that join without gap, kink or jump of curvature
 // (G2) beside a dense line of points.

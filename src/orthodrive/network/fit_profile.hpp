@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Superelevation and widths along a road: few cubics that join with equal value and slope (C1). Heights:
 // fit_spline.hpp.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Elevations along a road: a cubic spline, C2, through as few of the samples as keep all others within the tolerance.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Gores: the paved and hatched area between one-way roads that leave a junction side by side, or come to it so.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The paved area of a junction in plan: where the height field of the junction is the surface.
 

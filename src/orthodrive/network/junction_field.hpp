@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The height field of a junction: as smooth as the roads that meet there allow.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which roads belong to a junction's paved area, and which junctions share ground.
 

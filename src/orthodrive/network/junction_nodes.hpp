@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which nodes of a grid a boundary needs: a field is bicubic, a place takes the sixteen nodes about it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // One surface for the whole paved area of each junction. docs/junctions.md tells the method.
 

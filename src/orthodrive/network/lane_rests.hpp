@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What of a carriageway lies beside its driving lanes: hard shoulders, edge strips, parking strips.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How a carriageway is divided into lanes, what lies beside it, and how it is marked.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Heights of bends that were eased. Easing draws the nodes of a corner together: with the heights that they had, a rise
 // of ten metres of road would lie on two. So the bend gets the plane that its nodes lay in.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/network/limit_warp.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The profile of a connecting road that lies on its junction's surface, for readers that know roads alone.
 

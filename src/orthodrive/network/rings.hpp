@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The rings of roundabouts among the pieces of way, and their smooth form.
 

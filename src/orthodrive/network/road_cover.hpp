@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a road, or a part of it, covers in plan, and where on it a place lies.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The roads themselves: pieces of chains between the cuts, and the roads that connect them through junctions.
 

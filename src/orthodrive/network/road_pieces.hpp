@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Ways cut where they meet: pieces, and the vertices between them.
 

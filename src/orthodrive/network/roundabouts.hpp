@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roundabouts that the map draws incompletely or not at all. Their rings are found in rings.hpp.
 

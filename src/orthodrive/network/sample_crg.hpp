@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // An OpenCRG surface of a road: the one surface of roadquery/road_surface.hpp sampled on a curved regular grid.
 

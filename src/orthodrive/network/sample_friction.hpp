@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The friction of a road's lanes as an OpenCRG grid (OpenDRIVE 1.7, 10.6: <CRG purpose="friction">).
 

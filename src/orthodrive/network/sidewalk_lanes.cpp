@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/network/sidewalk_lanes.hpp"
 
 #include "roadquery/road_surface.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How far roads are cut back at junctions, and which junctions are so close that they are one.
 

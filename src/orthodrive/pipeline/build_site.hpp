@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The main job: all stages in order, from site.toml to a driven lap.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/pipeline/build_stage.hpp"
 
 #include "orthodrive/core/hash.hpp"

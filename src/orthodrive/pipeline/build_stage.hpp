@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A stage as an entry of `orthodrive build`: what its result depends on, what it leaves behind, how it runs.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The catalogue of open sources: photos, terrain models and OSM, with licence, resolution and area. Text files of the
 // folder catalogue/; docs/new.md says how to add one.

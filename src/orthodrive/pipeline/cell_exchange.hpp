@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A stage shared by processes through files: its cells, and the blocks of its loops as cells of a folder of their own
 // for each loop.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What processes of one or several machines leave of a stage's cells: DIR/.orthodrive/cells/STAGE-KEY/CELL/. The files
 // are the truth: a cell is there or not, whoever made it, and however often.

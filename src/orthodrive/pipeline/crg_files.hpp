@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OpenCRG files of chosen roads of a network, beside its OpenDRIVE file.
 

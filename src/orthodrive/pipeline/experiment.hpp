@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The experiment file of `orthodrive train`: what to train on and how (TOML, described in docs/train.md).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/pipeline/file_hashes.hpp"
 
 #include <sys/stat.h>

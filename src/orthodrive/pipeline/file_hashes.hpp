@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Content hashes of files that are not read again as long as they are the same by size, times and inode.
 

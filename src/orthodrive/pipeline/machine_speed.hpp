@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How fast this machine is at the kind of work that a build is made of, so that costs measured on one machine can be
 // told for another.

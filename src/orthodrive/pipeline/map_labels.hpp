@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a site's map says of the classes of pixels: weak labels for train/adapt_model.
 

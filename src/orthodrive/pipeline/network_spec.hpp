@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The two small files a network is described by: trunk, stride and decoder, and its class table (TOML,
 // docs/segment.md).

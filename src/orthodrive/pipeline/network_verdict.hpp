@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The verdict of judge_network as JSON, findings and layers for QGIS.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A site file for a place on earth, from the catalogue of open sources.
 

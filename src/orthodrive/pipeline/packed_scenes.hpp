@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A training data set as one safetensors file: what `train --pack` writes, so that a machine without GDAL, maps or
 // photos can train.

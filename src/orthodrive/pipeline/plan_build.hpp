@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a build will cost, estimated before it starts: from area, pixels and road length by a table of measured costs.
 

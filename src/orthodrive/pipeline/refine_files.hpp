@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What `refine`, `build` and `tune` read and write around the refinement of roads.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What `evaluate roads` writes to look at: a picture, and layers for QGIS.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Measured roughness of ways as a height to add to the roads of a network: what CrgFilesOptions::relief_of takes.
 

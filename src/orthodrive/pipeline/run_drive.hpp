@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "drive": OpenDRIVE roads -> a drive, as tables, a page and in the formats of other programs.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "elevate": roads, terrain models and drive logs -> roads with heights, banking and roughness.
 

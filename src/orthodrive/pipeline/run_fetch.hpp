@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // `orthodrive fetch`, and what `build` does before its stages.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Packs roads, and a car if asked, into a functional mock-up unit.
 

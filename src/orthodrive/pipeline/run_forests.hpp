@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // `orthodrive forests`: labelled photos -> the two random forests of the MRF baseline.
 

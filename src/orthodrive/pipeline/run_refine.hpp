@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "refine": OSM roads and labels -> roads moved onto the road that is seen, by the default method or a baseline.
 

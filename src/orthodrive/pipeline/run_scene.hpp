@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "scene": roads, photo, labels and terrain -> textured 3D Tiles.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Stage "segment": photo and model -> labels, confidence, probability of road. Photo and rasters stream.
 

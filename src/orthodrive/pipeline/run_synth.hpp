@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // `orthodrive synth`: a plan -> a synthetic site with exact truth, as files.
 

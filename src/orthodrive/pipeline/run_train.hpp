@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // `orthodrive train`: an experiment and the data it names -> a model; or its data packed, previewed, or measured on.
 

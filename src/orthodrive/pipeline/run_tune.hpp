@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // `orthodrive tune`: sites with truth -> weights of the road refinement and a report on them.
 

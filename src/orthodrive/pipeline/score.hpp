@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Scores of files against truth, as `evaluate` prints them and the report of a site with truth shows them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Scores as one JSON object (docs/evaluate.md lists the keys) and as a table for people.
 

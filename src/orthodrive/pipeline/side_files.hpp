@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a build writes beside its results for other programs: styles for QGIS, and an item for STAC catalogues.
 

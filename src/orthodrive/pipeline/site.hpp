@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // site.toml: the area, the sources and the options that differ from the defaults.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The sources of a run, each read once and kept for the stages that follow.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a stage left behind, so that the next run can skip it: DIR/.orthodrive/<stage>.json, written after the outputs
 // are in place. A killed run leaves no record of the stage it was in, and starts there again.

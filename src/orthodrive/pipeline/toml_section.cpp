@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/pipeline/toml_section.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Reading tables of a TOML file with the line of whatever is wrong. For .cpp files of this folder only.
 

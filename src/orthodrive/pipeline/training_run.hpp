@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A training from its data to its files, for both programs that train: `orthodrive train` and `orthodrive-train`. The
 // latter is built without GDAL and PROJ (tools/trainer), so nothing that needs them may be included here.

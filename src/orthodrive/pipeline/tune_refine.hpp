@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Weights of the default road refinement, searched by cross-validation on sites with truth, and what came of it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The sites that `orthodrive tune` searches weights on, and how far refined roads are from the truth there.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The source files of a build: their hashes, and whether they stayed the same while stages read them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A build by any number of processes on any number of machines that see one folder.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/refine/cross_profiles.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The evidence straightened along a chain: class costs as functions of the lateral position t, one row a station.
 // All later work (search, residuals, derivatives) reads these rows and never the rasters.

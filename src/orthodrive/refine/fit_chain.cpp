@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/refine/fit_chain.hpp"
 
 #include <ceres/ceres.h>

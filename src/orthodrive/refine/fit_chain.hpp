@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The nonlinear least-squares fit of one chain: an offset and a width per node.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/refine/fit_costs.hpp"
 
 #include <ceres/sized_cost_function.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The residuals of fit_chain as Ceres cost functions, each with its analytic derivatives. Equations of "From Aerial
 // Images to Virtual Driving Environments" (2016), sec. 3.3.2, and docs/refine.md.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Radius of the kerb at corners of junctions, seen in the labels.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The cheapest path through a row of grids of offset x width levels, found exactly by dynamic programming (Viterbi).
 

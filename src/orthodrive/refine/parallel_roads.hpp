@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads that run beside each other: dual carriageways, service roads along a main road. Each keeps to its side.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Unpaved roads that no tag tells of, seen in the labels.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Moves OSM centre lines onto the road seen in the labels and measures the carriageway width.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A first guess for the nonlinear fit: the best offsets and widths of a coarse grid, found exactly by dynamic
 // programming (level_search.hpp).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Searches weights of the road refinement by cross-validation: what was tuned on some sites is judged on others.
 //

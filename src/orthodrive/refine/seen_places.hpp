@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where a network that sees the map beside the photo (model/map_alignment.hpp) has the road of a chain's nodes.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How far the map around a place lies off the photo. OSM is traced from photos that are themselves metres off, so all
 // ways of a neighbourhood are shifted alike: what is seen of some of them tells where the hidden ones are.

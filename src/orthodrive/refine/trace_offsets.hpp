@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What GPS traces say about the offset of a chain's nodes.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The members of RefineWeights by name. Searching, printing and reading them from a file all use this table, so that a
 // new weight is named once.

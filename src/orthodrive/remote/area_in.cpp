@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The area of a site as services need it.
 #include <fmt/format.h>
 

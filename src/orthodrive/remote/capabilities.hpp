@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What WMTS 1.0.0 (OGC 07-057r7) and WMS 1.1.1 / 1.3.0 (OGC 06-042) servers say of themselves, as their XML has it:
 // nothing is looked up, so that any bytes may be given.

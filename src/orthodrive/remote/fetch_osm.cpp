@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenStreetMap: an extract of a region, cut here, or what Overpass answers.
 #include <fmt/format.h>
 

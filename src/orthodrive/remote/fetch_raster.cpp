@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A raster, or several, cut by the area: GDAL reads what is needed of it.
 #include <fmt/format.h>
 

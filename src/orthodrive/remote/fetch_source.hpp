@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A [[fetch]] table of a site file: a source on a server, and the local file that it becomes.
 

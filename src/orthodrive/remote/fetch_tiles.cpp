@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Tiles of a service into an MBTiles file, or a GeoTIFF where the service's grid is another one.
 #include <fmt/format.h>
 

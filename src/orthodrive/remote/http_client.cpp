@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Based on libcurl's multi interface: one thread, so that nothing here needs a lock.
 #include "orthodrive/remote/http_client.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Many small answers over few connections (libcurl), and one large one into a file. Polite: bounded connections, a
 // fixed schedule of pauses that doubles, and Retry-After is obeyed for the whole host.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One large file, resumed (RFC 9110: Range with If-Range) and refreshed (If-None-Match, If-Modified-Since).
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // One transfer of libcurl: what both ways of HttpClient share. Internal to remote.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Keys of services: read from the environment, put into addresses, and never shown.
 

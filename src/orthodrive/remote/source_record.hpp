@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // FILE.source.json beside a fetched file: where it comes from, under which licence, and what was asked for.
 

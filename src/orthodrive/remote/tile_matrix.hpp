@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Grids of map tiles (OGC Two Dimensional Tile Matrix Set, 17-083r2): address <-> place.
 

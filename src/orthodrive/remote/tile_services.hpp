@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The four kinds of services that hand out tiles, as a grid and the address of each tile. Internal to remote.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Tiles in one SQLite file while they are fetched, and as MBTiles 1.3 when all are there.
 // https://github.com/mapbox/mbtiles-spec/blob/master/1.3/spec.md

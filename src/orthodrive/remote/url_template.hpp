@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Addresses with {names} in them, as tile services describe theirs.
 

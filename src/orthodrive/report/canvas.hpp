@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Painting lines and areas over a raster, for the pictures of the report.
 

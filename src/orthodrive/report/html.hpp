@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the pages that people look at share. All of it is well-formed XML too, so that a test can read it back.
 

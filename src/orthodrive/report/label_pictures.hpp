@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Pictures of right and wrong labels, after figure 2.13 of the thesis: the photo in grey, colour only where it is
 // wrong.

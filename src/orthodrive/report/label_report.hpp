@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // One page about the labels of a place: scores, classes, confusion, calibration, and pictures of what is wrong.
 

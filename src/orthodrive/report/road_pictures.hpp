@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Pictures of right and wrong road surface, as the figures of chapter 3 of the thesis show them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // report.html of a built site: one page a person wants to look at, with pictures, plots and numbers of every stage.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/report/svg_plot.hpp"
 
 #include <fmt/format.h>

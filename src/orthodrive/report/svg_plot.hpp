@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Plots for reports as inline SVG: no script, no style sheet, no file beside it.
 

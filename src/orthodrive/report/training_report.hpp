@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The log of a training: its rows as CSV, back again, and as a page with curves.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The one rule that says which road runs on into which where several meet. All that is called one road follows from it:
 // the chains of whole ways (path_links.hpp) that refine, elevate and the drive logs work on, and the chains of pieces

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Ways that turn off at a junction while another road runs straight on: two roads that OSM draws as one way.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // OSM's nodes are far apart on straight roads; heights and networks want a node every few metres.
 

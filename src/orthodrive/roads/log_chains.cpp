@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/roads/log_chains.hpp"
 
 #include "orthodrive/roads/path_links.hpp"

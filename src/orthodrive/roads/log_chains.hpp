@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Roads as one long line each: ways that continue each other, with a coordinate along all of them.
 

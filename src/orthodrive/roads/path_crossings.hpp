@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where road lines cross in plan without meeting: bridges over roads, and places where OSM lacks a node.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Places where roads meet: what arrives at each, and in which direction.
 

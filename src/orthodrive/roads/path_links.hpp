@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which ways continue each other: the same road, cut by OSM where a tag changes or at a junction.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Which paths traffic drives round on: maps often lack the tag of a roundabout, its form stays.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Chains: ways that continue each other, resampled, so that position and width run smoothly from way to way.
 

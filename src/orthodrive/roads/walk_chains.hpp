@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The one walker that turns links between the ends of lines into chains of lines. A line is a way, or a piece of one.
 

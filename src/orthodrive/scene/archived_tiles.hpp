@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The fields of tiles and buildings that processes which share a scene hand each other (core/byte_archive.hpp).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The scene for the eye: textured terrain with the roads cut in, tile by tile. What is seen is what is driven: road
 // vertices lie on the surface of roadquery/road_surface.hpp. How it is made: docs/scene.md.

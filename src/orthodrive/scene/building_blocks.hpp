@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Buildings seen from afar: fewer corners, flat roofs, small ones left out.
 

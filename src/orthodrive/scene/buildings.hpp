@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Buildings of maps and photo: where they stand, how high, what they look like.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/scene/coarse_tile.hpp"
 
 #include <meshoptimizer.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Coarser levels of detail: one tile out of the up to four of the level below.
 

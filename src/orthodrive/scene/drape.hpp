@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Flat shapes laid on a mesh: the mesh's own triangles carry them, so that they neither float nor sink.
 

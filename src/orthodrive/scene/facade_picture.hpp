@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where the pictures of facades and openings have what. Places in sides of the picture, v downwards.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where nothing stands: beside roads, decks, openings of the ground and buildings with their roofs, in the area.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Height of the ground: roads where they are, the terrain model elsewhere, and what lies between the two.
 

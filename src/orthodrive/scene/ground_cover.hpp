@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What maps know of the ground's surface: car parks with their bays, paths and pavements, gravel traps. Laid over the
 // photo.

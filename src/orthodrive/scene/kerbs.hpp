@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Lanes that lie higher than the road: sidewalks with their kerbs, kerbs of race tracks.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Footprints of the buildings that the photo shows and the map lacks.
 

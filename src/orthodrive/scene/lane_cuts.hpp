@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where the mesh of a road is cut so that each of its triangles belongs to one lane.
 

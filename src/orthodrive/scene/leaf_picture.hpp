@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The picture that trees are drawn with: a quarter each of bark and dense leaves, of two clusters of leaves with holes
 // between them, and of a twig with needles.

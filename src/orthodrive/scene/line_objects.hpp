@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What runs along lines of maps: hedges, walls, fences, guard rails, railways; and street lamps.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What maps have at points: signs, traffic lights, street furniture, towers; and power lines.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The border of a polygon set, with heights at its points: inside tests and the nearest place of the border.
 

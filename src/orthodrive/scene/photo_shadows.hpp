@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The photo without the shadows that lay on the ground when it was taken: a viewer's sun throws its own.
 

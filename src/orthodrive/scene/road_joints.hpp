@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where roads of two levels run on into each other: the ground and a deck, the ground and a tunnel. Both meshes get the
 // same vertices there, so that no crack opens.

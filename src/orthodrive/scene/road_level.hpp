@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // All roads of one level (the ground, or the bridge decks of one OSM layer) as a single surface without overlaps.
 

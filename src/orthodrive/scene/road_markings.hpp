@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Road marks of OpenDRIVE as polygons in plan.
 

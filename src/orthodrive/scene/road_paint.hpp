@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What is painted on a road besides its lines: crosswalks, waiting lines, arrows, gores.
 

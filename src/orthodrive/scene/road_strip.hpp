@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A road as a strip of cross sections, evaluated in the tables of the road query.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What colour the photo gives a road, without the cars and shadows on it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene block by block: all of it, or the cells that a process of several makes.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What all blocks of a scene share. Small: its size goes with the border of the area and the number of lakes.
 

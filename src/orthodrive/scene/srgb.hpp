@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // sRGB (IEC 61966-2-1) and linear light.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What stands at roads and carries them: edge beams, railings, girders and piers of bridges, guard rails.
 

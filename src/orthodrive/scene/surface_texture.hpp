@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Tileable textures of road surfaces, made of seeded noise. Near the eye they show what a photo of decimetres cannot.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/scene/terrain_windows.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The order in which tiles of all levels are made, so that few of them are held at a time.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What the meshes of a tile are drawn with besides the photo. Positions are relative to the tile's centre.
 

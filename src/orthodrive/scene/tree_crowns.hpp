@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Where trees are, and how wide: crowns in the photo's vegetation.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Trees where the photo or the map has them, beside roads and buildings.
 

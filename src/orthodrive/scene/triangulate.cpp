@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/scene/triangulate.hpp"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Constrained Delaunay triangulation by CGAL, refined until its triangles keep to a surface.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Tunnels: where the ground is opened over their roads, tubes, portals and the walls of the cuttings before them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a lake or a river is over all of its length, however little of it a window shows.
 

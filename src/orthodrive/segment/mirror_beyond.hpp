@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a network sees beyond the edges of a photo: the photo again, mirrored there. Ronneberger et al., U-Net, 2015.
 

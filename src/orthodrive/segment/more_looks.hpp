@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A photo finer than the network reads it pays for more looks: at other scales and mirrored, and the mean of the scores
 // counts. Simonyan and Zisserman, Very deep convolutional networks for large-scale image recognition, ICLR 2015, sec.

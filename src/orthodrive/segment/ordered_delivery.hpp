@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Items that workers finish in any order, handed on in the order of their index, with few waiting.
 

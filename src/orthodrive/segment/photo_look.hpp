@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a photo looks like as a whole: networks know photos in natural colours, by day, without snow.
 

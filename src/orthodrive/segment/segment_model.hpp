@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A trained network with its class table. Opaque: libtorch stays in the .cpp files.
 

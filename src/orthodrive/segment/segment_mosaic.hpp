@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Photo -> labels: a fully convolutional network over a mosaic of any size, in memory that does not grow with it.
 

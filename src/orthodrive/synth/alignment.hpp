@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Exact road geometry: straights, arcs and Euler spirals as one kind of element whose curvature is linear in s.
 // Surveyed lines, which were not built of such elements, are cubic splines through their points.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What lies between the roads of large plans: areas, woods and lakes, farms.
 

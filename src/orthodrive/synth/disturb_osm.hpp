@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The truth as a mapper would have drawn it, and the truth itself, way by way with the same ids.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Motorways and their diamond interchanges: what the plans of a junction and of a region share.
 

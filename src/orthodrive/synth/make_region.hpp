@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A synthetic site of many square kilometres, made tile by tile: what grows with its area is the plan, not the
 // rasters. docs/synth_region.md describes how.

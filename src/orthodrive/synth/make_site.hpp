@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A synthetic site with exact truth: what a real site would deliver (photo, OSM, terrain models) and what no real site
 // has (the roads as they are). docs/synth.md describes what is in it. Plans: plan_presets.hpp, plan_from_track.hpp.

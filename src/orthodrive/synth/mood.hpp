@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Light and colours of one photo: what differs from one site to the next.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Noise as pure functions of place and seed: any pixel can be painted by any thread.
 

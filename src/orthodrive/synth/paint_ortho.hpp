@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Light and colour: an aerial photo of the scene raster.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What asphalt, concrete, setts, gravel and dirt look like from above: pure functions of place and seed.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The small structure of real photos on synthetic ones. `tools/paint quilt` makes the tiles out of painted photos:
 // Efros and Freeman, Image quilting for texture synthesis and transfer, 2001.

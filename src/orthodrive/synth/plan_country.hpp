@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The country round a race track: roads, villages, farms, woods and lakes.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A site around a real race track: its surveyed edges, its OSM way, heights along it.
 

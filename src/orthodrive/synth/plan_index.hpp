@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What of a large plan touches a box: so that a tile of a region costs what lies in it.
 

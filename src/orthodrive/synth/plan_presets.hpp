@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The kinds of site: size and seed in, plan out. All throw OptionError for sizes that they cannot fill.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lanes and farmland: rows of bent roads from edge to edge, links from row to row, dead ends.
 
 #include <fmt/format.h>

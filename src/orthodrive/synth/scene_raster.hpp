@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The village seen from above, pixel by pixel, before light and colour: what lies there and how high it stands.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What stands and grows on a synthetic site: houses with their lots, trees, cars, fields, woods, a pond.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The plan of a synthetic site: exact roads, where they meet, where one crosses over another, what lies between them.
 // Everything in synth/ works in local metres east and north of the site's south-west corner; make_site moves the

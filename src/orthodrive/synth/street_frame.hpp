@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A frame turned about the site's middle, in which grids and woven lanes are planned, and joints on exact curves.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Hills, road profiles cut and filled into them, and the bare earth that results.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "orthodrive/synth/track_table.hpp"
 
 #include <fmt/format.h>

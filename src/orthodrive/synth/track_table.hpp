@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Surveyed race tracks as text tables: the format of the TUM race track database with a placement in UTM 33N.
 

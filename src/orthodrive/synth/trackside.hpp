@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What lies beside a motor-racing circuit, made or real: verges, run-off areas, stands.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What a site looks like besides its plan: season, streets, light, roofs. Domain randomisation (Tobin et al. 2017): a
 // seed draws each of them on its own, or all as they come together somewhere. docs/synth_worlds.md.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pull towards the start: Li et al., Explicit inductive bias for transfer learning with convolutional networks
 // (L2-SP), 2018; here decoupled from Adam's steps. What the map leaves open stays as the network had it: Li and Hoiem,
 // Learning without forgetting, 2016.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A trained network gets used to the look of a site: it learns on from the site's own photo, with the site's map as
 // weak labels. docs/adapt.md

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How well a network says where the roads of a map truly lie. Includes ATen: for the .cpp files of this folder only.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Loss of weak labels. Includes ATen: for the .cpp files of this folder only.
 

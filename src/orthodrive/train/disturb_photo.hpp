@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // What other cameras, seasons, suns and archives do to a photo. A network that learns from few places sees them as if
 // they were others (domain randomisation, Tobin et al., 2017). Labels stay as they are.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // A map as it might be wrong, made from the truth of a crop: what a network learns to align from.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Widths and weights of the CRF's kernels by search on a grid, before anything is learned (thesis, section 2.4.1).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How a network is trained. Descriptions of trainings are read where there is no libtorch: nothing here needs it.
 

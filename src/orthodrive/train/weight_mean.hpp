@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The mean of a network's weights over the last steps of a training: it lies nearer to the middle of a wide minimum
 // than the last weights, and holds better on other data (Izmailov et al., Averaging weights leads to wider optima and

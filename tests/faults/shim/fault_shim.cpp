@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loaded before the C library (LD_PRELOAD): makes calls on chosen files fail, and lists what is opened. By environment:
 //   SHIM_LOG=FILE    a line per file that was opened: "r PATH" or "w PATH"
 //   SHIM_FILE=TEXT   calls on files whose path holds the text fail ...

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What WMTS and WMS servers say of themselves, and the tiles that an area has in the grids they describe.
 
 #include <stdexcept>

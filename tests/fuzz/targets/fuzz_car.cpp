@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Parameter files of cars: read, checked, made into a car that takes a few steps.
 
 #include <stdexcept>

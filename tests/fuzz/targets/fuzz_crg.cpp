@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenCRG files, text or binary: read, made ready, asked.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Readers of files that the tool opens. The name of the program says which one: fuzz_gpx reads what is in corpus/gpx.
 // To add a reader, add a line to the table below, its name to tools/fuzz and a small valid file to the corpus.
 

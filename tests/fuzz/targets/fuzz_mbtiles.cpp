@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MBTiles files, as an earlier fetch left them, and stores of tiles that are not complete.
 
 #include <cstdio>

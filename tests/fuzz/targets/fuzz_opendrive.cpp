@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenDRIVE files: read, made ready, asked on the roads, beside them and at no place at all. References to OpenCRG
 // files find one that is there.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ESRI ASCII grids of the ground: read and asked.
 
 #include <cmath>
