@@ -22,16 +22,19 @@ function(orthodrive_library NAME)
   add_library(orthodrive::${NAME} ALIAS ${TARGET})
 endfunction()
 
-# Inner loops that exist once a processor family, chosen at run time: NAME.cpp dispatches to NAME_plain, NAME_avx2 and
-# NAME_avx512. -Wno-psabi: vectors are only passed to functions that are inlined.
+# Inner loops that exist once per processor family, chosen at run time: NAME.cpp dispatches to NAME_plain, NAME_avx2 and
+# NAME_avx512. All need fused multiply-add. -Wno-psabi: vectors are only passed to functions that are inlined.
 function(orthodrive_cpu_kernels NAME)
-  cmake_parse_arguments(A "" "" "AVX512" ${ARGN})
-  set_source_files_properties(${NAME}_plain.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi")
+  set(PLAIN)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    set_source_files_properties(${NAME}.cpp PROPERTIES COMPILE_DEFINITIONS ORTHODRIVE_X86_KERNELS)
+    set(PLAIN -mfma)
     set_source_files_properties(${NAME}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;-mavx2;-mfma")
-    set_source_files_properties(${NAME}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;-mavx2;-mfma;${A_AVX512}")
+    set_source_files_properties(${NAME}_avx512.cpp PROPERTIES COMPILE_OPTIONS
+      "-Wno-psabi;-mavx2;-mfma;-mavx512f;-mavx512vl;-mavx512dq")
+  else()
+    set_source_files_properties(${NAME}_avx2.cpp ${NAME}_avx512.cpp PROPERTIES HEADER_FILE_ONLY ON)
   endif()
+  set_source_files_properties(${NAME}_plain.cpp PROPERTIES COMPILE_OPTIONS "-Wno-psabi;${PLAIN}")
 endfunction()
 
 # A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest. FIXTURE is a ctest

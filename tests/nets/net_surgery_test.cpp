@@ -6,8 +6,8 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/make_network.hpp"
+#include "orthodrive/nets/plain_layers.hpp"
 
 namespace orthodrive {
 namespace {
@@ -66,25 +66,34 @@ TEST(NetSurgery, fully_connected_becomes_convolution) {
   const std::vector<WeightsSource> sources{caffe};
   const StartWeights start = start_weights(graph, sources, 1);
   EXPECT_EQ(start.report.layers.at(0).outcome, SurgeryEntry::Outcome::converted);
-  NetworkParams params = params_from_file(graph, start.file, "caffe");
-  const at::Tensor image = at::rand({1, 3, 4, 4});
-  const at::Tensor scores = forward_padded(graph, params, {image, {}}, {}).values;
-  const float* pixels = image.data_ptr<float>();  // channel, row, column: Caffe's order
-  for (int o = 0; o < 2; ++o) {
-    double expected = o == 0 ? 0.5 : -0.5;
-    for (int i = 0; i < 48; ++i) expected += matrix.values[static_cast<std::size_t>(o * 48 + i)] * pixels[i];
-    EXPECT_NEAR(scores.flatten()[o].item<double>(), expected, 1e-4);
-  }
+  const std::vector<float>& kernel = start.file.tensors.at("fc6/kernel").values;  // row, column, channel, output
+  for (int o = 0; o < 2; ++o)
+    for (int channel = 0; channel < 3; ++channel)
+      for (int pixel = 0; pixel < 16; ++pixel)  // Caffe's order: channel, row, column
+        EXPECT_EQ(kernel[static_cast<std::size_t>((pixel * 3 + channel) * 2 + o)],
+                  matrix.values[static_cast<std::size_t>(o * 48 + channel * 16 + pixel)]);
+  EXPECT_EQ(start.file.tensors.at("fc6/bias").values, (std::vector<float>{0.5F, -0.5F}));
 }
 
+/// Inside, twice the stride of taps: a ramp goes on with 1/16 per pixel, and classes do not mix.
 TEST(NetSurgery, deconvolutions_start_as_interpolation) {
   const NetworkGraph graph = make_network("googlenet-16s", 2);
-  NetworkParams params = params_from_file(graph, start_weights(graph, {}, 1).file, "start");
-  const at::Tensor ramp = at::arange(8, at::kFloat).view({1, 1, 1, 8}).expand({1, 2, 8, 8}).contiguous();
-  const at::Tensor up = at::conv_transpose2d(ramp, params.back().kernel, params.back().bias, 16);
-  // Inside, twice the stride of taps: the ramp goes on with 1/16 a pixel, and classes do not mix.
-  const at::Tensor row = up[0][1][64];
-  for (int x = 40; x < 90; ++x) EXPECT_NEAR((row[x + 1] - row[x]).item<double>(), 1.0 / 16.0, 1e-5);
+  const TensorFile start = start_weights(graph, {}, 1).file;
+  const Layer& layer = graph.layers.back();
+  const PlainLayer made = make_plain_layer(
+      layer, {start.tensors.at(layer.kernel_tensor).values, start.tensors.at(bias_tensor(layer)).values});
+  std::vector<float> ramp;
+  for (int i = 0; i < 64; ++i)
+    for (int c = 0; c < cell_stride_of(2); ++c) ramp.push_back(c == 1 ? static_cast<float>(i % 8) : 0.0F);
+  const CellRange eight{0, 7}, pixels{40, 90};
+  const auto stride = static_cast<std::size_t>(cell_stride_of(2));
+  Cells up{FloatBlock(51 * 51 * stride), pixels, pixels, 2, cell_stride_of(2)};
+  run_plain(layer, made, {{ramp.data(), eight, eight, 2, stride, 8 * stride}}, up);
+  const float* row = up.row(64);
+  for (std::size_t x = 0; x < 50; ++x) {
+    EXPECT_NEAR(row[(x + 1) * stride + 1] - row[x * stride + 1], 1.0 / 16.0, 1e-5);
+    EXPECT_EQ(row[x * stride], 0.0F);
+  }
 }
 
 TEST(NetSurgery, stages_hand_their_weights_on) {

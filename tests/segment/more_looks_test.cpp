@@ -76,7 +76,8 @@ TEST(MoreLooks, see_the_road_where_it_is) {
   Raster<float> truth(all.width, all.height, network.class_count()), scores = truth;
   for (int row = 0; row < all.height; ++row)
     for (int col = 0; col < all.width; ++col) truth.at(col, row, photo.rgb.at(col, row, 2) > 94 ? road : 5) = 1.0F;
-  looks.average(network, nullptr, photo.frame, all, scores);
+  CellMemory memory;
+  looks.average(network, nullptr, photo.frame, all, scores, memory);
   const double here = agreement(scores, truth, 0, 0);
   EXPECT_GT(here, 0.97);
   for (const auto& [cols, rows] : {std::pair{3, 0}, {-3, 0}, {0, 12}, {0, -12}})
@@ -90,8 +91,9 @@ TEST(MoreLooks, a_part_has_the_scores_of_the_whole) {
   const PixelBox all = pixels_of(photo.frame), part{131, 57, 90, 77};
   Raster<float> whole(all.width, all.height, network.class_count(), 3.0F),
       some(part.width, part.height, network.class_count(), 3.0F);
-  looks.average(network, nullptr, photo.frame, all, whole);
-  looks.average(network, nullptr, photo.frame, part, some);
+  CellMemory memory;
+  looks.average(network, nullptr, photo.frame, all, whole, memory);
+  looks.average(network, nullptr, photo.frame, part, some, memory);
   for (int row = 0; row < part.height; ++row)
     for (int col = 0; col < part.width; ++col)
       for (int k = 0; k < network.class_count(); ++k)
@@ -100,7 +102,8 @@ TEST(MoreLooks, a_part_has_the_scores_of_the_whole) {
 
 TEST(MoreLooks, none_leave_scores_as_they_are) {
   Raster<float> scores(4, 3, 8, 1.5F);
-  MoreLooks().average(*shipped_model().without_map, nullptr, {0.0, 0.0, 0.2, 4, 3}, {0, 0, 4, 3}, scores);
+  CellMemory memory;
+  MoreLooks().average(*shipped_model().without_map, nullptr, {0.0, 0.0, 0.2, 4, 3}, {0, 0, 4, 3}, scores, memory);
   for (const float s : scores.data) EXPECT_EQ(s, 1.5F);
 }
 

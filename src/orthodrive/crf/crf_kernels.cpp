@@ -4,24 +4,21 @@
 #include <cassert>
 
 namespace orthodrive {
+namespace {
 
-std::vector<const CrfKernels*> available_crf_kernels() {
-  std::vector<const CrfKernels*> tables{plain_crf_kernels()};
-#if defined(ORTHODRIVE_X86_KERNELS)
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) {
-    tables.push_back(avx2_crf_kernels());
-    if (__builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("avx512dq") != 0)
-      tables.push_back(avx512_crf_kernels());
-  }
+const CrfKernels* table_of([[maybe_unused]] KernelFamily family) {
+#if defined(__x86_64__)
+  if (family == KernelFamily::avx2) return avx2_crf_kernels();
+  if (family == KernelFamily::avx512) return avx512_crf_kernels();
 #endif
-  return tables;
+  return plain_crf_kernels();
 }
 
-const CrfKernels& crf_kernels(int chunks) {
-  static const CrfKernels* const best = available_crf_kernels().back();
+}  // namespace
+
+const CrfKernels& crf_kernels(int chunks, KernelFamily family) {
   assert(chunks >= 1 && chunks <= max_crf_classes / 8);
-  return best[chunks - 1];
+  return table_of(family)[chunks - 1];
 }
 
 }  // namespace orthodrive

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The inner loops of the dense CRF, compiled once a processor family (crf_kernels_*.cpp) and chosen at run time. Values
-// of all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.
+// The inner loops of the dense CRF, compiled once per processor family (crf_kernels_*.cpp) and chosen at run time.
+// Values of all classes of a pixel or lattice vertex lie side by side, filled up to `chunks` vectors of eight floats.
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "orthodrive/core/kernel_family.hpp"
 #include "orthodrive/crf/permutohedral_lattice.hpp"
 
 namespace orthodrive {
@@ -84,12 +84,10 @@ struct CrfKernels {
   void (*blur)(const CrfBlurRows&, float* values);
 };
 
-/// The best kernels this processor can run, for `chunks` = ceil(classes / 8), at most max_crf_classes / 8.
-[[nodiscard]] const CrfKernels& crf_kernels(int chunks);
+/// Those of a family that this processor can run, for `chunks` = ceil(classes / 8), at most max_crf_classes / 8.
+[[nodiscard]] const CrfKernels& crf_kernels(int chunks, KernelFamily family = kernel_family());
 
-/// Tables by chunks - 1. All this processor can run, the plain ones first; only tests need more than the best.
-[[nodiscard]] std::vector<const CrfKernels*> available_crf_kernels();
-
+// Tables by chunks - 1.
 [[nodiscard]] const CrfKernels* plain_crf_kernels();
 [[nodiscard]] const CrfKernels* avx2_crf_kernels();
 [[nodiscard]] const CrfKernels* avx512_crf_kernels();

@@ -6,22 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "orthodrive/core/kernel_vectors.inl"
 #include "orthodrive/crf/crf_kernels.hpp"
 
 namespace orthodrive {
 
 namespace {
 
-#define ORTHODRIVE_INLINE [[gnu::always_inline]] inline
-#define ORTHODRIVE_UNROLL _Pragma("GCC unroll 8")
-
-using Vec8 = float __attribute__((vector_size(32), may_alias));
-using Vec8Unaligned = float __attribute__((vector_size(32), aligned(4), may_alias));
+using Vec8 = Lanes<8>::Vector;
 using Int8 = std::int32_t __attribute__((vector_size(32)));
 
-ORTHODRIVE_INLINE Vec8 vec8(float x) { return Vec8{x, x, x, x, x, x, x, x}; }
-ORTHODRIVE_INLINE Vec8 load(const float* p) { return *reinterpret_cast<const Vec8Unaligned*>(p); }
-ORTHODRIVE_INLINE void store(float* p, Vec8 v) { *reinterpret_cast<Vec8Unaligned*>(p) = v; }
+ORTHODRIVE_INLINE Vec8 vec8(float x) { return all_lanes<8>(x); }
+ORTHODRIVE_INLINE Vec8 load(const float* p) { return load<8>(p); }
+ORTHODRIVE_INLINE void store(float* p, Vec8 v) { store<8>(p, v); }
 ORTHODRIVE_INLINE Vec8 larger(Vec8 a, Vec8 b) { return a > b ? a : b; }
 
 /// The largest element, in all places.
@@ -41,16 +38,16 @@ ORTHODRIVE_INLINE Vec8 sum(Vec8 v) {
 ORTHODRIVE_INLINE Vec8 exp_of_negative(Vec8 x) {
   const Vec8 round = vec8(12582912.0F);  // 1.5 * 2^23: the integer is left in the low bits
   const Vec8 clamped = larger(x, vec8(-60.0F));
-  const Vec8 shifted = clamped * vec8(1.44269504F) + round;
+  const Vec8 shifted = fused(clamped, vec8(1.44269504F), round);
   const Vec8 n = shifted - round;
-  const Vec8 r = (clamped - n * vec8(0.693359375F)) + n * vec8(2.12194440e-4F);
+  const Vec8 r = fused(n, vec8(2.12194440e-4F), fused(-n, vec8(0.693359375F), clamped));
   Vec8 p = vec8(1.9875691500e-4F);
-  p = p * r + vec8(1.3981999507e-3F);
-  p = p * r + vec8(8.3334519073e-3F);
-  p = p * r + vec8(4.1665795894e-2F);
-  p = p * r + vec8(1.6666665459e-1F);
-  p = p * r + vec8(5.0000001201e-1F);
-  p = (p * r) * r + r + vec8(1.0F);
+  p = fused(p, r, vec8(1.3981999507e-3F));
+  p = fused(p, r, vec8(8.3334519073e-3F));
+  p = fused(p, r, vec8(4.1665795894e-2F));
+  p = fused(p, r, vec8(1.6666665459e-1F));
+  p = fused(p, r, vec8(5.0000001201e-1F));
+  p = fused(p * r, r, r) + vec8(1.0F);
   const Int8 power = (reinterpret_cast<Int8>(shifted) - 0x4b400000 + 127) << 23;
   const Int8 keep = x > vec8(-60.0F);
   return reinterpret_cast<Vec8>(reinterpret_cast<Int8>(p * reinterpret_cast<Vec8>(power)) & keep);
@@ -97,7 +94,7 @@ ORTHODRIVE_INLINE Values<V> slice(const LatticePoint<D>& point, const float* lat
   ORTHODRIVE_UNROLL for (int i = 0; i <= D; ++i) {
     const auto* vertex = reinterpret_cast<const Vec8*>(lattice) + std::size_t{point.vertex[i]} * V;
     const Vec8 weight = vec8(point.weight[i]);
-    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) result.v[k] += weight * vertex[k];
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) result.v[k] = fused(weight, vertex[k], result.v[k]);
   }
   return result;
 }
@@ -107,7 +104,7 @@ ORTHODRIVE_INLINE void splat(const Values<V>& values, const LatticePoint<D>& poi
   ORTHODRIVE_UNROLL for (int i = 0; i <= D; ++i) {
     auto* vertex = reinterpret_cast<Vec8*>(lattice) + std::size_t{point.vertex[i]} * V;
     const Vec8 weight = vec8(point.weight[i]);
-    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) vertex[k] += weight * values.v[k];
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) vertex[k] = fused(weight, values.v[k], vertex[k]);
   }
 }
 
@@ -118,7 +115,8 @@ ORTHODRIVE_INLINE void subtract_product(Values<V>& target, const float* matrix, 
   ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) store(factor + 8 * k, values.v[k]);
   for (int c = 0; c < classes; ++c) {
     const Vec8 f = vec8(factor[c]);
-    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) target.v[k] -= f * load(matrix + 8 * V * c + 8 * k);
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) target.v[k] =
+        fused(-f, load(matrix + 8 * V * c + 8 * k), target.v[k]);
   }
 }
 
@@ -166,7 +164,7 @@ ORTHODRIVE_INLINE void collect_scores(const CrfUpdate& u, std::size_t first, std
       Values<V> message = slice<V>(points.appearance[i], u.in.appearance);
       const Values<V> smooth = slice<V>(points.smoothness[i], u.in.smoothness);
       ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) message.v[k] =
-          load(pass.appearance_weight + 8 * k) * message.v[k] + load(pass.smoothness_weight + 8 * k) * smooth.v[k];
+          fused(load(pass.smoothness_weight + 8 * k), smooth.v[k], load(pass.appearance_weight + 8 * k) * message.v[k]);
       if (pass.compatibility != nullptr) {
         subtract_product(score, pass.compatibility, message, pass.classes);
       } else {
@@ -267,7 +265,7 @@ void backward(const CrfBackward& b) {
       ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) g.v[k] += smooth.v[k];
     }
     Vec8 mean{};  // dL/dscores = Q (G - sum Q G)
-    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) mean += q.v[k] * g.v[k];
+    ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) mean = fused(q.v[k], g.v[k], mean);
     mean = sum(mean);
     ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) g.v[k] = q.v[k] * (g.v[k] - mean);
     Values<V> unary = load_classes<V>(b.unary_gradient + at, pass.classes, left, 0.0F);
@@ -282,16 +280,16 @@ void backward(const CrfBackward& b) {
     subtract_product(h, pass.compatibility_rows, g, pass.classes);
     ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) {
       const Vec8 w1 = load(pass.appearance_weight + 8 * k), w2 = load(pass.smoothness_weight + 8 * k);
-      store(message + 8 * k, w1 * appearance.v[k] + w2 * smoothness.v[k]);
-      store(sums.appearance + 8 * k, load(sums.appearance + 8 * k) + h.v[k] * appearance.v[k]);
-      store(sums.smoothness + 8 * k, load(sums.smoothness + 8 * k) + h.v[k] * smoothness.v[k]);
+      store(message + 8 * k, fused(w2, smoothness.v[k], w1 * appearance.v[k]));
+      store(sums.appearance + 8 * k, fused(h.v[k], appearance.v[k], load(sums.appearance + 8 * k)));
+      store(sums.smoothness + 8 * k, fused(h.v[k], smoothness.v[k], load(sums.smoothness + 8 * k)));
       appearance.v[k] = w1 * h.v[k];
       smoothness.v[k] = w2 * h.v[k];
     }
     for (int c = 0; c < pass.classes; ++c) {
       float* column = sums.compatibility + 8 * V * c;
       const Vec8 m = vec8(message[c]);
-      ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) store(column + 8 * k, load(column + 8 * k) - m * g.v[k]);
+      ORTHODRIVE_UNROLL for (int k = 0; k < V; ++k) store(column + 8 * k, fused(-m, g.v[k], load(column + 8 * k)));
     }
     if (i % batch == 0) clear_new_vertices<V>(points, i / batch, b.out);
     splat(appearance, points.appearance[i], b.out.appearance);

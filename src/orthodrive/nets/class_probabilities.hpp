@@ -2,16 +2,18 @@
 #pragma once
 // Scores of a network -> class probabilities of pixels, the last step of a prediction.
 
+#include <cstddef>
+
 namespace orthodrive {
 
-/// Height x width x classes, row-major.
+/// Softmax of every pixel, in place: pixels x classes, dense.
+void softmax_of_scores(float* scores, std::size_t pixels, int classes);
+
+/// Height x width cells, row-major, `cell_stride` floats apart.
 struct ScoreGrid {
   const float* scores = nullptr;
-  int width = 0, height = 0, classes = 0;
+  int width = 0, height = 0, classes = 0, cell_stride = 0;
 };
-
-/// Softmax of every cell; `probabilities` has the same layout and may be the scores.
-void softmax_of_scores(const ScoreGrid& grid, float* probabilities);
 
 /// Along one axis: the pixels first_px ... first_px + count - 1 of a grid of `factor` times the resolution, whose cells
 /// the score grid holds from first_cell on. Pixel o lies at (o + 0.5) / factor - 0.5 cells.

@@ -12,51 +12,18 @@ namespace {
 constexpr int strip_cells = 128;  // so many cells of a row at once: three expanded rows fit into the cache
 constexpr int depthwise_kernel = 3;
 
-ValueRange range_of(Activation activation) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
-  switch (activation) {
-    case Activation::relu:
-      return {0.0F, infinity};
-    case Activation::relu6:
-      return {0.0F, 6.0F};
-    case Activation::none:
-      break;
-  }
-  return {-infinity, infinity};
-}
-
 bool whole_vectors(int channels) { return channels % 8 == 0; }
-
-std::vector<float> dense(const at::Tensor& tensor) {
-  const at::Tensor values = tensor.contiguous();
-  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
-}
-
-PackedConvolution pack(const Layer& layer, const LayerParams& params) {
-  constexpr int panel = 16;
-  PackedConvolution packed{layer.in,      layer.out, layer.kernel,       layer.stride,
-                           layer.padding, {},        dense(params.bias), range_of(layer.activation)};
-  const int rows = layer.kernel * layer.kernel * layer.in;
-  const std::vector<float> matrix = dense(params.kernel.permute({2, 3, 1, 0}));
-  packed.weights.reserve(matrix.size());
-  for (int out = 0; out < layer.out; out += panel)
-    for (int row = 0; row < rows; ++row)
-      for (int k = out; k < std::min(out + panel, layer.out); ++k)
-        packed.weights.push_back(
-            matrix[static_cast<std::size_t>(row) * static_cast<std::size_t>(layer.out) + static_cast<std::size_t>(k)]);
-  return packed;
-}
 
 /// Finds what can be fused around a depthwise convolution.
 class Fusion {
  public:
-  Fusion(const NetworkGraph& graph, const NetworkParams& folded) : graph_(graph), folded_(folded) {
+  Fusion(const NetworkGraph& graph, const std::vector<LayerWeights>& folded) : graph_(graph), folded_(folded) {
     uses_.resize(graph.layers.size(), 0);
     user_.resize(graph.layers.size(), 0);
     for (std::size_t i = 0; i < graph.layers.size(); ++i)
       for (const int input : graph.layers[i].inputs)
         if (input >= 0) ++uses_[index(input)], user_[index(input)] = i;
-    plan_.step.assign(graph.layers.size(), FusionPlan::plain);
+    plan_ = no_fusion(graph);
   }
 
   FusionPlan run() {
@@ -90,8 +57,8 @@ class Fusion {
     f.projection = pack(layer(f.last), folded_[f.last]);
     f.channels = d.out;
     f.stride = d.stride;
-    f.depthwise_weights = dense(folded_[i].kernel.permute({2, 3, 1, 0}));
-    f.depthwise_bias = dense(folded_[i].bias);
+    f.depthwise_weights = folded_[i].kernel;
+    f.depthwise_bias = folded_[i].bias;
     f.depthwise_range = range_of(d.activation);
     std::vector<std::size_t> inside{i};
     find_source(index(d.inputs[0]), f, inside);
@@ -137,18 +104,13 @@ class Fusion {
   }
 
   const NetworkGraph& graph_;
-  const NetworkParams& folded_;
+  const std::vector<LayerWeights>& folded_;
   FusionPlan plan_;
   std::vector<int> uses_;
   std::vector<std::size_t> user_;
 };
 
 int floor_half(int a) { return a >= 0 ? a / 2 : -((1 - a) / 2); }
-
-/// out = a + share * (b - a), value by value.
-void mix(const float* a, const float* b, float share, std::size_t count, float* out) {
-  for (std::size_t i = 0; i < count; ++i) out[i] = a[i] + share * (b[i] - a[i]);
-}
 
 /// A strip of fused layers, from its top row downwards.
 class Strip {
@@ -162,11 +124,8 @@ class Strip {
     const auto cells = static_cast<std::size_t>(inner_.size()), channels = static_cast<std::size_t>(f_.channels);
     if (f_.expands)
       for (std::vector<float>& row : ring_) row.resize(cells * channels);
-    if (f_.upsampled != FusedLayers::none) {
-      added_.resize(cells * channels);
-      coarse_.resize((cells / 2 + 2) * channels);
-    }
-    if (f_.expansion.kernel > 1) patches_.resize(cells * patch_size());
+    if (f_.upsampled != FusedLayers::none) added_.resize(cells * channels);
+    if (f_.expansion.kernel > 1) patches_.resize(cells * static_cast<std::size_t>(f_.expansion.rows));
     filtered_.resize(static_cast<std::size_t>(cols.size()) * channels);
   }
 
@@ -181,33 +140,22 @@ class Strip {
     d.range = f_.depthwise_range;
     d.result = filtered_.data();
     kernels_.depthwise(d);
-    RowProduct p = product_of(f_.projection, d.cells, filtered_.data(), static_cast<std::size_t>(f_.channels), result);
+    ProductPlace p = place_of(f_.projection, d.cells, filtered_.data(), static_cast<std::size_t>(f_.channels), result);
     if (f_.residual) {
       p.add = source_.at(row, cols_.first);
-      p.add_stride = source_.channels;
+      p.add_stride = source_.cell_stride;
     }
-    kernels_.product(p);
+    multiply(kernels_, f_.projection, p);
   }
 
  private:
-  std::size_t patch_size() const {
-    return static_cast<std::size_t>(f_.expansion.kernel * f_.expansion.kernel * f_.expansion.in);
-  }
-
-  static RowProduct product_of(const PackedConvolution& c, std::size_t rows, const float* values, std::size_t stride,
+  static ProductPlace place_of(const PackedConvolution& c, std::size_t count, const float* values, std::size_t stride,
                                float* result) {
-    RowProduct p;
-    p.rows = rows;
-    p.in = c.kernel * c.kernel * c.in;
-    p.out = c.out;
-    p.values = values;
-    p.value_stride = stride;
-    p.weights = c.weights.data();
-    p.bias = c.bias.data();
-    p.range = c.range;
-    p.result = result;
-    p.result_stride = static_cast<std::size_t>(c.out);
-    return p;
+    return {.count = count,
+            .values = values,
+            .value_stride = stride,
+            .result = result,
+            .result_stride = static_cast<std::size_t>(c.padded_out)};
   }
 
   /// A row that the depthwise convolution reads; the last three are kept.
@@ -225,41 +173,17 @@ class Strip {
   void expand(int row, float* result) {
     const auto cells = static_cast<std::size_t>(inner_.size());
     if (f_.expansion.kernel > 1) {
-      gather_patches(row);
-      return kernels_.product(product_of(f_.expansion, cells, patches_.data(), patch_size(), result));
+      gather_patches(f_.expansion, source_, row, inner_, patches_.data());
+      const auto size = static_cast<std::size_t>(f_.expansion.rows);
+      return multiply(kernels_, f_.expansion, place_of(f_.expansion, cells, patches_.data(), size, result));
     }
-    RowProduct p = product_of(f_.expansion, cells, source_.at(row, inner_.first), source_.channels, result);
+    ProductPlace p = place_of(f_.expansion, cells, source_.at(row, inner_.first), source_.cell_stride, result);
     if (f_.upsampled != FusedLayers::none) {
-      upsample(row);
+      upsample_row(kernels_, upsampled_, row, inner_, coarse_, added_.data());
       p.add = added_.data();
       p.add_stride = static_cast<std::size_t>(f_.channels);
     }
-    kernels_.product(p);
-  }
-
-  void gather_patches(int row) {
-    const PackedConvolution& c = f_.expansion;
-    const std::size_t line = static_cast<std::size_t>(c.kernel * c.in);
-    float* patch = patches_.data();
-    for (int col = inner_.first; col <= inner_.last; ++col)
-      for (int k = 0; k < c.kernel; ++k, patch += line)
-        std::memcpy(patch, source_.at(row * c.stride - c.padding + k, col * c.stride - c.padding),
-                    line * sizeof(float));
-  }
-
-  /// Cell o of twice the resolution lies at (2 o - 1) / 4, between two cells.
-  void upsample(int row) {
-    const std::size_t channels = upsampled_.channels;
-    const auto share = [](int o) { return o % 2 == 0 ? 0.75F : 0.25F; };
-    const CellRange cells{floor_half(inner_.first - 1), floor_half(inner_.last - 1) + 1};
-    const int upper = floor_half(row - 1);
-    mix(upsampled_.at(upper, cells.first), upsampled_.at(upper + 1, cells.first), share(row),
-        static_cast<std::size_t>(cells.size()) * channels, coarse_.data());
-    float* out = added_.data();
-    for (int col = inner_.first; col <= inner_.last; ++col, out += channels) {
-      const float* left = coarse_.data() + static_cast<std::size_t>(floor_half(col - 1) - cells.first) * channels;
-      mix(left, left + channels, share(col), channels, out);
-    }
+    multiply(kernels_, f_.expansion, p);
   }
 
   const FusedLayers& f_;
@@ -274,7 +198,29 @@ class Strip {
 
 }  // namespace
 
-FusionPlan fuse_layers(const NetworkGraph& graph, const NetworkParams& folded) { return Fusion(graph, folded).run(); }
+FusionPlan no_fusion(const NetworkGraph& graph) {
+  return {{}, std::vector<int>(graph.layers.size(), FusionPlan::plain)};
+}
+
+FusionPlan fuse_layers(const NetworkGraph& graph, const std::vector<LayerWeights>& folded) {
+  return Fusion(graph, folded).run();
+}
+
+/// Cell o of twice the resolution lies at (2 o - 1) / 4, between two cells.
+void upsample_row(const LayerKernels& kernels, const CellView& coarse, int row, CellRange cols,
+                  std::vector<float>& scratch, float* result) {
+  const auto share = [](int o) { return o % 2 == 0 ? 0.75F : 0.25F; };
+  const CellRange cells{floor_half(cols.first - 1), floor_half(cols.last - 1) + 1};
+  scratch.resize(static_cast<std::size_t>(cells.size()) * coarse.cell_stride);
+  const int upper = floor_half(row - 1);
+  kernels.mix(coarse.at(upper, cells.first), coarse.at(upper + 1, cells.first), share(row), scratch.size(),
+              scratch.data());
+  for (int col = cols.first; col <= cols.last; ++col, result += coarse.cell_stride) {
+    const float* left =
+        scratch.data() + static_cast<std::size_t>(floor_half(col - 1) - cells.first) * coarse.cell_stride;
+    kernels.mix(left, left + coarse.cell_stride, share(col), coarse.channels, result);
+  }
+}
 
 void run_fused(const FusedLayers& layers, const CellView& source, const CellView& upsampled, CellRange rows,
                CellRange cols, float* result) {

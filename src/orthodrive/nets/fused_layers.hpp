@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Runs of layers that prediction computes row by row: the wide tensors inside an inverted residual or a separable
-// convolution (Sandler et al. 2018) stay in the cache. Includes ATen: for the .cpp files of this folder only.
+// convolution (Sandler et al. 2018) stay in the cache.
 
 #include <cstddef>
 #include <vector>
 
-#include "orthodrive/nets/fcn.hpp"
-#include "orthodrive/nets/layer_kernels.hpp"
+#include "orthodrive/nets/packed_convolution.hpp"
 
 namespace orthodrive {
-
-/// A convolution as a matrix, (kernel x kernel x in) x out, in the panels of RowProduct.
-struct PackedConvolution {
-  int in = 0, out = 0, kernel = 1, stride = 1, padding = 0;
-  std::vector<float> weights, bias;
-  ValueRange range{};
-};
 
 /// [convolution] -> 3 x 3 depthwise -> pointwise [+ what came in]; or (2 x upsampled + pointwise) -> depthwise ->
 /// pointwise.
@@ -42,19 +34,15 @@ struct FusionPlan {
   static constexpr int plain = -1, inside = -2;
 };
 
-/// `folded`: from fold_batch_norm. Layers whose channels are no multiples of 8 stay as they are.
-[[nodiscard]] FusionPlan fuse_layers(const NetworkGraph& graph, const NetworkParams& folded);
+/// `folded`: from fold_batch_norm(). Layers whose channels are no multiples of 8 stay as they are.
+[[nodiscard]] FusionPlan fuse_layers(const NetworkGraph& graph, const std::vector<LayerWeights>& folded);
+/// Every layer by itself.
+[[nodiscard]] FusionPlan no_fusion(const NetworkGraph& graph);
 
-/// Cells of a layer in memory, channels last.
-struct CellView {
-  const float* first = nullptr;  ///< the cell at rows.first, cols.first
-  CellRange rows, cols;
-  std::size_t channels = 0, row_stride = 0;
-  [[nodiscard]] const float* at(int row, int col) const {
-    return first + static_cast<std::size_t>(row - rows.first) * row_stride +
-           static_cast<std::size_t>(col - cols.first) * channels;
-  }
-};
+/// The row of an upsampled layer between those of `coarse`: the channels of cells `cols`, dense. `scratch` is the line
+/// that the coarse cells give before they are mixed along it.
+void upsample_row(const LayerKernels& kernels, const CellView& coarse, int row, CellRange cols,
+                  std::vector<float>& scratch, float* result);
 
 /// Writes rows x cols x channels, dense. `source` and, where there is one, `upsampled` must hold all cells these need.
 void run_fused(const FusedLayers& layers, const CellView& source, const CellView& upsampled, CellRange rows,

@@ -3,22 +3,12 @@
 
 namespace orthodrive {
 
-std::vector<const LayerKernels*> available_layer_kernels() {
-  std::vector<const LayerKernels*> tables{plain_layer_kernels()};
-#if defined(ORTHODRIVE_X86_KERNELS)
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) {
-    tables.push_back(avx2_layer_kernels());
-    if (__builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0)
-      tables.push_back(avx512_layer_kernels());
-  }
+const LayerKernels& layer_kernels([[maybe_unused]] KernelFamily family) {
+#if defined(__x86_64__)
+  if (family == KernelFamily::avx2) return *avx2_layer_kernels();
+  if (family == KernelFamily::avx512) return *avx512_layer_kernels();
 #endif
-  return tables;
-}
-
-const LayerKernels& layer_kernels() {
-  static const LayerKernels* const best = available_layer_kernels().back();
-  return *best;
+  return *plain_layer_kernels();
 }
 
 }  // namespace orthodrive

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The inner loops of fused layers, compiled once a processor family (layer_kernels_*.cpp) and chosen at run time. A
+// The inner loops of layers, compiled once per processor family (layer_kernels_*.cpp) and chosen at run time. A
 // pixel's channels lie side by side and are a multiple of 8. Every sum runs in the order of its weights, so a value
-// does not depend on where a row begins.
+// depends neither on where a row begins nor on the processor.
 
 #include <cstddef>
-#include <vector>
+
+#include "orthodrive/core/kernel_family.hpp"
 
 namespace orthodrive {
 
@@ -41,15 +42,26 @@ struct DepthwiseRow {
   float* result = nullptr;  ///< cells x channels, dense
 };
 
+/// A value between a cell of a line and the next one.
+struct MixTap {
+  std::size_t cell = 0;
+  float share_of_next = 0.0F;
+};
+
 struct LayerKernels {
   void (*product)(const RowProduct&);
   void (*depthwise)(const DepthwiseRow&);
+  /// out = a + share * (b - a), value by value.
+  void (*mix)(const float* a, const float* b, float share_of_b, std::size_t count, float* out);
+  /// out, count x channels, dense: the taps of a line of cells that lie `cell_stride` floats apart.
+  void (*mix_along)(const float* line, const MixTap* taps, std::size_t count, std::size_t cell_stride,
+                    std::size_t channels, float* out);
+  /// Of cells x classes, dense; `out` may be `scores`.
+  void (*softmax)(const float* scores, std::size_t cells, std::size_t classes, float* out);
 };
 
-/// The best kernels this processor can run.
-[[nodiscard]] const LayerKernels& layer_kernels();
-/// All this processor can run, the plain ones first; only tests need more than the best.
-[[nodiscard]] std::vector<const LayerKernels*> available_layer_kernels();
+/// Those of a family that this processor can run.
+[[nodiscard]] const LayerKernels& layer_kernels(KernelFamily family = kernel_family());
 
 [[nodiscard]] const LayerKernels* plain_layer_kernels();
 [[nodiscard]] const LayerKernels* avx2_layer_kernels();

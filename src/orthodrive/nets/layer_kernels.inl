@@ -4,42 +4,19 @@
 // is instantiated here: code for newer processors must not leak into the rest of the program.
 
 #include <cstddef>
+#include <cstdint>
 
+#include "orthodrive/core/kernel_vectors.inl"
 #include "orthodrive/nets/layer_kernels.hpp"
 
 namespace orthodrive {
 namespace {
 
-#define ORTHODRIVE_INLINE [[gnu::always_inline]] inline
-#define ORTHODRIVE_UNROLL _Pragma("GCC unroll 16")
-
 constexpr int panel_width = 16;
 
-/// L floats; loads and stores need no alignment.
-template <int L>
-struct Lanes;
-template <>
-struct Lanes<8> {
-  using Vector = float __attribute__((vector_size(32), may_alias));
-  using Unaligned = float __attribute__((vector_size(32), aligned(4), may_alias));
-};
-template <>
-struct Lanes<16> {
-  using Vector = float __attribute__((vector_size(64), may_alias));
-  using Unaligned = float __attribute__((vector_size(64), aligned(4), may_alias));
-};
-template <int L>
-ORTHODRIVE_INLINE typename Lanes<L>::Vector load(const float* p) {
-  return *reinterpret_cast<const typename Lanes<L>::Unaligned*>(p);
-}
-template <int L>
-ORTHODRIVE_INLINE void store(float* p, typename Lanes<L>::Vector v) {
-  *reinterpret_cast<typename Lanes<L>::Unaligned*>(p) = v;
-}
 template <int L>
 ORTHODRIVE_INLINE typename Lanes<L>::Vector cut(typename Lanes<L>::Vector v, ValueRange range) {
-  const typename Lanes<L>::Vector low = range.low - typename Lanes<L>::Vector{},
-                                  high = range.high - typename Lanes<L>::Vector{};
+  const typename Lanes<L>::Vector low = all_lanes<L>(range.low), high = all_lanes<L>(range.high);
   v = v > low ? v : low;
   return v < high ? v : high;
 }
@@ -60,8 +37,9 @@ ORTHODRIVE_INLINE void tile(const RowProduct& p, std::size_t row, int out, const
     Vector w[V];
     ORTHODRIVE_UNROLL for (int v = 0; v < V; ++v) w[v] = load<L>(weights + static_cast<std::size_t>(v) * vector_step);
     ORTHODRIVE_UNROLL for (int r = 0; r < R; ++r) {
-      const float value = values[static_cast<std::size_t>(r) * p.value_stride + static_cast<std::size_t>(i)];
-      ORTHODRIVE_UNROLL for (int v = 0; v < V; ++v) sums[r][v] += value * w[v];
+      const Vector value =
+          all_lanes<L>(values[static_cast<std::size_t>(r) * p.value_stride + static_cast<std::size_t>(i)]);
+      ORTHODRIVE_UNROLL for (int v = 0; v < V; ++v) sums[r][v] = fused(value, w[v], sums[r][v]);
     }
   }
   ORTHODRIVE_UNROLL for (int r = 0; r < R; ++r) {
@@ -111,9 +89,9 @@ ORTHODRIVE_INLINE void depthwise_lanes(const DepthwiseRow& d, int channel) {
   for (std::size_t o = 0; o < d.cells;
        ++o, out += channels, row0 += S * channels, row1 += S * channels, row2 += S * channels) {
     Vector y = bias;
-    ORTHODRIVE_UNROLL for (std::size_t j = 0; j < 3; ++j) y += w[j] * load<L>(row0 + j * channels);
-    ORTHODRIVE_UNROLL for (std::size_t j = 0; j < 3; ++j) y += w[3 + j] * load<L>(row1 + j * channels);
-    ORTHODRIVE_UNROLL for (std::size_t j = 0; j < 3; ++j) y += w[6 + j] * load<L>(row2 + j * channels);
+    ORTHODRIVE_UNROLL for (std::size_t j = 0; j < 3; ++j) y = fused(w[j], load<L>(row0 + j * channels), y);
+    ORTHODRIVE_UNROLL for (std::size_t j = 0; j < 3; ++j) y = fused(w[3 + j], load<L>(row1 + j * channels), y);
+    ORTHODRIVE_UNROLL for (std::size_t j = 0; j < 3; ++j) y = fused(w[6 + j], load<L>(row2 + j * channels), y);
     store<L>(out, cut<L>(y, d.range));
   }
 }
@@ -128,10 +106,55 @@ ORTHODRIVE_INLINE void depthwise_all(const DepthwiseRow& d) {
 
 void depthwise(const DepthwiseRow& d) { d.stride == 1 ? depthwise_all<1>(d) : depthwise_all<2>(d); }
 
+void mix(const float* a, const float* b, float share_of_b, std::size_t count, float* out) {
+  constexpr int lanes = ORTHODRIVE_LANES;
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const typename Lanes<lanes>::Vector from = load<lanes>(a + i);
+    store<lanes>(out + i, fused(all_lanes<lanes>(share_of_b), load<lanes>(b + i) - from, from));
+  }
+  for (; i < count; ++i) out[i] = __builtin_fmaf(share_of_b, b[i] - a[i], a[i]);
+}
+
+/// exp for x <= 0, relative error below 2e-7: 2^n times a polynomial on half an octave to both sides (Cephes, expf).
+ORTHODRIVE_INLINE float exp_of_negative(float x) {
+  x = x < -87.0F ? -87.0F : x;
+  const float n = static_cast<float>(static_cast<int>(x * 1.44269504F - 0.5F));
+  const float r = (x - n * 0.693359375F) + n * 2.12194440e-4F;
+  float p = 1.9875691500e-4F;
+  p = p * r + 1.3981999507e-3F;
+  p = p * r + 8.3334519073e-3F;
+  p = p * r + 4.1665795894e-2F;
+  p = p * r + 1.6666665459e-1F;
+  p = p * r + 5.0000001201e-1F;
+  p = p * r * r + r + 1.0F;
+  return p * __builtin_bit_cast(float, (static_cast<std::int32_t>(n) + 127) << 23);
+}
+
+void softmax(const float* scores, std::size_t cells, std::size_t classes, float* out) {
+  for (std::size_t i = 0; i < cells; ++i, scores += classes, out += classes) {
+    float top = scores[0];
+    for (std::size_t c = 1; c < classes; ++c) top = scores[c] > top ? scores[c] : top;
+    float sum = 0.0F;
+    for (std::size_t c = 0; c < classes; ++c) out[c] = exp_of_negative(scores[c] - top);
+    for (std::size_t c = 0; c < classes; ++c) sum += out[c];
+    const float scale = 1.0F / sum;
+    for (std::size_t c = 0; c < classes; ++c) out[c] *= scale;
+  }
+}
+
+void mix_along(const float* line, const MixTap* taps, std::size_t count, std::size_t cell_stride, std::size_t channels,
+               float* out) {
+  for (std::size_t i = 0; i < count; ++i, out += channels) {
+    const float *left = line + taps[i].cell * cell_stride, *right = left + cell_stride;
+    for (std::size_t c = 0; c < channels; ++c) out[c] = left[c] + taps[i].share_of_next * (right[c] - left[c]);
+  }
+}
+
 }  // namespace
 
 const LayerKernels* ORTHODRIVE_LAYER_KERNELS() {
-  static const LayerKernels table{product, depthwise};
+  static constexpr LayerKernels table{product, depthwise, mix, mix_along, softmax};
   return &table;
 }
 

@@ -9,7 +9,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/nets/layer_weights.hpp"
 
 namespace orthodrive {
 namespace {

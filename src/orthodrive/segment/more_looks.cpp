@@ -75,7 +75,7 @@ MoreLooks::MoreLooks(const PhotoSource& photo, double gsd_m) {
 }
 
 void MoreLooks::average(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame,
-                        const PixelBox& box, Raster<float>& scores) const {
+                        const PixelBox& box, Raster<float>& scores, CellMemory& memory) const {
   if (photos_.empty()) return;
   for (const PhotoSource& photo : photos_) {
     const double scale = photo.frame.gsd_m / frame.gsd_m;
@@ -85,7 +85,8 @@ void MoreLooks::average(const InferenceNetwork& network, const RoadMap* map, con
     window = {mirrored(std::move(window.rgb)), mirrored_map(std::move(window.map))};
     Raster<float> found(cells.width, cells.height, network.output_channels());
     // Mirrored about the frame's western edge, so that the network's strides do not depend on the box.
-    network.predict(window.input(), {-cells.end_col(), cells.row, cells.width, cells.height}, 1, found.data.data());
+    network.predict(window.input(), {-cells.end_col(), cells.row, cells.width, cells.height}, 1, found.data.data(),
+                    memory);
     add_mirrored(found, between_cells(box.col, box.width, scale, cells.col, cells.width),
                  between_cells(box.row, box.height, scale, cells.row, cells.height), network.class_count(), scores);
   }

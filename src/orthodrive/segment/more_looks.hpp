@@ -10,7 +10,7 @@
 #include "orthodrive/geo/raster.hpp"
 #include "orthodrive/model/map_alignment.hpp"
 #include "orthodrive/model/photo_source.hpp"
-#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/nets/inference_network.hpp"
 
 namespace orthodrive {
 
@@ -36,10 +36,10 @@ class MoreLooks {
   /// The finest pixel of all looks, in pixels of the network.
   [[nodiscard]] double finest_scale() const { return photos_.empty() ? 1.0 : look_scales[0]; }
   /// `scores` are those of `box`, in pixels of `frame`, a grid with the photo's north-western corner. Each class gets
-  /// the mean of its own and those of the looks, bilinear. A pixel's does not depend on the box, but for the order of
-  /// summation.
+  /// the mean of its own and those of the looks, bilinear. A pixel's does not depend on the box. `memory`: of this
+  /// thread.
   void average(const InferenceNetwork& network, const RoadMap* map, const GridFrame& frame, const PixelBox& box,
-               Raster<float>& scores) const;
+               Raster<float>& scores, CellMemory& memory) const;
 
  private:
   std::vector<PhotoSource> photos_;  ///< by look_scales; all are mirrored

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/nets/inference_network.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/nets/model_metadata.hpp"
 
@@ -32,7 +32,10 @@ SegmentModel load_model(const TensorFile& file, const std::string& source) {
             "class table '{}' has {} classes but the weights score {}: use the table the model was trained with",
             metadata.classes.name, classes, kernel->second.shape.back()));
   }
-  const NetworkParams params = params_from_file(graph, file, source);
+  const auto network_of = [&](NetworkGraph of) {
+    const std::vector<LayerWeights> folded = fold_batch_norm(of, file, source);
+    return std::make_shared<InferenceNetwork>(std::move(of), folded);
+  };
   SegmentModel model{
       .name = metadata.architecture,
       .classes = metadata.classes,
@@ -40,12 +43,9 @@ SegmentModel load_model(const TensorFile& file, const std::string& source) {
       .finest_gsd_m = metadata.finest_gsd_m > 0.0 ? std::min(metadata.finest_gsd_m, metadata.gsd_m) : metadata.gsd_m,
       .sees_map = graph.map_channels > 0,
       .crf = read_crf(file, static_cast<int>(classes), source)};
-  if (model.sees_map) {
-    NetworkGraph plain = make_network(without_map(metadata.architecture), static_cast<int>(classes));
-    const NetworkParams plain_params = params_from_file(plain, file, source);
-    model.without_map = std::make_shared<InferenceNetwork>(std::move(plain), plain_params);
-  }
-  model.network = std::make_shared<InferenceNetwork>(std::move(graph), params);
+  if (model.sees_map)
+    model.without_map = network_of(make_network(without_map(metadata.architecture), static_cast<int>(classes)));
+  model.network = network_of(std::move(graph));
   return model;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// A trained network with its class table. Opaque: libtorch stays in the .cpp files.
+// A trained network with its class table.
 
 #include <memory>
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace orthodrive {
 
-class InferenceNetwork;  // fcn.hpp
+class InferenceNetwork;  // inference_network.hpp
 
 struct SegmentModel {
   std::string name;  ///< architecture, from the file's metadata

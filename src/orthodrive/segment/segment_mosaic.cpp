@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,10 +19,7 @@
 #include "orthodrive/core/stop.hpp"
 #include "orthodrive/model/archived_fields.hpp"
 #include "orthodrive/nets/class_probabilities.hpp"
-#include "orthodrive/nets/fcn.hpp"
-#include "orthodrive/nets/reusing_allocator.hpp"
-#include "orthodrive/nets/single_threaded_blas.hpp"
-#include "orthodrive/nets/single_threaded_torch.hpp"
+#include "orthodrive/nets/inference_network.hpp"
 #include "orthodrive/segment/more_looks.hpp"
 #include "orthodrive/segment/ordered_delivery.hpp"
 #include "orthodrive/segment/photo_look.hpp"
@@ -146,12 +145,31 @@ PhotoWindow part_of(const PhotoWindow& window, const PixelBox& seen, const Pixel
   return part;
 }
 
-/// What the windows of a thread use one after the other: pages that the system hands out anew cost as much as what is
-/// written to them.
+/// What windows use one after the other: pages that the system hands out anew cost as much as what is written to them.
 struct Workspace {
+  CellMemory network;
   Raster<float> scores;
   std::vector<float> unary;
   CrfWorkspace crf;
+};
+/// Those that no window uses now. Safe from several threads.
+class Workspaces {
+ public:
+  std::unique_ptr<Workspace> take() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) return std::make_unique<Workspace>();
+    std::unique_ptr<Workspace> workspace = std::move(waiting_.back());
+    waiting_.pop_back();
+    return workspace;
+  }
+  void give_back(std::unique_ptr<Workspace> workspace) {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(std::move(workspace));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Workspace>> waiting_;
 };
 
 /// Scores of a box -> marginals of the CRF, in place. `factor`: label pixels along a pixel that the CRF's widths are
@@ -242,6 +260,7 @@ class Mosaic {
   MoreLooks looks_;                  ///< of a photo fine enough
   std::vector<PixelBox> cores_;
   std::vector<std::vector<std::size_t>> asked_;
+  mutable Workspaces workspaces_;
 };
 
 std::vector<PlaceAlignment> Mosaic::alignments_in(std::size_t window, const Raster<float>& scores,
@@ -273,25 +292,27 @@ Decision Mosaic::decide_window(std::size_t window) const {
     nothing.alignments.resize(asked_[window].size());
     return nothing;
   }
-  thread_local Workspace workspace;
-  Raster<float>& scores = workspace.scores;
+  std::unique_ptr<Workspace> workspace = workspaces_.take();
+  Raster<float>& scores = workspace->scores;
   scores.width = fine_box.width, scores.height = fine_box.height, scores.channels = network_.output_channels();
   scores.data.resize(static_cast<std::size_t>(scores.width) * static_cast<std::size_t>(scores.height) *
                      static_cast<std::size_t>(scores.channels));
   network_.predict(network_window(network_, map_, photo_.frame, seen, std::move(photo.rgb)).input(), predicted, factor_,
-                   scores.data.data());
+                   scores.data.data(), workspace->network);
   std::vector<PlaceAlignment> alignments = alignments_in(window, scores, fine.valid, fine_box);
   keep_channels(scores, network_.class_count());
-  looks_.average(network_, map_, label_frame_, fine_box, scores);
+  looks_.average(network_, map_, label_frame_, fine_box, scores, workspace->network);
   if (crf_) {
-    refine(*crf_, fine, fine_box, factor_, workspace);
+    refine(*crf_, fine, fine_box, factor_, *workspace);
   } else {
-    softmax_of_scores({scores.data.data(), scores.width, scores.height, scores.channels}, scores.data.data());
+    softmax_of_scores(scores.data.data(), scores.data.size() / static_cast<std::size_t>(scores.channels),
+                      scores.channels);
   }
   Decision decision = decide(fine_core, fine_box, fine.valid, scores, road_classes_);
   decision.look = look_of(fine.rgb, fine.valid, static_cast<int>(fine_core.col - fine_box.col),
                           static_cast<int>(fine_core.row - fine_box.row), fine_core.width, fine_core.height);
   decision.alignments = std::move(alignments);
+  workspaces_.give_back(std::move(workspace));
   return decision;
 }
 
@@ -311,13 +332,6 @@ Decision decision_of(const std::string& bytes, const Mosaic& mosaic, std::size_t
     throw InputError(fmt::format("window {}", window), "is a window of another map; remove it and run again");
   return decision;
 }
-
-/// One worker a window, each with its own thread alone.
-struct OneThreadAWindow {
-  SingleThreadedTorch torch;
-  SingleThreadedBlas blas;
-  ReuseTensorMemory memory;
-};
 
 Findings find_oddities(const GridFrame& photo, const SegmentModel& model, std::int64_t labelled_pixels,
                        const PhotoLook& look) {
@@ -355,10 +369,8 @@ void segment_windows(const PhotoSource& photo, const SegmentModel& model, const 
                      const std::function<void(std::size_t, const std::string&)>& keep, const SegmentOptions& options,
                      Monitor* monitor) {
   const Mosaic mosaic(photo, model, options);
-  const OneThreadAWindow one_thread;
   const auto is_cancelled = [&] { return monitor && monitor->cancelled(); };
   const auto work = [&](std::size_t) {
-    const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
     while (const std::optional<std::size_t> window = next(mosaic.windows())) {
       throw_if_stopped();
       if (is_cancelled()) return;
@@ -376,7 +388,6 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const Mosaic mosaic(source, model, options);
   SegmentSummary summary{.frame = label_frame(source.frame, model)};
   summary.alignments.resize(mosaic.places());
-  const OneThreadAWindow one_thread;
   // A window without photo takes no time: its worker may run ahead of the others by this many.
   const std::size_t ahead = 4 * static_cast<std::size_t>(worker_count(options.threads));
   PhotoLook look;
@@ -390,7 +401,6 @@ SegmentSummary segment_mosaic(const PhotoSource& source, const SegmentModel& mod
   const auto decide_window = [&](std::size_t window) {
     if (options.made)
       if (const std::optional<std::string> bytes = options.made(window)) return decision_of(*bytes, mosaic, window);
-    const SingleThreadedTorch single_threaded_worker;  // OpenMP keeps the number per thread
     return mosaic.decide_window(window);
   };
   const auto classify = [&](std::size_t window) {

@@ -17,15 +17,15 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/make_network.hpp"
-#include "orthodrive/nets/padded_parts.hpp"
-#include "orthodrive/nets/reusing_allocator.hpp"
-#include "orthodrive/nets/single_threaded_blas.hpp"
-#include "orthodrive/nets/single_threaded_torch.hpp"
 #include "orthodrive/segment/resample_photo.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 #include "orthodrive/train/disturbed_map.hpp"
+#include "orthodrive/train/padded_network.hpp"
+#include "orthodrive/train/padded_parts.hpp"
+#include "orthodrive/train/reusing_allocator.hpp"
+#include "orthodrive/train/single_threaded_blas.hpp"
+#include "orthodrive/train/single_threaded_torch.hpp"
 
 namespace orthodrive {
 namespace {

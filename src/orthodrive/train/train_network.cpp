@@ -16,13 +16,13 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/parallel.hpp"
 #include "orthodrive/core/random.hpp"
-#include "orthodrive/nets/fcn.hpp"
 #include "orthodrive/nets/make_network.hpp"
-#include "orthodrive/nets/reusing_allocator.hpp"
-#include "orthodrive/nets/single_threaded_blas.hpp"
 #include "orthodrive/segment/segment_mosaic.hpp"
 #include "orthodrive/train/alignment_loss.hpp"
 #include "orthodrive/train/allowed_class_loss.hpp"
+#include "orthodrive/train/padded_network.hpp"
+#include "orthodrive/train/reusing_allocator.hpp"
+#include "orthodrive/train/single_threaded_blas.hpp"
 #include "orthodrive/train/weight_mean.hpp"
 
 namespace orthodrive {

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "orthodrive/model/tensor_file.hpp"
-#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/train/padded_network.hpp"
 
 namespace orthodrive {
 

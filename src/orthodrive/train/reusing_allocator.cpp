@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/nets/reusing_allocator.hpp"
+#include "orthodrive/train/reusing_allocator.hpp"
 
 #include <cstdlib>
 #include <cstring>

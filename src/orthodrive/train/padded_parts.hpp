@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "orthodrive/nets/fcn.hpp"
+#include "orthodrive/train/padded_network.hpp"
 
 namespace orthodrive {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "orthodrive/nets/single_threaded_blas.hpp"
+#include "orthodrive/train/single_threaded_blas.hpp"
 
 #include <dlfcn.h>
 

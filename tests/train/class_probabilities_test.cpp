@@ -14,9 +14,9 @@ TEST(ClassProbabilities, upsampling_and_softmax_agree_with_torch) {
     // A part in the middle; the cells given begin at row 0, column 0.
     const int top = 2 * factor - 1, left = factor, rows = 5 * factor, cols = 4 * factor + 1;
     std::vector<float> result(static_cast<std::size_t>(rows * cols * 3));
-    upsample_scores({memory.data_ptr<float>(), 7, 9, 3}, {top, 0, rows, factor}, {left, 0, cols, factor},
+    upsample_scores({memory.data_ptr<float>(), 7, 9, 3, 3}, {top, 0, rows, factor}, {left, 0, cols, factor},
                     result.data());
-    softmax_of_scores({result.data(), cols, rows, 3}, result.data());
+    softmax_of_scores(result.data(), static_cast<std::size_t>(rows * cols), 3);
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < cols; ++x)
         for (int c = 0; c < 3; ++c)
