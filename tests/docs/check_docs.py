@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the pages: docs/**/*.md and README.md.
+"""Checks the pages: docs/**/*.md, README.md and its neighbours.
 
 - Every path in back quotes exists: `tests/roads`, `src/roadquery`, and with the name of a room `refine/fit_chain` (the
   extension may be left out). Pages that are named in code exist.
@@ -22,7 +22,7 @@ from pathlib import Path
 
 METHOD_LINES = 120  # two screens beyond formulas: lines of indented blocks do not count
 LINE_WIDTH = 160  # of prose, so that a page is not made short by long lines
-FREE = {"architecture.md", "glossary.md", "reference.md"}  # lists, not methods
+FREE = {"architecture.md", "conventions.md", "glossary.md", "reference.md", "versions.md"}  # lists and advice, not methods
 REFERENCE = "shared/reference/thesis.txt"  # beside the repository
 FEWEST_HEADINGS = 30  # of chapters 2 to 4; fewer were not read right
 TEMPLATE_LINES = 24  # of a measured page outside its marks
@@ -297,7 +297,7 @@ def check_notes(root, faults):
 
 def check(root):
     faults = []
-    pages = sorted((root / "docs").rglob("*.md")) + [root / "README.md"]
+    pages = sorted((root / "docs").rglob("*.md")) + sorted(root.glob("*.md"))
     check_paths(root, pages, faults)
     check_pages_named_in_code(root, faults)
     check_links(root, pages, faults)
