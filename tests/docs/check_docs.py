@@ -5,33 +5,62 @@
 - Every path in back quotes exists: `tests/roads`, `src/roadquery`, and with the name of a room `refine/fit_chain` (the
   extension may be left out). Pages that are named in code exist.
 - Links between pages, and to pictures and headings, resolve.
-- docs/reference.md: every row names a file and a test that exist, nothing that is "Open" exists or has a test, the words that it
-  offers for a search lead to a place, and every numbered heading of chapters 2 to 4 of the reference itself stands there.
+- docs/reference.md: every row names a file and a test that exist, nothing that is "Open" exists or has a test, the
+  words that it offers for a search lead to a place, and every numbered heading of chapters 2 to 4 of the reference itself
+  stands there.
 - Every term of the glossary has a file that exists; no term stands twice.
 - Names that the glossary retires are on no other page.
 - Names in the tables of options are in the code, and numbers beside them are its defaults.
-- Method pages are short. Measured pages name the command that makes them and one commit, at their top; what was tried, and why, is
-  in docs/notes, with dates.
+- Method pages are short. Measured pages name the command that makes them and one commit, at their top; what was tried,
+  and why, is in docs/notes, with dates.
 
-Usage: check_docs.py ROOT. Prints one line a fault; exit code 1 if there is any. Where the reference is not beside the repository (../shared/reference), its
-headings are not asked, which is said.
+Usage: check_docs.py ROOT. Prints one line a fault; exit code 1 if there is any. Where the reference is not
+beside the repository (../shared/reference), its headings are not asked, which is said.
 """
+
 import re
 import sys
 from pathlib import Path
 
 METHOD_LINES = 120  # two screens beyond formulas: lines of indented blocks do not count
 LINE_WIDTH = 160  # of prose, so that a page is not made short by long lines
-FREE = {"architecture.md", "conventions.md", "glossary.md", "reference.md", "versions.md"}  # lists and advice, not methods
+FREE = {
+    "architecture.md",
+    "conventions.md",
+    "glossary.md",
+    "reference.md",
+    "versions.md",
+}  # lists and advice, not methods
 REFERENCE = "shared/reference/thesis.txt"  # beside the repository
 FEWEST_HEADINGS = 30  # of chapters 2 to 4; fewer were not read right
 TEMPLATE_LINES = 24  # of a measured page outside its marks
-STAMP = re.compile(r"^Measured on commit (.+)\.$", re.M)
-# Pages that were not measured anew since pages have one commit: theirs are several, or of a tree with changes. `tools/measure all` measures
-# them; a page that is on one commit is taken off here.
-NOT_MEASURED_ANEW = {"cluster", "dense_crf", "drive_logs", "elevate", "every_road", "fuzz", "lap", "network", "refine", "scaling", "scene", "segment",
-                     "synth", "verdict"}
-NOTES_IN_MEASURED = ["tried and left", "what was chosen", "what is known of it", "what was wrong", "what mended it", "why numbers are missed"]
+STAMP = re.compile(r"^Measured on commit (.+)\.$", re.MULTILINE)
+# Pages that were not measured anew since pages have one commit: theirs are several, or of a tree with changes.
+# `tools/measure all` measures them; a page that is on one commit is taken off here.
+NOT_MEASURED_ANEW = {
+    "cluster",
+    "dense_crf",
+    "drive_logs",
+    "elevate",
+    "every_road",
+    "fuzz",
+    "lap",
+    "network",
+    "refine",
+    "scaling",
+    "scene",
+    "segment",
+    "synth",
+    "verdict",
+}
+NOTES_IN_MEASURED = [
+    "tried and left",
+    "what was chosen",
+    "what is known of it",
+    "what was wrong",
+    "what mended it",
+    "why numbers are missed",
+]
 TOP = {"app", "bench", "catalogue", "cmake", "docs", "examples", "models", "sites", "src", "tests", "tools", "viewer"}
 SUFFIXES = ["", ".hpp", ".cpp", ".h", ".inl", ".toml", ".md", ".py", ".mjs"]
 # What a build or a synthetic site leaves behind; some folders have the names of rooms.
@@ -76,7 +105,7 @@ def check_paths(root, pages, faults):
     for page in pages:
         text = page.read_text()
         if page == root / "docs/reference.md":  # what is open is not there yet
-            text = re.sub(r"^\|.*\*\*Open\*\*.*$", "", text, flags=re.M)
+            text = re.sub(r"^\|.*\*\*Open\*\*.*$", "", text, flags=re.MULTILINE)
         for number, span in code_spans(text):
             word = span.split()[0] if span.split() else ""
             if re.fullmatch(r"[A-Za-z0-9_.+*<>/-]+", word) and path_exists(root, room_of, word) is False:
@@ -112,7 +141,7 @@ def check_links(root, pages, faults):
                 file = (page.parent / name).resolve() if name else page
                 if not file.exists():
                     faults.append(f"{page.relative_to(root)}:{number}: link to {target} leads nowhere")
-                elif part and part not in {anchor(h) for h in re.findall(r"^#+ (.*)$", file.read_text(), re.M)}:
+                elif part and part not in {anchor(h) for h in re.findall(r"^#+ (.*)$", file.read_text(), re.MULTILINE)}:
                     faults.append(f"{page.relative_to(root)}:{number}: no heading {target}")
 
 
@@ -131,15 +160,22 @@ def reference_rows(text):
 
 def check_reference_rows(root, faults):
     room_of = rooms(root)
-    paths = lambda cell: {span: path_exists(root, room_of, span) for _, span in code_spans(cell) if path_exists(root, room_of, span) is not None}
+    paths = lambda cell: {
+        span: path_exists(root, room_of, span)
+        for _, span in code_spans(cell)
+        if path_exists(root, room_of, span) is not None
+    }
     count = 0
     for number, cells in reference_rows((root / "docs/reference.md").read_text()):
         count += 1
-        say = lambda what: faults.append(f"docs/reference.md:{number}: {cells[0]}: {what}")
+        say = lambda what, place=f"docs/reference.md:{number}: {cells[0]}": faults.append(f"{place}: {what}")
         if len(cells) != 3:
             say("a row has three cells")
             continue
-        code, tests = paths(cells[1]), {p: there for p, there in paths(cells[2]).items() if p.startswith(("tests/", "viewer/test"))}
+        code, tests = (
+            paths(cells[1]),
+            {p: there for p, there in paths(cells[2]).items() if p.startswith(("tests/", "viewer/test"))},
+        )
         if "**Open**" in cells[1]:
             if not code:
                 say("what is open names the file that will have it")
@@ -165,7 +201,9 @@ def check_search_words(root, faults):
     found = re.findall(r'"([^"]+)"\s+(?:leads\s+)?to\s+`([^`]+)`', (root / "docs/reference.md").read_text())
     for words, path in found:
         room, name = path.split("/", 1)
-        files = sorted(room_of[room].glob(f"{name}.*")) if room in room_of else [f for f in [root / path] if f.is_file()]
+        files = (
+            sorted(room_of[room].glob(f"{name}.*")) if room in room_of else [f for f in [root / path] if f.is_file()]
+        )
         texts = [re.sub(r"[\s*/]+", " ", f.read_text()).lower() for f in files]
         if not any(re.sub(r"\s+", " ", words).lower() in text for text in texts):
             faults.append(f"docs/reference.md: '{words}' is not in {path}")
@@ -173,7 +211,7 @@ def check_search_words(root, faults):
 
 def headings_of_reference(text):
     """Numbers and titles of the numbered headings of chapters 2 to 4."""
-    return re.findall(r"^ ?([2-4]\.\d(?:\.\d)?) +([A-Z].*?)\s*$", text, re.M)
+    return re.findall(r"^ ?([2-4]\.\d(?:\.\d)?) +([A-Z].*?)\s*$", text, re.MULTILINE)
 
 
 def check_headings(root, faults):
@@ -185,7 +223,11 @@ def check_headings(root, faults):
     if len(headings) < FEWEST_HEADINGS:
         faults.append(f"{REFERENCE}: only {len(headings)} numbered headings of chapters 2 to 4 were found")
     page = (root / "docs/reference.md").read_text().lower()
-    faults += [f"docs/reference.md: does not have the reference's heading '{n} {title}'" for n, title in headings if f"{n} {title}".lower() not in page]
+    faults += [
+        f"docs/reference.md: does not have the reference's heading '{n} {title}'"
+        for n, title in headings
+        if f"{n} {title}".lower() not in page
+    ]
 
 
 def check_glossary(root, faults):
@@ -231,7 +273,7 @@ def check_options(root, faults):
     for name, value in re.findall(r"\b(\w+) = ([-+0-9.e]+)[,;]", text):
         defaults.setdefault(name, set()).add(number_of(value))
     for page in sorted((root / "docs").glob("*.md")):
-        section = re.search(r"^## Options\n(.*?)(?=^## |\Z)", page.read_text(), re.M | re.S)
+        section = re.search(r"^## Options\n(.*?)(?=^## |\Z)", page.read_text(), re.MULTILINE | re.DOTALL)
         rows = [line for line in (section[1] if section else "").split("\n") if line.startswith("|")]
         if not rows or not rows[0].startswith("| name"):
             continue
@@ -265,7 +307,7 @@ def check_lengths(root, faults):
 def check_measured(root, faults):
     commands = set(re.findall(r'"([\w-]+)": "\w+"', (root / "tools/measure").read_text()))
     for page in sorted((root / "docs/measured").glob("*.md")):
-        text, say = page.read_text(), lambda what: faults.append(f"docs/measured/{page.name}: {what}")
+        text, say = page.read_text(), lambda what, page=page: faults.append(f"docs/measured/{page.name}: {what}")
         if not commands & set(re.findall(r"`tools/measure ([\w-]+)", text)):
             say("does not name the sub-command of tools/measure that makes it")
         stamps = STAMP.findall(text)
@@ -280,7 +322,7 @@ def check_measured(root, faults):
         others = set(re.findall(r"\b(?=[0-9a-f]*[a-f])(?=[0-9a-f]*\d)[0-9a-f]{7,40}\b", STAMP.sub("", text)))
         if others:
             say(f"names a commit that is not at its top: {', '.join(sorted(others))}")
-        template = re.sub(r"<!-- measured: .*? -->\n.*?<!-- /measured -->\n?", "", text, flags=re.S)
+        template = re.sub(r"<!-- measured: .*? -->\n.*?<!-- /measured -->\n?", "", text, flags=re.DOTALL)
         if template != text and len(template.strip().split("\n")) > TEMPLATE_LINES:
             say(f"{len(template.strip().splitlines())} lines outside of what is measured, at most {TEMPLATE_LINES}")
         for words in NOTES_IN_MEASURED:
@@ -290,7 +332,7 @@ def check_measured(root, faults):
 
 def check_notes(root, faults):
     for page in sorted((root / "docs/notes").glob("*.md")):
-        for heading in re.findall(r"^## (.*)$", page.read_text(), re.M):
+        for heading in re.findall(r"^## (.*)$", page.read_text(), re.MULTILINE):
             if not re.match(r"20\d\d-\d\d-\d\d: \S", heading):
                 faults.append(f"docs/notes/{page.name}: '{heading}' has no date")
 

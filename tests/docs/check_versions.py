@@ -8,6 +8,7 @@
 
 Usage: check_versions.py ROOT. Prints one line a fault; exit code 1 if there is any.
 """
+
 import re
 import subprocess
 import sys
@@ -55,14 +56,19 @@ def check_complete(root, rows, faults):
 
 
 def check_release(root, tracked, faults):
-    version = re.search(r"^project\(\w+ VERSION (\d+\.\d+\.\d+)", (root / "CMakeLists.txt").read_text(), re.M)[1]
-    changes = re.search(r"^## \[(\d+\.\d+\.\d+)\] - \d{4}-\d\d-\d\d$", (root / "CHANGELOG.md").read_text(), re.M)
+    text_of = lambda name: (root / name).read_text()
+    version = re.search(r"^project\(\w+ VERSION (\d+\.\d+\.\d+)", text_of("CMakeLists.txt"), re.MULTILINE)[1]
+    changes = re.search(r"^## \[(\d+\.\d+\.\d+)\] - \d{4}-\d\d-\d\d$", text_of("CHANGELOG.md"), re.MULTILINE)
     if not changes or changes[1] != version:
         faults.append(f"CHANGELOG.md: its newest release is not {version}")
-    if not re.search(rf"^version: {re.escape(version)}$", (root / "CITATION.cff").read_text(), re.M):
+    if not re.search(rf"^version: {re.escape(version)}$", (root / "CITATION.cff").read_text(), re.MULTILINE):
         faults.append(f"CITATION.cff: its version is not {version}")
     for name in tracked:
-        if name in MAY_SAY or name.startswith(("docs/notes/", "docs/measured/", "bench/results/")) or name.endswith((".svg", ".jpg", ".png", "package-lock.json")):
+        if (
+            name in MAY_SAY
+            or name.startswith(("docs/notes/", "docs/measured/", "bench/results/"))
+            or name.endswith((".svg", ".jpg", ".png", "package-lock.json"))
+        ):
             continue
         try:
             text = (root / name).read_text()
@@ -71,7 +77,7 @@ def check_release(root, tracked, faults):
         if re.search(rf"(?<![\d.]){re.escape(version)}(?![\d.])", text):
             faults.append(f"{name}: repeats the version {version} of CMakeLists.txt")
     package = (root / "viewer/package.json").read_text()
-    if re.search(r'^  "version"', package, re.M):
+    if re.search(r'^  "version"', package, re.MULTILINE):
         faults.append("viewer/package.json: has a version of its own")
 
 
@@ -86,8 +92,12 @@ def check(root, tracked):
 
 if __name__ == "__main__":
     source = Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-    listed = subprocess.run(["git", "-C", source, "ls-files"], capture_output=True, text=True)
-    files = listed.stdout.split() or [p.relative_to(source).as_posix() for top in ("app", "cmake", "docs", "src", "tests", "tools", "viewer/src") for p in (source / top).rglob("*")]
+    listed = subprocess.run(["git", "-C", source, "ls-files"], capture_output=True, text=True, check=False)
+    files = listed.stdout.split() or [
+        p.relative_to(source).as_posix()
+        for top in ("app", "cmake", "docs", "src", "tests", "tools", "viewer/src")
+        for p in (source / top).rglob("*")
+    ]
     found = check(source, files)
     print("\n".join(found))
     sys.exit(1 if found else 0)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """check_versions.py, tools/commit_subjects and tools/rooms find the fault that each is for, and none without it."""
+
 import importlib.machinery
 import importlib.util
 import subprocess
@@ -33,10 +34,12 @@ class Versions(unittest.TestCase):
         "src/orthodrive/pipeline/run_drive.cpp": 'return {.name = "drive",\n .sources = {}\n',
         "src/orthodrive/pipeline/packed.cpp": 'format_version = "4";\n',
         "README.md": "",
-        check_versions.PAGE: "| what | version | where |\n|---|---|---|\n| Orthodrive | 1.2.3 | `CMakeLists.txt`: `project(orthodrive VERSION 1.2.3` |\n"
-                             "| stage scene | 7 | `src/orthodrive/pipeline/run_scene.cpp`: `.version = 7,` |\n"
-                             "| stage drive | 1 | `src/orthodrive/pipeline/build_stage.hpp`: `int version = 1;` |\n"
-                             "| packed | 4 | `src/orthodrive/pipeline/packed.cpp`: `format_version = \"4\";` |\n"}
+        check_versions.PAGE: "| what | version | where |\n|---|---|---|\n"
+        "| Orthodrive | 1.2.3 | `CMakeLists.txt`: `project(orthodrive VERSION 1.2.3` |\n"
+        "| stage scene | 7 | `src/orthodrive/pipeline/run_scene.cpp`: `.version = 7,` |\n"
+        "| stage drive | 1 | `src/orthodrive/pipeline/build_stage.hpp`: `int version = 1;` |\n"
+        '| packed | 4 | `src/orthodrive/pipeline/packed.cpp`: `format_version = "4";` |\n',
+    }
 
     def faults(self, **changes):
         with tempfile.TemporaryDirectory() as folder:
@@ -57,12 +60,18 @@ class Versions(unittest.TestCase):
         self.finds("CHANGELOG.md: its newest release is not 1.2.3", "CHANGELOG.md", "1.2.3", "1.2.4")
         self.finds("CITATION.cff: its version is not 1.2.3", "CITATION.cff", "version: 1.2.3", "version: 1.2")
         self.finds("README.md: repeats the version", "README.md", "", "This is 1.2.3 and")
-        self.finds("has a version of its own", "viewer/package.json", '  "private"', '  "version": "9.9.9",\n  "private"')
+        self.finds(
+            "has a version of its own", "viewer/package.json", '  "private"', '  "version": "9.9.9",\n  "private"'
+        )
 
     def test_rows_say_what_the_code_says(self):
         page = check_versions.PAGE
-        self.finds("does not say .version = 7,", "src/orthodrive/pipeline/run_scene.cpp", ".version = 7,", ".version = 8,")
-        self.finds("stage scene has version 8", "src/orthodrive/pipeline/run_scene.cpp", ".version = 7,", ".version = 8,")
+        self.finds(
+            "does not say .version = 7,", "src/orthodrive/pipeline/run_scene.cpp", ".version = 7,", ".version = 8,"
+        )
+        self.finds(
+            "stage scene has version 8", "src/orthodrive/pipeline/run_scene.cpp", ".version = 7,", ".version = 8,"
+        )
         self.finds(".version = 7, is not 6", page, "| stage scene | 7 ", "| stage scene | 6 ")
         self.finds("no version, file and text", page, "| packed | 4 | `", "| packed | four | `")
         self.finds("stage drive has version 1", page, "stage drive", "stage derive")
@@ -72,15 +81,33 @@ class Versions(unittest.TestCase):
 class CommitSubjects(unittest.TestCase):
     def test_subjects(self):
         faults = script("commit_subjects").faults_of
-        for good in ("Keep a metre between carriageways", "Pass words on", "Bring the map", "Feed it", "Focus on roads", "Access it", "x" * 0 + "A" * 72):
+        for good in (
+            "Keep a metre between carriageways",
+            "Pass words on",
+            "Bring the map",
+            "Feed it",
+            "Focus on roads",
+            "Access it",
+            "x" * 0 + "A" * 72,
+        ):
             self.assertEqual(faults(good), [], good)
-        for bad, why in (("A" * 73, "73 characters"), ("keep it", "capital"), ("Keep it.", "full stop"), ("Keeps it", "no imperative"), 
-                         ("Added it", "no imperative"), ("Adding it", "no imperative")):
+        for bad, why in (
+            ("A" * 73, "73 characters"),
+            ("keep it", "capital"),
+            ("Keep it.", "full stop"),
+            ("Keeps it", "no imperative"),
+            ("Added it", "no imperative"),
+            ("Adding it", "no imperative"),
+        ):
             self.assertIn(why, " ".join(faults(bad)), bad)
 
     def test_only_commits_behind_the_script_are_asked(self):
         with tempfile.TemporaryDirectory() as folder:
-            git = lambda *words: subprocess.run(["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b", *words], check=True, capture_output=True)
+            git = lambda *words: subprocess.run(
+                ["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b", *words],
+                check=True,
+                capture_output=True,
+            )
             git("init")
             git("commit", "--allow-empty", "-m", "added long ago.")
             (Path(folder) / "tools").mkdir()

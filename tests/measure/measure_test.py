@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """tools/measure in a copy of what it reads and writes. Usage: measure_test.py SOURCE_TREE TOOL TEST_ELEVATE"""
+
 import contextlib
 import io
 import json
@@ -37,16 +38,23 @@ class Measure(unittest.TestCase):
         return (self.root / f"docs/measured/{name}.md").read_text()
 
     def test_every_sub_command_has_help(self):
-        names = re.search(r"SUB-COMMAND\n(.*)\n\n?options|options:.*", self.measure("--help"), re.S)
-        commands = re.findall(r"^    ([a-z-]+)  ", self.measure("--help"), re.M)
+        names = re.search(r"SUB-COMMAND\n(.*)\n\n?options|options:.*", self.measure("--help"), re.DOTALL)
+        commands = re.findall(r"^    ([a-z-]+)  ", self.measure("--help"), re.MULTILINE)
         self.assertGreaterEqual(len(commands), 12, names)
         for command in commands:
             self.assertIn("usage: tools/measure " + command, self.measure(command, "--help"))
 
     def test_pages_are_what_the_last_results_say(self):
-        """Every page of docs/measured, by the sub-command that it names; and whatever is changed in a page by hand is lost."""
-        tables = [(name, page) for part in all_pages.PARTS for name in {words[0] for words in part.commands} for page in part.pages.split()]
-        self.assertEqual({page for _, page in tables}, {file.stem for file in (self.root / "docs/measured").glob("*.md")})
+        """Every page of docs/measured, by its sub-command."""
+        tables = [
+            (name, page)
+            for part in all_pages.PARTS
+            for name in {words[0] for words in part.commands}
+            for page in part.pages.split()
+        ]
+        self.assertEqual(
+            {page for _, page in tables}, {file.stem for file in (self.root / "docs/measured").glob("*.md")}
+        )
         for name, page in tables:
             before = self.page(page)
             self.measure(name, "--table")
@@ -88,7 +96,10 @@ class All(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.pages, self.state, self.ran, self.codes = pathlib.Path(folder.name), {}, [], {}
-        self.parts = [all_pages.Part("one", "a b", 1, [["one"]]), all_pages.Part("two", "c", 2, [["two", "--x"], ["more"]])]
+        self.parts = [
+            all_pages.Part("one", "a b", 1, [["one"]]),
+            all_pages.Part("two", "c", 2, [["two", "--x"], ["more"]]),
+        ]
         self.stamps = {"one": "aaaaaaa", "two": "aaaaaaa"}
 
     def execute(self, words):
@@ -96,13 +107,17 @@ class All(unittest.TestCase):
         for part in self.parts:
             if words in part.commands:
                 for page in part.pages.split():
-                    (self.pages / f"{page}.md").write_text("# Page\n\n" + "".join(f"Measured on commit {c}.\n" for c in self.stamps[part.name].split(",")))
+                    (self.pages / f"{page}.md").write_text(
+                        "# Page\n\n" + "".join(f"Measured on commit {c}.\n" for c in self.stamps[part.name].split(","))
+                    )
         return self.codes.get(words[0], 0)
 
     def run_all(self, on="aaaaaaa"):
         self.ran.clear()
         with contextlib.redirect_stdout(io.StringIO()) as said:
-            failed = all_pages.measure_all(self.parts, on, self.execute, lambda: dict(self.state), self.state.update, self.pages)
+            failed = all_pages.measure_all(
+                self.parts, on, self.execute, lambda: dict(self.state), self.state.update, self.pages
+            )
         self.said = said.getvalue()
         return failed
 
@@ -131,14 +146,20 @@ class All(unittest.TestCase):
 
     def test_a_page_of_two_commits_is_not_done(self):
         self.stamps["two"] = "aaaaaaa,bbbbbbb"
-        self.assertEqual(self.run_all(), [f"two: docs/measured/{PAGE_OF_TWO} was measured on aaaaaaa, bbbbbbb, not on aaaaaaa alone"])
+        self.assertEqual(
+            self.run_all(), [f"two: docs/measured/{PAGE_OF_TWO} was measured on aaaaaaa, bbbbbbb, not on aaaaaaa alone"]
+        )
         self.assertNotIn("two", self.state)
 
     def test_a_dirty_tree_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             shutil.copytree(SOURCE / "tools", root / "tools")
-            git = lambda *words: subprocess.run(["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *words], check=True, capture_output=True)
+            git = lambda *words: subprocess.run(
+                ["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *words],
+                check=True,
+                capture_output=True,
+            )
             git("init"), git("add", "."), git("commit", "-m", "Begin")
             (root / "tools/measure").write_text((root / "tools/measure").read_text() + "# changed\n")
             run = subprocess.run([root / "tools/measure", "all"], capture_output=True, text=True)
@@ -146,13 +167,18 @@ class All(unittest.TestCase):
             self.assertIn("+ changes; commit first", run.stderr)
 
     def test_commits_of_results(self):
-        self.assertEqual(common.commits_of({"a": {"commit": "x"}, "b": [{"commit": "y"}, {"commits": {"p": "x", "q": "z"}}]}), ["x", "y", "z"])
+        self.assertEqual(
+            common.commits_of({"a": {"commit": "x"}, "b": [{"commit": "y"}, {"commits": {"p": "x", "q": "z"}}]}),
+            ["x", "y", "z"],
+        )
 
     def test_a_stamp_is_replaced(self):
         with mock.patch.object(common, "read_results", lambda store, otherwise: {"commit": store}):
             once = common.stamped("# Title\n\nText\n", ["x"])
             self.assertEqual(once, "# Title\n\nMeasured on commit x.\n\nText\n")
-            self.assertEqual(common.stamped(once, ["y", "z"]), "# Title\n\nMeasured on commit y.\nMeasured on commit z.\n\nText\n")
+            self.assertEqual(
+                common.stamped(once, ["y", "z"]), "# Title\n\nMeasured on commit y.\nMeasured on commit z.\n\nText\n"
+            )
 
 
 unittest.main(argv=sys.argv[:1])

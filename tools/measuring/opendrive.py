@@ -3,21 +3,33 @@
 
 Give files as NAME=FILE, for example  --files kvarnbyn=out/kvarnbyn/roads.xodr pardubice=out/pardubice/roads.xodr
 """
+
 import collections
 
 from measuring.common import *
 from measuring.network import STORES
 
 STORE, PAGE = "opendrive.json", PAGES / "network.md"
-KINDS = {"crowns": ["shape"], "superelevation": ["superelevation", "lateralProfile"], "heights": ["elevation", "elevationProfile"],
-         "reference lines": ["geometry", "line", "arc", "spiral", "paramPoly3", "planView"], "widths, lane offsets": ["width", "laneOffset"],
-         "markings": ["roadMark"], "speeds": ["speed", "type"], "links": ["link", "predecessor", "successor"],
-         "junctions": ["junction", "connection", "laneLink", "priority"], "materials": ["material"], "our own data": ["userData"]}
+KINDS = {
+    "crowns": ["shape"],
+    "superelevation": ["superelevation", "lateralProfile"],
+    "heights": ["elevation", "elevationProfile"],
+    "reference lines": ["geometry", "line", "arc", "spiral", "paramPoly3", "planView"],
+    "widths, lane offsets": ["width", "laneOffset"],
+    "markings": ["roadMark"],
+    "speeds": ["speed", "type"],
+    "links": ["link", "predecessor", "successor"],
+    "junctions": ["junction", "connection", "laneLink", "priority"],
+    "materials": ["material"],
+    "our own data": ["userData"],
+}
 
 
 def add_arguments(parser):
     add_table(parser)
-    parser.add_argument("--files", nargs="+", default=[], metavar="NAME=FILE", help="networks; the others keep their last values")
+    parser.add_argument(
+        "--files", nargs="+", default=[], metavar="NAME=FILE", help="networks; the others keep their last values"
+    )
 
 
 def bytes_by_kind(file):
