@@ -87,6 +87,11 @@ class Measure(unittest.TestCase):
 
 
 PAGE_OF_TWO = "c.md"
+FAKE_TEST = """#!/usr/bin/python3
+import json, sys
+report = next(word.split(":", 1)[1] for word in sys.argv if word.startswith("--gtest_output"))
+json.dump({"testsuites": [{"name": "FuseDriveLogs", "testsuite": [{"measured_1": "a drive of this test"}]}]}, open(report, "w"))
+"""
 
 
 class All(unittest.TestCase):
@@ -151,20 +156,49 @@ class All(unittest.TestCase):
         )
         self.assertNotIn("two", self.state)
 
-    def test_a_dirty_tree_is_refused(self):
+    def test_a_part_in_a_checkout(self):
+        """The command itself, with programs that do nothing: stamps, what is kept for the next call, refusals."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            shutil.copytree(SOURCE / "tools", root / "tools")
-            git = lambda *words: subprocess.run(
-                ["git", "-C", root, "-c", "user.name=a", "-c", "user.email=a@b", *words],
-                check=True,
-                capture_output=True,
-            )
+            for part in ("tools", "docs/measured", "bench/results"):
+                shutil.copytree(SOURCE / part, root / part)
+            (root / ".gitignore").write_text("/build/\n/out/\n__pycache__/\n")
+            (root / "tools/build").write_text("#!/bin/sh\nmkdir -p build && echo built >>build/log\n")
+            program = root / "build/release/tests/elevate/test_elevate"
+            program.parent.mkdir(parents=True)
+            program.write_text(FAKE_TEST)
+            program.chmod(0o755)
+            (root / "out/lap").mkdir(parents=True)
+
+            def run(*words, **options):
+                return subprocess.run(list(map(str, words)), cwd=root, capture_output=True, text=True, **options)
+
+            def git(*words):
+                return run("git", "-c", "user.name=a", "-c", "user.email=a@b", *words, check=True).stdout.strip()
+
             git("init"), git("add", "."), git("commit", "-m", "Begin")
-            (root / "tools/measure").write_text((root / "tools/measure").read_text() + "# changed\n")
-            run = subprocess.run([root / "tools/measure", "all"], capture_output=True, text=True)
-            self.assertEqual(run.returncode, 1)
-            self.assertIn("+ changes; commit first", run.stderr)
+            commit = git("rev-parse", "--short", "HEAD")
+            first = run(root / "tools/measure", "all", "--only", "drive-logs")
+            self.assertEqual(first.returncode, 0, first.stdout + first.stderr)
+            page = (root / "docs/measured/drive_logs.md").read_text()
+            self.assertEqual(common.STAMP.findall(page), [commit])
+            self.assertIn("    a drive of this test", page)
+            self.assertEqual(
+                json.loads((root / "bench/results/measured.json").read_text())["drive-logs"]["commit"], commit
+            )
+            self.assertFalse((root / "out/lap").exists(), "what another commit made")
+            again = run(root / "tools/measure", "all", "--only", "drive-logs")
+            self.assertIn(f"drive-logs: done on {commit} before", again.stdout)
+            self.assertEqual((root / "build/log").read_text(), "built\n")
+            self.assertIn(commit, run(root / "tools/measure", "all", "--list").stdout)
+
+            unknown = run(root / "tools/measure", "all", "--only", "gone")
+            self.assertEqual(unknown.returncode, 1)
+            self.assertIn("no part gone; there are synth,", unknown.stderr)
+            (root / "tools/build").write_text("#!/bin/sh\n")
+            dirty = run(root / "tools/measure", "all", "--only", "drive-logs")
+            self.assertEqual(dirty.returncode, 1)
+            self.assertIn(f"the commit is {commit} + changes; commit first, or give --dirty", dirty.stderr)
 
     def test_commits_of_results(self):
         self.assertEqual(

@@ -162,7 +162,7 @@ PARTS = [  # a part stands behind those whose files it takes
     Part("fetch", "fetch", 3, [["fetch"]]),
     Part("faults", "faults", 30, [["faults"]], "root, libfaketime"),
     Part("packaging", "packaging", 15, [["packaging"]], "root, debootstrap, the net"),
-    Part("fuzz", "fuzz", 330, [["fuzz", "--forget", "all"]], "clang"),
+    Part("fuzz", "fuzz", 375, [["fuzz", "--forget", "all"]], "clang"),
 ]
 
 
