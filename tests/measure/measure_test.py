@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/measure in a copy of what it reads and writes. Usage: measure_test.py SOURCE_TREE TOOL TEST_ELEVATE"""
 
+import argparse
 import contextlib
+import importlib
 import io
 import json
 import pathlib
@@ -199,6 +201,13 @@ class All(unittest.TestCase):
             dirty = run(root / "tools/measure", "all", "--only", "drive-logs")
             self.assertEqual(dirty.returncode, 1)
             self.assertIn(f"the commit is {commit} + changes; commit first, or give --dirty", dirty.stderr)
+
+    def test_the_commands_of_all_parts_are_understood(self):
+        modules = dict(re.findall(r'"([\w-]+)": "(\w+)"', (SOURCE / "tools/measure").read_text()))
+        for words in [words for part in all_pages.PARTS for words in part.commands]:
+            parser = argparse.ArgumentParser(exit_on_error=False)
+            importlib.import_module(f"measuring.{modules[words[0]]}").add_arguments(parser)
+            parser.parse_args(list(map(str, words[1:])))
 
     def test_commits_of_results(self):
         self.assertEqual(
