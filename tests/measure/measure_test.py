@@ -1,6 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """tools/measure in a copy of what it reads and writes. Usage: measure_test.py SOURCE_TREE TOOL TEST_ELEVATE"""
+
+import argparse
+import contextlib
+import importlib
+import io
 import json
 import pathlib
 import re
@@ -9,9 +14,13 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 SOURCE, TOOL, TEST_ELEVATE = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
-COPIED = ["tools", "docs/measured", "docs/images", "bench/results", "models/truth"]
+COPIED = ["tools", "docs/measured", "docs/notes", "docs/images", "bench/results", "models/truth"]
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(SOURCE / "tools"))
+from measuring import all_pages, common
 
 
 class Measure(unittest.TestCase):
@@ -31,20 +40,30 @@ class Measure(unittest.TestCase):
         return (self.root / f"docs/measured/{name}.md").read_text()
 
     def test_every_sub_command_has_help(self):
-        names = re.search(r"SUB-COMMAND\n(.*)\n\n?options|options:.*", self.measure("--help"), re.S)
-        commands = re.findall(r"^    ([a-z-]+)  ", self.measure("--help"), re.M)
+        names = re.search(r"SUB-COMMAND\n(.*)\n\n?options|options:.*", self.measure("--help"), re.DOTALL)
+        commands = re.findall(r"^    ([a-z-]+)  ", self.measure("--help"), re.MULTILINE)
         self.assertGreaterEqual(len(commands), 12, names)
         for command in commands:
             self.assertIn("usage: tools/measure " + command, self.measure(command, "--help"))
 
     def test_pages_are_what_the_last_results_say(self):
-        for words, page in ((["site", "--table"], "site"), (["refine", "--table"], "refine"), (["heights", "--table"], "elevate"), (["banking", "--table"], "banking"),
-                            (["network", "--table"], "network"), (["fetch", "--table"], "fetch"), (["opendrive", "--table"], "network"), (["vehicle", "--table"], "vehicle"),
-                            (["every-road", "--table"], "every_road"), (["scene", "--table"], "scene"), (["regions", "--table"], "regions"), (["second-eye", "--table"], "second_eye"), (["wide-roads", "--table"], "road_surface"), (["adapt", "--table"], "adapt"),
-                            (["segment", "--table"], "segment"), (["networks", "write"], "segment"), (["scaling", "--table"], "scaling"), (["cluster", "--table"], "cluster"), (["faults", "--table"], "faults")):
+        """Every page of docs/measured, by its sub-command."""
+        tables = [
+            (name, page)
+            for part in all_pages.PARTS
+            for name in {words[0] for words in part.commands}
+            for page in part.pages.split()
+        ]
+        self.assertEqual(
+            {page for _, page in tables}, {file.stem for file in (self.root / "docs/measured").glob("*.md")}
+        )
+        for name, page in tables:
             before = self.page(page)
-            self.measure(*words)
-            self.assertEqual(self.page(page), before, words)
+            self.measure(name, "--table")
+            self.assertEqual(self.page(page), before, name)
+        before = (self.root / "docs/notes/networks.md").read_text()
+        self.measure("networks", "write")
+        self.assertEqual((self.root / "docs/notes/networks.md").read_text(), before)
 
     def test_a_page_without_marks_is_refused(self):
         (self.root / "docs/measured/network.md").write_text("no marks\n")
@@ -60,14 +79,149 @@ class Measure(unittest.TestCase):
         row = json.loads((self.root / "bench/results/heights.json").read_text())["rows"]["village 10 m cubic default"]
         self.assertEqual(row["commit"], "unknown")
         self.assertLess(row["truth"]["z_m"]["mean_abs"], 1.0)
-        self.assertIn("(measured on ", self.page("elevate"))
-        self.assertIn("unknown", self.page("elevate"))
+        self.assertIn("\nMeasured on commit unknown.\n", self.page("elevate"))
 
     def test_drive_logs_end_to_end(self):
         self.measure("drive-logs", "--tests", TEST_ELEVATE)
         numbers = json.loads((self.root / "bench/results/drive_logs.json").read_text())
         self.assertGreater(len(numbers["lines"]["FuseDriveLogs"]), 5)
         self.assertIn(numbers["lines"]["FuseDriveLogs"][0], self.page("drive_logs"))
+
+
+PAGE_OF_TWO = "c.md"
+FAKE_TEST = """#!/usr/bin/python3
+import json, sys
+report = next(word.split(":", 1)[1] for word in sys.argv if word.startswith("--gtest_output"))
+json.dump({"testsuites": [{"name": "FuseDriveLogs", "testsuite": [{"measured_1": "a drive of this test"}]}]}, open(report, "w"))
+"""
+
+
+class All(unittest.TestCase):
+    """`tools/measure all` with parts that measure nothing."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.pages, self.state, self.ran, self.codes = pathlib.Path(folder.name), {}, [], {}
+        self.parts = [
+            all_pages.Part("one", "a b", 1, [["one"]]),
+            all_pages.Part("two", "c", 2, [["two", "--x"], ["more"]]),
+        ]
+        self.stamps = {"one": "aaaaaaa", "two": "aaaaaaa"}
+
+    def execute(self, words):
+        self.ran.append(words[0])
+        for part in self.parts:
+            if words in part.commands:
+                for page in part.pages.split():
+                    (self.pages / f"{page}.md").write_text(
+                        "# Page\n\n" + "".join(f"Measured on commit {c}.\n" for c in self.stamps[part.name].split(","))
+                    )
+        return self.codes.get(words[0], 0)
+
+    def run_all(self, on="aaaaaaa"):
+        self.ran.clear()
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            failed = all_pages.measure_all(
+                self.parts, on, self.execute, lambda: dict(self.state), self.state.update, self.pages
+            )
+        self.said = said.getvalue()
+        return failed
+
+    def test_all_parts_run_once_a_commit(self):
+        self.assertEqual(self.run_all(), [])
+        self.assertEqual(self.ran, ["one", "two", "more"])
+        self.assertRegex(self.said, r"(?m)^one: \d+\.\d min$")
+        self.assertRegex(self.said, r"(?m)^all: .* min for what is measured on aaaaaaa$")
+        self.assertEqual(self.run_all(), [])
+        self.assertEqual(self.ran, [])
+        self.assertIn("one: done on aaaaaaa before", self.said)
+
+    def test_another_commit_is_measured_anew(self):
+        self.run_all()
+        self.stamps = dict.fromkeys(self.stamps, "bbbbbbb")
+        self.assertEqual(self.run_all("bbbbbbb"), [])
+        self.assertEqual(self.ran, ["one", "two", "more"])
+
+    def test_it_goes_on_where_it_failed(self):
+        self.codes = {"one": 3}
+        self.assertEqual(self.run_all(), ["one: `tools/measure one` ended with 3"])
+        self.assertEqual(self.ran, ["one", "two", "more"])
+        self.codes = {}
+        self.assertEqual(self.run_all(), [])
+        self.assertEqual(self.ran, ["one"])
+
+    def test_a_page_of_two_commits_is_not_done(self):
+        self.stamps["two"] = "aaaaaaa,bbbbbbb"
+        self.assertEqual(
+            self.run_all(), [f"two: docs/measured/{PAGE_OF_TWO} was measured on aaaaaaa, bbbbbbb, not on aaaaaaa alone"]
+        )
+        self.assertNotIn("two", self.state)
+
+    def test_a_part_in_a_checkout(self):
+        """The command itself, with programs that do nothing: stamps, what is kept for the next call, refusals."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for part in ("tools", "docs/measured", "bench/results"):
+                shutil.copytree(SOURCE / part, root / part)
+            (root / ".gitignore").write_text("/build/\n/out/\n__pycache__/\n")
+            (root / "tools/build").write_text("#!/bin/sh\nmkdir -p build && echo built >>build/log\n")
+            program = root / "build/release/tests/elevate/test_elevate"
+            program.parent.mkdir(parents=True)
+            program.write_text(FAKE_TEST)
+            program.chmod(0o755)
+            (root / "out/lap").mkdir(parents=True)
+
+            def run(*words, **options):
+                return subprocess.run(list(map(str, words)), cwd=root, capture_output=True, text=True, **options)
+
+            def git(*words):
+                return run("git", "-c", "user.name=a", "-c", "user.email=a@b", *words, check=True).stdout.strip()
+
+            git("init"), git("add", "."), git("commit", "-m", "Begin")
+            commit = git("rev-parse", "--short", "HEAD")
+            first = run(root / "tools/measure", "all", "--only", "drive-logs")
+            self.assertEqual(first.returncode, 0, first.stdout + first.stderr)
+            page = (root / "docs/measured/drive_logs.md").read_text()
+            self.assertEqual(common.STAMP.findall(page), [commit])
+            self.assertIn("    a drive of this test", page)
+            self.assertEqual(
+                json.loads((root / "bench/results/measured.json").read_text())["drive-logs"]["commit"], commit
+            )
+            self.assertFalse((root / "out/lap").exists(), "what another commit made")
+            again = run(root / "tools/measure", "all", "--only", "drive-logs")
+            self.assertIn(f"drive-logs: done on {commit} before", again.stdout)
+            self.assertEqual((root / "build/log").read_text(), "built\n")
+            self.assertIn(commit, run(root / "tools/measure", "all", "--list").stdout)
+
+            unknown = run(root / "tools/measure", "all", "--only", "gone")
+            self.assertEqual(unknown.returncode, 1)
+            self.assertIn("no part gone; there are synth,", unknown.stderr)
+            (root / "tools/build").write_text("#!/bin/sh\n")
+            dirty = run(root / "tools/measure", "all", "--only", "drive-logs")
+            self.assertEqual(dirty.returncode, 1)
+            self.assertIn(f"the commit is {commit} + changes; commit first, or give --dirty", dirty.stderr)
+
+    def test_the_commands_of_all_parts_are_understood(self):
+        modules = dict(re.findall(r'"([\w-]+)": "(\w+)"', (SOURCE / "tools/measure").read_text()))
+        for words in [words for part in all_pages.PARTS for words in part.commands]:
+            parser = argparse.ArgumentParser(exit_on_error=False)
+            importlib.import_module(f"measuring.{modules[words[0]]}").add_arguments(parser)
+            parser.parse_args(list(map(str, words[1:])))
+
+    def test_commits_of_results(self):
+        self.assertEqual(
+            common.commits_of({"a": {"commit": "x"}, "b": [{"commit": "y"}, {"commits": {"p": "x", "q": "z"}}]}),
+            ["x", "y", "z"],
+        )
+
+    def test_a_stamp_is_replaced(self):
+        with mock.patch.object(common, "read_results", lambda store, otherwise: {"commit": store}):
+            once = common.stamped("# Title\n\nText\n", ["x"])
+            self.assertEqual(once, "# Title\n\nMeasured on commit x.\n\nText\n")
+            self.assertEqual(
+                common.stamped(once, ["y", "z"]), "# Title\n\nMeasured on commit y.\nMeasured on commit z.\n\nText\n"
+            )
 
 
 unittest.main(argv=sys.argv[:1])

@@ -48,8 +48,7 @@ def recolour(source, target, look):
 class Measuring:
     def __init__(self, args):
         self.args, self.tool, self.out = args, Tool(args.tool), args.out
-        self.numbers = read_results(STORE, {"rows": {}})
-        self.numbers["commit"] = commit()
+        self.numbers = {"commits": {}} | read_results(STORE, {"rows": {}})
         self.out.mkdir(parents=True, exist_ok=True)
 
     def labels(self, folder, variant, photo, osm, maps):
@@ -126,5 +125,6 @@ def run(args):
     if not args.table:
         measuring = Measuring(args)
         for name in args.only:
+            measuring.numbers["commits"][name] = commit()
             measuring.village() if name == "village" else measuring.town(name)
-    write_between(PAGE, "adapt", table(read_results(STORE, {"rows": {}})))
+    write_page(PAGE, [STORE], {"adapt": table(read_results(STORE, {"rows": {}}))})

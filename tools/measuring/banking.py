@@ -244,4 +244,4 @@ def run(args):
         numbers = {"sites": [measure_site(tool, args, site, grid_m) for site, grids in SITES.items() for grid_m in grids],
                    "commit": commit(), "kvarnbyn": measure_kvarnbyn(tool, args)}
         write_results(STORE, numbers)
-    write_between(PAGE, "banking", tables(numbers))
+    write_page(PAGE, [STORE], {"banking": tables(numbers)})

@@ -189,15 +189,15 @@ def run(args):
             of_site[name] = result
             print(name, result, flush=True)
             write_results(STORE, numbers)
-    write_between(PAGE, "cluster", table(numbers))
+    write_page(PAGE, [STORE], {"cluster": table(numbers)})
 
 
 def table(numbers):
-    text = header(["site", "built by", "seconds", "times one node", "files that differ", "load before", "commit"])
+    text = header(["site", "built by", "seconds", "times one node", "files that differ", "load before"])
     for site, of_site in numbers.items():
         alone = of_site.get("alone", {}).get("seconds")
-        text += row([site, "`build`, one thread, without Slurm", fixed(alone, 1), "", "", of_site["load"], of_site["commit"]])
+        text += row([site, "`build`, one thread, without Slurm", fixed(alone, 1), "", "", of_site["load"]])
         for name in CASES:
             if n := of_site.get(name):
-                text += row(["", name, fixed(n["seconds"], 1), fixed(of_site["one node"]["seconds"] / n["seconds"]), f"{n['different']} of {n['files']}", "", ""])
+                text += row(["", name, fixed(n["seconds"], 1), fixed(of_site["one node"]["seconds"] / n["seconds"]), f"{n['different']} of {n['files']}", ""])
     return text + "\nAsked: two nodes 1.7 times one; one lost: the same bytes.\n" if numbers else ""

@@ -17,6 +17,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 DATA = ROOT.parent / "shared/data"
 RESULTS = ROOT / "bench/results"
 PAGES = ROOT / "docs/measured"
+NOTES = ROOT / "docs/notes"
 IMAGES = ROOT / "docs/images"
 
 
@@ -90,6 +91,37 @@ def read_results(name, otherwise):
 def write_results(name, value):
     RESULTS.mkdir(parents=True, exist_ok=True)
     (RESULTS / name).write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n")
+
+
+STAMP = re.compile(r"^Measured on commit (.+)\.$", re.M)
+
+
+def commits_of(value):
+    """Every commit that results name, each once, in their order."""
+    found = {}
+    for key, part in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
+        if key == "commit":
+            found[part] = None
+        else:  # "commits" holds them by part
+            found |= dict.fromkeys(part.values() if key == "commits" else commits_of(part))
+    return list(found)
+
+
+def stamped(text, stores):
+    """A page with the commits of its results in lines of their own below its title: one, where all was measured in one run."""
+    found = dict.fromkeys(c for store in stores for c in commits_of(read_results(store, {})))
+    title, _, rest = STAMP.sub("", text).partition("\n")
+    return f"{title}\n\n" + "".join(f"Measured on commit {c}.\n" for c in found or ["unknown"]) + "\n" + rest.lstrip("\n")
+
+
+def write_page(page, stores, text):
+    """`text` is the whole page, or by name what stands between <!-- measured: NAME --> and <!-- /measured --> of it; what
+    stands outside the marks is the page's template."""
+    if isinstance(text, dict):
+        for name, part in text.items():
+            write_between(page, name, part)
+        text = page.read_text()
+    page.write_text(stamped(text, stores))
 
 
 def write_between(page, name, text):

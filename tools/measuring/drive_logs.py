@@ -39,5 +39,5 @@ def run(args):
     else:
         numbers = measure(args.tests)
         write_results(STORE, numbers)
-    write_between(PAGE, "drive-logs", "\n" + "\n".join(f"{TITLES[suite]}:\n\n" + "".join(f"    {line}\n" for line in lines)
-                                                      for suite, lines in numbers["lines"].items() if lines))
+    write_page(PAGE, [STORE], {"drive-logs": "\n" + "\n".join(f"{TITLES[suite]}:\n\n" + "".join(f"    {line}\n" for line in lines)
+                                                      for suite, lines in numbers["lines"].items() if lines)})

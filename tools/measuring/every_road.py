@@ -46,8 +46,7 @@ def worst(places, kind):
 def page(results):
     of = lambda get: [get(n) for n in results.values()]
     counted = lambda kind: of(lambda n: len(worst(n["places"], kind)))
-    text = "# Measured: a family car on every road\n\nMethod: [drive.md](../drive.md).\nWritten by `tools/measure every-road` from `bench/results/every_road.json` ("
-    text += ", ".join(f"{name}: commit {n['commit']}" for name, n in results.items()) + ").\n\n"
+    text = "# Measured: a family car on every road\n\nMethod: [drive.md](../drive.md). Written by `tools/measure every-road`.\n\n"
     text += "Every road of the largest connected part in every direction, connecting roads too, at the legal speed.\n"
     text += "Places within 10 m of each other count once.\n\n"
     rows = [["routes", "-", *of(lambda n: n["routes"])], ["routes too short for the car", "-", *of(lambda n: n["routes_too_short"])],
@@ -64,7 +63,7 @@ def page(results):
             ["times real time (processor)", "-", *of(lambda n: fixed(n["driven_s"] / n["processor_s"], 0))]]
     text += header(["", "asked", *results]).replace("|  |", "| |", 1) + "".join(map(row, rows))
     text += "\nA bend counts as too tight over a whole wheelbase; a route that ends before one and has nothing left behind it is not driven to the end.\n"
-    text += f"Other work ran on the machine ({next(iter(results.values()))['machine']['cpu']}): processor time is what counts.\n\n## Places\n\n"
+    text += f"Measured on {next(iter(results.values()))['machine']['cpu']}; other work may have run beside it, so processor time is what counts.\n\n## Places\n\n"
     text += f"At most {SHOWN} of a kind, the worst first.\n\n" + header(["network", "kind", "x, y", "what"])
     for name, n in results.items():
         for kind, title in KINDS.items():
@@ -81,4 +80,4 @@ def run(args):
             numbers = measure(Tool(args.tool), file, args.out / name)
             results = dict(sorted({**read_results(STORE, {}), name: numbers}.items()))  # another run may have written in between
             write_results(STORE, results)
-    PAGE.write_text(page(results))
+    write_page(PAGE, [STORE], page(results))

@@ -230,7 +230,7 @@ def table(numbers):
     for n in names:
         stages = numbers[n]["rows"].get("disk full", {}).get("stages", {})
         text += row([f"disk full in {n}: stages where it struck", *[", ".join(f"{s} {c}" for s, c in stages.items()) if m == n else "" for m in names]])
-    for key, title in (("files", "files compared"), ("seconds", "seconds of a whole build"), ("load", "others' load of the machine"), ("commit", "commit")):
+    for key, title in (("files", "files compared"), ("seconds", "seconds of a whole build"), ("load", "others' load of the machine")):
         text += row([title, *[numbers[n][key] for n in names]])
     for n in names:
         for kind, r in numbers[n]["rows"].items():
@@ -247,7 +247,7 @@ def run(args):
         for name in args.only:
             numbers[name] = measure(Tool(args.tool).file, args.out, name, args)
             write_results(STORE, numbers)
-    write_between(PAGE, "faults", table(numbers))
+    write_page(PAGE, [STORE], {"faults": table(numbers)})
 
 
 if __name__ == "__main__":

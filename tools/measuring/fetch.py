@@ -106,7 +106,7 @@ def table(n):
     text += row([f"a tenth of faults ({f['faults']} of {f['kinds']} kinds): tiles that arrived", f"{f['asked']} of {f['asked']}", f"{f['arrived']} of {f['asked']}"])
     text += row(["... corrupt", "0", f["corrupt"]]) + row(["... stored twice", "0", f["twice"]]) + row(["... good answers asked for again", "0", f["delivered_twice"]])
     text += row([f"fetches that ended in the same bytes after {k['kills']} random kills in all", f"{k['ends']} of {k['ends']}", f"{k['same']} of {k['ends']}"])
-    return text + row(["others' load of the machine", "", n["load"]]) + row(["commit", "", n["commit"]])
+    return text + row(["others' load of the machine", "", n["load"]])
 
 
 def run(args):
@@ -122,6 +122,6 @@ def run(args):
             numbers["faults"] = faults(tool, servers, folder)
             numbers["kills"] = kills(tool, servers, folder, args.kills)
         write_results(STORE, numbers)
-    write_between(PAGE, "fetch", table(numbers))
+    write_page(PAGE, [STORE], {"fetch": table(numbers)})
     print(table(numbers))
     return 0

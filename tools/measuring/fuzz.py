@@ -15,7 +15,7 @@ def add_arguments(parser):
     add_table(parser)
     parser.add_argument("--only", nargs="+", metavar="READER", help="these readers; all of them otherwise")
     parser.add_argument("--seconds", type=int, default=1800, help="of each reader (1800)")
-    parser.add_argument("--forget", nargs="+", default=[], metavar="READER", help="readers whose counts begin anew")
+    parser.add_argument("--forget", nargs="+", default=[], metavar="READER", help="readers whose counts begin anew; all: every one")
 
 
 def names():
@@ -45,7 +45,7 @@ def add_runs(ran):
 
 def run(args):
     if args.forget:
-        write_results(STORE, {name: r for name, r in read_results(STORE, {}).items() if name not in args.forget})
+        write_results(STORE, {name: r for name, r in read_results(STORE, {}).items() if name not in args.forget and "all" not in args.forget})
     if args.only and not args.table:
         for name in args.only:
             subprocess.run([str(ROOT / "tools/fuzz"), name, str(args.seconds)], cwd=ROOT)
@@ -64,4 +64,4 @@ def run(args):
         r = results[name]
         reached = r["runs"] >= 10_000_000 or r["seconds"] >= 1800
         table += row([name, f"{r['runs']:,}".replace(",", " "), fixed(r["seconds"] / 60, 1), r["edges"], "yes" if reached else "no"])
-    write_between(PAGE, "fuzz", table)
+    write_page(PAGE, [STORE], {"fuzz": table})

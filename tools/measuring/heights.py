@@ -253,19 +253,15 @@ def table(rows, name):
     return text
 
 
-# One table a question: what it is, why numbers are missed, and then every number once.
+# One table a question: what it is, and then every number once. Why numbers are missed: docs/notes/elevate.md.
 QUESTIONS = {
     "e_rg": ("E_RG, 1e-4", """E_RG is a property of the profile alone. A longer average flattens the hills and so always has less of it, also less than the truth. NLO is
-meant to be below the averages; where it is not, the average of the row is too flat (on the ring with 18.17 its E_h is 1.9 m2)."""),
-    "far": ("distance of E_RG from that of the truth", """The default is not nearest where the true profile is so even that an average over 134 m (67 nodes) loses nothing: village and circuit. On the ring with an
-error and at the junction, cubic, the difference is 0.02 and less."""),
-    "wrong": ("squared error of the gradient", """1e-4. NLO counts nodes: these sites have nodes every 2 m and clean grids, so an average over 11 nodes is 22 m and flattens nothing, and NLO smooths over 11 m
-instead of 16. On the ring, the reference's own setting (nodes 4 m apart), it is below every average. The default is above NLO in the village with bilinear sampling only;
-the tool's sampling is cubic."""),
-    "e_h": ("E_h to the truth, decks left out", """m2. NLO is above the best average for the same reason. The default is above NLO with bilinear sampling on the two even sites only."""),
-    "decks": ("E_h to the truth, with decks", """m2. NLO begins at the terrain. There the Cauchy loss of 2.5 m holds it below a deck of 6 m."""),
-    "rest": ("Everything else", """The village's 2 m grid has too many heights within one sigma: the standard deviation of a terrain model is taken as at least 2 cm + 1 % of its pixel, 4 cm here, and the
-noise of that grid is 2.5 cm."""),
+meant to be below the averages."""),
+    "far": ("distance of E_RG from that of the truth", "1e-4."),
+    "wrong": ("squared error of the gradient", "1e-4. The tool's sampling is cubic."),
+    "e_h": ("E_h to the truth, decks left out", "m2."),
+    "decks": ("E_h to the truth, with decks", "m2."),
+    "rest": ("Everything else", "What is asked of the default with cubic sampling."),
 }
 
 
@@ -341,13 +337,12 @@ def summary(numbers):
 
 def page(numbers):
     rows = numbers["rows"]
-    commits = ", ".join(dict.fromkeys(r["commit"] for r in rows.values()))
-    text = f"\nWritten by `tools/measure heights` from `bench/results/heights.json` (measured on {commits}; two shared cores).\n\n### Asked and reached\n\n{summary(numbers)}"
+    text = f"\n### Asked and reached\n\n{summary(numbers)}"
     for name in ("ring 10 m with an error", "ring 10 m", "kvarnbyn 10 m", "village 10 m", "village 2 m", "village 1 m", "circuit 10 m", "circuit 1 m", "junction 10 m", "junction 1 m"):
         if f"{name} cubic default" in rows:
             text += f"\n### {name[0].upper()}{name[1:]} grid\n\n{table(rows, name)}"
     if numbers.get("speed"):
-        text += f"\n### Cost against road length ({numbers['speed']['commit']}, `bench_heights`)\n\n" + "".join(f"    {line}\n" for line in numbers["speed"]["lines"])
+        text += f"\n### Cost against road length (`bench_heights`)\n\n" + "".join(f"    {line}\n" for line in numbers["speed"]["lines"])
     pictures = [f"![Height and gradient along a way of {name.split(' ')[0]}](../images/heights_profile_{name.split(' ')[0]}.svg)\n" for name in numbers["profiles"]]
     return text + "\n### Pictures\n\n![E_RG against E_h of all methods](../images/heights_energies.svg)\n\n" + "\n".join(pictures)
 
@@ -362,4 +357,4 @@ def run(args):
             measuring.synthetic(name) if name in SYNTHETIC else getattr(measuring, name)()
         numbers = measuring.numbers
     height_plots.draw(numbers, SAMPLINGS, list(METHODS))
-    write_between(PAGE, "heights", page(numbers))
+    write_page(PAGE, [STORE], {"heights": page(numbers)})

@@ -110,4 +110,4 @@ def run(args):
             name, folder = pair.split("=", 1)
             numbers[name] = measure(pathlib.Path(folder))
             write_results(STORE, numbers)
-    write_between(PAGE, "junctions", table(numbers))
+    write_page(PAGE, [STORE], {"junctions": table(numbers)})

@@ -83,7 +83,7 @@ def measure(tool, out):
 def page(results):
     laps = results["laps"]
     text = "# Measured: laps of the Red Bull Ring\n\nMethod: [drive.md](../drive.md), the car: [vehicle.md](../vehicle.md), the track: [synth.md](../synth.md). "
-    text += f"Written by `tools/measure lap` from `bench/results/lap.json` (commit {results['commit']}).\n\n"
+    text += f"Written by `tools/measure lap` from `bench/results/lap.json`.\n\n"
     text += "The track lies between its surveyed edges on real heights; banking, and the ground beside it, are made up. "
     text += "A flying lap each; no car was tuned to a lap time. Flat: the same track without heights and banking.\n\n"
     rows = [["lap, s", *(fixed(laps[c]["road"]["lap_s"]) for c in CARS)], ["asked, s", *(ASKED[c] for c in CARS)],
@@ -99,7 +99,7 @@ def page(results):
              *(fixed(100 * abs(laps[c]["half_step"]["lap_s"] / laps[c]["road"]["lap_s"] - 1), 3) for c in CARS)],
             ["times real time, whole loop (asked: 300)", *(fixed(laps[c]["road"]["times_real_time"], 0) for c in CARS)]]
     text += header(["", *CARS.values()]).replace("|  |", "| |", 1) + "".join(map(row, rows))
-    text += f"\nTimes real time: one core of a shared {results['machine']['cpu']}, other work ran beside it.\n\n## The GT3-like car's lap\n\n"
+    text += f"\nTimes real time: one core of {results['machine']['cpu']}.\n\n## The GT3-like car's lap\n\n"
     text += "Speed and lateral acceleration over distance, as figure 4.4 of the thesis; dashed: planned.\n\n"
     for alt, name in [("speed over distance", "lap_speed.svg"), ("lateral acceleration over distance", "lap_lateral.svg"),
                       ("g-g diagram", "lap_gg.svg"), ("map of the lap, coloured by speed", "lap_map.svg")]:
@@ -112,4 +112,4 @@ def run(args):
     if not args.table:
         results = measure(Tool(args.tool), args.out)
         write_results(STORE, results)
-    PAGE.write_text(page(results))
+    write_page(PAGE, [STORE], page(results))

@@ -14,6 +14,7 @@ from measuring import routes
 from measuring.common import *
 
 STORE, PAGE = "network.json", PAGES / "network.md"
+STORES = [STORE, "opendrive.json"]  # of the page: tools/measure opendrive writes the other part
 DTM = {"kvarnbyn": "kvarnbyn/dtm_10m_utm33.tif", "pardubice": "pardubice/dtm_20m.tif"}
 
 
@@ -142,5 +143,4 @@ def run(args):
         for site in args.only:
             numbers[site] = measure(site, args)
             write_results(STORE, numbers)
-    write_between(PAGE, "network", numbers_table(numbers))
-    write_between(PAGE, "crossings", crossings_table(numbers))
+    write_page(PAGE, STORES, {"network": numbers_table(numbers), "crossings": crossings_table(numbers)})

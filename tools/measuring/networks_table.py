@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The comparison of networks: trains and measures them. Writes the tables of docs/measured/segment.md.
+"""The comparison of networks: trains and measures them. Writes the tables of docs/notes/networks.md.
 
     tools/measure networks train [NAME ...]      what is not trained yet; hours on two cores
     tools/measure networks measure [NETWORK ...] what is trained: bench/results/segmentation.json and the tables
@@ -14,7 +14,7 @@ import subprocess
 from measuring.common import *
 
 OUT = ROOT / "out/compare"
-STORE, PAGE = "segmentation.json", PAGES / "segment.md"
+STORE, PAGE = "segmentation.json", NOTES / "networks.md"
 # network -> its experiments: on the data of the shipped model, and on Mumbai
 NETWORKS = {
     "VGG16-8s": {"mix": "vgg16", "mumbai": "mumbai_vgg16"},

@@ -224,8 +224,7 @@ def summary(numbers):
 
 def page(numbers):
     rows = numbers["rows"]
-    commits = ", ".join(dict.fromkeys(r["commit"] for r in rows.values()))
-    text = f"\nWritten by `tools/measure refine` from `bench/results/refinement.json` (measured on {commits}; two shared cores).\n\n### Asked and reached\n\n{summary(numbers)}"
+    text = f"\n### Asked and reached\n\n{summary(numbers)}"
     for name, title in (("village", "Village (seed 99, unseen by the network)"), ("circuit", "Circuit"), ("junction", "Motorway junction"), ("ring", "Red Bull Ring")):
         for labels in ("predicted", "true"):
             if f"{name} {labels} default" in rows:
@@ -236,14 +235,14 @@ def page(numbers):
         if f"{name} disturbed default" in rows:
             text += f"\n### {name.capitalize()}, OSM disturbed by a smooth field of 1 to 4 m\n\n{disturbed_table(rows, f'{name} disturbed')}"
     if numbers.get("speed"):
-        text += f"\n### Cost against road length ({numbers['speed']['commit']}, 400 Mpx of labels, `bench_refine`)\n\n" + header(["nodes", "km", "s", "nodes a second", "peak GB"])
+        text += f"\n### Cost against road length (400 Mpx of labels, `bench_refine`)\n\n" + header(["nodes", "km", "s", "nodes a second", "peak GB"])
         text += "".join(row([c["nodes"], fixed(c["km"], 1), fixed(c["seconds"], 2), fixed(c["nodes"] / c["seconds"], 0), fixed(c["gb"], 2)]) for c in numbers["speed"]["cases"])
     return text
 
 
 def run(args):
     if args.table:
-        write_between(PAGE, "refine", page(read_results(STORE, {"rows": {}})))
+        write_page(PAGE, [STORE], {"refine": page(read_results(STORE, {"rows": {}}))})
         return
     args.out.mkdir(parents=True, exist_ok=True)
     measuring = Measuring(args)
@@ -254,4 +253,4 @@ def run(args):
             measuring.town(name, args.methods)
         else:
             measuring.speed()
-    write_between(PAGE, "refine", page(measuring.numbers))
+    write_page(PAGE, [STORE], {"refine": page(measuring.numbers)})

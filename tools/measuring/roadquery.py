@@ -18,7 +18,6 @@ BENCH = common.ROOT / "build/release/bench/speed"
 def add_arguments(parser):
     common.add_table(parser)
     parser.add_argument("--site", action="append", default=[], metavar="NAME=FILE", help="roads of a built site")
-    parser.add_argument("--built", default=None, metavar="COMMIT", help="which commit built the sites (this one)")
     parser.add_argument("--bench", type=pathlib.Path, default=BENCH, help="folder of the built programs")
     parser.add_argument("--points", type=int, default=2500000, help="points with known (road, s, t) on each site")
     parser.add_argument("--tile-km", type=float, default=1000.0, help="length of road made of the last site, km")
@@ -48,9 +47,8 @@ def crg_ns(program):
 
 
 def circumstances(r):
-    text = f"`bench/results/roadquery.json` (commit {r['commit']}). CPU time, one core of a shared {r['machine']['cpu']} while other work ran "
-    text += f"beside it (load {r['load'][0]:.1f} before, {r['load'][1]:.1f} after, {r['machine']['cores']} cores), networks "
-    return text + f"built by commit {r['built']}"
+    text = f"`bench/results/roadquery.json`. CPU time, one core of {r['machine']['cpu']} with {r['machine']['cores']} cores "
+    return text + f"(load {r['load'][0]:.1f} before, {r['load'][1]:.1f} after)"
 
 
 def c_interface_page(r):
@@ -79,7 +77,7 @@ def opencrg_page(r):
                         ("the same with an `attached` file", "road_query/attached"),
                         ("the same with a `genuine` file", "road_query/genuine")):
         text += common.row([words, f"{c[case]:.0f}"])
-    text += "\nOpenCRG's own C API takes 70-78 ns for the height at (x, y) in driving order on an idle machine of this kind. A grid of 341,000 "
+    text += "\nA grid of 341,000 "
     return text + f"values is made ready in {1e-6 * c['crg_make_ready']:.1f} ms.\n"
 
 
@@ -87,8 +85,7 @@ def page(r):
     sites = r["sites"]
     worst = lambda key: max(s["speed"][key] for s in sites.values())
     text = "# Measured: road query\n\nMethod: [roadquery.md](../roadquery.md). Written by `tools/measure roadquery` from "
-    text += circumstances(r) + ": least of seven runs. On an idle machine OpenCRG needs 70-78 ns for a height in driving order (any order: 0.7-18 us), "
-    text += "libOpenDRIVE 6-7 us and esmini 180 us for any order; before the tables this query needed 2.5 us and 1.0-3.0 us.\n\n## Speed\n\n"
+    text += circumstances(r) + ": least of seven runs.\n\n## Speed\n\n"
     rows = [("height alone, driving order, ns", "route_z_ns_least", "70"), ("with normal and friction, ns", "route_normal_ns_least", "100"),
             ("all of a hit, ns", "route_all_ns_least", "-"), ("any order, ns", "any_order_ns_least", "500"), ("worst of the points, us", "worst_us_least_of_six", "20"),
             ("stations", "stations", "-"), ("read, s", "read_s", "-"), ("make the tables, s", "bake_s", "-")]
@@ -119,8 +116,7 @@ def run(args):
         sites = dict(s.split("=", 1) for s in args.site)
         if not sites:
             raise SystemExit("tools/measure roadquery: give at least one --site NAME=roads.xodr")
-        results = {"commit": common.commit(), "machine": common.machine(), "load": [os.getloadavg()[1]],
-                   "built": args.built or common.commit(), "sites": {}}
+        results = {"commit": common.commit(), "machine": common.machine(), "load": [os.getloadavg()[1]], "sites": {}}
         for name, file in sites.items():
             results["sites"][name] = {"speed": numbers(args.bench / "bench_road_query", file, 2000000),
                                       "truth": truth(args.bench / "bench_road_query_truth", file, args.points, 7),
@@ -130,6 +126,6 @@ def run(args):
         results["crg"] = crg_ns(args.bench / "bench_crg")
         results["load"].append(os.getloadavg()[1])
         common.write_results("roadquery.json", results)
-    (common.PAGES / "roadquery.md").write_text(page(results))
-    (common.PAGES / "c_interface.md").write_text(c_interface_page(results))
-    (common.PAGES / "opencrg.md").write_text(opencrg_page(results))
+    common.write_page(common.PAGES / "roadquery.md", ["roadquery.json"], page(results))
+    common.write_page(common.PAGES / "c_interface.md", ["roadquery.json"], c_interface_page(results))
+    common.write_page(common.PAGES / "opencrg.md", ["roadquery.json"], opencrg_page(results))

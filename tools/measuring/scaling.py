@@ -73,7 +73,6 @@ def table(numbers):
         text += row([f"{stage}: seconds a km2 (memory, GB)",
                      *[f"{fixed(numbers[a]['stages'][stage]['seconds'] / km2(a), 2)} ({fixed(numbers[a]['stages'][stage]['memory_mb'] / 1e3, 2)})" for a in areas], ""])
     text += row(["load of others at the start", *of(lambda n: n["load"]), ""])
-    text += row(["commit", *[numbers[a]["commit"] for a in areas], ""])
     return text
 
 
@@ -159,8 +158,8 @@ def run(args):
         fit(sites)
     m = numbers["machine"]
     CURVE.write_text(curve(sites))
-    write_between(PAGE, "scaling", table(sites) + f"\nMeasured on {m['cores']} cores ({m['cpu']}), {m['memory_gb']} GB.\n")
-    write_between(PAGE, "planned", planned(sites))
+    parts = {"scaling": table(sites) + f"\nMeasured on {m['cores']} cores ({m['cpu']}), {m['memory_gb']} GB.\n", "planned": planned(sites)}
     for mark, kind in [("model", SITES), ("model_city", CITIES)]:
         if len(sites.keys() & kind.keys()) >= 2:
-            write_between(PAGE, mark, model({name: n for name, n in sites.items() if name in kind}))
+            parts[mark] = model({name: n for name, n in sites.items() if name in kind})
+    write_page(PAGE, [STORE], parts)

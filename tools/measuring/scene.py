@@ -11,6 +11,7 @@ import tomllib
 from measuring.common import *
 
 STORE, PAGE = "scene.json", PAGES / "scene.md"
+STORES = [STORE, "scene_parts.json"]  # of the page: tools/measure scene-parts writes the other part
 
 
 def add_arguments(parser):
@@ -73,7 +74,6 @@ def table(numbers):
         yield "normals at tile borders, largest difference, degrees", "0.1", lambda n: fixed(n["scores"]["normal_error_deg"], 3)
         yield "vertices on a road, of those that stand", "0", lambda n: f"{n['scores']['on_road']:,} of {n['scores']['standing_vertices']:,}"
         yield "vertices of trees, barriers, lamps and objects in buildings", "0", lambda n: n["scores"].get("in_building", "")
-        yield "commit", "", lambda n: n["commit"]
     return header(["", "asked", *numbers]) + "".join(row([name, asked, *(value(n) for n in numbers.values())]) for name, asked, value in rows())
 
 
@@ -96,5 +96,4 @@ def run(args):
             name, site_file, out = triple.split("=")
             numbers[name] = measure(Tool(args.tool), pathlib.Path(site_file).resolve(), pathlib.Path(out).resolve())
             write_results(STORE, numbers)
-    write_between(PAGE, "scene", table(numbers))
-    write_between(PAGE, "faults", faults_table(numbers))
+    write_page(PAGE, STORES, {"scene": table(numbers), "faults": faults_table(numbers)})

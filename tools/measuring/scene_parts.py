@@ -10,7 +10,7 @@ import shutil
 import tempfile
 
 from measuring.common import *
-from measuring.scene import scene_options
+from measuring.scene import STORES, scene_options
 
 STORE, PAGE = "scene_parts.json", PAGES / "scene.md"
 
@@ -61,7 +61,7 @@ def table(numbers):
     for part in [*PARTS, OTHER]:
         text += row([part, *(fixed(n["processor_s"][part] / n["ground_km2"]) for n in numbers.values())])
     text += row(["all", *(fixed(sum(n["processor_s"].values()) / n["ground_km2"]) for n in numbers.values())])
-    return text + row(["commit", *(n["commit"] for n in numbers.values())])
+    return text
 
 
 def run(args):
@@ -71,4 +71,4 @@ def run(args):
             name, site_file, out = triple.split("=")
             numbers[name] = measure(Tool(args.tool), pathlib.Path(site_file).resolve(), pathlib.Path(out).resolve())
             write_results(STORE, numbers)
-    write_between(PAGE, "parts", table(numbers))
+    write_page(PAGE, STORES, {"parts": table(numbers)})

@@ -92,16 +92,16 @@ def place_errors(alignment, osm, truth):
     return [e for e in errors if e[0] < math.inf and e[1] < math.inf]
 
 
-EMPTY = {"places": {}, "roads": {}, "labels": {}, "speed": {}}
+EMPTY = {"places": {}, "roads": {}, "labels": {}, "speed": {}, "commits": {}}
 
 
 class Measuring:
     def __init__(self, args):
         self.args, self.tool, self.out = args, Tool(args.tool), args.out
         self.numbers = EMPTY | read_results(STORE, EMPTY)
-        self.numbers["commit"] = commit()
 
-    def keep(self):
+    def keep(self, part):
+        self.numbers["commits"][part] = commit()
         write_results(STORE, self.numbers)
 
     def labels(self):
@@ -109,7 +109,7 @@ class Measuring:
         self.tool.synth(ROOT / "out/synth/village-99", *SITES["village-99"])
         render_painted()
         self.numbers["labels"] = self.tool.json("train", ROOT / "models/regions.toml", "--measure", self.args.eye)
-        self.keep()
+        self.keep("labels")
 
     def speed(self):
         village = self.tool.synth(ROOT / "out/synth/village-99", *SITES["village-99"])
@@ -118,7 +118,7 @@ class Measuring:
             for variant, words in {"photo alone": [], "with the map": ["--osm", osm, "--alignment", self.out / "alignment.csv"]}.items():
                 seconds, gigabytes = timed(self.tool, "segment", photo, "--model", self.args.eye, "-o", self.out / "labels.tif", *words)
                 self.numbers["speed"].setdefault(name, {})[variant] = {"megapixels": megapixels, "seconds": seconds, "megabytes": 1000 * gigabytes}
-        self.keep()
+        self.keep("speed")
 
     def roads(self, name, photo, osm, truth, *more):
         folder = self.out / name.replace(" ", "_")
@@ -136,7 +136,7 @@ class Measuring:
             scores = self.tool.json("evaluate", "roads", file, truth or none, "--before", none, *more, "--json")
             self.numbers["roads"][name][variant] = scores
             print(name, variant, fixed(scores["surface_iou"], 3), fixed(scores["offset_m"]["mean_abs"], 3), fixed(scores["width_m"]["mean_abs"], 3), flush=True)
-        self.keep()
+        self.keep(name)
         return alignment, none
 
     def site(self, name):
@@ -146,7 +146,7 @@ class Measuring:
         count = len(before)
         self.numbers["places"][name] = {"places": count, "before_m": sum(before) / count, "after_m": sum(after) / count, "after_p95_m": sorted(after)[int(0.95 * count)],
                                         "sigma_m": sorted(sigma)[count // 2], "within_sigma": sum(a <= s for a, s in zip(after, sigma)) / count}
-        self.keep()
+        self.keep(name)
 
     def town(self, name):
         folder = self.out / name
@@ -204,4 +204,4 @@ def run(args):
         for name in TOWNS:
             if name in args.only:
                 measuring.town(name)
-    write_between(PAGE, "second_eye", table(EMPTY | read_results(STORE, EMPTY)))
+    write_page(PAGE, [STORE], {"second_eye": table(EMPTY | read_results(STORE, EMPTY))})

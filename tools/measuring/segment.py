@@ -3,7 +3,7 @@
 
 A quarter of an hour on two idle cores; parts that are not named keep their last values from
 bench/results/segmentation_numbers.json. Needs ../shared/data and a release build with benchmarks; makes the synthetic site.
-The comparison with VGG16-8s comes from bench/results/segmentation.json (`tools/measure networks`).
+The comparison of networks is a note, because it needs trainings: `tools/measure networks`.
 """
 import json
 import os
@@ -13,7 +13,7 @@ import time
 from measuring.common import *
 
 STORE, PAGE = "segmentation_numbers.json", PAGES / "segment.md"
-PARTS = ["mosaic", "windows", "labels", "crf"]
+PARTS = ["mosaic", "windows", "labels"]
 VARIANTS = (("network", []), ("crf", ["--crf"]))
 
 
@@ -64,20 +64,6 @@ def measure(tool, parts, work, keep):
             tool("segment", site / "ortho.tif", "-o", labels, *more)
             keep(f"village_road_iou_{name}", tool.json("evaluate", "labels", labels, site / "truth/labels.tif", "--json")["road_iou"])
             keep(f"handmade_road_iou_{name}", tool.json("train", ROOT / "models/default.toml", "--measure", "default", *more)["handmade"]["road_iou"])
-    if "crf" in parts:
-        bench = json.loads(run_program(tool.file.parent / "bench/speed/bench_crf", "--benchmark_format=json"))
-        keep("bench_crf", {b["name"]: {k: v for k, v in b.items() if isinstance(v, float)} for b in bench["benchmarks"]})
-
-
-def speed_ratio():
-    """Default with trained CRF against VGG16-8s with trained CRF, both measured by `tools/measure networks`."""
-    by_network = read_results("segmentation.json", {})
-    try:
-        speed = {name: by_network[name]["trained"]["village-99"] for name in ("default", "VGG16-8s")}
-    except KeyError:
-        return "not measured"
-    speed = {name: v["megapixels"] / v["seconds"] for name, v in speed.items()}
-    return f"{speed['default'] / speed['VGG16-8s']:.1f} ({speed['default']:.2f} / {speed['VGG16-8s']:.3f} Mpx/s)"
 
 
 def table(n):
@@ -88,7 +74,6 @@ def table(n):
     each = lambda keys, show: ", ".join(show(n[k]) if k in n else "not measured" for k in keys)
     of_both = lambda name: each((f"{name}_network", f"{name}_crf"), lambda v: f"{v:.3f}") + " (without, with CRF)"
     return "| asked | reached |\n|---|---|\n" + "".join(row(cells) for cells in [
-        ("default + CRF against VGG16-8s + CRF: >= 20 times the throughput", speed_ratio()),
         ("whole mosaic without CRF >= 2.5 Mpx/s, <= 2 GB", mosaic("network")),
         ("the same with CRF", mosaic("crf")),
         ("windows 512, 1024 against whole image: <= 1 label in 100,000 differs", each(("window_network_512", "window_network_1024"), lambda v: f"{1e5 * v:.2f}")),
@@ -102,11 +87,11 @@ def run(args):
 
     def keep(key, value):
         numbers[key] = value
+        numbers.setdefault("commits", {})[key] = commit()
         write_results(STORE, numbers)
         print(key, value, flush=True)
 
     if not args.table:
         with tempfile.TemporaryDirectory() as work:
             measure(Tool(args.tool), args.only, pathlib.Path(work), keep)
-            keep("commit", commit())
-    write_between(PAGE, "numbers", table(numbers))
+    write_page(PAGE, [STORE], {"numbers": table(numbers)})

@@ -89,7 +89,7 @@ def village_tables(n):
 
 
 def stages_table(title, n):
-    text = f"## {title}: seconds and peak memory a stage\n\nCommit {n['commit']}, {n['cores']} cores ({n['cpu']}), {n['memory_gb']} GB.\n\n"
+    text = f"## {title}: seconds and peak memory a stage\n\n{n['cores']} cores ({n['cpu']}), {n['memory_gb']} GB.\n\n"
     text += header(["stage", "seconds", "peak MB"]) + "".join(row([s["stage"], fixed(s["seconds"], 1), fixed(s["peak_mb"], 0)]) for s in n["stages"])
     text += row(["all", fixed(n["seconds"], 1), fixed(1000 * n["peak_gb"], 0)])
     if "heights" in n:
@@ -128,4 +128,4 @@ def run(args):
         return
     if not args.table:
         write_results(STORE, numbers)
-    write_between(PAGE, "site", tables(numbers))
+    write_page(PAGE, [STORE], {"site": tables(numbers)})

@@ -43,8 +43,7 @@ def table(numbers):
             ("triangles of a picture with its shadows", "2,000,000", lambda n, camera, c: f"{c['drive']['triangles']:,}"),
             ("draw calls of a picture with its shadows", "600", drive("calls")),
             ("tileset.json, MB", "", lambda n, camera, c: fixed(n["tileset_bytes"] / 1e6)),
-            ("others' load of the machine at the start", "", lambda n, camera, c: n["load"]),
-            ("commit", "", lambda n, camera, c: n["commit"])]
+            ("others' load of the machine at the start", "", lambda n, camera, c: n["load"])]
     return header(["largest of all pictures", "asked", *(f"{name}, {camera}" for name, camera, _, _ in columns)]) + "".join(
         row([what, asked, *(value(n, camera, c) for _, camera, n, c in columns)]) for what, asked, value in rows)
 
@@ -56,4 +55,4 @@ def run(args):
             name, out = pair.split("=")
             numbers[name] = measure(Tool(args.tool), pathlib.Path(out).resolve(), args.cameras)
             write_results(STORE, numbers)
-    write_between(PAGE, "stream", table(numbers))
+    write_page(PAGE, [STORE], {"stream": table(numbers)})

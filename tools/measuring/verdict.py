@@ -58,5 +58,4 @@ def run(args):
             name, file = pair.split("=", 1)
             numbers[name] = measure(Tool(args.tool), file)
             write_results(STORE, numbers)
-    write_between(PAGE, "verdict", verdict_table(numbers))
-    write_between(PAGE, "places", places_table(numbers))
+    write_page(PAGE, [STORE], {"verdict": verdict_table(numbers), "places": places_table(numbers)})

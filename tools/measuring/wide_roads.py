@@ -16,7 +16,6 @@ from measuring.common import *
 
 STORE, PAGE = "road_surface.json", PAGES / "road_surface.md"
 KINDS = ["motorway", "ring", "gore", "service", "track"]
-COLUMNS = {"before": "before", "now": "now"}
 TRUTH = ROOT / "models/truth/surfaces.geojson"
 STEP_M, ACROSS_STEP_M, ACROSS_M = 2.0, 0.05, 20.0
 CROP_M = 140.0  # around a piece; the shift of the map is estimated from the roads there
@@ -26,7 +25,6 @@ def add_arguments(parser):
     add_tool(parser, "out/wide_roads")
     add_only(parser, refine.PHOTOS)
     add_table(parser)
-    parser.add_argument("--as", dest="column", choices=list(COLUMNS), default="now", help="which of the two columns is measured")
 
 
 # ---- gores, by lanes
@@ -149,7 +147,7 @@ def measure_piece(args, name, identifier, features):
     """Error sums of one piece. Labels and roads are made of the photo and the map around it alone."""
     tool, folder = Tool(args.tool), args.out / identifier
     folder.mkdir(parents=True, exist_ok=True)
-    photo, osm, truth, roads, network, layers = (folder / f for f in ("photo.tif", "roads.osm", "truth.geojson", f"{args.column}.gpkg", f"{args.column}.xodr", f"{args.column}.geojson"))
+    photo, osm, truth, roads, network, layers = (folder / f for f in ("photo.tif", "roads.osm", "truth.geojson", "now.gpkg", "now.xodr", "now.geojson"))
     line = next(f for f in features if f["geometry"]["type"] == "LineString")["geometry"]["coordinates"]
     cut_photo(name, line, photo)
     cut_map(name, line, osm)
@@ -174,7 +172,7 @@ def measure_town(args, name):
             by_piece.setdefault(f["properties"].get("id") or f["properties"]["of"], []).append(f)
     for identifier, features in by_piece.items():
         errors = found.setdefault(features[0]["properties"]["kind"], {})[identifier] = measure_piece(args, name, identifier, features)
-        print(identifier, args.column, errors, flush=True)
+        print(identifier, errors, flush=True)
     return found
 
 
@@ -187,21 +185,15 @@ def mean_of(pieces):
 
 
 def table(numbers):
-    text = header(["kind", "pieces", *(f"{title}: bias / mean error of the width, m" for title in COLUMNS.values())])
+    said = lambda m: "-" if not m or not m.get("n", m.get("pieces")) else f"{fixed(m['bias'])} / {fixed(m['mean_abs'])}"
+    text = header(["kind", "pieces", "bias / mean error of the width, m"])
     for kind in KINDS:
-        pieces = [[town.get(column, {}).get(kind, {}) for column in COLUMNS] for town in numbers["towns"].values()]
-        compared = [[found[i][name] for found in pieces for name in found[1] if name in found[i] and (name in found[0] or not found[0])] for i in range(len(COLUMNS))]
-        means = [mean_of(column) for column in compared]
-        count = max((m["pieces"] for m in means if m), default=0)
-        text += row([kind, count, *("-" if not m else f"{fixed(m['bias'])} / {fixed(m['mean_abs'])}" for m in means)])
-    text += "\n" + header(["piece", "kind", *(f"{title}: bias / mean error, m" for title in COLUMNS.values())])
-    for name, town in numbers["towns"].items():
-        pieces = sorted({(kind, piece) for column in COLUMNS for kind, found in town.get(column, {}).items() for piece in found}, key=lambda p: (KINDS.index(p[0]), p[1]))
-        for kind, piece in pieces:
-            values = [town.get(column, {}).get(kind, {}).get(piece) for column in COLUMNS]
-            text += row([piece, kind, *("-" if not v or not v["n"] else f"{fixed(v['bias'])} / {fixed(v['mean_abs'])}" for v in values)])
-    commits = ", ".join(f"{COLUMNS[c]} on {commit_}" for c, commit_ in numbers["commits"].items())
-    return text + f"\nMeans are over the pieces that both columns have, each once; gores were not measured so before. Written by `tools/measure wide-roads` from `bench/results/{STORE}` ({commits})."
+        mean = mean_of([piece for town in numbers["towns"].values() for piece in town.get(kind, {}).values()])
+        text += row([kind, mean["pieces"] if mean else 0, said(mean)])
+    text += "\n" + header(["piece", "kind", "bias / mean error, m"])
+    for town in numbers["towns"].values():
+        text += "".join(row([piece, kind, said(town[kind][piece])]) for kind in KINDS for piece in sorted(town.get(kind, {})))
+    return text + "\nMeans are over the pieces, each once.\n"
 
 
 def run(args):
@@ -209,7 +201,7 @@ def run(args):
     if not args.table:
         for name in refine.PHOTOS:
             if name in args.only:
-                numbers["towns"].setdefault(name, {})[args.column] = measure_town(args, name)
-        numbers["commits"][args.column] = commit()
+                numbers["towns"][name] = measure_town(args, name)
+                numbers["commits"][name] = commit()
         write_results(STORE, numbers)
-    write_between(PAGE, "road_surface", table(numbers))
+    write_page(PAGE, [STORE], {"road_surface": table(numbers)})
