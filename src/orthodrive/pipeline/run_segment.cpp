@@ -221,7 +221,7 @@ BuildStage segment_stage(SiteBuild& build) {
   nlohmann::json options_in_key = frame_options(site.frame);
   options_in_key.update({{"segment.crf", site.crf}, {"segment.adapt", site.adapt}});
   return {.name = "segment",
-          .version = site.adapt ? 6 : 5,  // one that adapts differed once
+          .version = 6,
           .sources = {{"photo", site.photos, SourceRole::Kind::raster},
                       {"model", {model_file}},
                       {"osm", osm},
