@@ -59,11 +59,16 @@ export class CameraSet {
   }
   get active(): PerspectiveCamera {
     switch (this.chosen) {
-      case 'fly': return this.fly.camera;
-      case 'top': return this.top.camera;
-      case 'follow': return this.follow.camera;
-      case 'orbit': return this.orbit!.camera;
-      case 'driver': return this.driver!.camera;
+      case 'fly':
+        return this.fly.camera;
+      case 'top':
+        return this.top.camera;
+      case 'follow':
+        return this.follow.camera;
+      case 'orbit':
+        return this.orbit!.camera;
+      case 'driver':
+        return this.driver!.camera;
     }
   }
   get atCar(): boolean {
@@ -78,7 +83,13 @@ export class CameraSet {
   }
 
   resize(aspect: number): void {
-    for (const camera of [this.fly.camera, this.top.camera, this.follow.camera, this.orbit?.camera, this.driver?.camera]) {
+    for (const camera of [
+      this.fly.camera,
+      this.top.camera,
+      this.follow.camera,
+      this.orbit?.camera,
+      this.driver?.camera,
+    ]) {
       if (!camera) continue;
       camera.aspect = aspect;
       camera.updateProjectionMatrix();

@@ -16,7 +16,10 @@ export class Ghost {
   private lap?: Lap;
   private gap?: LapGap;
 
-  constructor(private readonly scene: Scene, private readonly shape: VehicleShape) {}
+  constructor(
+    private readonly scene: Scene,
+    private readonly shape: VehicleShape,
+  ) {}
 
   /** Where it is `t_s` after its start, at its end later on, and against the first car there. Undefined: no ghost. */
   show(lap: Lap | undefined, t_s: number, first: CarState, share: number, marked: boolean): void {

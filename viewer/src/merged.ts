@@ -11,7 +11,8 @@ export function merged(parts: Object3D[]): Mesh<BufferGeometry, Material>[] {
     part.updateMatrixWorld();
     part.traverse((object) => {
       if (!(object instanceof Mesh)) return;
-      const source = object.geometry as BufferGeometry, geometry = new BufferGeometry();
+      const source = object.geometry as BufferGeometry,
+        geometry = new BufferGeometry();
       for (const name of ['position', 'normal']) geometry.setAttribute(name, source.getAttribute(name).clone());
       geometry.setIndex(source.getIndex());
       geometry.applyMatrix4(object.matrixWorld);

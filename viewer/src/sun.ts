@@ -14,7 +14,11 @@ function sunInEcef(time_ms: number): Vector3 {
   const anomaly = (357.528 + 0.9856003 * days) * degree;
   const longitude = meanLongitude + (1.915 * Math.sin(anomaly) + 0.02 * Math.sin(2 * anomaly)) * degree;
   const obliquity = (23.439 - 4e-7 * days) * degree;
-  const equatorial = new Vector3(Math.cos(longitude), Math.cos(obliquity) * Math.sin(longitude), Math.sin(obliquity) * Math.sin(longitude));
+  const equatorial = new Vector3(
+    Math.cos(longitude),
+    Math.cos(obliquity) * Math.sin(longitude),
+    Math.sin(obliquity) * Math.sin(longitude),
+  );
   const siderealAngle = (280.46061837 + 360.98564736629 * days) * degree;
   return equatorial.applyAxisAngle(new Vector3(0, 0, 1), -siderealAngle);
 }

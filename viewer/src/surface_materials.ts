@@ -4,7 +4,15 @@
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
 import {
-  LoadingManager, Material, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace, Texture, TextureLoader,
+  LoadingManager,
+  Material,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  MeshStandardMaterial,
+  RepeatWrapping,
+  SRGBColorSpace,
+  Texture,
+  TextureLoader,
 } from 'three';
 
 import {foliageMaterial, leavesMaterial} from './foliage';
@@ -30,16 +38,19 @@ export class SurfaceMaterials {
 
   /** A loader that leaves materials with tileable pictures to this class: it gives them by name, without textures. */
   gltfLoader(manager: LoadingManager): GLTFLoader {
-    return new GLTFLoader(manager).setMeshoptDecoder(MeshoptDecoder).register(tileFeaturesPlugin).register((parser) => ({
-      name: 'shared_surface_materials',
-      loadMaterial(index: number): Promise<Material> | null {
-        const json = parser.json as GltfJson;
-        const {name, pbrMetallicRoughness} = json.materials[index];
-        const texture = pbrMetallicRoughness?.baseColorTexture?.index;
-        if (texture === undefined || json.images[json.textures[texture].source].uri === undefined) return null;
-        return Promise.resolve(new MeshBasicMaterial({name}));
-      },
-    }));
+    return new GLTFLoader(manager)
+      .setMeshoptDecoder(MeshoptDecoder)
+      .register(tileFeaturesPlugin)
+      .register((parser) => ({
+        name: 'shared_surface_materials',
+        loadMaterial(index: number): Promise<Material> | null {
+          const json = parser.json as GltfJson;
+          const {name, pbrMetallicRoughness} = json.materials[index];
+          const texture = pbrMetallicRoughness?.baseColorTexture?.index;
+          if (texture === undefined || json.images[json.textures[texture].source].uri === undefined) return null;
+          return Promise.resolve(new MeshBasicMaterial({name}));
+        },
+      }));
   }
 
   /** The material of that name; pictures follow when they are loaded. */
@@ -58,18 +69,30 @@ export class SurfaceMaterials {
       for (const texture of [color, normalMap]) texture.repeat.setScalar(0.5);
       return Object.assign(foliageMaterial(), {map: color, normalMap});
     }
-    const material = withSky(new MeshStandardMaterial({
-      name, map: color, normalMap, roughnessMap: this.texture(`${name}_roughness.jpg`), metalness: 0, vertexColors: true,
-    }));
+    const material = withSky(
+      new MeshStandardMaterial({
+        name,
+        map: color,
+        normalMap,
+        roughnessMap: this.texture(`${name}_roughness.jpg`),
+        metalness: 0,
+        vertexColors: true,
+      }),
+    );
     // Verge, gravel beside roads and paint lie on other triangles: they are drawn a little nearer, and after them.
-    if (name === 'verge') Object.assign(material, {transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1});
-    if (name === 'gravel') Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1});
-    if (name === 'paint') Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4});
+    if (name === 'verge')
+      Object.assign(material, {transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1});
+    if (name === 'gravel')
+      Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1});
+    if (name === 'paint')
+      Object.assign(material, {polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4});
     return material;
   }
 
   private texture(file: string): Texture {
-    const texture = this.textures.load(new URL(`materials/${file}`, new URL(tilesetUrl, location.href)).href, () => this.onChange());
+    const texture = this.textures.load(new URL(`materials/${file}`, new URL(tilesetUrl, location.href)).href, () =>
+      this.onChange(),
+    );
     texture.wrapS = texture.wrapT = RepeatWrapping;
     texture.flipY = false;
     texture.channel = 1;

@@ -3,7 +3,15 @@
 // picture, both with rows of a table (EXT_structural_metadata).
 
 import type {GLTFLoaderPlugin, GLTFParser} from 'three/addons/loaders/GLTFLoader.js';
-import {type BufferGeometry, CanvasTexture, type Intersection, type Mesh, NearestFilter, type Object3D, SRGBColorSpace} from 'three';
+import {
+  type BufferGeometry,
+  CanvasTexture,
+  type Intersection,
+  type Mesh,
+  NearestFilter,
+  type Object3D,
+  SRGBColorSpace,
+} from 'three';
 
 type Row = Record<string, string>;
 
@@ -54,11 +62,19 @@ export function tileFeaturesPlugin(parser: GLTFParser): GLTFLoaderPlugin {
       const json = parser.json as GltfJson;
       const tables = json.extensions?.EXT_structural_metadata?.propertyTables ?? [];
       const find = (name: string) => tables.find((table) => table.class === name);
-      const ids = json.meshes.flatMap((mesh) => mesh.primitives).flatMap((part) => part.extensions?.EXT_mesh_features?.featureIds ?? []);
+      const ids = json.meshes
+        .flatMap((mesh) => mesh.primitives)
+        .flatMap((part) => part.extensions?.EXT_mesh_features?.featureIds ?? []);
       const texture = ids.find((id) => id.label === 'label')?.texture;
-      const features: TileFeatures = {objects: await readTable(parser, find('object')), labels: await readTable(parser, find('label'))};
+      const features: TileFeatures = {
+        objects: await readTable(parser, find('object')),
+        labels: await readTable(parser, find('label')),
+      };
       if (texture)
-        features.labelPicture = new Blob([await bytesOf(parser, json.images[json.textures[texture.index].source].bufferView)], {type: 'image/png'});
+        features.labelPicture = new Blob(
+          [await bytesOf(parser, json.images[json.textures[texture.index].source].bufferView)],
+          {type: 'image/png'},
+        );
       gltf.scene.userData.features = features;
     },
   };
@@ -106,7 +122,15 @@ export interface RoleWeights {
   height: number;
 }
 
-const weightOf: Record<string, number> = {ground: 0, vegetation: 1, road: 2, maybe_road: 2, building: 2, other: 2, rail: 3};
+const weightOf: Record<string, number> = {
+  ground: 0,
+  vegetation: 1,
+  road: 2,
+  maybe_road: 2,
+  building: 2,
+  other: 2,
+  rail: 3,
+};
 
 /** Shares of open ground, plants, paving and rails in squares of two pixels of the labels (0 to 255); undefined: no labels. */
 export function roleWeights(features: TileFeatures | undefined): Promise<RoleWeights> | undefined {
