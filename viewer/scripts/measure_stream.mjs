@@ -71,7 +71,8 @@ async function withPage(query, {watch, note = () => {}, pixels = 1}, work) {
 
 /** Seconds from the navigation. `first`: tiles cover all that is seen; `road`: level 0 under the car; `whole`: nothing more is to come. */
 function watchFirst() {
-  const times = (window.streamTimes = {});
+  const times = {};
+  window.streamTimes = times;
   const look = () => {
     const {orthodrive} = window;
     const note = (name, is) => {

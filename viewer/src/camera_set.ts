@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // All cameras, and which of them is looked through.
 
-import {PerspectiveCamera, Sphere, Vector3} from 'three';
-
+import {type PerspectiveCamera, type Sphere, Vector3} from 'three';
+import {
+  type CameraMode,
+  DriverCamera,
+  FlyCamera,
+  FollowCamera,
+  isAtCar,
+  OrbitCamera,
+  sight_m,
+  type View,
+} from './cameras';
 import type {Car} from './car';
-import {CameraMode, DriverCamera, FlyCamera, FollowCamera, isAtCar, OrbitCamera, sight_m, View} from './cameras';
 import type {CarState} from './lap';
 
 /** Around which the sun's shadows are drawn. */
@@ -57,6 +65,7 @@ export class CameraSet {
     const names = Object.keys(this.modes) as CameraMode[];
     return names[(names.indexOf(this.chosen) + 1) % names.length];
   }
+  // biome-ignore lint/suspicious/useGetterReturn: tsc sees that every mode has its case.
   get active(): PerspectiveCamera {
     switch (this.chosen) {
       case 'fly':

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cameras: fly over the map, look straight down, follow the car, go around it, and sit in it.
 
-import {Object3D, PerspectiveCamera, Sphere, Vector3} from 'three';
+import {type Object3D, PerspectiveCamera, type Sphere, Vector3} from 'three';
 import {MapControls} from 'three/addons/controls/MapControls.js';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 

@@ -4,17 +4,17 @@
 
 import {
   Group,
-  Material,
+  type Material,
   Mesh,
   MeshBasicMaterial,
-  Object3D,
+  type Object3D,
   PlaneGeometry,
   Sprite,
   SpriteMaterial,
-  Texture,
+  type Texture,
 } from 'three';
 
-import {CarMaterials, carMaterials} from './car_materials';
+import {type CarMaterials, carMaterials} from './car_materials';
 import {bodyParts, cabinParts, cockpit} from './car_parts';
 import type {CarState} from './lap';
 import {merged} from './merged';

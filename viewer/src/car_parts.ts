@@ -3,18 +3,18 @@
 
 import {
   BoxGeometry,
-  BufferGeometry,
+  type BufferGeometry,
   CylinderGeometry,
   Group,
-  Material,
+  type Material,
   Mesh,
-  Object3D,
+  type Object3D,
   SphereGeometry,
   TorusGeometry,
   Vector3,
 } from 'three';
 
-import {bodySurface, cabin, cabinSurface, capOf, Patch, patchOf, type Surface} from './car_body';
+import {bodySurface, cabin, cabinSurface, capOf, type Patch, patchOf, type Surface} from './car_body';
 import type {CarMaterials} from './car_materials';
 import {merged} from './merged';
 import type {VehicleShape} from './vehicle_shape';
@@ -25,9 +25,12 @@ const mirrored = ({u, v, ...rest}: Patch): Patch[] => [
   {u, v: [-v[1], -v[0]], ...rest},
 ];
 
+/** Where the body ends behind the middle between the axles. */
+const rearOf = (shape: VehicleShape) => -0.5 * shape.wheelbase_m - shape.rearOverhang_m;
+
 export function bodyParts(shape: VehicleShape, materials: CarMaterials): Object3D[] {
-  const {length_m, width_m, height_m, wheelbase_m, wheelRadius_m, rearOverhang_m} = shape;
-  const rear_m = -0.5 * wheelbase_m - rearOverhang_m;
+  const {length_m, wheelbase_m, wheelRadius_m} = shape;
+  const rear_m = rearOf(shape);
   const uOf = (x_m: number) => (x_m - rear_m) / length_m;
   const body = bodySurface(shape);
   const arch = (1.14 * wheelRadius_m) / length_m;
@@ -66,13 +69,21 @@ export function bodyParts(shape: VehicleShape, materials: CarMaterials): Object3
     ...mirrored({u: [0.002, 0.045], v: [0.5, 0.7], off_m: 0.006}).map((p) => panel(p, materials.rearLamp)),
     ...mirrored({u: [0, 0.04], v: [0.9, 1], off_m: 0.006}).map((p) => panel(p, materials.trim)),
   ];
-  const box = (size: [number, number, number], at: [number, number, number], material: Material) => {
-    const mesh = new Mesh(new BoxGeometry(...size), material);
-    mesh.position.set(...at);
-    return mesh;
-  };
+  return [...parts, ...attachedParts(shape, materials, body)];
+}
+
+function box(size: [number, number, number], at: [number, number, number], material: Material): Mesh {
+  const mesh = new Mesh(new BoxGeometry(...size), material);
+  mesh.position.set(...at);
+  return mesh;
+}
+
+/** What is put onto the body: number plates, what is seen of its underside, door handles and mirrors. */
+function attachedParts(shape: VehicleShape, materials: CarMaterials, body: Surface): Object3D[] {
+  const {length_m, width_m, height_m, wheelbase_m, wheelRadius_m} = shape;
+  const rear_m = rearOf(shape);
   const nose_m = rear_m + length_m;
-  parts.push(
+  const parts: Object3D[] = [
     box([0.012, 0.52, 0.11], [nose_m + 0.012, 0, 0.27 * height_m], materials.plate),
     box([0.012, 0.52, 0.11], [rear_m - 0.01, 0, 0.4 * height_m], materials.plate),
     ...wheelHousings(shape, materials.gap),
@@ -81,7 +92,7 @@ export function bodyParts(shape: VehicleShape, materials: CarMaterials): Object3
       [0, 0, 0.31 * height_m],
       materials.gap,
     ),
-  );
+  ];
   for (const side of [-1, 1]) {
     for (const u of [0.47, 0.665]) {
       const at = body(u - 0.03, side * 0.66);

@@ -2,14 +2,13 @@
 // The cars on the roads: the lap that is replayed or the car that somebody drives, the other lap beside it, and what the
 // page tells of them.
 
-import {Scene, Vector3, type PerspectiveCamera} from 'three';
-
-import {Car} from './car';
+import {type PerspectiveCamera, type Scene, Vector3} from 'three';
 import {followLag_s} from './cameras';
+import {Car} from './car';
 import {Dashboard} from './dashboard';
 import {DriverInput} from './driver_input';
 import {Ghost} from './ghost';
-import {CarState, Lap} from './lap';
+import {type CarState, Lap} from './lap';
 import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';

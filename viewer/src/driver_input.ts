@@ -35,7 +35,10 @@ export class DriverInput {
     window.addEventListener('blur', () => this.pressed.clear());
     for (const pad of document.querySelectorAll<HTMLElement>('#pads [data-pedal]')) {
       const pedal = pad.dataset.pedal as Pedal;
-      pad.onpointerdown = (event) => (pad.setPointerCapture(event.pointerId), this.pressed.add(pedal));
+      pad.onpointerdown = (event) => {
+        pad.setPointerCapture(event.pointerId);
+        this.pressed.add(pedal);
+      };
       pad.onpointerup = pad.onpointercancel = () => this.pressed.delete(pedal);
     }
   }

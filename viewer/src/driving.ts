@@ -2,7 +2,7 @@
 // A car to drive oneself: the tool's own vehicle on the roads of the site, as WebAssembly (viewer/driving).
 
 import type {CarState} from './lap';
-import {Exports, roadsModule} from './roads_module';
+import {type Exports, roadsModule} from './roads_module';
 
 /** What the driver does. */
 export interface Controls {

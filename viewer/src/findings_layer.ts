@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Findings (odd but not fatal) as dots on the ground; a click on one shows its message.
 
-import {BufferAttribute, BufferGeometry, Camera, Color, Points, PointsMaterial, Vector2, Vector3} from 'three';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  type Camera,
+  Color,
+  Points,
+  PointsMaterial,
+  type Vector2,
+  Vector3,
+} from 'three';
 
 import {radialTexture} from './radial_texture';
 import type {Finding, Site} from './site';

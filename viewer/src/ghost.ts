@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A second drive beside the first: a car that one sees through, and how far apart in time both are.
 
-import {Scene} from 'three';
+import type {Scene} from 'three';
 
-import {Car, makeGhost} from './car';
+import {type Car, makeGhost} from './car';
 import type {CarState, Lap} from './lap';
 import {LapGap} from './lap_gap';
 import type {VehicleShape} from './vehicle_shape';

@@ -16,11 +16,11 @@ import {
   Scene,
   Sphere,
   type Texture,
-  Vector3,
+  type Vector3,
   Vector4,
 } from 'three';
 
-import {groundKinds, type GroundPatterns, groundPattern_m, groundPattern_px} from './ground_patterns';
+import {type GroundPatterns, groundKinds, groundPattern_m, groundPattern_px} from './ground_patterns';
 import GroundPainter from './ground_patterns.worker?worker';
 import {GroundPlants} from './ground_plants';
 import {groundTintGlsl} from './ground_tint';

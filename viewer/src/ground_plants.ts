@@ -147,7 +147,9 @@ export class GroundPlants {
     let count = 0;
     for (let i = 0; i < index!.count; i += 3) {
       const [ia, ib, ic] = [index!.getX(i), index!.getX(i + 1), index!.getX(i + 2)];
-      a.fromBufferAttribute(position, ia), b.fromBufferAttribute(position, ib), c.fromBufferAttribute(position, ic);
+      a.fromBufferAttribute(position, ia);
+      b.fromBufferAttribute(position, ib);
+      c.fromBufferAttribute(position, ic);
       if (Math.min(a.x, b.x, c.x) > eye.x + reach || Math.max(a.x, b.x, c.x) < eye.x - reach) continue;
       if (Math.min(a.z, b.z, c.z) > eye.z + reach || Math.max(a.z, b.z, c.z) < eye.z - reach) continue;
       const random = randomOf(i + 1);

@@ -12,7 +12,7 @@ import {
   Mesh,
   MeshBasicMaterial,
   NotEqualStencilFunc,
-  Object3D,
+  type Object3D,
   ReplaceStencilOp,
 } from 'three';
 

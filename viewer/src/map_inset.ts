@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A small map with north up: the driven lap by speed, the findings that are shown, where the car and the camera are.
 
-import {Vector3} from 'three';
+import type {Vector3} from 'three';
 
 import type {CarState, Lap} from './lap';
 import {speedColor} from './route_line';

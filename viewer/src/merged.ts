@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fewer draw calls: parts that never move against each other become one mesh a material.
 
-import {BufferGeometry, Material, Mesh, Object3D} from 'three';
+import {BufferGeometry, type Material, Mesh, type Object3D} from 'three';
 import {mergeGeometries} from 'three/addons/utils/BufferGeometryUtils.js';
 
 /** In the frame of the parts' parent. The parts' own geometries are not needed any more. */

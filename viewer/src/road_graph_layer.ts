@@ -6,7 +6,7 @@ import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 import {LineSegments2} from 'three/addons/lines/LineSegments2.js';
 import {LineSegmentsGeometry} from 'three/addons/lines/LineSegmentsGeometry.js';
 
-import {fetchOptional, Site} from './site';
+import {fetchOptional, type Site} from './site';
 import {utmFromGeographic, utmZone} from './utm';
 
 export const graphColors = {before: 0xf0452f, after: 0x17c3b2, bars: 0xffd23f};

@@ -87,5 +87,6 @@ let loading: Promise<Exports> | undefined;
 
 /** Throws what is wrong with the roads. */
 export function roadsModule(): Promise<Exports> {
-  return (loading ??= load());
+  loading ??= load();
+  return loading;
 }

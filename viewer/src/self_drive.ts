@@ -3,7 +3,7 @@
 
 import carText from '../../models/vehicles/family_car.toml?raw';
 import {followLag_s} from './cameras';
-import {Controls, Driving} from './driving';
+import {type Controls, Driving} from './driving';
 import type {CarState} from './lap';
 
 export class SelfDrive {

@@ -6,7 +6,7 @@
 import {Matrix4} from 'three';
 
 import {Lap} from './lap';
-import {ordinaryCar, parseVehicleShape, VehicleShape} from './vehicle_shape';
+import {ordinaryCar, parseVehicleShape, type VehicleShape} from './vehicle_shape';
 
 export const tilesetUrl = 'site/scene/tileset.json';
 

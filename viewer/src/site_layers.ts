@@ -47,7 +47,8 @@ export class SiteLayers {
   /** What has come after the ground. */
   adopt(drive: Drive | undefined, allFindings: Finding[]): void {
     const {switches} = this;
-    const findings = (this.findings = new FindingsLayer(this.site, allFindings));
+    const findings = new FindingsLayer(this.site, allFindings);
+    this.findings = findings;
     this.scene.add(findings.object);
     this.drive = drive;
     if (drive) {
@@ -77,7 +78,10 @@ export class SiteLayers {
     const {switches, tiles, late, sky} = this;
     const addTileLayer = (name: keyof Layers, label: string) =>
       switches.add(name, label, tiles.layers[name], (on) => tiles.setLayer(name, on));
-    switches.add('photo', 'Orthophoto', true, (on) => (tiles.setLayer('photo', on), sky.setRelief(!on)));
+    switches.add('photo', 'Orthophoto', true, (on) => {
+      tiles.setLayer('photo', on);
+      sky.setRelief(!on);
+    });
     addTileLayer('labels', 'Classes seen in it');
     addTileLayer('normals', 'Normals');
     addTileLayer('materials', 'Road materials');

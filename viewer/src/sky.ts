@@ -13,7 +13,7 @@ import {
   Mesh,
   RedFormat,
   RepeatWrapping,
-  Scene,
+  type Scene,
   ShaderMaterial,
   SphereGeometry,
   Vector3,

@@ -2,7 +2,7 @@
 // Where the sun stands, in the scene's frame.
 // Low-precision formulae of the Astronomical Almanac (U.S. Naval Observatory), sec. C: within 0.01 degrees from 1950 to 2050.
 
-import {Matrix4, Vector3} from 'three';
+import {type Matrix4, Vector3} from 'three';
 
 const degree = Math.PI / 180;
 const j2000_ms = Date.UTC(2000, 0, 1, 12);

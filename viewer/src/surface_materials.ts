@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tileable materials of roads, verges and paint, shared by all tiles: their pictures lie in scene/materials once.
 
-import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
-import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
 import {
-  LoadingManager,
-  Material,
+  type LoadingManager,
+  type Material,
   MeshBasicMaterial,
-  MeshLambertMaterial,
+  type MeshLambertMaterial,
   MeshStandardMaterial,
   RepeatWrapping,
   SRGBColorSpace,
-  Texture,
+  type Texture,
   TextureLoader,
 } from 'three';
+import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
+import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 
 import {foliageMaterial, leavesMaterial} from './foliage';
 import {tilesetUrl} from './site';
@@ -55,8 +55,10 @@ export class SurfaceMaterials {
 
   /** The material of that name; pictures follow when they are loaded. */
   get(name: string): SurfaceMaterial {
-    let material = this.byName.get(name);
-    if (!material) this.byName.set(name, (material = this.make(name)));
+    const known = this.byName.get(name);
+    if (known) return known;
+    const material = this.make(name);
+    this.byName.set(name, material);
     return material;
   }
 

@@ -2,13 +2,13 @@
 // What a tile takes of the graphics card's memory.
 
 import {
-  BufferAttribute,
+  type BufferAttribute,
   InstancedMesh,
   InterleavedBufferAttribute,
-  Mesh,
-  MeshStandardMaterial,
-  Texture,
-  TypedArray,
+  type Mesh,
+  type MeshStandardMaterial,
+  type Texture,
+  type TypedArray,
 } from 'three';
 
 const withSmallerCopies = 4 / 3; // 1 + 1/4 + 1/16 ...

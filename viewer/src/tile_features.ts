@@ -2,7 +2,6 @@
 // What the parts of a tile are: roads and buildings by ids of the vertices (EXT_mesh_features), classes by the labels'
 // picture, both with rows of a table (EXT_structural_metadata).
 
-import type {GLTFLoaderPlugin, GLTFParser} from 'three/addons/loaders/GLTFLoader.js';
 import {
   type BufferGeometry,
   CanvasTexture,
@@ -12,6 +11,7 @@ import {
   type Object3D,
   SRGBColorSpace,
 } from 'three';
+import type {GLTFLoaderPlugin, GLTFParser} from 'three/addons/loaders/GLTFLoader.js';
 
 type Row = Record<string, string>;
 
@@ -88,7 +88,8 @@ export function featuresOf(object: Object3D | null): TileFeatures | undefined {
 /** The classes of a tile in their colours, for what shows the photo; undefined: the tile has no labels. */
 export function labelTexture(features: TileFeatures | undefined): Promise<CanvasTexture> | undefined {
   if (!features?.labelPicture) return undefined;
-  return (features.labelTexture ??= colored(features.labels, features.labelPicture));
+  features.labelTexture ??= colored(features.labels, features.labelPicture);
+  return features.labelTexture;
 }
 
 /** Values of the labels are in the first of four channels. */

@@ -3,22 +3,22 @@
 
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
 import {
-  Camera,
+  type Camera,
   Group,
   Mesh,
   MeshDepthMaterial,
-  Object3D,
+  type Object3D,
   Raycaster,
   Sphere,
-  Vector2,
+  type Vector2,
   Vector3,
-  WebGLRenderer,
+  type WebGLRenderer,
 } from 'three';
 
 import {type Site, tilesetUrl} from './site';
 import {graphicsBytes} from './tile_bytes';
 import {describeHit} from './tile_features';
-import {isRoadSurface, kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
+import {isRoadSurface, kindOf, type Layers, type SurfaceKind, stands, TileLooks} from './tile_looks';
 
 const alwaysRefined_m = 1e4;
 const tubeCasts_m = 0.4;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the parts of the tiles look like, by the layers that are shown: photo, materials, classes, normals, relief.
 
-import type {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {
-  LoadingManager,
-  Material,
-  Mesh,
+  type LoadingManager,
+  type Material,
+  type Mesh,
   MeshLambertMaterial,
   MeshNormalMaterial,
-  MeshStandardMaterial,
-  Object3D,
-  Texture,
-  Vector3,
+  type MeshStandardMaterial,
+  type Object3D,
+  type Texture,
+  type Vector3,
 } from 'three';
+import type {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 
 import {GroundDetail} from './ground_detail';
 import {SurfaceMaterials} from './surface_materials';
@@ -166,7 +166,8 @@ export class TileLooks {
   /** Grey until the picture is there, and where the tile has none. */
   private labelsOf(mesh: Mesh, look: Look): Material {
     if (look.labels) return look.labels;
-    const material = (look.labels = new MeshLambertMaterial({color: 0xd3d4ce}));
+    const material = new MeshLambertMaterial({color: 0xd3d4ce});
+    look.labels = material;
     const picture = labelTexture(featuresOf(mesh));
     if (!picture) return material;
     ++this.pictures;

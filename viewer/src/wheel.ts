@@ -6,10 +6,10 @@ import {
   CylinderGeometry,
   Group,
   LatheGeometry,
-  Material,
+  type Material,
   Mesh,
   MeshStandardMaterial,
-  Object3D,
+  type Object3D,
   Vector2,
 } from 'three';
 

@@ -138,7 +138,13 @@ async function checkCameras(page) {
 /** The sun goes from east to west, and twice the obliquity higher in June than in December; its shadows are seen. */
 async function checkSun(page) {
   const sunAt = (date, hour) =>
-    page.evaluate(([day, clock]) => (window.orthodrive.setDay(day, clock), window.orthodrive.sun), [date, hour]);
+    page.evaluate(
+      ([day, clock]) => {
+        window.orthodrive.setDay(day, clock);
+        return window.orthodrive.sun;
+      },
+      [date, hour],
+    );
   const degrees = (z) => (Math.asin(z) * 180) / Math.PI;
   const highest = async (date) => {
     let z = -1;

@@ -24,12 +24,11 @@ function startOfStraight(siteDir) {
 
 /** Somebody takes over the car: it drives off on the throttle, turns with the wheel, off the road too, and stops on what is seen. */
 export async function checkDriving(page, siteDir) {
-  await page.evaluate(
-    (t_s) => (
-      window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(t_s)
-    ),
-    startOfStraight(siteDir),
-  );
+  await page.evaluate((t_s) => {
+    window.orthodrive.setPlaying(false);
+    window.orthodrive.setCamera('follow');
+    window.orthodrive.setTime(t_s);
+  }, startOfStraight(siteDir));
   const start = await page.evaluate(() => window.orthodrive.car);
   await page.click('#drive');
   await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
@@ -94,7 +93,7 @@ export async function checkDashboard(context, page, url, siteDir) {
     await waitUntilDrawn(page);
     const shown = await readDashboard(page);
     assert.equal(shown.gear, String(row[3]));
-    assert.ok(Math.abs(parseInt(shown.revs) - row[4]) <= 15, `${shown.revs} are not ${row[4]} 1/min`);
+    assert.ok(Math.abs(parseInt(shown.revs, 10) - row[4]) <= 15, `${shown.revs} are not ${row[4]} 1/min`);
     for (const [id, expected] of [
       ['throttle', row[1]],
       ['brake', row[2]],

@@ -43,7 +43,8 @@ export async function waitUntilDrawn(page) {
 /** Hides the page's cards, which lie over the picture, or shows them again. The page's policy refuses style elements. */
 export function hideCards(page, hidden = true) {
   return page.evaluate((hide) => {
-    const sheet = (window.withoutCards ??= new CSSStyleSheet());
+    window.withoutCards ??= new CSSStyleSheet();
+    const sheet = window.withoutCards;
     sheet.replaceSync(hide ? '.card, footer, #message { visibility: hidden }' : '');
     if (!document.adoptedStyleSheets.includes(sheet)) document.adoptedStyleSheets.push(sheet);
   }, hidden);
