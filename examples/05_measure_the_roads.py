@@ -7,6 +7,7 @@ Usage: 05_measure_the_roads.py FOLDER     (the folder that was given to `orthodr
 Read docs/build.md first: it lists the files. Three of them say the same in three ways, and this program compares them:
 roads.gpkg has the centre lines, roads.xodr the roads of simulators, labels.tif the pixels that the roads were seen in.
 """
+
 import json
 import pathlib
 import sys

@@ -5,6 +5,7 @@ GeoJSON features have `piece`, `class`, `photo` and `held_out`; later ones cover
 the photo (x to the right, y down; the file says `"coordinates": "pixels"` and `gsd_m`), or longitude and latitude when
 the photo has a position.
 """
+
 import json
 import math
 
@@ -92,7 +93,7 @@ def draw(coats, size_px):
     pen = ImageDraw.Draw(image)
     for label, ring in coats:
         pen.polygon([(x * FINER - 0.5, y * FINER - 0.5) for x, y in ring], fill=CLASSES.index(label))
-    return numpy.asarray(image)[FINER // 2::FINER, FINER // 2::FINER].copy()
+    return numpy.asarray(image)[FINER // 2 :: FINER, FINER // 2 :: FINER].copy()
 
 
 def write_geojson(path, name, pieces, photo_of, gsd_m, lonlat):
@@ -112,8 +113,11 @@ def write_geojson(path, name, pieces, photo_of, gsd_m, lonlat):
             properties = {"piece": piece.name, "class": label, "photo": piece.photo}
             if piece.held_out:
                 properties["held_out"] = True
-            feature = {"type": "Feature", "properties": properties,
-                       "geometry": {"type": "Polygon", "coordinates": [points + points[:1]]}}
+            feature = {
+                "type": "Feature",
+                "properties": properties,
+                "geometry": {"type": "Polygon", "coordinates": [points + points[:1]]},
+            }
             lines.append(json.dumps(feature, separators=(",", ":")))
     head = {"type": "FeatureCollection", "name": name}
     if not lonlat:
@@ -152,7 +156,9 @@ def read_geojson(path, photo_of):
         ring = [tuple(c) for c in feature["geometry"]["coordinates"][0][:-1]]
         if data.get("coordinates") != "pixels":
             inverse = gdal.InvGeoTransform(photo_of(p["photo"]).GetGeoTransform())
-            ring = [(inverse[0] + x * inverse[1] + y * inverse[2], inverse[3] + x * inverse[4] + y * inverse[5])
-                    for x, y in ring]
+            ring = [
+                (inverse[0] + x * inverse[1] + y * inverse[2], inverse[3] + x * inverse[4] + y * inverse[5])
+                for x, y in ring
+            ]
         piece.coats.append((p["class"], ring))
     return pieces, data["gsd_m"]

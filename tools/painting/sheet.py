@@ -11,6 +11,7 @@
 Later lines cover earlier ones. A class with ~ behind it is left where it was drawn, others are drawn to the edges in
 the photo (snap.py). A # begins a comment.
 """
+
 import math
 from dataclasses import dataclass, field
 
@@ -124,5 +125,7 @@ def _stroke(points, width):
 
 
 def _disc(center, radius):
-    return [(center[0] + radius * math.cos(k * math.pi / 8), center[1] + radius * math.sin(k * math.pi / 8))
-            for k in range(16)]
+    return [
+        (center[0] + radius * math.cos(k * math.pi / 8), center[1] + radius * math.sin(k * math.pi / 8))
+        for k in range(16)
+    ]

@@ -4,6 +4,7 @@
 Each side longer than `min_side_m` is moved along its normal to where the brightness changes most along the whole side,
 at most `reach_m` away; the corners are where neighbouring sides meet. A side on the border of the piece stays.
 """
+
 import math
 
 import numpy
@@ -23,7 +24,10 @@ class Edges:
 
     def across(self, x_m, y_m, nx, ny):
         """Change of colour along the normal, at points in metres of the piece (arrays)."""
-        at = [numpy.asarray(y_m) / self.gsd_m + self.margin_px - 0.5, numpy.asarray(x_m) / self.gsd_m + self.margin_px - 0.5]
+        at = [
+            numpy.asarray(y_m) / self.gsd_m + self.margin_px - 0.5,
+            numpy.asarray(x_m) / self.gsd_m + self.margin_px - 0.5,
+        ]
         total = 0.0
         for band in range(3):
             gx = ndimage.map_coordinates(self.dx[:, :, band], at, order=1, mode="nearest")
