@@ -3,7 +3,7 @@
 
 import subprocess
 
-from .common import ROOT, Skipped
+from .common import ROOT, SkippedError
 
 LAST_COMMITS = 20  # on main: more than a day's work, and minutes of clang-tidy
 UPSTREAMS = ["origin/main", "main"]
@@ -22,7 +22,9 @@ def default_base():
         if left and left != head:
             return left
     if git("rev-parse", "--is-shallow-repository") == "true":
-        raise Skipped(f"a shallow clone does not say what has changed: fetch {LAST_COMMITS} commits, or give --since")
+        raise SkippedError(
+            f"a shallow clone does not say what has changed: fetch {LAST_COMMITS} commits, or give --since"
+        )
     return (
         git("rev-parse", "--verify", f"HEAD~{LAST_COMMITS}")
         or git("rev-list", "--max-parents=0", "HEAD").splitlines()[0]
@@ -33,7 +35,7 @@ def changed_since(base):
     """Names of changed files, the newest change first. A line that names the licence changes nothing."""
     commit = git("rev-parse", "--verify", f"{base}^{{commit}}")
     if not commit:
-        raise Skipped(f"no commit {base} in this repository")
+        raise SkippedError(f"no commit {base} in this repository")
     words = ["--numstat", "--no-renames", "--ignore-matching-lines=SPDX-License-Identifier"]
     rows = git("diff", *words, "HEAD").splitlines() + git("log", "--format=", *words, f"{commit}..HEAD").splitlines()
     return list(dict.fromkeys(row.split("\t")[2] for row in rows if row.count("\t") == 2))

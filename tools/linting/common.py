@@ -12,7 +12,7 @@ PEERS = ROOT / "build/peers/lint/bin"  # the programs of tools/peers/lint.pip
 LONGEST_FUNCTION = 60  # lines, in every language; biome.jsonc and .clang-tidy have it, too
 
 
-class Skipped(Exception):
+class SkippedError(Exception):
     """A check that cannot run here; says what is missing."""
 
 
@@ -59,10 +59,10 @@ def web_files(names):
 
 
 def program(path, remedy):
-    """The program, or Skipped: a name is looked for in PATH."""
+    """The program, or SkippedError: a name is looked for in PATH."""
     found = subprocess.run(["which", path], capture_output=True, text=True, check=False).stdout.strip()
     if not found:
-        raise Skipped(f"no {path} here: {remedy}")
+        raise SkippedError(f"no {path} here: {remedy}")
     return found
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""C and C++: clang-format 14 decides the layout (.clang-format); clang-tidy finds faults and counts lines of functions (.clang-tidy).
+"""C and C++: clang-format 14 decides the layout; clang-tidy finds faults and counts lines of functions (.clang-tidy).
 
-clang-tidy takes two to five seconds of a core per file, so a file that passed is not looked at again before it, a header of ours
-that it includes, its compile command or .clang-tidy changes: stamps lie in build/lint/passed.
+clang-tidy takes two to five seconds of a core per file, so a file that passed is not looked at again before it, a
+header of ours that it includes, its compile command or .clang-tidy changes: stamps lie in build/lint/passed.
 """
 
 import concurrent.futures
@@ -14,14 +14,15 @@ import pathlib
 import re
 import subprocess
 
-from .common import PEERS, ROOT, Skipped, cpp_files, program
+from .common import PEERS, ROOT, SkippedError, cpp_files, program
 
 LINT = ROOT / "build/lint"
 COMMANDS = ROOT / "build/release/compile_commands.json"
 FOR_CLANG = ROOT / "tools/linting/for_clang.hpp"
 INCLUDE_ROOTS = ["src", "tests", "app"]
-# Of files that another build compiles (fuzzing, WebAssembly) or the build only reads.
-PLAIN = "c++ -std=c++20 -O3 -Wall -Wextra -I{root}/src -I{root}/tests -isystem /usr/include/gdal -isystem /usr/include/eigen3 -c {file}"
+# Of files that another build compiles (fuzzing, WebAssembly) or none.
+LIBRARIES = "-isystem /usr/include/gdal -isystem /usr/include/eigen3"
+PLAIN = f"c++ -std=c++20 -O3 -Wall -Wextra -I{{root}}/src -I{{root}}/tests {LIBRARIES} -c {{file}}"
 PLAIN_C = "cc -std=c11 -O3 -Wall -Wextra -I{root}/src -c {file}"
 
 
@@ -72,7 +73,7 @@ def all_includes_of(name):
 
 
 def sources_for(names, sources):
-    """Of changed files, the sources that show them: a header is seen in the source of its name, or in the first that includes it."""
+    """Where changed files are seen: a header in the source of its name, or in the first that includes it."""
     wanted = set()
     for name in cpp_files(names):
         if name in sources:
@@ -106,7 +107,7 @@ def known_commands():
 def write_commands(sources):
     """build/lint/compile_commands.json of the given sources, as a text per source."""
     if not COMMANDS.exists():
-        raise Skipped("no build/release/compile_commands.json: tools/build writes it")
+        raise SkippedError("no build/release/compile_commands.json: tools/build writes it")
     known = known_commands()
     texts = {}
     for name in sources:
@@ -133,7 +134,7 @@ def tidy(tool, name, before):
 
 
 def check_cpp(work):
-    """clang-tidy 23: it leaves out the syntax trees of others' headers and is four times as quick as Debian's 14 and 19."""
+    """clang-tidy 23: it leaves out what others' headers hold, and is four times as quick as Debian's 14 and 19."""
     sources = [n for n in cpp_files(work.tidy) if n.endswith((".cpp", ".c"))]
     if not sources:
         return []

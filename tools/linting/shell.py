@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shell: shellcheck finds faults (.shellcheckrc), shfmt decides the layout, no function is longer than the rule says."""
+"""Shell: shellcheck finds faults (.shellcheckrc), shfmt decides the layout; lines of functions are counted."""
 
 import re
 
@@ -28,7 +28,7 @@ def lay_out_shell(work):
 
 
 def check_shell_function_size(work):
-    """Functions as shfmt lays them out: from `name() {` to a brace of the same depth. `# long: reason` lets one be longer."""
+    """Functions as shfmt lays them out, from `name() {` to a brace of the same depth; `# long: reason` excuses one."""
     found = []
     for name in shell_files(work.files):
         text = (ROOT / name).read_text()

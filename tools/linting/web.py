@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TypeScript, JavaScript and style sheets: biome finds faults, decides the layout and counts lines of functions (biome.jsonc)."""
+"""TypeScript, JavaScript, style sheets: biome finds faults, decides the layout, counts lines (biome.jsonc)."""
 
 from .common import ROOT, lines_of, program, web_files
 

@@ -23,7 +23,10 @@ def features(rgb, gsd_m):
     """Per pixel: brightness and two colour differences at two scales, roughness at two scales, each over its spread."""
     light = rgb.mean(axis=2)
     green_red, green_blue = rgb[:, :, 1] - rgb[:, :, 0], rgb[:, :, 1] - rgb[:, :, 2]
-    blur = lambda a, metres: ndimage.gaussian_filter(a, metres / gsd_m)
+
+    def blur(a, metres):
+        return ndimage.gaussian_filter(a, metres / gsd_m)
+
     light_log = numpy.log(light + 12.0)
     planes = []
     for plane, weight in ((light_log, 1.0), (green_red, 1.0), (green_blue, 1.0)):

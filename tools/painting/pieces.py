@@ -44,7 +44,7 @@ def compose(piece, photo, gsd_m):
     if piece.seeds:
         under = grow.outlines(grow.grow(rgb, gsd_m, piece.seeds, MARGIN_PX, taken), gsd_m)
         square = [(0.0, 0.0), (SIZE_M, 0.0), (SIZE_M, SIZE_M), (0.0, SIZE_M)]
-        under = [(under[0][0] if under else "unknown", square)] + under
+        under = [(under[0][0] if under else "unknown", square), *under]
     elif not taken.all():
         faults.append(f"{piece.name}: {100 * (1 - taken.mean()):.1f} % is not painted")
     return under + drawn, faults
@@ -69,13 +69,14 @@ def crosses_itself(ring):
 def clip_to_square(ring):
     """Sutherland-Hodgman against the piece."""
     for axis, limit, keep_less in ((0, 0.0, False), (0, SIZE_M, True), (1, 0.0, False), (1, SIZE_M, True)):
-        inside = lambda p: p[axis] <= limit if keep_less else p[axis] >= limit
+        inside = [p[axis] <= limit if keep_less else p[axis] >= limit for p in ring]
         result = []
-        for p, q in zip(ring[-1:] + ring[:-1], ring):
-            if inside(p) != inside(q):
+        for i, q in enumerate(ring):
+            p = ring[i - 1]
+            if inside[i - 1] != inside[i]:
                 t = (limit - p[axis]) / (q[axis] - p[axis])
                 result.append(tuple(p[k] + t * (q[k] - p[k]) for k in (0, 1)))
-            if inside(q):
+            if inside[i]:
                 result.append(q)
         ring = result
         if not ring:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Textures quilted out of painted photos: Efros and Freeman, Image quilting for texture synthesis and transfer, 2001.
 
-A texture is the detail of a class without its colour: each source patch is divided by its own mean, so that a tile holds 128 where it is as
-bright as the patch around it. Tiles go on at their edges: patches at the last column and row fit the first ones, too. Where the paper takes
-one of the patches within a tolerance of the least error, one of the best sixteenth is taken: smooth patches fit each other best, and a tile
-would fill with one of them.
+A texture is the detail of a class without its colour: each source patch is divided by its own mean, so that a tile
+holds 128 where it is as bright as the patch around it. Tiles go on at their edges: patches at the last column and row
+fit the first ones, too. Where the paper takes one of the patches within a tolerance of the least error, one of the best
+sixteenth is taken: smooth patches fit each other best, and a tile would fill with one of them.
 """
 
 import numpy
@@ -15,7 +15,7 @@ CALM_SHARE = 0.95
 
 
 def detail_patches(pictures, label, patch_px, most, random):
-    """Patches that show one class alone, N x patch x patch x 3, values around 1. `pictures`: pairs of photo and labels."""
+    """Patches that show one class alone, N x patch x patch x 3, around 1. `pictures`: pairs of photo and labels."""
     found = []
     for rgb, labels in pictures:
         is_class = labels == label

@@ -57,7 +57,7 @@ def read_sheets(files):
                     else:
                         _read_line(piece, words)
                 except (ValueError, IndexError, AttributeError) as error:
-                    raise SystemExit(f"{file}:{number}: {line.strip()[:80]}: {error}")
+                    raise SystemExit(f"{file}:{number}: {line.strip()[:80]}: {error}") from error
     return pieces
 
 

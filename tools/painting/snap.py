@@ -76,8 +76,8 @@ def _best_shift(edges, a, b, normal, length, reach_m):
 def _corner(before, after, old, reach_m, size_m):
     if before is None or after is None:
         return old
-    ax, ay, bx, by, s0 = before
-    cx, cy, dx, dy, s1 = after
+    ax, ay, bx, by, _ = before
+    cx, cy, dx, dy, _ = after
     cross = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
     lengths = math.hypot(bx - ax, by - ay) * math.hypot(dx - cx, dy - cy)
     if abs(cross) > 0.25 * lengths:
