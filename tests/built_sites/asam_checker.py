@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Asks one of ASAM's checkers about a file: asam_checker.py qc_opendrive|qc_openscenario FILE RESULT.xqar. Prints how many of
 its checks ran and what it found, by level, as JSON."""
+
 import json
 import pathlib
 import subprocess
@@ -18,11 +19,17 @@ def main(checker_name, file, result):
     bundle = xml.SubElement(root, "CheckerBundle", application=BUNDLES[checker_name])
     xml.SubElement(bundle, "Param", name="resultFile", value=result)
     xml.ElementTree(root).write(config)
-    subprocess.run([pathlib.Path(sys.executable).parent / checker_name, "-c", config], check=True, stdout=subprocess.DEVNULL,
-                   stderr=subprocess.DEVNULL)
+    subprocess.run(
+        [pathlib.Path(sys.executable).parent / checker_name, "-c", config],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     report = xml.parse(result).getroot()
-    found = {"completed": sum(checker.get("status") == "completed" for checker in report.iter("Checker")),
-             **{level: [] for level in LEVELS.values()}}
+    found = {
+        "completed": sum(checker.get("status") == "completed" for checker in report.iter("Checker")),
+        **{level: [] for level in LEVELS.values()},
+    }
     for issue in report.iter("Issue"):
         where = [place.get("xpath") for place in issue.iter("XMLLocation")]
         found[LEVELS[issue.get("level")]].append([issue.get("ruleUID"), *where])

@@ -4,6 +4,7 @@
 
 Usage: qgis_styles.py BUILT_FOLDER. Exit code 77: QGIS is not here (tools/setup --peers installs it).
 """
+
 import json
 import os
 import pathlib
@@ -56,7 +57,10 @@ def raster(folder):
     check(classes == expected, f"labels.tif: {len(classes)} classes, the first {classes.get(0)}, not {expected[0]}")
     palette = dataset.GetRasterBand(1).GetColorTable()
     for value, (name, color) in classes.items():
-        check("#%02x%02x%02x" % palette.GetColorEntry(value)[:3] == color, f"labels.tif: {name} is {color} in the style only")
+        check(
+            "#%02x%02x%02x" % palette.GetColorEntry(value)[:3] == color,
+            f"labels.tif: {name} is {color} in the style only",
+        )
     print(f"labels.tif: {len(classes)} classes")
 
 
@@ -64,7 +68,11 @@ def findings(folder):
     """The style of this build on one finding of each kind: a good site has none, and QGIS shows no empty layer."""
     with tempfile.TemporaryDirectory() as scratch:
         features = [
-            {"type": "Feature", "properties": {"severity": severity}, "geometry": {"type": "Point", "coordinates": [15.0 + i, 50.0]}}
+            {
+                "type": "Feature",
+                "properties": {"severity": severity},
+                "geometry": {"type": "Point", "coordinates": [15.0 + i, 50.0]},
+            }
             for i, severity in enumerate(("info", "warning", "error"))
         ]
         scratch = pathlib.Path(scratch)

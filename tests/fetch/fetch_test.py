@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """`orthodrive fetch` against servers on loopback, with and without faults. Usage: fetch_test.py TOOL [unittest's words]"""
+
 import json
 import os
 import pathlib
@@ -15,9 +16,8 @@ import unittest
 import urllib.parse
 
 import numpy
-from osgeo import gdal, osr
-
 import servers
+from osgeo import gdal, osr
 
 gdal.UseExceptions()
 osr.UseExceptions()
@@ -44,8 +44,13 @@ class Case(unittest.TestCase):
 
     def fetch(self, *words, code=0, env=None, quick=True):
         pace = ["--pause", "0.02"] if quick else []
-        run = subprocess.run([TOOL, "fetch", self.root / "site.toml", *pace, *words], capture_output=True, text=True, timeout=300,
-                             env={**os.environ, "ORTHODRIVE_STORE": str(self.root / "store"), **(env or {})})
+        run = subprocess.run(
+            [TOOL, "fetch", self.root / "site.toml", *pace, *words],
+            capture_output=True,
+            text=True,
+            timeout=300,
+            env={**os.environ, "ORTHODRIVE_STORE": str(self.root / "store"), **(env or {})},
+        )
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         self.assertEqual(run.stdout, "")
         return run.stderr
@@ -54,7 +59,13 @@ class Case(unittest.TestCase):
         before = sorted(p.name for p in self.root.iterdir())
         said = self.fetch(*words, code=code, env=env)
         self.assertEqual(len(re.findall("^orthodrive: ", said, re.M)), 1, said)
-        self.assertFalse([p for p in sorted(p.name for p in self.root.iterdir()) if p not in before and not p.endswith(("-wal", "-shm", ".fetching", "store"))])
+        self.assertFalse(
+            [
+                p
+                for p in sorted(p.name for p in self.root.iterdir())
+                if p not in before and not p.endswith(("-wal", "-shm", ".fetching", "store"))
+            ]
+        )
         return said.strip().split("\n")[-1]
 
     def record(self, name="photo.mbtiles"):
@@ -70,8 +81,15 @@ def wait_until(true, seconds=30):
 
 
 def xyz(server, **more):
-    return {"to": "photo.mbtiles", "kind": "xyz", "url": server.url + "/tiles/{z}/{x}/{y}.jpg", "resolution_m": 0.8, "licence": "CC0",
-            "attribution": "Nobody", **more}
+    return {
+        "to": "photo.mbtiles",
+        "kind": "xyz",
+        "url": server.url + "/tiles/{z}/{x}/{y}.jpg",
+        "resolution_m": 0.8,
+        "licence": "CC0",
+        "attribution": "Nobody",
+        **more,
+    }
 
 
 def tiles_of(file):
@@ -82,8 +100,11 @@ def tiles_of(file):
 def expected_tiles(area, zoom):
     (west, south), (east, north) = servers.mercator(*area[:2]), servers.mercator(*area[2:])
     size = 2 * servers.HALF / 2**zoom
-    return {(zoom, x, y) for x in range(int((west + servers.HALF) / size), int((east + servers.HALF) / size) + 1)
-            for y in range(int((servers.HALF - north) / size), int((servers.HALF - south) / size) + 1)}
+    return {
+        (zoom, x, y)
+        for x in range(int((west + servers.HALF) / size), int((east + servers.HALF) / size) + 1)
+        for y in range(int((servers.HALF - north) / size), int((servers.HALF - south) / size) + 1)
+    }
 
 
 class Xyz(Case):
@@ -106,7 +127,10 @@ class Xyz(Case):
         self.assertGreater(inside.mean(), 0.8)
         self.assertLess(numpy.abs(shown[:3].transpose(1, 2, 0).astype(int) - truth)[inside].mean(), 3.0)
         record = self.record()
-        self.assertEqual((record["zoom"], record["licence"], record["attribution"], record["tiles"]), ("17", "CC0", "Nobody", len(tiles)))
+        self.assertEqual(
+            (record["zoom"], record["licence"], record["attribution"], record["tiles"]),
+            ("17", "CC0", "Nobody", len(tiles)),
+        )
         self.assertAlmostEqual(record["resolution_m"], 0.767, delta=0.01)
         self.assertIn("tiles at zoom 17 (0.77 m)", said)
 
@@ -126,7 +150,15 @@ class Xyz(Case):
         self.assertEqual((self.root / "photo.mbtiles").read_bytes(), before)
 
     def test_tms_counts_rows_from_the_south_and_subdomains_take_turns(self):
-        origin = self.serve(servers.Server(lambda method, path, headers, body: (200, {}, servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8)))))
+        origin = self.serve(
+            servers.Server(
+                lambda method, path, headers, body: (
+                    200,
+                    {},
+                    servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8)),
+                )
+            )
+        )
         self.site(xyz(origin, kind="tms", url=origin.url + "/{s}/{z}/{x}/{y}.jpg", subdomains="abc"))
         self.fetch()
         found = {tuple(map(int, re.findall(r"\d+", p))) for p in origin.paths()}
@@ -195,7 +227,9 @@ class Faults(Case):
             if len(stalled) < 3 and path not in stalled:
                 stalled.append(path)
                 return lambda handler: time.sleep(100)
-            return servers.conditional(servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers)
+            return servers.conditional(
+                servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers
+            )
 
         slow = self.serve(servers.Server(answer))
         self.site(xyz(slow))
@@ -212,7 +246,9 @@ class Faults(Case):
             if len(times) == 5:
                 until[0] = time.time() + 2
                 return 429, {"Retry-After": "2"}, b""
-            return servers.conditional(servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers)
+            return servers.conditional(
+                servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers
+            )
 
         strict = self.serve(servers.Server(answer))
         self.site(xyz(strict))
@@ -246,7 +282,9 @@ class Faults(Case):
             self.assertGreaterEqual(kills, 1)
             self.assertEqual((self.root / "photo.mbtiles").read_bytes(), whole)
             self.assertLess(len(origin.log), count * (1 + kills))
-            self.assertEqual(sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"])
+            self.assertEqual(
+                sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"]
+            )
 
     def test_killed_before_the_record_was_written_it_is_finished(self):
         origin = self.serve(servers.tile_origin())
@@ -257,7 +295,9 @@ class Faults(Case):
         (self.root / "photo.mbtiles.placing").write_text("")
         self.fetch()
         self.assertEqual(((self.root / "photo.mbtiles").read_bytes(), len(origin.log)), (whole, asked))
-        self.assertEqual(sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"])
+        self.assertEqual(
+            sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"]
+        )
 
     def test_a_second_process_on_the_same_file_is_refused(self):
         origin = self.serve(servers.tile_origin(delay_s=0.05))
@@ -278,7 +318,11 @@ class Keys(Case):
             asked.append(path)
             if len(asked) % 3 == 0:
                 return 302, {"Location": path}, b""
-            return (200, {}, servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8))) if len(asked) < 40 or good[0] else (403, {}, key.encode())
+            return (
+                (200, {}, servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8)))
+                if len(asked) < 40 or good[0]
+                else (403, {}, key.encode())
+            )
 
         good = [True]
         origin = self.serve(servers.Server(answer))
@@ -333,7 +377,9 @@ class Rasters(Case):
         part = gdal.Open(str(self.root / "dtm.tif"))
         west, gsd, _, north, _, _ = part.GetGeoTransform()
         column, row = round((west - 547000) / 2), round((5545000 - north) / 2)
-        numpy.testing.assert_array_equal(part.ReadAsArray(), whole[row:row + part.RasterYSize, column:column + part.RasterXSize])
+        numpy.testing.assert_array_equal(
+            part.ReadAsArray(), whole[row : row + part.RasterYSize, column : column + part.RasterXSize]
+        )
         self.assertLess((self.root / "dtm.tif").stat().st_size, len(big) / 4)
         self.assertEqual(self.record("dtm.tif")["vertical_datum"], "EVRF2007")
 
@@ -358,7 +404,12 @@ class Rasters(Case):
         left = make_cog(self.root / "l.tif", heights(500, 800), west=549800.0)
         right = make_cog(self.root / "r.tif", heights(500, 800) + 1000, west=550800.0)
         origin = self.serve(servers.file_origin({"/l.tif": left, "/r.tif": right}))
-        table = {"to": "dtm.tif", "kind": "raster", "urls": [origin.url + "/l.tif", origin.url + "/r.tif"], "vertical_unit": "us-ft"}
+        table = {
+            "to": "dtm.tif",
+            "kind": "raster",
+            "urls": [origin.url + "/l.tif", origin.url + "/r.tif"],
+            "vertical_unit": "us-ft",
+        }
         self.site(table)
         self.assertIn("vertical datum is not named", self.fetch())
         (self.root / "dtm.tif").unlink()
@@ -375,7 +426,10 @@ class Rasters(Case):
         random = numpy.random.default_rng(2).integers(0, 255, (4, 100, 100)).astype(numpy.uint8)
         picture = numpy.kron(random, numpy.ones((1, 20, 20), numpy.uint8))
         make_cog(self.root / "photo_4.tif", picture, gsd=0.5, west=549900.0, north=5543300.0, driver="GTiff")
-        self.site({"to": "photo.tif", "kind": "raster", "url": "photo_4.tif", "resolution_m": 1.0}, area=(15.7, 50.031, 15.705, 50.034))
+        self.site(
+            {"to": "photo.tif", "kind": "raster", "url": "photo_4.tif", "resolution_m": 1.0},
+            area=(15.7, 50.031, 15.705, 50.034),
+        )
         self.fetch()
         photo = gdal.Open(str(self.root / "photo.tif"))
         self.assertEqual(photo.RasterCount, 3)
@@ -384,9 +438,15 @@ class Rasters(Case):
     def test_what_cannot_be_used(self):
         far = make_cog(self.root / "far.tif", heights(100, 100), west=700000.0)
         vrt = b'<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Byte" band="1"><SimpleSource><SourceFilename>/etc/passwd</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>'
-        origin = self.serve(servers.file_origin({"/far.tif": far, "/list.vrt": vrt, "/page.tif": b"<html>no</html>" * 100}))
-        for name, said in (("far.tif", "shows nothing of the area: it covers longitude"), ("none.tif", "cannot be read as a raster"),
-                           ("list.vrt", "cannot be read as a raster"), ("page.tif", "cannot be read as a raster")):
+        origin = self.serve(
+            servers.file_origin({"/far.tif": far, "/list.vrt": vrt, "/page.tif": b"<html>no</html>" * 100})
+        )
+        for name, said in (
+            ("far.tif", "shows nothing of the area: it covers longitude"),
+            ("none.tif", "cannot be read as a raster"),
+            ("list.vrt", "cannot be read as a raster"),
+            ("page.tif", "cannot be read as a raster"),
+        ):
             self.site(self.table(origin, url=f"{origin.url}/{name}"))
             self.assertIn(said, self.fails())
 
@@ -394,17 +454,29 @@ class Rasters(Case):
 def osm_text(columns=40, rows=40, west=15.68, south=50.02, step=0.001):
     """A grid of nodes with a way along every row, a house, and a wood of two ways of which one lies far off."""
     text, draw = ['<?xml version="1.0"?><osm version="0.6">'], random.Random(1)
-    near = lambda degrees: f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"  # without chance a PBF file would be a bomb of zeros
+    near = lambda degrees: (
+        f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"
+    )  # without chance a PBF file would be a bomb of zeros
     for row in range(rows):
         for column in range(columns):
-            text.append(f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" lon="{near(west + column * step)}" user="someone" uid="7"/>')
+            text.append(
+                f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" lon="{near(west + column * step)}" user="someone" uid="7"/>'
+            )
     for row in range(rows):
         refs = "".join(f'<nd ref="{row * columns + c + 1}"/>' for c in range(columns))
-        text.append(f'<way id="{row + 1}" version="1" user="someone" uid="7">{refs}<tag k="highway" v="residential"/></way>')
+        text.append(
+            f'<way id="{row + 1}" version="1" user="someone" uid="7">{refs}<tag k="highway" v="residential"/></way>'
+        )
     a, b = 12 * columns + 25, 1
-    text.append(f'<way id="900" version="1"><nd ref="{a}"/><nd ref="{a + 1}"/></way><way id="901" version="1"><nd ref="{b}"/><nd ref="{b + 1}"/></way>')
-    text.append('<relation id="5" version="1"><member type="way" ref="900" role="outer"/><member type="way" ref="901" role="outer"/><tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation>')
-    text.append('<relation id="6" version="1"><member type="way" ref="901" role=""/><tag k="type" v="route"/></relation>')
+    text.append(
+        f'<way id="900" version="1"><nd ref="{a}"/><nd ref="{a + 1}"/></way><way id="901" version="1"><nd ref="{b}"/><nd ref="{b + 1}"/></way>'
+    )
+    text.append(
+        '<relation id="5" version="1"><member type="way" ref="900" role="outer"/><member type="way" ref="901" role="outer"/><tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation>'
+    )
+    text.append(
+        '<relation id="6" version="1"><member type="way" ref="901" role=""/><tag k="type" v="route"/></relation>'
+    )
     return "\n".join(text + ["</osm>"])
 
 
@@ -464,7 +536,10 @@ class Osm(Case):
             tag, found = servers.etag(files[path]), re.fullmatch(r"bytes=(\d+)-", headers.get("Range") or "")
             first = int(found[1]) if found and headers.get("If-Range") == tag else 0
             if not slow[0]:
-                fields = {"ETag": tag, **({"Content-Range": f"bytes {first}-{len(files[path]) - 1}/{len(files[path])}"} if first else {})}
+                fields = {
+                    "ETag": tag,
+                    **({"Content-Range": f"bytes {first}-{len(files[path]) - 1}/{len(files[path])}"} if first else {}),
+                }
                 return 206 if first else 200, fields, files[path][first:]
 
             def drip(handler):
@@ -472,7 +547,7 @@ class Osm(Case):
                 handler.send_header("ETag", tag)
                 handler.send_header("Content-Length", str(len(files[path])))
                 handler.end_headers()
-                handler.wfile.write(files[path][:len(content) // 2])
+                handler.wfile.write(files[path][: len(content) // 2])
                 handler.wfile.flush()
                 time.sleep(30)
 
@@ -498,7 +573,7 @@ class Osm(Case):
             file.unlink()
         slow[0] = True
         begin_and_kill()
-        files["/r.osm.pbf"], slow[0] = content[:-self.last_block(content)], False  # another version
+        files["/r.osm.pbf"], slow[0] = content[: -self.last_block(content)], False  # another version
         self.fetch()
         (stored,) = (self.root / "store").glob("*.pbf")
         self.assertEqual(stored.read_bytes(), files["/r.osm.pbf"])
@@ -507,10 +582,10 @@ class Osm(Case):
         """Length of the last block of a PBF file: 4 bytes of the header's length, the header, which ends with the data's length."""
         at, last = 0, 0
         while at < len(content):
-            header = int.from_bytes(content[at:at + 4], "big")
-            fields = content[at + 4:at + 4 + header]
+            header = int.from_bytes(content[at : at + 4], "big")
+            fields = content[at + 4 : at + 4 + header]
             size, shift = 0, 0
-            for byte in fields[fields.rindex(b"\x18") + 1:]:
+            for byte in fields[fields.rindex(b"\x18") + 1 :]:
                 size |= (byte & 127) << shift
                 shift += 7
             last = 4 + header + size
@@ -519,7 +594,12 @@ class Osm(Case):
 
     def test_overpass_is_asked_again_until_the_answer_is_whole(self):
         good = osm_text().encode()
-        answers = [(429, {"Retry-After": "1"}, b""), (200, {}, b"<osm><remark> runtime error: Query timed out </remark></osm>"), (200, {}, good[:-20]), (200, {}, good)]
+        answers = [
+            (429, {"Retry-After": "1"}, b""),
+            (200, {}, b"<osm><remark> runtime error: Query timed out </remark></osm>"),
+            (200, {}, good[:-20]),
+            (200, {}, good),
+        ]
         queries = []
 
         def answer(method, path, headers, body):
@@ -527,7 +607,15 @@ class Osm(Case):
             return answers[min(len(queries), len(answers)) - 1]
 
         origin = self.serve(servers.Server(answer))
-        self.site({"to": "roads.osm", "kind": "overpass", "url": origin.url + "/api/interpreter", "attribution": "© OpenStreetMap contributors", "licence": "ODbL"})
+        self.site(
+            {
+                "to": "roads.osm",
+                "kind": "overpass",
+                "url": origin.url + "/api/interpreter",
+                "attribution": "© OpenStreetMap contributors",
+                "licence": "ODbL",
+            }
+        )
         self.fetch()
         self.assertEqual(len(queries), 4)
         self.assertEqual(queries[0][0], "POST")
@@ -548,12 +636,16 @@ class Wmts(Case):
 
     def test_tiles_that_are_not_there_are_invalid_in_a_geotiff(self):
         left, top, pixel = 540000.0, 5550000.0, 0.8
-        matrix = lambda name, gsd, count: (f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
-                                           f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth><MatrixHeight>{count}</MatrixHeight></TileMatrix>")
+        matrix = lambda name, gsd, count: (
+            f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
+            f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth><MatrixHeight>{count}</MatrixHeight></TileMatrix>"
+        )
         template = "SERVER/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
-        text = ('<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1"><Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>'
-                f'<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" resourceType="tile" template="{template}"/></Layer>'
-                f'<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>{matrix("a", 3.2, 100)}{matrix("b", pixel, 400)}</TileMatrixSet></Contents></Capabilities>')
+        text = (
+            '<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1"><Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>'
+            f'<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" resourceType="tile" template="{template}"/></Layer>'
+            f"<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>{matrix('a', 3.2, 100)}{matrix('b', pixel, 400)}</TileMatrixSet></Contents></Capabilities>"
+        )
 
         def answer(method, path, headers, body):
             if "xml" in path:
@@ -563,16 +655,31 @@ class Wmts(Case):
                 return 404, {}, b""
             east = left + (column * 200 + numpy.arange(200) + 0.5) * pixel
             north = top - (row * 200 + numpy.arange(200) + 0.5) * pixel
-            return 200, {"Content-Type": "image/png"}, servers.encoded(servers.picture(*numpy.meshgrid(east, north)), "PNG")
+            return (
+                200,
+                {"Content-Type": "image/png"},
+                servers.encoded(servers.picture(*numpy.meshgrid(east, north)), "PNG"),
+            )
 
         origin = self.serve(servers.Server(answer))
-        self.site({"to": "photo.tif", "kind": "wmts", "url": origin.url + "/WMTSCapabilities.xml", "layer": "photo", "resolution_m": 1.0})
+        self.site(
+            {
+                "to": "photo.tif",
+                "kind": "wmts",
+                "url": origin.url + "/WMTSCapabilities.xml",
+                "layer": "photo",
+                "resolution_m": 1.0,
+            }
+        )
         self.fetch()
         photo = gdal.Open(str(self.root / "photo.tif"))
         west, gsd, _, north, _, _ = photo.GetGeoTransform()
         self.assertAlmostEqual(gsd, pixel)
         shown, valid = photo.ReadAsArray()[:3].transpose(1, 2, 0), photo.GetRasterBand(1).GetMaskBand().ReadAsArray()
-        east, norths = west + (numpy.arange(photo.RasterXSize) + 0.5) * gsd, north - (numpy.arange(photo.RasterYSize) + 0.5) * gsd
+        east, norths = (
+            west + (numpy.arange(photo.RasterXSize) + 0.5) * gsd,
+            north - (numpy.arange(photo.RasterYSize) + 0.5) * gsd,
+        )
         columns, rows = numpy.meshgrid((east - left) // (200 * pixel), (top - norths) // (200 * pixel))
         self.assertEqual(valid[(rows + columns) % 3 == 0].max(), 0)
         self.assertGreater((valid == 255).mean(), 0.5)
@@ -585,7 +692,9 @@ class Build(Case):
     def test_build_fetches_what_is_not_there_first(self):
         origin = self.serve(servers.tile_origin())
         self.site(xyz(origin))
-        run = subprocess.run([TOOL, "build", self.root / "site.toml", "-o", self.root / "out"], capture_output=True, text=True)
+        run = subprocess.run(
+            [TOOL, "build", self.root / "site.toml", "-o", self.root / "out"], capture_output=True, text=True
+        )
         self.assertEqual(run.returncode, 1)
         self.assertIn("there is no", run.stderr.strip().split("\n")[-1])  # what is not fetched is missed after it
         self.assertTrue((self.root / "photo.mbtiles").exists())
@@ -609,7 +718,10 @@ class BadInput(Case):
 
     def test_areas_that_have_no_tiles(self):
         origin = self.serve(servers.tile_origin())
-        for area, said in (((179.99, 50.0, 180.01, 50.01), "no such place on earth"), ((15.0, 85.0, 15.1, 85.2), "UTM ends at 84")):
+        for area, said in (
+            ((179.99, 50.0, 180.01, 50.01), "no such place on earth"),
+            ((15.0, 85.0, 15.1, 85.2), "UTM ends at 84"),
+        ):
             self.site(xyz(origin), area=area)
             self.assertIn(said, self.fails())
         self.assertEqual(origin.log, [])
@@ -621,15 +733,23 @@ class BadInput(Case):
 
     def test_tables_that_cannot_be_used(self):
         good = {"to": "photo.mbtiles", "kind": "xyz", "url": "http://127.0.0.1:9/{z}/{x}/{y}"}
-        for change, said in (({"kind": "wtms"}, "unknown kind 'wtms', expected one of: wmts, xyz"), ({"kind": "wmts"}, "'layer' is missing here"),
-                             ({"hello": 1}, "'hello' is not known here"), ({"url": ""}, "'url' is missing"), ({"resolution_m": -1}, "'resolution_m' must be"),
-                             ({"min_zoom": 9, "max_zoom": 3}, "'max_zoom' must be")):
+        for change, said in (
+            ({"kind": "wtms"}, "unknown kind 'wtms', expected one of: wmts, xyz"),
+            ({"kind": "wmts"}, "'layer' is missing here"),
+            ({"hello": 1}, "'hello' is not known here"),
+            ({"url": ""}, "'url' is missing"),
+            ({"resolution_m": -1}, "'resolution_m' must be"),
+            ({"min_zoom": 9, "max_zoom": 3}, "'max_zoom' must be"),
+        ):
             self.site({**good, **change})
             said_line = self.fails()
             self.assertIn(said, said_line)
             self.assertRegex(said_line, r"site.toml:\d+: ")
-        for url, said in (("http://127.0.0.1:9/{z}/{x}", "needs {z}, {x} and one of"), ("http://127.0.0.1:9/{z}/{x}/{y}/{q}", "has {q}"),
-                          ("http://127.0.0.1:9/{s}/{z}/{x}/{y}", "subdomains")):
+        for url, said in (
+            ("http://127.0.0.1:9/{z}/{x}", "needs {z}, {x} and one of"),
+            ("http://127.0.0.1:9/{z}/{x}/{y}/{q}", "has {q}"),
+            ("http://127.0.0.1:9/{s}/{z}/{x}/{y}", "subdomains"),
+        ):
             self.site({**good, "url": url})
             self.assertIn(said, self.fails(code=2))
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """The include rule can fail: a small tree with one sin at a time, and one without."""
+
 import pathlib
 import tempfile
 import unittest
@@ -48,17 +49,34 @@ class Includes(unittest.TestCase):
         self.assertEqual(self.findings(), [])
 
     def test_a_stage_includes_a_stage_though_it_is_header_only(self):
-        self.expect("src/orthodrive/refine/odd.hpp", '#include "orthodrive/network/build_network.hpp"\n', "refine/odd.hpp", "no arrow")
+        self.expect(
+            "src/orthodrive/refine/odd.hpp",
+            '#include "orthodrive/network/build_network.hpp"\n',
+            "refine/odd.hpp",
+            "no arrow",
+        )
 
     def test_a_stage_includes_io(self):
-        self.expect("src/orthodrive/refine/odd.cpp", '  #  include "orthodrive/io/read_photo.hpp"\n', "no arrow leads from refine to io")
+        self.expect(
+            "src/orthodrive/refine/odd.cpp",
+            '  #  include "orthodrive/io/read_photo.hpp"\n',
+            "no arrow leads from refine to io",
+        )
 
     def test_a_stage_links_a_stage(self):
-        self.expect("src/orthodrive/refine/CMakeLists.txt", "orthodrive_library(refine DEPS model\n  network)\n", "a stage reaches network")
+        self.expect(
+            "src/orthodrive/refine/CMakeLists.txt",
+            "orthodrive_library(refine DEPS model\n  network)\n",
+            "a stage reaches network",
+        )
 
     def test_a_stage_links_io_through_another_room(self):
-        found = self.findings(files={"src/orthodrive/roads/CMakeLists.txt": "orthodrive_library(roads DEPS io)\n",
-                                     "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model roads)\n"})
+        found = self.findings(
+            files={
+                "src/orthodrive/roads/CMakeLists.txt": "orthodrive_library(roads DEPS io)\n",
+                "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model roads)\n",
+            }
+        )
         self.assertEqual(found, ["refine: a stage reaches io by its DEPS"])
 
     def test_an_arrow_upwards(self):
@@ -69,13 +87,24 @@ class Includes(unittest.TestCase):
         self.assertIn("core: a circle of DEPS", found)
 
     def test_files_in_a_circle(self):
-        found = self.findings(files={"src/orthodrive/network/a.hpp": '#include "orthodrive/network/b.hpp"\n',
-                                     "src/orthodrive/network/b.hpp": '#include "orthodrive/network/a.hpp"\n'})
-        self.assertEqual(found, ["a circle of includes: orthodrive/network/a.hpp -> orthodrive/network/b.hpp -> orthodrive/network/a.hpp"])
+        found = self.findings(
+            files={
+                "src/orthodrive/network/a.hpp": '#include "orthodrive/network/b.hpp"\n',
+                "src/orthodrive/network/b.hpp": '#include "orthodrive/network/a.hpp"\n',
+            }
+        )
+        self.assertEqual(
+            found,
+            ["a circle of includes: orthodrive/network/a.hpp -> orthodrive/network/b.hpp -> orthodrive/network/a.hpp"],
+        )
 
     def test_a_stage_opens_a_file(self):
         self.expect("src/orthodrive/refine/odd.cpp", "#include <fstream>\n", "<fstream>", "opens no file")
-        self.expect("src/orthodrive/refine/odd.cpp", '#include <filesystem>\nbool f() { return std::filesystem::exists("a"); }\n', "exists")
+        self.expect(
+            "src/orthodrive/refine/odd.cpp",
+            '#include <filesystem>\nbool f() { return std::filesystem::exists("a"); }\n',
+            "exists",
+        )
         self.expect("src/orthodrive/model/odd.cpp", 'void f() { fopen("a", "r"); }\n', "fopen")
         self.expect("src/orthodrive/network/odd.cpp", "#include <gdal_priv.h>\n", "gdal")
 
@@ -85,7 +114,9 @@ class Includes(unittest.TestCase):
         self.expect("src/orthodrive/pipeline/odd.hpp", "#include <gdal_priv.h>\n", "gdal")
 
     def test_the_command_line_calls_a_stage(self):
-        self.expect("app/cmd_odd.cpp", '#include "orthodrive/network/build_network.hpp"\n', "cmd_odd.cpp", "the command line")
+        self.expect(
+            "app/cmd_odd.cpp", '#include "orthodrive/network/build_network.hpp"\n', "cmd_odd.cpp", "the command line"
+        )
 
     def test_a_file_that_is_not_there(self):
         self.expect("src/orthodrive/refine/odd.cpp", '#include "orthodrive/refine/gone.hpp"\n', "gone.hpp")

@@ -4,6 +4,7 @@
 
 Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and the rest is right.
 """
+
 import functools
 import os
 import pty
@@ -48,7 +49,10 @@ def check_pages(folder):
     commands = commands_of(tool_help)
     check(len(commands) > 10, f"--help lists {len(commands)} commands")
     pages = {p.name for p in folder.glob("*.1")}
-    check(pages == {"orthodrive.1"} | {f"orthodrive-{c}.1" for c in commands}, f"pages {sorted(pages)} for commands {commands}")
+    check(
+        pages == {"orthodrive.1"} | {f"orthodrive-{c}.1" for c in commands},
+        f"pages {sorted(pages)} for commands {commands}",
+    )
     if not shutil.which("groff"):
         missing.append("groff")
         return
@@ -83,6 +87,7 @@ def check_bash(file):
     def expect(line, *words):
         got = complete_in_bash(file, line)
         check(got == list(words), f"bash completes '{line}' with {got}, not {list(words)}")
+
     commands = commands_of(help_of())
     expect("orthodrive ", *commands)
     expect("orthodrive bui", "build")
@@ -105,8 +110,15 @@ def check_files_in_bash(file, folder):
     """A real interactive bash: Tab completes the name of a file, a blank in it included."""
     (folder / "my site.toml").write_text("")
     master, slave = pty.openpty()
-    shell = subprocess.Popen(["bash", "--norc", "--noprofile", "-i"], stdin=slave, stdout=slave, stderr=slave, cwd=folder, start_new_session=True,
-                             env={**os.environ, "PS1": "$ ", "TERM": "dumb", "INPUTRC": "/dev/null", "HISTFILE": ""})
+    shell = subprocess.Popen(
+        ["bash", "--norc", "--noprofile", "-i"],
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        cwd=folder,
+        start_new_session=True,
+        env={**os.environ, "PS1": "$ ", "TERM": "dumb", "INPUTRC": "/dev/null", "HISTFILE": ""},
+    )
     os.close(slave)
     os.write(master, f"source {file}; orthodrive() {{ printf 'GOT<%s>' \"$@\"; }}\n".encode())
     time.sleep(0.5)
@@ -132,11 +144,21 @@ def check_other_shells(folder):
         return
 
     def fish(line):
-        made = run("fish", "--no-config", "-c", f"source {folder}/orthodrive.fish; complete -C '{line}'", env={**os.environ, "HOME": str(folder)})
+        made = run(
+            "fish",
+            "--no-config",
+            "-c",
+            f"source {folder}/orthodrive.fish; complete -C '{line}'",
+            env={**os.environ, "HOME": str(folder)},
+        )
         check(not made.stderr, f"fish says {made.stderr}")
         return [answer.split("\t")[0] for answer in made.stdout.splitlines()]
+
     check(fish("orthodrive bui") == ["build"], f"fish completes bui with {fish('orthodrive bui')}")
-    check(fish("orthodrive synth --preset v") == ["village"], f"fish completes --preset v with {fish('orthodrive synth --preset v')}")
+    check(
+        fish("orthodrive synth --preset v") == ["village"],
+        f"fish completes --preset v with {fish('orthodrive synth --preset v')}",
+    )
     check("--before" in fish("orthodrive evaluate roads --be"), "fish lacks --before of evaluate roads")
     check("labels" in fish("orthodrive evaluate la"), "fish lacks evaluate labels")
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """tools/paint on a photo made in place. Usage: paint_test.py SOURCE_TREE. Exit code 77: Pillow or SciPy is missing."""
+
 import json
 import pathlib
 import subprocess
@@ -45,7 +46,9 @@ class Paint(unittest.TestCase):
         (self.root / "sheet.txt").write_text(SHEET)
 
     def paint(self, *words, code=0):
-        run = subprocess.run([sys.executable, SOURCE / "tools/paint", *words], capture_output=True, text=True, cwd=self.root)
+        run = subprocess.run(
+            [sys.executable, SOURCE / "tools/paint", *words], capture_output=True, text=True, cwd=self.root
+        )
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         return run.stdout + run.stderr
 
@@ -82,7 +85,9 @@ class Paint(unittest.TestCase):
             self.assertLess(numpy.hypot(x * GSD - truth[0], y * GSD - truth[1]), 0.3)
 
     def test_a_tilde_leaves_a_shape_where_it_was_drawn(self):
-        self.assertEqual(self.painted()["b"].coats[-1][1], [(60.0, 100.0), (140.0, 100.0), (140.0, 140.0), (60.0, 140.0)])
+        self.assertEqual(
+            self.painted()["b"].coats[-1][1], [(60.0, 100.0), (140.0, 100.0), (140.0, 140.0), (60.0, 140.0)]
+        )
 
     def test_seeds_grow_to_the_border_of_what_they_look_like(self):
         labels = self.painted()["a"].labels()
@@ -101,7 +106,11 @@ class Paint(unittest.TestCase):
         self.assertEqual((self.root / "one.geojson").read_bytes(), (self.root / "two.geojson").read_bytes())
 
     def test_a_sheet_that_says_nonsense_is_refused_with_its_line(self):
-        for line, said in (("wood 1,1 2,2 3,1", "class 'wood' is unknown"), ("road 1,1 2,2", "at least three points"), ("road 1,1 x", "not enough values")):
+        for line, said in (
+            ("wood 1,1 2,2 3,1", "class 'wood' is unknown"),
+            ("road 1,1 2,2", "at least three points"),
+            ("road 1,1 x", "not enough values"),
+        ):
             (self.root / "sheet.txt").write_text("piece a photo 0 0\n" + line + "\n")
             self.assertIn("sheet.txt:2", message := self.paint("write", "sheet.txt", ".", "-o", "x.geojson", code=1))
             self.assertIn(said, message)
@@ -125,15 +134,21 @@ class Paint(unittest.TestCase):
         self.assertEqual(set(same["iou"].values()), {1.0})
         self.painted("second.geojson", SHEET.replace("road~ 0,40 100,40 100,45 0,45", "road~ 0,40 100,40 100,50 0,50"))
         other = json.loads(self.paint("agree", "painted.geojson", "second.geojson", "."))
-        self.assertEqual(other["pieces"]["b"]["road"], 1.0)  # where the second road is wider the first painter knows nothing
-        self.painted("third.geojson", SHEET.replace("box building~ 20,30 60,30 60,50", "box building~ 20,30 60,30 60,42"))
+        self.assertEqual(
+            other["pieces"]["b"]["road"], 1.0
+        )  # where the second road is wider the first painter knows nothing
+        self.painted(
+            "third.geojson", SHEET.replace("box building~ 20,30 60,30 60,50", "box building~ 20,30 60,30 60,42")
+        )
         other = json.loads(self.paint("agree", "painted.geojson", "third.geojson", "."))
         self.assertLess(other["pieces"]["b"]["road"], 0.85)  # the road below the roof's lower part
 
     def test_rendered_labels_lie_where_the_piece_is(self):
         self.painted()
         self.paint("render", "painted.geojson", ".", "-o", "out")
-        image, labels = (numpy.asarray(Image.open(self.root / "out" / kind / "test_b.png")) for kind in ("images", "labels"))
+        image, labels = (
+            numpy.asarray(Image.open(self.root / "out" / kind / "test_b.png")) for kind in ("images", "labels")
+        )
         self.assertEqual(image.shape, labels.shape)
         self.assertEqual(tuple(labels[0, 0]), (0, 0, 0))
         # 10 m to the left of the piece lie in the photo, 20 m above it: the roof's middle is at 50, 60 m there
@@ -141,7 +156,10 @@ class Paint(unittest.TestCase):
         self.assertLess(numpy.abs(image[120, 100].astype(int) - (200, 60, 50)).max(), 20)
 
     def test_shapes_are_cut_at_the_piece(self):
-        self.assertEqual(sorted(pieces.clip_to_square([(-10, 50), (50, 50), (50, 150), (-10, 150)])), [(0, 50), (0, 100), (50, 50), (50, 100)])
+        self.assertEqual(
+            sorted(pieces.clip_to_square([(-10, 50), (50, 50), (50, 150), (-10, 150)])),
+            [(0, 50), (0, 100), (50, 50), (50, 100)],
+        )
 
     def test_without_an_edge_nothing_moves(self):
         edges = snap.Edges(numpy.full((260, 260, 3), 90.0), GSD, 30)
