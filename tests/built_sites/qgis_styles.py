@@ -53,12 +53,14 @@ def raster(folder):
     classes = {int(c.value): (c.label, c.color.name()) for c in labels.renderer().classes()}
     dataset = gdal.Open(str(folder / "labels.tif"))  # the band lives as long as it does
     table = json.loads(dataset.GetMetadataItem("ORTHODRIVE_CLASSES"))["classes"]
-    expected = {value: (entry["name"], "#%02x%02x%02x" % tuple(entry["color"])) for value, entry in enumerate(table)}
+    expected = {
+        value: (entry["name"], "#{:02x}{:02x}{:02x}".format(*entry["color"])) for value, entry in enumerate(table)
+    }
     check(classes == expected, f"labels.tif: {len(classes)} classes, the first {classes.get(0)}, not {expected[0]}")
     palette = dataset.GetRasterBand(1).GetColorTable()
     for value, (name, color) in classes.items():
         check(
-            "#%02x%02x%02x" % palette.GetColorEntry(value)[:3] == color,
+            "#{:02x}{:02x}{:02x}".format(*palette.GetColorEntry(value)[:3]) == color,
             f"labels.tif: {name} is {color} in the style only",
         )
     print(f"labels.tif: {len(classes)} classes")
@@ -66,7 +68,7 @@ def raster(folder):
 
 def findings(folder):
     """The style of this build on one finding of each kind: a good site has none, and QGIS shows no empty layer."""
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory() as folder_name:
         features = [
             {
                 "type": "Feature",
@@ -75,7 +77,7 @@ def findings(folder):
             }
             for i, severity in enumerate(("info", "warning", "error"))
         ]
-        scratch = pathlib.Path(scratch)
+        scratch = pathlib.Path(folder_name)
         (scratch / "findings.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
         shutil.copy(folder / "findings.qml", scratch)
         vector(scratch, "findings.geojson", "severity", {"info", "warning", "error"})

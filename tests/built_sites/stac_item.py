@@ -57,7 +57,7 @@ def check_truth(item, folder):
     check(geometry.IsValid() and geometry.GetGeometryName() == "POLYGON", "geometry")
     west, east, south, north = geometry.GetEnvelope()
     check(
-        max(abs(a - b) for a, b in zip(item["bbox"], (west, south, east, north))) < 1e-6,
+        max(abs(a - b) for a, b in zip(item["bbox"], (west, south, east, north), strict=True)) < 1e-6,
         "bbox is not that of the geometry",
     )
     ring = item["geometry"]["coordinates"][0]
@@ -70,7 +70,7 @@ def check_truth(item, folder):
     )
     x, step, _, y, _, down = labels.GetGeoTransform()
     box = (x, y + down * labels.RasterYSize, x + step * labels.RasterXSize, y)
-    off = max(abs(a - b) for a, b in zip(box, item["properties"]["proj:bbox"]))
+    off = max(abs(a - b) for a, b in zip(box, item["properties"]["proj:bbox"], strict=True))
     check(off < 2.0, f"proj:bbox is {off} m off the labels")
 
 

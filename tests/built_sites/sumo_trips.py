@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random trips on a SUMO net: sumo_trips.py NET.xml FOLDER --trips N --seed S. One vehicle sets out every three seconds, from
-anywhere to anywhere at least 300 m away that it can reach (randomTrips.py of SUMO). Collisions count on junctions, too. Prints what
-came of them as JSON."""
+"""Random trips on a SUMO net: sumo_trips.py NET.xml FOLDER --trips N --seed S. One vehicle sets out every three
+seconds, from anywhere to anywhere at least 300 m away that it can reach (randomTrips.py of SUMO). Collisions count on
+junctions, too. Prints what came of them as JSON.
+"""
 
 import argparse
 import json
@@ -10,7 +11,7 @@ import pathlib
 import re
 import subprocess
 import sys
-import xml.etree.ElementTree as xml
+from xml.etree import ElementTree
 
 SUMO = "/usr/share/sumo"
 PERIOD_S = 3
@@ -45,7 +46,7 @@ def routes(net, folder, trips, seed):
         stderr=subprocess.DEVNULL,
         env={**os.environ, "SUMO_HOME": SUMO},
     )
-    tree = xml.parse(made)
+    tree = ElementTree.parse(made)
     for vehicle in tree.getroot().findall("vehicle")[trips:]:
         tree.getroot().remove(vehicle)
     tree.write(made)
@@ -83,7 +84,7 @@ def main():
         capture_output=True,
         text=True,
     )
-    text = xml.parse(report).getroot()
+    text = ElementTree.parse(report).getroot()
     vehicles = text.find("vehicles").attrib
     print(
         json.dumps(

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, a grid in UTM; and a whole build of it. Where MapProxy or the
-photo is missing: says so and ends with 77. Usage: fetch_mapproxy_test.py TOOL SOURCE_TREE"""
+"""`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, a grid in UTM; and a whole
+build of it. Where MapProxy or the photo is missing: says so and ends with 77. Usage: fetch_mapproxy_test.py TOOL
+SOURCE_TREE
+"""
 
 import json
 import math
@@ -143,12 +145,20 @@ class MapProxy(unittest.TestCase):
 
     def fetch(self, to, code=0, **table):
         site = self.root / "site.toml"
-        text = f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = "{to}"\nosm = ["a.osm"]\ndtm = ["a.tif"]\n[[fetch]]\n'
+        text = (
+            f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = "{to}"\nosm = ["a.osm"]\n'
+            'dtm = ["a.tif"]\n[[fetch]]\n'
+        )
         site.write_text(
             text + "".join(f"{k} = {json.dumps(v)}\n" for k, v in {"to": to, "resolution_m": 0.7, **table}.items())
         )
         run = subprocess.run(
-            [TOOL, "fetch", site, "--pause", "0.05"], capture_output=True, text=True, timeout=120, env=os.environ
+            [TOOL, "fetch", site, "--pause", "0.05"],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env=os.environ,
+            check=False,
         )
         self.assertEqual(run.returncode, code, run.stderr)
         return run.stderr
@@ -233,7 +243,10 @@ class MapProxy(unittest.TestCase):
             folder = self.root / name
             folder.mkdir()
             osm, dtm = (json.dumps(str((DATA / f).resolve())) for f in ("roads.osm", "dtm_10m_utm33.tif"))
-            text = f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = {json.dumps(photo)}\nosm = [{osm}]\ndtm = [{dtm}]\n'
+            text = (
+                f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = {json.dumps(photo)}\n'
+                f"osm = [{osm}]\ndtm = [{dtm}]\n"
+            )
             (folder / "site.toml").write_text(text + more)
             run = subprocess.run(
                 [TOOL, "build", folder / "site.toml", "-o", folder / "out"],
@@ -241,12 +254,14 @@ class MapProxy(unittest.TestCase):
                 text=True,
                 timeout=280,
                 env=os.environ,
+                check=False,
             )
             self.assertEqual(run.returncode, 0, run.stderr)
             return folder / "out"
 
         tiles = (
-            f'[[fetch]]\nto = "photo.mbtiles"\nkind = "xyz"\nresolution_m = 0.7\nurl = "{self.url}/tiles/1.0.0/ortho/quad/{{z}}/{{x}}/{{y}}.jpeg?origin=nw"\n'
+            '[[fetch]]\nto = "photo.mbtiles"\nkind = "xyz"\nresolution_m = 0.7\nurl = '
+            f'"{self.url}/tiles/1.0.0/ortho/quad/{{z}}/{{x}}/{{y}}.jpeg?origin=nw"\n'
             'attribution = "Orthophoto: Lantmäteriet"\nlicence = "CC BY 4.0"\n'
         )
         fetched, local = build("fetched", "photo.mbtiles", tiles), build("local", str(PHOTO.resolve()))
@@ -254,10 +269,12 @@ class MapProxy(unittest.TestCase):
             [TOOL, "evaluate", "roads", fetched / "roads.gpkg", local / "roads.gpkg", "--json"],
             capture_output=True,
             text=True,
+            check=False,
         )
         scores = json.loads(run.stdout)
         print(
-            f"roads from tiles and from the photo: {scores['offset_m']['mean_abs']:.2f} m apart, widths {scores['width_m']['mean_abs']:.2f} m"
+            f"roads from tiles and from the photo: {scores['offset_m']['mean_abs']:.2f} m apart, widths "
+            f"{scores['width_m']['mean_abs']:.2f} m"
         )
         self.assertLess(scores["offset_m"]["mean_abs"], 0.3)
         self.assertLess(scores["width_m"]["mean_abs"], 0.5)

@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""`orthodrive fetch` against servers on loopback, with and without faults. Usage: fetch_test.py TOOL [unittest's words]"""
+"""`orthodrive fetch` against servers on loopback, with and without faults. Usage: fetch_test.py TOOL [unittest's
+words]
+"""
 
 import json
 import os
@@ -36,7 +38,10 @@ class Case(unittest.TestCase):
         return server
 
     def site(self, *tables, area=AREA, extra=""):
-        text = f'name = "Test"\n[area]\nbbox_wgs84 = {list(area)}\n{extra}\n[sources]\nphoto = "photo.mbtiles"\nosm = ["roads.osm"]\ndtm = ["dtm.tif"]\n'
+        text = (
+            f'name = "Test"\n[area]\nbbox_wgs84 = {list(area)}\n{extra}\n[sources]\nphoto = "photo.mbtiles"\nosm = '
+            '["roads.osm"]\ndtm = ["dtm.tif"]\n'
+        )
         for table in tables:
             text += "[[fetch]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
         (self.root / "site.toml").write_text(text)
@@ -50,6 +55,7 @@ class Case(unittest.TestCase):
             text=True,
             timeout=300,
             env={**os.environ, "ORTHODRIVE_STORE": str(self.root / "store"), **(env or {})},
+            check=False,
         )
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         self.assertEqual(run.stdout, "")
@@ -58,7 +64,7 @@ class Case(unittest.TestCase):
     def fails(self, *words, code=1, env=None):
         before = sorted(p.name for p in self.root.iterdir())
         said = self.fetch(*words, code=code, env=env)
-        self.assertEqual(len(re.findall("^orthodrive: ", said, re.M)), 1, said)
+        self.assertEqual(len(re.findall("^orthodrive: ", said, re.MULTILINE)), 1, said)
         self.assertFalse(
             [
                 p
@@ -221,7 +227,8 @@ class Faults(Case):
             self.assertEqual(db.execute("SELECT count(*) FROM tiles").fetchone()[0], len(tiles))
 
     def test_a_stalled_connection_is_given_up_and_asked_again(self):
-        origin, stalled = self.serve(servers.tile_origin()), []
+        self.serve(servers.tile_origin())
+        stalled = []
 
         def answer(method, path, headers, body):
             if len(stalled) < 3 and path not in stalled:
@@ -239,7 +246,8 @@ class Faults(Case):
         self.assertEqual(self.record()["missing_tiles"], 0)
 
     def test_retry_after_is_obeyed_by_all_connections(self):
-        origin, times, until = self.serve(servers.tile_origin()), [], [0.0]
+        self.serve(servers.tile_origin())
+        times, until = [], [0.0]
 
         def answer(method, path, headers, body):
             times.append(time.time())
@@ -270,7 +278,8 @@ class Faults(Case):
             kills, asked = 0, 0
             while True:
                 run = subprocess.Popen([TOOL, "-q", "fetch", self.root / "site.toml", "--connections", "1"])
-                wait_until(lambda: run.poll() is not None or len(origin.log) >= asked + tiles_a_life)
+                most = asked + tiles_a_life
+                wait_until(lambda run=run, most=most: run.poll() is not None or len(origin.log) >= most)
                 if run.poll() is not None:
                     self.assertEqual(run.returncode, 0)
                     break
@@ -375,7 +384,7 @@ class Rasters(Case):
         self.fetch()
         self.assertTrue(all("Range" in headers or headers["method"] == "HEAD" for _, _, headers in origin.log))
         part = gdal.Open(str(self.root / "dtm.tif"))
-        west, gsd, _, north, _, _ = part.GetGeoTransform()
+        west, _, _, north, _, _ = part.GetGeoTransform()
         column, row = round((west - 547000) / 2), round((5545000 - north) / 2)
         numpy.testing.assert_array_equal(
             part.ReadAsArray(), whole[row : row + part.RasterYSize, column : column + part.RasterXSize]
@@ -437,7 +446,10 @@ class Rasters(Case):
 
     def test_what_cannot_be_used(self):
         far = make_cog(self.root / "far.tif", heights(100, 100), west=700000.0)
-        vrt = b'<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Byte" band="1"><SimpleSource><SourceFilename>/etc/passwd</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>'
+        vrt = (
+            b'<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Byte" band="1"><SimpleSource>'
+            b"<SourceFilename>/etc/passwd</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>"
+        )
         origin = self.serve(
             servers.file_origin({"/far.tif": far, "/list.vrt": vrt, "/page.tif": b"<html>no</html>" * 100})
         )
@@ -454,13 +466,15 @@ class Rasters(Case):
 def osm_text(columns=40, rows=40, west=15.68, south=50.02, step=0.001):
     """A grid of nodes with a way along every row, a house, and a wood of two ways of which one lies far off."""
     text, draw = ['<?xml version="1.0"?><osm version="0.6">'], random.Random(1)
-    near = lambda degrees: (
-        f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"
-    )  # without chance a PBF file would be a bomb of zeros
+
+    def near(degrees):
+        return f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"  # without chance a PBF file would be a bomb of zeros
+
     for row in range(rows):
         for column in range(columns):
             text.append(
-                f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" lon="{near(west + column * step)}" user="someone" uid="7"/>'
+                f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" '
+                f'lon="{near(west + column * step)}" user="someone" uid="7"/>'
             )
     for row in range(rows):
         refs = "".join(f'<nd ref="{row * columns + c + 1}"/>' for c in range(columns))
@@ -469,15 +483,17 @@ def osm_text(columns=40, rows=40, west=15.68, south=50.02, step=0.001):
         )
     a, b = 12 * columns + 25, 1
     text.append(
-        f'<way id="900" version="1"><nd ref="{a}"/><nd ref="{a + 1}"/></way><way id="901" version="1"><nd ref="{b}"/><nd ref="{b + 1}"/></way>'
+        f'<way id="900" version="1"><nd ref="{a}"/><nd ref="{a + 1}"/></way><way id="901" version="1"><nd ref="{b}"/>'
+        f'<nd ref="{b + 1}"/></way>'
     )
     text.append(
-        '<relation id="5" version="1"><member type="way" ref="900" role="outer"/><member type="way" ref="901" role="outer"/><tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation>'
+        '<relation id="5" version="1"><member type="way" ref="900" role="outer"/><member type="way" ref="901" '
+        'role="outer"/><tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation>'
     )
     text.append(
         '<relation id="6" version="1"><member type="way" ref="901" role=""/><tag k="type" v="route"/></relation>'
     )
-    return "\n".join(text + ["</osm>"])
+    return "\n".join([*text, "</osm>"])
 
 
 def osm_ids(file):
@@ -579,7 +595,9 @@ class Osm(Case):
         self.assertEqual(stored.read_bytes(), files["/r.osm.pbf"])
 
     def last_block(self, content):
-        """Length of the last block of a PBF file: 4 bytes of the header's length, the header, which ends with the data's length."""
+        """Length of the last block of a PBF file: 4 bytes of the header's length, the header, which ends with the
+        data's length.
+        """
         at, last = 0, 0
         while at < len(content):
             header = int.from_bytes(content[at : at + 4], "big")
@@ -636,15 +654,24 @@ class Wmts(Case):
 
     def test_tiles_that_are_not_there_are_invalid_in_a_geotiff(self):
         left, top, pixel = 540000.0, 5550000.0, 0.8
-        matrix = lambda name, gsd, count: (
-            f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
-            f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth><MatrixHeight>{count}</MatrixHeight></TileMatrix>"
-        )
+
+        def matrix(name, gsd, count):
+            return (
+                f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>"
+                f"{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
+                f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth>"
+                f"<MatrixHeight>{count}</MatrixHeight></TileMatrix>"
+            )
+
         template = "SERVER/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
         text = (
-            '<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1"><Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>'
-            f'<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" resourceType="tile" template="{template}"/></Layer>'
-            f"<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>{matrix('a', 3.2, 100)}{matrix('b', pixel, 400)}</TileMatrixSet></Contents></Capabilities>"
+            '<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1">'
+            "<Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>"
+            '<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" '
+            f'resourceType="tile" template="{template}"/></Layer>'
+            "<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>"
+            "urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>"
+            f"{matrix('a', 3.2, 100)}{matrix('b', pixel, 400)}</TileMatrixSet></Contents></Capabilities>"
         )
 
         def answer(method, path, headers, body):
@@ -693,7 +720,10 @@ class Build(Case):
         origin = self.serve(servers.tile_origin())
         self.site(xyz(origin))
         run = subprocess.run(
-            [TOOL, "build", self.root / "site.toml", "-o", self.root / "out"], capture_output=True, text=True
+            [TOOL, "build", self.root / "site.toml", "-o", self.root / "out"],
+            capture_output=True,
+            text=True,
+            check=False,
         )
         self.assertEqual(run.returncode, 1)
         self.assertIn("there is no", run.stderr.strip().split("\n")[-1])  # what is not fetched is missed after it

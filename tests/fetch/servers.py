@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Servers on loopback for the tests of `orthodrive fetch`: tiles and files with ranges, and a proxy that injects faults."""
+"""Servers on loopback for the tests of `orthodrive fetch`: tiles and files with ranges, and a proxy that injects
+faults.
+"""
 
+import contextlib
 import hashlib
 import http.client
 import http.server
@@ -45,7 +48,9 @@ def encoded(pixels, form="JPEG"):
 
 
 class Server:
-    """answer(method, path, headers, body) gives (status, headers, body), or a function that gets the handler and does it itself."""
+    """answer(method, path, headers, body) gives (status, headers, body), or a function that gets the handler and does
+    it itself.
+    """
 
     def __init__(self, answer):
         outer = self
@@ -76,8 +81,9 @@ class Server:
                 self.end_headers()
                 if self.command != "HEAD":
                     self.wfile.write(content)
+                return None
 
-            do_POST = do_HEAD = do_GET
+            do_POST = do_HEAD = do_GET  # noqa: N815 (names that http.server asks for)
 
             def log_message(self, *_):
                 pass
@@ -194,7 +200,9 @@ FAULTS = [
 
 
 class FaultProxy(Server):
-    """Passes requests on to `origin`. A share of them gets a fault instead, by the seed, the path and how often it was asked."""
+    """Passes requests on to `origin`. A share of them gets a fault instead, by the seed, the path and how often it was
+    asked.
+    """
 
     def __init__(self, origin, share, seed=1, faults=FAULTS):
         self.asked, self.done, self.delivered = {}, {}, {}
@@ -274,9 +282,7 @@ class FaultProxy(Server):
                     time.sleep(0.05)
                 return
             handler.close_connection = True
-            try:
+            with contextlib.suppress(OSError):
                 handler.connection.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                pass
 
         return cut

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMPy, a simulator of others, loads our FMUs: their descriptions are valid, and their answers are those of the libraries.
+"""FMPy, a simulator of others, loads our FMUs: their descriptions are valid, and their answers are those of the
+libraries.
 
 Usage: simulate.py TOOL TRUTH NETWORK CAR FOLDER, with the Python of build/peers/fmi; tests/fmu/CMakeLists.txt runs it.
 """

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""The arrows between rooms hold in every #include, header-only ones too. Prints each break; exit code 1 when there is one.
+"""The arrows between rooms hold in every #include, header-only ones too. Prints each break; exit code 1 when there is
+one.
 
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given
 
-A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of its
-DEPS; this script reads them and asks five things:
+A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of
+its DEPS; this script reads them and asks five things:
 
 1. A file includes its own room and the rooms behind its arrows, nothing else; there is no circle of rooms.
 2. No stage reaches a stage or io, by an include or by DEPS.
@@ -52,8 +53,8 @@ OPENS = re.compile(
 OPENING_HEADERS = re.compile(
     r"fstream|cstdio|stdio\.h|fcntl\.h|sys/(?:stat|file)\.h|dirent\.h|gdal.*|ogr.*|cpl_.*|ogrsf_frmts\.h"
 )
-INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.M)
-NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.S)
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
+NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 
 
 def group_of(header):
@@ -77,7 +78,7 @@ def read_arrows(root):
         for name, words in re.findall(r"orthodrive_library\((\w+)([^)]*)\)", text):
             deps, inside = set(), False
             for word in words.split():
-                inside = word == "DEPS" or inside and word != "LIBS"
+                inside = word == "DEPS" or (inside and word != "LIBS")
                 if inside and word != "DEPS":
                     deps.add(word)
             arrows[name] = deps
@@ -110,7 +111,7 @@ def circles_of(includes):
         path.append(file)
         for other in sorted(includes[file]):
             if other in place:
-                circles.append(path[place[other] :] + [other])
+                circles.append([*path[place[other] :], other])
             elif other not in done:
                 visit(other)
         done.add(file)

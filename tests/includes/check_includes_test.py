@@ -13,18 +13,27 @@ GOOD = {
     "src/orthodrive/core/CMakeLists.txt": "orthodrive_library(core LIBS fmt::fmt)\n",
     "src/orthodrive/core/error.hpp": "#include <string>\n",
     "src/orthodrive/core/hash.cpp": '#include <fstream>\nvoid f() { std::ifstream in("a"); }\n',
-    "src/orthodrive/model/CMakeLists.txt": "orthodrive_library(model DEPS core LIBS fmt::fmt)\n# words\ntarget_link_libraries(orthodrive_model PUBLIC roadquery)\n",
+    "src/orthodrive/model/CMakeLists.txt": (
+        "orthodrive_library(model DEPS core LIBS fmt::fmt)\n# words\n"
+        "target_link_libraries(orthodrive_model PUBLIC roadquery)\n"
+    ),
     "src/orthodrive/model/photo.hpp": '#include "orthodrive/core/error.hpp"\n#include "roadquery/road_map.hpp"\n',
     "src/orthodrive/io/CMakeLists.txt": "orthodrive_library(io DEPS model LIBS GDAL::GDAL)\n",
     "src/orthodrive/io/read_photo.hpp": '#include "orthodrive/model/photo.hpp"\n',
     "src/orthodrive/io/gdal_support.hpp": "#include <gdal_priv.h>\n",
     "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model)\n",
     "src/orthodrive/refine/refine_roads.hpp": '#include "orthodrive/model/photo.hpp"\n',
-    "src/orthodrive/refine/refine_roads.cpp": '#include "orthodrive/refine/refine_roads.hpp"\n#include <ceres/ceres.h>\n// an ifstream in a comment, "fopen" in a string\nauto s = "fopen";\n',
+    "src/orthodrive/refine/refine_roads.cpp": (
+        '#include "orthodrive/refine/refine_roads.hpp"\n#include <ceres/ceres.h>'
+        '\n// an ifstream in a comment, "fopen" in a string\nauto s = '
+        '"fopen";\n'
+    ),
     "src/orthodrive/network/CMakeLists.txt": "orthodrive_library(network DEPS model)\n",
     "src/orthodrive/network/build_network.hpp": '#include "orthodrive/core/error.hpp"\n',
     "src/orthodrive/pipeline/CMakeLists.txt": "orthodrive_library(pipeline DEPS io refine network)\n",
-    "src/orthodrive/pipeline/run_refine.cpp": '#include "orthodrive/io/read_photo.hpp"\n#include "orthodrive/refine/refine_roads.hpp"\n#include <fstream>\n',
+    "src/orthodrive/pipeline/run_refine.cpp": (
+        '#include "orthodrive/io/read_photo.hpp"\n#include "orthodrive/refine/refine_roads.hpp"\n#include <fstream>\n'
+    ),
     "src/orthodrive/pipeline/run_refine.hpp": "\n",
     "app/main.cpp": '#include "orthodrive/pipeline/run_refine.hpp"\n',
 }
@@ -33,7 +42,7 @@ GOOD = {
 class Includes(unittest.TestCase):
     def findings(self, **changes):
         with tempfile.TemporaryDirectory() as folder:
-            for name, text in {**GOOD, **{k: v for k, v in changes.get("files", {}).items()}}.items():
+            for name, text in {**GOOD, **changes.get("files", {})}.items():
                 file = pathlib.Path(folder, name)
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_text(text)

@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Manual pages and completions that the tool writes of its command table, against what its --help says, read by groff, bash, zsh and fish.
+"""Manual pages and completions that the tool writes of its command table, against what its --help says, read by groff,
+bash, zsh and fish.
 
-Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and the rest is right.
+Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and
+the rest is right.
 """
 
 import functools
@@ -27,7 +29,7 @@ def check(right, fault):
 
 
 def run(*command, **kwargs):
-    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=300, **kwargs)
+    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=300, check=False, **kwargs)
 
 
 @functools.cache
@@ -37,11 +39,11 @@ def help_of(*words):
 
 def commands_of(help_text):
     section = help_text.partition("Subcommands:\n")[2].partition("\n\n")[0]
-    return re.findall(r"^  (\w[\w-]*)", section, re.M)
+    return re.findall(r"^  (\w[\w-]*)", section, re.MULTILINE)
 
 
 def options_of(help_text):
-    return [name for line in re.findall(r"^  (-\S+)", help_text, re.M) for name in line.split(",")]
+    return [name for line in re.findall(r"^  (-\S+)", help_text, re.MULTILINE) for name in line.split(",")]
 
 
 def check_pages(folder):
@@ -59,7 +61,7 @@ def check_pages(folder):
     for page in sorted(folder.glob("*.1")):
         made = run("groff", "-ww", "-man", "-Tutf8", "-P-cbou", "-rLL=150n", page)
         check(made.returncode == 0 and not made.stderr, f"{page.name}: groff says {made.stderr}")
-        text = made.stdout.replace("‐", "-").replace("−", "-")
+        text = made.stdout.replace("\N{HYPHEN}", "-").replace("\N{MINUS SIGN}", "-")
         check("NAME" in text and "SYNOPSIS" in text and "EXIT STATUS" in text, f"{page.name} lacks a section")
         command = page.stem.removeprefix("orthodrive").strip("-")
         kinds = commands_of(help_of(command)) if command else []
@@ -67,7 +69,7 @@ def check_pages(folder):
             for option in options_of(help_of(*words)):
                 check(re.search(rf"(?<!\S){option}(?![\w-])", text), f"{page.name} does not name {option} of {words}")
         if command:
-            example = re.search(r"^  (orthodrive .*)$", help_of(command), re.M)[1]
+            example = re.search(r"^  (orthodrive .*)$", help_of(command), re.MULTILINE)[1]
             check(" ".join(example.split()) in " ".join(text.split()), f"{page.name} lacks the example {example}")
 
 

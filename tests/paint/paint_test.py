@@ -22,7 +22,8 @@ sys.dont_write_bytecode = True
 from painting import pieces, quilt, sheet, snap  # noqa: E402
 
 GSD = 0.5
-# A roof from 20.0 to 60.0 m in x and 30.0 to 50.0 m in y, green to the left of x = 80 m and grey to the right, in the piece whose corner is at 10, 20 m.
+# A roof from 20.0 to 60.0 m in x and 30.0 to 50.0 m in y, green to the left of x = 80 m and grey to the right, in the
+# piece whose corner is at 10, 20 m.
 SHEET = """piece a photo 10 20
 grow grass 10,10 10,90 70,50 40,70 | ground 95,10 90,90 92,50
 building 20.6,30.6 60.7,30.6 60.7,49.5 20.6,49.5
@@ -47,7 +48,7 @@ class Paint(unittest.TestCase):
 
     def paint(self, *words, code=0):
         run = subprocess.run(
-            [sys.executable, SOURCE / "tools/paint", *words], capture_output=True, text=True, cwd=self.root
+            [sys.executable, SOURCE / "tools/paint", *words], capture_output=True, text=True, cwd=self.root, check=False
         )
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         return run.stdout + run.stderr
@@ -81,7 +82,7 @@ class Paint(unittest.TestCase):
     def test_a_drawn_roof_moves_to_its_edges(self):
         label, ring = self.painted()["a"].coats[-1]
         self.assertEqual(label, "building")
-        for (x, y), truth in zip(ring, [(30, 50), (70, 50), (70, 70), (30, 70)]):
+        for (x, y), truth in zip(ring, [(30, 50), (70, 50), (70, 70), (30, 70)], strict=True):
             self.assertLess(numpy.hypot(x * GSD - truth[0], y * GSD - truth[1]), 0.3)
 
     def test_a_tilde_leaves_a_shape_where_it_was_drawn(self):

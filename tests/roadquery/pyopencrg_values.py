@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Heights and slopes of one OpenCRG file under every option and modifier that changes them, by a real peer: PyOpenCRG 0.2.2.
+"""Heights and slopes of one OpenCRG file under every option and modifier that changes them, by a real peer: PyOpenCRG
+0.2.2.
 
-    pip install numpy PyOpenCRG==0.2.2
-    tests/roadquery/pyopencrg_values.py ../shared/data/opencrg/handmade_curved_banked_sloped.crg > tests/roadquery/pyopencrg_values.txt
+    pip install numpy PyOpenCRG==0.2.2 tests/roadquery/pyopencrg_values.py
+    ../shared/data/opencrg/handmade_curved_banked_sloped.crg > tests/roadquery/pyopencrg_values.txt
 
 Missing values are filled as OpenCRG's default modifier says where a file sets none.
 """
@@ -28,18 +29,24 @@ CASES = [
     ("smooth", "$ROAD_CRG_OPTS\nBORDER_SMOOTH_UBEG = 5.0\nBORDER_SMOOTH_UEND = 4.0\n"),
     (
         "scales",
-        "$ROAD_CRG_MODS\nSCALE_Z_GRID = 2.0\nSCALE_SLOPE = 0.5\nSCALE_BANKING = 3.0\nSCALE_LENGTH = 1.5\n"
-        "SCALE_WIDTH = 2.0\nSCALE_CURVATURE = 0.5\nGRID_NAN_MODE = 2\n",
+        (
+            "$ROAD_CRG_MODS\nSCALE_Z_GRID = 2.0\nSCALE_SLOPE = 0.5\nSCALE_BANKING = 3.0\nSCALE_LENGTH = 1.5\n"
+            "SCALE_WIDTH = 2.0\nSCALE_CURVATURE = 0.5\nGRID_NAN_MODE = 2\n"
+        ),
     ),
     (
         "reference_point",
-        "$ROAD_CRG_MODS\nGRID_NAN_MODE = 2\nREFPOINT_U_FRACTION = 0.4\nREFPOINT_V = 0.5\n"
-        "REFPOINT_V_OFFSET = 0.25\nREFPOINT_X = 100.0\nREFPOINT_Y = 200.0\nREFPOINT_Z = 10.0\nREFPOINT_PHI = 1.0\n",
+        (
+            "$ROAD_CRG_MODS\nGRID_NAN_MODE = 2\nREFPOINT_U_FRACTION = 0.4\nREFPOINT_V = 0.5\n"
+            "REFPOINT_V_OFFSET = 0.25\nREFPOINT_X = 100.0\nREFPOINT_Y = 200.0\nREFPOINT_Z = 10.0\nREFPOINT_PHI = 1.0\n"
+        ),
     ),
     (
         "offsets",
-        "$ROAD_CRG_MODS\nGRID_NAN_MODE = 2\nREFLINE_ROTCENTER_X = 3.0\nREFLINE_ROTCENTER_Y = -2.0\n"
-        "REFLINE_OFFSET_PHI = 0.75\nREFLINE_OFFSET_X = 50.0\nREFLINE_OFFSET_Y = -20.0\nREFLINE_OFFSET_Z = 1.5\n",
+        (
+            "$ROAD_CRG_MODS\nGRID_NAN_MODE = 2\nREFLINE_ROTCENTER_X = 3.0\nREFLINE_ROTCENTER_Y = -2.0\n"
+            "REFLINE_OFFSET_PHI = 0.75\nREFLINE_OFFSET_X = 50.0\nREFLINE_OFFSET_Y = -20.0\nREFLINE_OFFSET_Z = 1.5\n"
+        ),
     ),
     ("missing_to_value", "$ROAD_CRG_MODS\nGRID_NAN_MODE = 1\nGRID_NAN_OFFSET = 0.125\n"),
     ("missing_keeps_last_with_offset", "$ROAD_CRG_MODS\nGRID_NAN_MODE = 2\nGRID_NAN_OFFSET = 0.125\n"),
@@ -64,7 +71,8 @@ PLACES = [(2.6, 0.3), (9.2, -1.1), (15.3, 1.2), (-2.0, 0.5), (24.5, -0.75)]
 def main(source):
     original = pathlib.Path(source).read_bytes().decode("latin1")
     print(
-        f"# Heights and slopes of {pathlib.Path(source).name} as PyOpenCRG 0.2.2 has them; written by pyopencrg_values.py."
+        f"# Heights and slopes of {pathlib.Path(source).name} as PyOpenCRG 0.2.2 has them; written by "
+        "pyopencrg_values.py."
     )
     print("# case NAME, the lines to put before $KD_Definition, then")
     print("# uv  u v z dz/du dz/dv")
