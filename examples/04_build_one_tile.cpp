@@ -76,8 +76,8 @@ int main() {
   std::printf("tile %d, %d with a texture of %d x %d px\n", tile.column, tile.row, tile.texture_rgb.width,
               tile.texture_rgb.height);
   for (const TriMesh& mesh : tile.meshes)
-    std::printf("%-10s %6zu vertices, %6zu triangles\n", to_string(mesh.kind).data(), mesh.positions.size(),
-                mesh.indices.size() / 3);
+    std::printf("%-10s %6zu vertices, %6zu triangles\n", std::string(to_string(mesh.kind)).c_str(),
+                mesh.positions.size(), mesh.indices.size() / 3);
   const auto road =
       std::find_if(tile.meshes.begin(), tile.meshes.end(), [](const TriMesh& m) { return m.kind == MeshKind::road; });
   if (road == tile.meshes.end()) return 1;

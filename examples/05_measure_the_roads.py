@@ -7,6 +7,7 @@ Usage: 05_measure_the_roads.py FOLDER     (the folder that was given to `orthodr
 Read docs/build.md first: it lists the files. Three of them say the same in three ways, and this program compares them:
 roads.gpkg has the centre lines, roads.xodr the roads of simulators, labels.tif the pixels that the roads were seen in.
 """
+
 import json
 import pathlib
 import sys
@@ -22,8 +23,8 @@ ogr.UseExceptions()
 def lengths_by_class(roads_gpkg):
     """Length in m and mean width in m, weighted by length, by the value of OSM's highway."""
     lengths, widths = {}, {}
-    layer = (source := ogr.Open(str(roads_gpkg))).GetLayerByName("centrelines")
-    for road in layer:
+    source = ogr.Open(str(roads_gpkg))  # the layer lives no longer than its file
+    for road in source.GetLayerByName("centrelines"):
         length = road.geometry().Length()
         lengths[road["highway"]] = lengths.get(road["highway"], 0.0) + length
         widths[road["highway"]] = widths.get(road["highway"], 0.0) + length * road["width_m"]

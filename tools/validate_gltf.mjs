@@ -12,8 +12,12 @@ const validator = createRequire(join(packages, 'gltf-validator', 'index.js'))('g
 
 const files = process.argv.slice(2).flatMap((path) =>
   statSync(path).isDirectory()
-    ? readdirSync(path).filter((name) => name.endsWith('.glb')).sort().map((name) => join(path, name))
-    : [path]);
+    ? readdirSync(path)
+        .filter((name) => name.endsWith('.glb'))
+        .sort()
+        .map((name) => join(path, name))
+    : [path],
+);
 if (files.length === 0) {
   console.error('no .glb file given');
   process.exit(2);

@@ -84,7 +84,7 @@ class Stopwatch {
 
 int main(int argc, char** argv) {
   std::vector<double> cases;
-  for (int i = 1; i < argc; ++i) cases.push_back(std::atof(argv[i]));
+  for (int i = 1; i < argc; ++i) cases.push_back(std::stod(argv[i]));
   if (cases.empty()) cases = {10.0, 100.0, 1000.0};
   for (const double km : cases) {
     // 2 n streets of (n - 1) blocks

@@ -63,8 +63,10 @@ Area tile_village(double megapixels) {
   }
   const double edge_m = labels.width * site.labels.frame.gsd_m;
   for (int tile = 0; tile < per_side * per_side; ++tile)
-    for (const RoadPath& way : site.roads.paths)
-      area.osm.paths.push_back(moved_way(way, {tile % per_side * edge_m, -(tile / per_side) * edge_m}, tile));
+    for (const RoadPath& way : site.roads.paths) {
+      const int row = tile / per_side, col = tile % per_side;
+      area.osm.paths.push_back(moved_way(way, {col * edge_m, -row * edge_m}, tile));
+    }
   return area;
 }
 
@@ -88,9 +90,9 @@ double peak_gb() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const double megapixels = argc > 1 ? std::atof(argv[1]) : 400.0;
+  const double megapixels = argc > 1 ? std::stod(argv[1]) : 400.0;
   std::vector<double> cases;
-  for (int i = 2; i < argc; ++i) cases.push_back(std::atof(argv[i]));
+  for (int i = 2; i < argc; ++i) cases.push_back(std::stod(argv[i]));
   if (cases.empty()) cases = {4429, 8857, 17714, 35428, 70856};
   const Area area = tile_village(megapixels);
   const RefineRoadsOptions options;

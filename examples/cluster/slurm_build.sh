@@ -12,7 +12,7 @@ tool=${ORTHODRIVE:-orthodrive} threads=${ORTHODRIVE_THREADS:-1}
 site=$(realpath "$1") out=$(realpath -m "$2") jobs=${3:-10}
 shift $(($# < 3 ? $# : 3))
 logs=$out/.orthodrive/slurm
-mkdir -p "$logs"  # Slurm starts no job whose output it cannot open
+mkdir -p "$logs" # Slurm starts no job whose output it cannot open
 
 # Until the queue has the job no more. Asks every second at first, then less often: "sbatch --wait" would see the end
 # of a short job half a minute late.

@@ -94,7 +94,7 @@ std::vector<Variable> road_variables() {
 std::optional<std::filesystem::path> file_of(const std::string& parameter, const std::filesystem::path& resources,
                                              const char* file) {
   if (!parameter.empty()) return parameter;
-  const std::filesystem::path packed = resources / file;
+  std::filesystem::path packed = resources / file;
   if (std::filesystem::is_regular_file(packed)) return packed;
   return std::nullopt;
 }

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """tools/average on small model files made in place."""
+
 import json
 import pathlib
 import struct
@@ -30,10 +31,14 @@ def model(values, network="small"):
 def values_of(file):
     data = file.read_bytes()
     size = struct.unpack_from("<Q", data)[0]
-    header = json.loads(data[8:8 + size])
+    header = json.loads(data[8 : 8 + size])
     return header.pop("__metadata__"), {
-        name: (e["dtype"], numpy.frombuffer(data[8 + size:][e["data_offsets"][0]:e["data_offsets"][1]], TYPES[e["dtype"]]).tolist())
-        for name, e in header.items()}
+        name: (
+            e["dtype"],
+            numpy.frombuffer(data[8 + size :][e["data_offsets"][0] : e["data_offsets"][1]], TYPES[e["dtype"]]).tolist(),
+        )
+        for name, e in header.items()
+    }
 
 
 class Average(unittest.TestCase):
@@ -48,7 +53,9 @@ class Average(unittest.TestCase):
         (self.path / "broken").write_bytes(b"no model")
 
     def average(self, *models):
-        return subprocess.run([ROOT / "tools/average", *models, "-o", "out"], cwd=self.path, capture_output=True, text=True)
+        return subprocess.run(
+            [ROOT / "tools/average", *models, "-o", "out"], cwd=self.path, capture_output=True, text=True, check=False
+        )
 
     def test_weighted_mean_keeps_types_metadata_and_what_only_the_first_has(self):
         self.assertEqual(self.average("a=1", "b=3").returncode, 0)
@@ -61,8 +68,12 @@ class Average(unittest.TestCase):
         self.assertEqual(values_of(self.path / "out"), values_of(self.path / "a"))
 
     def test_bad_input_ends_with_one_line(self):
-        for models, says in [(["a=1", "other=1"], "other: is of another network"), (["a=1", "long=1"], "'k' is missing or of another shape"),
-                             (["a=1", "broken=1"], "broken: is no safetensors"), (["b=1", "a=1"], "'crf/w' is missing")]:
+        for models, says in [
+            (["a=1", "other=1"], "other: is of another network"),
+            (["a=1", "long=1"], "'k' is missing or of another shape"),
+            (["a=1", "broken=1"], "broken: is no safetensors"),
+            (["b=1", "a=1"], "'crf/w' is missing"),
+        ]:
             result = self.average(*models)
             self.assertEqual((result.returncode, len(result.stderr.splitlines())), (1, 1), result.stderr)
             self.assertIn(says, result.stderr)

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares CARLA's view of an OpenDRIVE file with ours: carla_map.py FILE.xodr ASK.json. ASK holds `points` [road, lane, s, x,
-y, z of the surface, z of the reference line] in coordinates of the CRS, `lanes` [road, lane, s of its end] and `links` [road, lane, next
-road, next lane]. CARLA's map (no server) is asked for the waypoint at each point and for what follows each lane."""
+"""Compares CARLA's view of an OpenDRIVE file with ours: carla_map.py FILE.xodr ASK.json. ASK holds `points` [road,
+lane, s, x, y, z of the surface, z of the reference line] in coordinates of the CRS, `lanes` [road, lane, s of its end]
+and `links` [road, lane, next road, next lane]. CARLA's map (no server) is asked for the waypoint at each point and for
+what follows each lane.
+"""
+
 import json
 import math
+import pathlib
 import re
 import sys
 
@@ -46,11 +50,18 @@ def compare_links(lanes, links, road_map):
 
 
 def main(xodr, ask):
-    text = open(xodr, encoding="utf-8").read()
+    text = pathlib.Path(xodr).read_text(encoding="utf-8")
     with open(ask, encoding="utf-8") as file:
         asked = json.load(file)
     road_map = carla.Map("roads", text)
-    print(json.dumps({**compare_points(asked["points"], road_map, offset_of(text)), **compare_links(asked["lanes"], asked["links"], road_map)}))
+    print(
+        json.dumps(
+            {
+                **compare_points(asked["points"], road_map, offset_of(text)),
+                **compare_links(asked["lanes"], asked["links"], road_map),
+            }
+        )
+    )
 
 
 main(*sys.argv[1:])

@@ -4,6 +4,7 @@
 
 Usage: qgis_styles.py BUILT_FOLDER. Exit code 77: QGIS is not here (tools/setup --peers installs it).
 """
+
 import json
 import os
 import pathlib
@@ -52,22 +53,31 @@ def raster(folder):
     classes = {int(c.value): (c.label, c.color.name()) for c in labels.renderer().classes()}
     dataset = gdal.Open(str(folder / "labels.tif"))  # the band lives as long as it does
     table = json.loads(dataset.GetMetadataItem("ORTHODRIVE_CLASSES"))["classes"]
-    expected = {value: (entry["name"], "#%02x%02x%02x" % tuple(entry["color"])) for value, entry in enumerate(table)}
+    expected = {
+        value: (entry["name"], "#{:02x}{:02x}{:02x}".format(*entry["color"])) for value, entry in enumerate(table)
+    }
     check(classes == expected, f"labels.tif: {len(classes)} classes, the first {classes.get(0)}, not {expected[0]}")
     palette = dataset.GetRasterBand(1).GetColorTable()
     for value, (name, color) in classes.items():
-        check("#%02x%02x%02x" % palette.GetColorEntry(value)[:3] == color, f"labels.tif: {name} is {color} in the style only")
+        check(
+            "#{:02x}{:02x}{:02x}".format(*palette.GetColorEntry(value)[:3]) == color,
+            f"labels.tif: {name} is {color} in the style only",
+        )
     print(f"labels.tif: {len(classes)} classes")
 
 
 def findings(folder):
     """The style of this build on one finding of each kind: a good site has none, and QGIS shows no empty layer."""
-    with tempfile.TemporaryDirectory() as scratch:
+    with tempfile.TemporaryDirectory() as folder_name:
         features = [
-            {"type": "Feature", "properties": {"severity": severity}, "geometry": {"type": "Point", "coordinates": [15.0 + i, 50.0]}}
+            {
+                "type": "Feature",
+                "properties": {"severity": severity},
+                "geometry": {"type": "Point", "coordinates": [15.0 + i, 50.0]},
+            }
             for i, severity in enumerate(("info", "warning", "error"))
         ]
-        scratch = pathlib.Path(scratch)
+        scratch = pathlib.Path(folder_name)
         (scratch / "findings.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
         shutil.copy(folder / "findings.qml", scratch)
         vector(scratch, "findings.geojson", "severity", {"info", "warning", "error"})

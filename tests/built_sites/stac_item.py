@@ -5,6 +5,7 @@
 Usage: stac_item.py BUILT_FOLDER. The rules are those of the item specification (github.com/radiantearth/stac-spec,
 item-spec/item-spec.md) and of the projection extension 1.1.0, written down here: there is no network in tests.
 """
+
 import json
 import pathlib
 import re
@@ -35,7 +36,13 @@ def check_item(item):
         check(all(RFC3339.fullmatch(properties[k]) for k in ("start_datetime", "end_datetime")), "no time at all")
     else:
         check(RFC3339.fullmatch(properties["datetime"]), f"datetime {properties['datetime']}")
-    check(all(p["name"] and set(p["roles"]) <= {"licensor", "producer", "processor", "host"} for p in properties["providers"]), "providers")
+    check(
+        all(
+            p["name"] and set(p["roles"]) <= {"licensor", "producer", "processor", "host"}
+            for p in properties["providers"]
+        ),
+        "providers",
+    )
     for key, asset in item["assets"].items():
         check(asset.keys() == {"href", "title", "type", "roles"}, f"asset {key}: {sorted(asset)}")
         check(MEDIA.fullmatch(asset["type"]), f"asset {key}: type {asset['type']}")
@@ -49,16 +56,21 @@ def check_truth(item, folder):
     geometry = ogr.CreateGeometryFromJson(json.dumps(item["geometry"]))
     check(geometry.IsValid() and geometry.GetGeometryName() == "POLYGON", "geometry")
     west, east, south, north = geometry.GetEnvelope()
-    check(max(abs(a - b) for a, b in zip(item["bbox"], (west, south, east, north))) < 1e-6, "bbox is not that of the geometry")
+    check(
+        max(abs(a - b) for a, b in zip(item["bbox"], (west, south, east, north), strict=True)) < 1e-6,
+        "bbox is not that of the geometry",
+    )
     ring = item["geometry"]["coordinates"][0]
     check(ring[0] == ring[-1], "ring is not closed")
     # The labels lie where the item says, in the CRS that it says.
     labels = gdal.Open(str(folder / "labels.tif"))
     reference = osr.SpatialReference(wkt=labels.GetProjection())
-    check(reference.GetAuthorityCode(None) == str(item["properties"]["proj:epsg"]), "proj:epsg is not that of the labels")
+    check(
+        reference.GetAuthorityCode(None) == str(item["properties"]["proj:epsg"]), "proj:epsg is not that of the labels"
+    )
     x, step, _, y, _, down = labels.GetGeoTransform()
     box = (x, y + down * labels.RasterYSize, x + step * labels.RasterXSize, y)
-    off = max(abs(a - b) for a, b in zip(box, item["properties"]["proj:bbox"]))
+    off = max(abs(a - b) for a, b in zip(box, item["properties"]["proj:bbox"], strict=True))
     check(off < 2.0, f"proj:bbox is {off} m off the labels")
 
 
@@ -69,6 +81,7 @@ if not (folder / "run.json").exists():
 item = json.loads((folder / "item.json").read_text())
 check_item(item)
 check_truth(item, folder)
+
 
 def expect_refused(item, break_it):
     """The check itself finds what is wrong."""

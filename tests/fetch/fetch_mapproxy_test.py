@@ -1,7 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, a grid in UTM; and a whole build of it. Where MapProxy or the
-photo is missing: says so and ends with 77. Usage: fetch_mapproxy_test.py TOOL SOURCE_TREE"""
+"""`orthodrive fetch` of Kvarnbyn's photo from MapProxy: WMTS by REST and by query, TMS, WMS, a grid in UTM; and a whole
+build of it. Where MapProxy or the photo is missing: says so and ends with 77. Usage: fetch_mapproxy_test.py TOOL
+SOURCE_TREE
+"""
+
 import json
 import math
 import os
@@ -16,7 +19,6 @@ import unittest
 import wsgiref.simple_server
 
 import numpy
-
 import servers
 
 TOOL, DATA = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]) / "../shared/data/kvarnbyn"
@@ -78,11 +80,13 @@ def grey(pixels):
 
 def shift_px(shown, truth):
     """Columns and rows by which `shown` lies off, by least squares on the slopes of both (Lucas and Kanade 1981)."""
+
     def blurred(a):
         for axis in (0, 1):
             for _ in range(4):
                 a = (numpy.roll(a, 1, axis) + 2 * a + numpy.roll(a, -1, axis)) / 4
         return a
+
     a, b = blurred(grey(shown)), blurred(grey(truth))
     rows, columns = numpy.gradient((a + b) / 2)
     inner = (slice(8, -8), slice(8, -8))
@@ -100,9 +104,22 @@ class MapProxy(unittest.TestCase):
         size = 2 * servers.HALF / 2**ZOOM
         x0, x1 = math.floor((west + servers.HALF) / size) - 2, math.floor((east + servers.HALF) / size) + 3
         y0, y1 = math.floor((servers.HALF - north) / size) - 2, math.floor((servers.HALF - south) / size) + 3
-        cls.box = (x0 * size - servers.HALF, servers.HALF - y1 * size, x1 * size - servers.HALF, servers.HALF - y0 * size)
-        warped = gdal.Warp("", str(PHOTO), format="MEM", dstSRS="EPSG:3857", outputBounds=cls.box, width=(x1 - x0) * 256, height=(y1 - y0) * 256,
-                           resampleAlg="cubic")
+        cls.box = (
+            x0 * size - servers.HALF,
+            servers.HALF - y1 * size,
+            x1 * size - servers.HALF,
+            servers.HALF - y0 * size,
+        )
+        warped = gdal.Warp(
+            "",
+            str(PHOTO),
+            format="MEM",
+            dstSRS="EPSG:3857",
+            outputBounds=cls.box,
+            width=(x1 - x0) * 256,
+            height=(y1 - y0) * 256,
+            resampleAlg="cubic",
+        )
         cls.truth = warped.ReadAsArray().transpose(1, 2, 0)
         with sqlite3.connect(cls.root / "origin.mbtiles") as db:
             db.execute("CREATE TABLE metadata (name TEXT, value TEXT)")
@@ -110,8 +127,10 @@ class MapProxy(unittest.TestCase):
             db.execute("CREATE UNIQUE INDEX i ON tiles (zoom_level, tile_column, tile_row)")
             for x in range(x0, x1):
                 for y in range(y0, y1):
-                    tile = cls.truth[(y - y0) * 256:(y - y0 + 1) * 256, (x - x0) * 256:(x - x0 + 1) * 256]
-                    db.execute("INSERT INTO tiles VALUES (?, ?, ?, ?)", (ZOOM, x, 2**ZOOM - 1 - y, servers.encoded(tile)))
+                    tile = cls.truth[(y - y0) * 256 : (y - y0 + 1) * 256, (x - x0) * 256 : (x - x0 + 1) * 256]
+                    db.execute(
+                        "INSERT INTO tiles VALUES (?, ?, ?, ?)", (ZOOM, x, 2**ZOOM - 1 - y, servers.encoded(tile))
+                    )
         (cls.root / "mapproxy.yaml").write_text(CONFIG.replace("FOLDER", str(cls.root)))
         app = mapproxy.wsgiapp.make_wsgi_app(str(cls.root / "mapproxy.yaml"))
         cls.server = wsgiref.simple_server.make_server("127.0.0.1", 0, app, Threads, Quiet)
@@ -126,16 +145,41 @@ class MapProxy(unittest.TestCase):
 
     def fetch(self, to, code=0, **table):
         site = self.root / "site.toml"
-        text = f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = "{to}"\nosm = ["a.osm"]\ndtm = ["a.tif"]\n[[fetch]]\n'
-        site.write_text(text + "".join(f"{k} = {json.dumps(v)}\n" for k, v in {"to": to, "resolution_m": 0.7, **table}.items()))
-        run = subprocess.run([TOOL, "fetch", site, "--pause", "0.05"], capture_output=True, text=True, timeout=120, env=os.environ)
+        text = (
+            f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = "{to}"\nosm = ["a.osm"]\n'
+            'dtm = ["a.tif"]\n[[fetch]]\n'
+        )
+        site.write_text(
+            text + "".join(f"{k} = {json.dumps(v)}\n" for k, v in {"to": to, "resolution_m": 0.7, **table}.items())
+        )
+        run = subprocess.run(
+            [TOOL, "fetch", site, "--pause", "0.05"],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env=os.environ,
+            check=False,
+        )
         self.assertEqual(run.returncode, code, run.stderr)
         return run.stderr
 
     def check_place(self, name, largest_difference):
         """Inside the area the fetched photo is the served one, at the right place."""
-        shown = gdal.Warp("", str(self.root / name), format="MEM", dstSRS="EPSG:3857", outputBounds=self.box, width=self.truth.shape[1],
-                          height=self.truth.shape[0], resampleAlg="cubic", dstAlpha=True).ReadAsArray().transpose(1, 2, 0)
+        shown = (
+            gdal.Warp(
+                "",
+                str(self.root / name),
+                format="MEM",
+                dstSRS="EPSG:3857",
+                outputBounds=self.box,
+                width=self.truth.shape[1],
+                height=self.truth.shape[0],
+                resampleAlg="cubic",
+                dstAlpha=True,
+            )
+            .ReadAsArray()
+            .transpose(1, 2, 0)
+        )
         west, south = servers.mercator(*AREA[:2])
         east, north = servers.mercator(*AREA[2:])
         pixel = (self.box[2] - self.box[0]) / self.truth.shape[1]
@@ -194,22 +238,44 @@ class MapProxy(unittest.TestCase):
 
     def test_one_command_builds_a_site_from_tiles(self):
         """Its roads lie where those of the same site built from the photo itself lie."""
+
         def build(name, photo, more=""):
             folder = self.root / name
             folder.mkdir()
             osm, dtm = (json.dumps(str((DATA / f).resolve())) for f in ("roads.osm", "dtm_10m_utm33.tif"))
-            text = f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = {json.dumps(photo)}\nosm = [{osm}]\ndtm = [{dtm}]\n'
+            text = (
+                f'[area]\nbbox_wgs84 = {list(AREA)}\ncrs = "EPSG:32633"\n[sources]\nphoto = {json.dumps(photo)}\n'
+                f"osm = [{osm}]\ndtm = [{dtm}]\n"
+            )
             (folder / "site.toml").write_text(text + more)
-            run = subprocess.run([TOOL, "build", folder / "site.toml", "-o", folder / "out"], capture_output=True, text=True, timeout=280, env=os.environ)
+            run = subprocess.run(
+                [TOOL, "build", folder / "site.toml", "-o", folder / "out"],
+                capture_output=True,
+                text=True,
+                timeout=280,
+                env=os.environ,
+                check=False,
+            )
             self.assertEqual(run.returncode, 0, run.stderr)
             return folder / "out"
 
-        tiles = f'[[fetch]]\nto = "photo.mbtiles"\nkind = "xyz"\nresolution_m = 0.7\nurl = "{self.url}/tiles/1.0.0/ortho/quad/{{z}}/{{x}}/{{y}}.jpeg?origin=nw"\n' \
-                'attribution = "Orthophoto: Lantmäteriet"\nlicence = "CC BY 4.0"\n'
+        tiles = (
+            '[[fetch]]\nto = "photo.mbtiles"\nkind = "xyz"\nresolution_m = 0.7\nurl = '
+            f'"{self.url}/tiles/1.0.0/ortho/quad/{{z}}/{{x}}/{{y}}.jpeg?origin=nw"\n'
+            'attribution = "Orthophoto: Lantmäteriet"\nlicence = "CC BY 4.0"\n'
+        )
         fetched, local = build("fetched", "photo.mbtiles", tiles), build("local", str(PHOTO.resolve()))
-        run = subprocess.run([TOOL, "evaluate", "roads", fetched / "roads.gpkg", local / "roads.gpkg", "--json"], capture_output=True, text=True)
+        run = subprocess.run(
+            [TOOL, "evaluate", "roads", fetched / "roads.gpkg", local / "roads.gpkg", "--json"],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         scores = json.loads(run.stdout)
-        print(f"roads from tiles and from the photo: {scores['offset_m']['mean_abs']:.2f} m apart, widths {scores['width_m']['mean_abs']:.2f} m")
+        print(
+            f"roads from tiles and from the photo: {scores['offset_m']['mean_abs']:.2f} m apart, widths "
+            f"{scores['width_m']['mean_abs']:.2f} m"
+        )
         self.assertLess(scores["offset_m"]["mean_abs"], 0.3)
         self.assertLess(scores["width_m"]["mean_abs"], 0.5)
         self.assertGreater(scores["surface_iou"], 0.8)
@@ -218,7 +284,9 @@ class MapProxy(unittest.TestCase):
         self.assertIn("Orthophoto: Lantmäteriet", (fetched / "report.html").read_text())
 
     def test_a_layer_that_is_not_there(self):
-        said = self.fetch("none.mbtiles", code=1, kind="wmts", url=self.url + "/wmts/1.0.0/WMTSCapabilities.xml", layer="orto")
+        said = self.fetch(
+            "none.mbtiles", code=1, kind="wmts", url=self.url + "/wmts/1.0.0/WMTSCapabilities.xml", layer="orto"
+        )
         self.assertIn("no layer 'orto'; there are: ortho", said)
         self.assertFalse((self.root / "none.mbtiles").exists())
 

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""`orthodrive fetch` against servers on loopback, with and without faults. Usage: fetch_test.py TOOL [unittest's words]"""
+"""`orthodrive fetch` against servers on loopback, with and without faults. Usage: fetch_test.py TOOL [unittest's
+words]
+"""
+
 import json
 import os
 import pathlib
@@ -15,9 +18,8 @@ import unittest
 import urllib.parse
 
 import numpy
-from osgeo import gdal, osr
-
 import servers
+from osgeo import gdal, osr
 
 gdal.UseExceptions()
 osr.UseExceptions()
@@ -36,7 +38,10 @@ class Case(unittest.TestCase):
         return server
 
     def site(self, *tables, area=AREA, extra=""):
-        text = f'name = "Test"\n[area]\nbbox_wgs84 = {list(area)}\n{extra}\n[sources]\nphoto = "photo.mbtiles"\nosm = ["roads.osm"]\ndtm = ["dtm.tif"]\n'
+        text = (
+            f'name = "Test"\n[area]\nbbox_wgs84 = {list(area)}\n{extra}\n[sources]\nphoto = "photo.mbtiles"\nosm = '
+            '["roads.osm"]\ndtm = ["dtm.tif"]\n'
+        )
         for table in tables:
             text += "[[fetch]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
         (self.root / "site.toml").write_text(text)
@@ -44,8 +49,14 @@ class Case(unittest.TestCase):
 
     def fetch(self, *words, code=0, env=None, quick=True):
         pace = ["--pause", "0.02"] if quick else []
-        run = subprocess.run([TOOL, "fetch", self.root / "site.toml", *pace, *words], capture_output=True, text=True, timeout=300,
-                             env={**os.environ, "ORTHODRIVE_STORE": str(self.root / "store"), **(env or {})})
+        run = subprocess.run(
+            [TOOL, "fetch", self.root / "site.toml", *pace, *words],
+            capture_output=True,
+            text=True,
+            timeout=300,
+            env={**os.environ, "ORTHODRIVE_STORE": str(self.root / "store"), **(env or {})},
+            check=False,
+        )
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         self.assertEqual(run.stdout, "")
         return run.stderr
@@ -53,8 +64,14 @@ class Case(unittest.TestCase):
     def fails(self, *words, code=1, env=None):
         before = sorted(p.name for p in self.root.iterdir())
         said = self.fetch(*words, code=code, env=env)
-        self.assertEqual(len(re.findall("^orthodrive: ", said, re.M)), 1, said)
-        self.assertFalse([p for p in sorted(p.name for p in self.root.iterdir()) if p not in before and not p.endswith(("-wal", "-shm", ".fetching", "store"))])
+        self.assertEqual(len(re.findall("^orthodrive: ", said, re.MULTILINE)), 1, said)
+        self.assertFalse(
+            [
+                p
+                for p in sorted(p.name for p in self.root.iterdir())
+                if p not in before and not p.endswith(("-wal", "-shm", ".fetching", "store"))
+            ]
+        )
         return said.strip().split("\n")[-1]
 
     def record(self, name="photo.mbtiles"):
@@ -70,8 +87,15 @@ def wait_until(true, seconds=30):
 
 
 def xyz(server, **more):
-    return {"to": "photo.mbtiles", "kind": "xyz", "url": server.url + "/tiles/{z}/{x}/{y}.jpg", "resolution_m": 0.8, "licence": "CC0",
-            "attribution": "Nobody", **more}
+    return {
+        "to": "photo.mbtiles",
+        "kind": "xyz",
+        "url": server.url + "/tiles/{z}/{x}/{y}.jpg",
+        "resolution_m": 0.8,
+        "licence": "CC0",
+        "attribution": "Nobody",
+        **more,
+    }
 
 
 def tiles_of(file):
@@ -82,8 +106,11 @@ def tiles_of(file):
 def expected_tiles(area, zoom):
     (west, south), (east, north) = servers.mercator(*area[:2]), servers.mercator(*area[2:])
     size = 2 * servers.HALF / 2**zoom
-    return {(zoom, x, y) for x in range(int((west + servers.HALF) / size), int((east + servers.HALF) / size) + 1)
-            for y in range(int((servers.HALF - north) / size), int((servers.HALF - south) / size) + 1)}
+    return {
+        (zoom, x, y)
+        for x in range(int((west + servers.HALF) / size), int((east + servers.HALF) / size) + 1)
+        for y in range(int((servers.HALF - north) / size), int((servers.HALF - south) / size) + 1)
+    }
 
 
 class Xyz(Case):
@@ -106,7 +133,10 @@ class Xyz(Case):
         self.assertGreater(inside.mean(), 0.8)
         self.assertLess(numpy.abs(shown[:3].transpose(1, 2, 0).astype(int) - truth)[inside].mean(), 3.0)
         record = self.record()
-        self.assertEqual((record["zoom"], record["licence"], record["attribution"], record["tiles"]), ("17", "CC0", "Nobody", len(tiles)))
+        self.assertEqual(
+            (record["zoom"], record["licence"], record["attribution"], record["tiles"]),
+            ("17", "CC0", "Nobody", len(tiles)),
+        )
         self.assertAlmostEqual(record["resolution_m"], 0.767, delta=0.01)
         self.assertIn("tiles at zoom 17 (0.77 m)", said)
 
@@ -126,7 +156,15 @@ class Xyz(Case):
         self.assertEqual((self.root / "photo.mbtiles").read_bytes(), before)
 
     def test_tms_counts_rows_from_the_south_and_subdomains_take_turns(self):
-        origin = self.serve(servers.Server(lambda method, path, headers, body: (200, {}, servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8)))))
+        origin = self.serve(
+            servers.Server(
+                lambda method, path, headers, body: (
+                    200,
+                    {},
+                    servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8)),
+                )
+            )
+        )
         self.site(xyz(origin, kind="tms", url=origin.url + "/{s}/{z}/{x}/{y}.jpg", subdomains="abc"))
         self.fetch()
         found = {tuple(map(int, re.findall(r"\d+", p))) for p in origin.paths()}
@@ -189,13 +227,16 @@ class Faults(Case):
             self.assertEqual(db.execute("SELECT count(*) FROM tiles").fetchone()[0], len(tiles))
 
     def test_a_stalled_connection_is_given_up_and_asked_again(self):
-        origin, stalled = self.serve(servers.tile_origin()), []
+        self.serve(servers.tile_origin())
+        stalled = []
 
         def answer(method, path, headers, body):
             if len(stalled) < 3 and path not in stalled:
                 stalled.append(path)
                 return lambda handler: time.sleep(100)
-            return servers.conditional(servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers)
+            return servers.conditional(
+                servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers
+            )
 
         slow = self.serve(servers.Server(answer))
         self.site(xyz(slow))
@@ -205,14 +246,17 @@ class Faults(Case):
         self.assertEqual(self.record()["missing_tiles"], 0)
 
     def test_retry_after_is_obeyed_by_all_connections(self):
-        origin, times, until = self.serve(servers.tile_origin()), [], [0.0]
+        self.serve(servers.tile_origin())
+        times, until = [], [0.0]
 
         def answer(method, path, headers, body):
             times.append(time.time())
             if len(times) == 5:
                 until[0] = time.time() + 2
                 return 429, {"Retry-After": "2"}, b""
-            return servers.conditional(servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers)
+            return servers.conditional(
+                servers.encoded(servers.tile_pixels(*map(int, re.findall(r"\d+", path)))), "image/jpeg", headers
+            )
 
         strict = self.serve(servers.Server(answer))
         self.site(xyz(strict))
@@ -234,7 +278,8 @@ class Faults(Case):
             kills, asked = 0, 0
             while True:
                 run = subprocess.Popen([TOOL, "-q", "fetch", self.root / "site.toml", "--connections", "1"])
-                wait_until(lambda: run.poll() is not None or len(origin.log) >= asked + tiles_a_life)
+                most = asked + tiles_a_life
+                wait_until(lambda run=run, most=most: run.poll() is not None or len(origin.log) >= most)
                 if run.poll() is not None:
                     self.assertEqual(run.returncode, 0)
                     break
@@ -246,7 +291,9 @@ class Faults(Case):
             self.assertGreaterEqual(kills, 1)
             self.assertEqual((self.root / "photo.mbtiles").read_bytes(), whole)
             self.assertLess(len(origin.log), count * (1 + kills))
-            self.assertEqual(sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"])
+            self.assertEqual(
+                sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"]
+            )
 
     def test_killed_before_the_record_was_written_it_is_finished(self):
         origin = self.serve(servers.tile_origin())
@@ -257,7 +304,9 @@ class Faults(Case):
         (self.root / "photo.mbtiles.placing").write_text("")
         self.fetch()
         self.assertEqual(((self.root / "photo.mbtiles").read_bytes(), len(origin.log)), (whole, asked))
-        self.assertEqual(sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"])
+        self.assertEqual(
+            sorted(p.name for p in self.root.glob("*photo*")), ["photo.mbtiles", "photo.mbtiles.source.json"]
+        )
 
     def test_a_second_process_on_the_same_file_is_refused(self):
         origin = self.serve(servers.tile_origin(delay_s=0.05))
@@ -278,7 +327,11 @@ class Keys(Case):
             asked.append(path)
             if len(asked) % 3 == 0:
                 return 302, {"Location": path}, b""
-            return (200, {}, servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8))) if len(asked) < 40 or good[0] else (403, {}, key.encode())
+            return (
+                (200, {}, servers.encoded(numpy.full((256, 256, 3), 90, numpy.uint8)))
+                if len(asked) < 40 or good[0]
+                else (403, {}, key.encode())
+            )
 
         good = [True]
         origin = self.serve(servers.Server(answer))
@@ -331,9 +384,11 @@ class Rasters(Case):
         self.fetch()
         self.assertTrue(all("Range" in headers or headers["method"] == "HEAD" for _, _, headers in origin.log))
         part = gdal.Open(str(self.root / "dtm.tif"))
-        west, gsd, _, north, _, _ = part.GetGeoTransform()
+        west, _, _, north, _, _ = part.GetGeoTransform()
         column, row = round((west - 547000) / 2), round((5545000 - north) / 2)
-        numpy.testing.assert_array_equal(part.ReadAsArray(), whole[row:row + part.RasterYSize, column:column + part.RasterXSize])
+        numpy.testing.assert_array_equal(
+            part.ReadAsArray(), whole[row : row + part.RasterYSize, column : column + part.RasterXSize]
+        )
         self.assertLess((self.root / "dtm.tif").stat().st_size, len(big) / 4)
         self.assertEqual(self.record("dtm.tif")["vertical_datum"], "EVRF2007")
 
@@ -358,7 +413,12 @@ class Rasters(Case):
         left = make_cog(self.root / "l.tif", heights(500, 800), west=549800.0)
         right = make_cog(self.root / "r.tif", heights(500, 800) + 1000, west=550800.0)
         origin = self.serve(servers.file_origin({"/l.tif": left, "/r.tif": right}))
-        table = {"to": "dtm.tif", "kind": "raster", "urls": [origin.url + "/l.tif", origin.url + "/r.tif"], "vertical_unit": "us-ft"}
+        table = {
+            "to": "dtm.tif",
+            "kind": "raster",
+            "urls": [origin.url + "/l.tif", origin.url + "/r.tif"],
+            "vertical_unit": "us-ft",
+        }
         self.site(table)
         self.assertIn("vertical datum is not named", self.fetch())
         (self.root / "dtm.tif").unlink()
@@ -375,7 +435,10 @@ class Rasters(Case):
         random = numpy.random.default_rng(2).integers(0, 255, (4, 100, 100)).astype(numpy.uint8)
         picture = numpy.kron(random, numpy.ones((1, 20, 20), numpy.uint8))
         make_cog(self.root / "photo_4.tif", picture, gsd=0.5, west=549900.0, north=5543300.0, driver="GTiff")
-        self.site({"to": "photo.tif", "kind": "raster", "url": "photo_4.tif", "resolution_m": 1.0}, area=(15.7, 50.031, 15.705, 50.034))
+        self.site(
+            {"to": "photo.tif", "kind": "raster", "url": "photo_4.tif", "resolution_m": 1.0},
+            area=(15.7, 50.031, 15.705, 50.034),
+        )
         self.fetch()
         photo = gdal.Open(str(self.root / "photo.tif"))
         self.assertEqual(photo.RasterCount, 3)
@@ -383,10 +446,19 @@ class Rasters(Case):
 
     def test_what_cannot_be_used(self):
         far = make_cog(self.root / "far.tif", heights(100, 100), west=700000.0)
-        vrt = b'<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Byte" band="1"><SimpleSource><SourceFilename>/etc/passwd</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>'
-        origin = self.serve(servers.file_origin({"/far.tif": far, "/list.vrt": vrt, "/page.tif": b"<html>no</html>" * 100}))
-        for name, said in (("far.tif", "shows nothing of the area: it covers longitude"), ("none.tif", "cannot be read as a raster"),
-                           ("list.vrt", "cannot be read as a raster"), ("page.tif", "cannot be read as a raster")):
+        vrt = (
+            b'<VRTDataset rasterXSize="9" rasterYSize="9"><VRTRasterBand dataType="Byte" band="1"><SimpleSource>'
+            b"<SourceFilename>/etc/passwd</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>"
+        )
+        origin = self.serve(
+            servers.file_origin({"/far.tif": far, "/list.vrt": vrt, "/page.tif": b"<html>no</html>" * 100})
+        )
+        for name, said in (
+            ("far.tif", "shows nothing of the area: it covers longitude"),
+            ("none.tif", "cannot be read as a raster"),
+            ("list.vrt", "cannot be read as a raster"),
+            ("page.tif", "cannot be read as a raster"),
+        ):
             self.site(self.table(origin, url=f"{origin.url}/{name}"))
             self.assertIn(said, self.fails())
 
@@ -394,18 +466,34 @@ class Rasters(Case):
 def osm_text(columns=40, rows=40, west=15.68, south=50.02, step=0.001):
     """A grid of nodes with a way along every row, a house, and a wood of two ways of which one lies far off."""
     text, draw = ['<?xml version="1.0"?><osm version="0.6">'], random.Random(1)
-    near = lambda degrees: f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"  # without chance a PBF file would be a bomb of zeros
+
+    def near(degrees):
+        return f"{degrees + draw.uniform(-3e-5, 3e-5):.7f}"  # without chance a PBF file would be a bomb of zeros
+
     for row in range(rows):
         for column in range(columns):
-            text.append(f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" lon="{near(west + column * step)}" user="someone" uid="7"/>')
+            text.append(
+                f'<node id="{row * columns + column + 1}" version="1" lat="{near(south + row * step)}" '
+                f'lon="{near(west + column * step)}" user="someone" uid="7"/>'
+            )
     for row in range(rows):
         refs = "".join(f'<nd ref="{row * columns + c + 1}"/>' for c in range(columns))
-        text.append(f'<way id="{row + 1}" version="1" user="someone" uid="7">{refs}<tag k="highway" v="residential"/></way>')
+        text.append(
+            f'<way id="{row + 1}" version="1" user="someone" uid="7">{refs}<tag k="highway" v="residential"/></way>'
+        )
     a, b = 12 * columns + 25, 1
-    text.append(f'<way id="900" version="1"><nd ref="{a}"/><nd ref="{a + 1}"/></way><way id="901" version="1"><nd ref="{b}"/><nd ref="{b + 1}"/></way>')
-    text.append('<relation id="5" version="1"><member type="way" ref="900" role="outer"/><member type="way" ref="901" role="outer"/><tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation>')
-    text.append('<relation id="6" version="1"><member type="way" ref="901" role=""/><tag k="type" v="route"/></relation>')
-    return "\n".join(text + ["</osm>"])
+    text.append(
+        f'<way id="900" version="1"><nd ref="{a}"/><nd ref="{a + 1}"/></way><way id="901" version="1"><nd ref="{b}"/>'
+        f'<nd ref="{b + 1}"/></way>'
+    )
+    text.append(
+        '<relation id="5" version="1"><member type="way" ref="900" role="outer"/><member type="way" ref="901" '
+        'role="outer"/><tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation>'
+    )
+    text.append(
+        '<relation id="6" version="1"><member type="way" ref="901" role=""/><tag k="type" v="route"/></relation>'
+    )
+    return "\n".join([*text, "</osm>"])
 
 
 def osm_ids(file):
@@ -464,7 +552,10 @@ class Osm(Case):
             tag, found = servers.etag(files[path]), re.fullmatch(r"bytes=(\d+)-", headers.get("Range") or "")
             first = int(found[1]) if found and headers.get("If-Range") == tag else 0
             if not slow[0]:
-                fields = {"ETag": tag, **({"Content-Range": f"bytes {first}-{len(files[path]) - 1}/{len(files[path])}"} if first else {})}
+                fields = {
+                    "ETag": tag,
+                    **({"Content-Range": f"bytes {first}-{len(files[path]) - 1}/{len(files[path])}"} if first else {}),
+                }
                 return 206 if first else 200, fields, files[path][first:]
 
             def drip(handler):
@@ -472,7 +563,7 @@ class Osm(Case):
                 handler.send_header("ETag", tag)
                 handler.send_header("Content-Length", str(len(files[path])))
                 handler.end_headers()
-                handler.wfile.write(files[path][:len(content) // 2])
+                handler.wfile.write(files[path][: len(content) // 2])
                 handler.wfile.flush()
                 time.sleep(30)
 
@@ -498,19 +589,21 @@ class Osm(Case):
             file.unlink()
         slow[0] = True
         begin_and_kill()
-        files["/r.osm.pbf"], slow[0] = content[:-self.last_block(content)], False  # another version
+        files["/r.osm.pbf"], slow[0] = content[: -self.last_block(content)], False  # another version
         self.fetch()
         (stored,) = (self.root / "store").glob("*.pbf")
         self.assertEqual(stored.read_bytes(), files["/r.osm.pbf"])
 
     def last_block(self, content):
-        """Length of the last block of a PBF file: 4 bytes of the header's length, the header, which ends with the data's length."""
+        """Length of the last block of a PBF file: 4 bytes of the header's length, the header, which ends with the
+        data's length.
+        """
         at, last = 0, 0
         while at < len(content):
-            header = int.from_bytes(content[at:at + 4], "big")
-            fields = content[at + 4:at + 4 + header]
+            header = int.from_bytes(content[at : at + 4], "big")
+            fields = content[at + 4 : at + 4 + header]
             size, shift = 0, 0
-            for byte in fields[fields.rindex(b"\x18") + 1:]:
+            for byte in fields[fields.rindex(b"\x18") + 1 :]:
                 size |= (byte & 127) << shift
                 shift += 7
             last = 4 + header + size
@@ -519,7 +612,12 @@ class Osm(Case):
 
     def test_overpass_is_asked_again_until_the_answer_is_whole(self):
         good = osm_text().encode()
-        answers = [(429, {"Retry-After": "1"}, b""), (200, {}, b"<osm><remark> runtime error: Query timed out </remark></osm>"), (200, {}, good[:-20]), (200, {}, good)]
+        answers = [
+            (429, {"Retry-After": "1"}, b""),
+            (200, {}, b"<osm><remark> runtime error: Query timed out </remark></osm>"),
+            (200, {}, good[:-20]),
+            (200, {}, good),
+        ]
         queries = []
 
         def answer(method, path, headers, body):
@@ -527,7 +625,15 @@ class Osm(Case):
             return answers[min(len(queries), len(answers)) - 1]
 
         origin = self.serve(servers.Server(answer))
-        self.site({"to": "roads.osm", "kind": "overpass", "url": origin.url + "/api/interpreter", "attribution": "© OpenStreetMap contributors", "licence": "ODbL"})
+        self.site(
+            {
+                "to": "roads.osm",
+                "kind": "overpass",
+                "url": origin.url + "/api/interpreter",
+                "attribution": "© OpenStreetMap contributors",
+                "licence": "ODbL",
+            }
+        )
         self.fetch()
         self.assertEqual(len(queries), 4)
         self.assertEqual(queries[0][0], "POST")
@@ -548,12 +654,25 @@ class Wmts(Case):
 
     def test_tiles_that_are_not_there_are_invalid_in_a_geotiff(self):
         left, top, pixel = 540000.0, 5550000.0, 0.8
-        matrix = lambda name, gsd, count: (f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
-                                           f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth><MatrixHeight>{count}</MatrixHeight></TileMatrix>")
+
+        def matrix(name, gsd, count):
+            return (
+                f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>"
+                f"{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
+                f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth>"
+                f"<MatrixHeight>{count}</MatrixHeight></TileMatrix>"
+            )
+
         template = "SERVER/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
-        text = ('<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1"><Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>'
-                f'<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" resourceType="tile" template="{template}"/></Layer>'
-                f'<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>{matrix("a", 3.2, 100)}{matrix("b", pixel, 400)}</TileMatrixSet></Contents></Capabilities>')
+        text = (
+            '<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1">'
+            "<Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>"
+            '<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" '
+            f'resourceType="tile" template="{template}"/></Layer>'
+            "<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>"
+            "urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>"
+            f"{matrix('a', 3.2, 100)}{matrix('b', pixel, 400)}</TileMatrixSet></Contents></Capabilities>"
+        )
 
         def answer(method, path, headers, body):
             if "xml" in path:
@@ -563,16 +682,31 @@ class Wmts(Case):
                 return 404, {}, b""
             east = left + (column * 200 + numpy.arange(200) + 0.5) * pixel
             north = top - (row * 200 + numpy.arange(200) + 0.5) * pixel
-            return 200, {"Content-Type": "image/png"}, servers.encoded(servers.picture(*numpy.meshgrid(east, north)), "PNG")
+            return (
+                200,
+                {"Content-Type": "image/png"},
+                servers.encoded(servers.picture(*numpy.meshgrid(east, north)), "PNG"),
+            )
 
         origin = self.serve(servers.Server(answer))
-        self.site({"to": "photo.tif", "kind": "wmts", "url": origin.url + "/WMTSCapabilities.xml", "layer": "photo", "resolution_m": 1.0})
+        self.site(
+            {
+                "to": "photo.tif",
+                "kind": "wmts",
+                "url": origin.url + "/WMTSCapabilities.xml",
+                "layer": "photo",
+                "resolution_m": 1.0,
+            }
+        )
         self.fetch()
         photo = gdal.Open(str(self.root / "photo.tif"))
         west, gsd, _, north, _, _ = photo.GetGeoTransform()
         self.assertAlmostEqual(gsd, pixel)
         shown, valid = photo.ReadAsArray()[:3].transpose(1, 2, 0), photo.GetRasterBand(1).GetMaskBand().ReadAsArray()
-        east, norths = west + (numpy.arange(photo.RasterXSize) + 0.5) * gsd, north - (numpy.arange(photo.RasterYSize) + 0.5) * gsd
+        east, norths = (
+            west + (numpy.arange(photo.RasterXSize) + 0.5) * gsd,
+            north - (numpy.arange(photo.RasterYSize) + 0.5) * gsd,
+        )
         columns, rows = numpy.meshgrid((east - left) // (200 * pixel), (top - norths) // (200 * pixel))
         self.assertEqual(valid[(rows + columns) % 3 == 0].max(), 0)
         self.assertGreater((valid == 255).mean(), 0.5)
@@ -585,7 +719,12 @@ class Build(Case):
     def test_build_fetches_what_is_not_there_first(self):
         origin = self.serve(servers.tile_origin())
         self.site(xyz(origin))
-        run = subprocess.run([TOOL, "build", self.root / "site.toml", "-o", self.root / "out"], capture_output=True, text=True)
+        run = subprocess.run(
+            [TOOL, "build", self.root / "site.toml", "-o", self.root / "out"],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         self.assertEqual(run.returncode, 1)
         self.assertIn("there is no", run.stderr.strip().split("\n")[-1])  # what is not fetched is missed after it
         self.assertTrue((self.root / "photo.mbtiles").exists())
@@ -609,7 +748,10 @@ class BadInput(Case):
 
     def test_areas_that_have_no_tiles(self):
         origin = self.serve(servers.tile_origin())
-        for area, said in (((179.99, 50.0, 180.01, 50.01), "no such place on earth"), ((15.0, 85.0, 15.1, 85.2), "UTM ends at 84")):
+        for area, said in (
+            ((179.99, 50.0, 180.01, 50.01), "no such place on earth"),
+            ((15.0, 85.0, 15.1, 85.2), "UTM ends at 84"),
+        ):
             self.site(xyz(origin), area=area)
             self.assertIn(said, self.fails())
         self.assertEqual(origin.log, [])
@@ -621,15 +763,23 @@ class BadInput(Case):
 
     def test_tables_that_cannot_be_used(self):
         good = {"to": "photo.mbtiles", "kind": "xyz", "url": "http://127.0.0.1:9/{z}/{x}/{y}"}
-        for change, said in (({"kind": "wtms"}, "unknown kind 'wtms', expected one of: wmts, xyz"), ({"kind": "wmts"}, "'layer' is missing here"),
-                             ({"hello": 1}, "'hello' is not known here"), ({"url": ""}, "'url' is missing"), ({"resolution_m": -1}, "'resolution_m' must be"),
-                             ({"min_zoom": 9, "max_zoom": 3}, "'max_zoom' must be")):
+        for change, said in (
+            ({"kind": "wtms"}, "unknown kind 'wtms', expected one of: wmts, xyz"),
+            ({"kind": "wmts"}, "'layer' is missing here"),
+            ({"hello": 1}, "'hello' is not known here"),
+            ({"url": ""}, "'url' is missing"),
+            ({"resolution_m": -1}, "'resolution_m' must be"),
+            ({"min_zoom": 9, "max_zoom": 3}, "'max_zoom' must be"),
+        ):
             self.site({**good, **change})
             said_line = self.fails()
             self.assertIn(said, said_line)
             self.assertRegex(said_line, r"site.toml:\d+: ")
-        for url, said in (("http://127.0.0.1:9/{z}/{x}", "needs {z}, {x} and one of"), ("http://127.0.0.1:9/{z}/{x}/{y}/{q}", "has {q}"),
-                          ("http://127.0.0.1:9/{s}/{z}/{x}/{y}", "subdomains")):
+        for url, said in (
+            ("http://127.0.0.1:9/{z}/{x}", "needs {z}, {x} and one of"),
+            ("http://127.0.0.1:9/{z}/{x}/{y}/{q}", "has {q}"),
+            ("http://127.0.0.1:9/{s}/{z}/{x}/{y}", "subdomains"),
+        ):
             self.site({**good, "url": url})
             self.assertIn(said, self.fails(code=2))
 

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Servers on loopback for the tests of `orthodrive fetch`: tiles and files with ranges, and a proxy that injects faults."""
+"""Servers on loopback for the tests of `orthodrive fetch`: tiles and files with ranges, and a proxy that injects
+faults.
+"""
+
+import contextlib
 import hashlib
 import http.client
 import http.server
@@ -44,7 +48,9 @@ def encoded(pixels, form="JPEG"):
 
 
 class Server:
-    """answer(method, path, headers, body) gives (status, headers, body), or a function that gets the handler and does it itself."""
+    """answer(method, path, headers, body) gives (status, headers, body), or a function that gets the handler and does
+    it itself.
+    """
 
     def __init__(self, answer):
         outer = self
@@ -57,7 +63,13 @@ class Server:
                 body = self.rfile.read(int(self.headers.get("Content-Length") or 0))
                 reply = answer(self.command, self.path, self.headers, body)
                 with outer.lock:
-                    outer.log.append((self.path, reply[0] if isinstance(reply, tuple) else 0, {**self.headers, "method": self.command}))
+                    outer.log.append(
+                        (
+                            self.path,
+                            reply[0] if isinstance(reply, tuple) else 0,
+                            {**self.headers, "method": self.command},
+                        )
+                    )
                 if callable(reply):
                     return reply(self)
                 status, headers, content = reply
@@ -69,8 +81,9 @@ class Server:
                 self.end_headers()
                 if self.command != "HEAD":
                     self.wfile.write(content)
+                return None
 
-            do_POST = do_HEAD = do_GET
+            do_POST = do_HEAD = do_GET  # noqa: N815 (names that http.server asks for)
 
             def log_message(self, *_):
                 pass
@@ -149,7 +162,7 @@ def file_origin(files, cut_after=None):
             if first > last:
                 return 416, {"Content-Range": f"bytes */{len(content)}"}, b""
             status = 206
-        part = content[first:last + 1]
+        part = content[first : last + 1]
         fields = {"ETag": tag, "Accept-Ranges": "bytes", "Content-Type": "application/octet-stream"}
         if status == 206:
             fields["Content-Range"] = f"bytes {first}-{last}/{len(content)}"
@@ -169,11 +182,27 @@ def file_origin(files, cut_after=None):
     return Server(answer)
 
 
-FAULTS = ["404", "429", "429 date", "500", "503", "truncated", "short", "corrupt", "slow", "cut", "html", "redirect", "loop"]
+FAULTS = [
+    "404",
+    "429",
+    "429 date",
+    "500",
+    "503",
+    "truncated",
+    "short",
+    "corrupt",
+    "slow",
+    "cut",
+    "html",
+    "redirect",
+    "loop",
+]
 
 
 class FaultProxy(Server):
-    """Passes requests on to `origin`. A share of them gets a fault instead, by the seed, the path and how often it was asked."""
+    """Passes requests on to `origin`. A share of them gets a fault instead, by the seed, the path and how often it was
+    asked.
+    """
 
     def __init__(self, origin, share, seed=1, faults=FAULTS):
         self.asked, self.done, self.delivered = {}, {}, {}
@@ -181,10 +210,18 @@ class FaultProxy(Server):
 
         def forward(path, headers):
             connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=30)
-            kept = {k: v for k, v in headers.items() if k.lower() in ("range", "if-range", "if-none-match", "if-modified-since")}
+            kept = {
+                k: v
+                for k, v in headers.items()
+                if k.lower() in ("range", "if-range", "if-none-match", "if-modified-since")
+            }
             connection.request("GET", path, headers=kept)
             reply = connection.getresponse()
-            fields = {k: v for k, v in reply.getheaders() if k.lower() not in ("connection", "server", "date", "content-length")}
+            fields = {
+                k: v
+                for k, v in reply.getheaders()
+                if k.lower() not in ("connection", "server", "date", "content-length")
+            }
             content = reply.read()
             connection.close()
             return reply.status, fields, content
@@ -224,7 +261,11 @@ class FaultProxy(Server):
         if fault == "short":  # a whole answer of half a picture
             return status, fields, content[:half]
         if fault == "corrupt":
-            return status, fields, content[:half] + bytes(64) + b"\xff\xd9" + content[half + 66:] if half > 200 else b"x" * len(content)
+            return (
+                status,
+                fields,
+                content[:half] + bytes(64) + b"\xff\xd9" + content[half + 66 :] if half > 200 else b"x" * len(content),
+            )
 
         def cut(handler):
             if fault != "cut":
@@ -236,14 +277,12 @@ class FaultProxy(Server):
                 handler.wfile.write(content[:half])
             if fault == "slow":  # slow, but it comes
                 for at in range(0, len(content), 4000):
-                    handler.wfile.write(content[at:at + 4000])
+                    handler.wfile.write(content[at : at + 4000])
                     handler.wfile.flush()
                     time.sleep(0.05)
                 return
             handler.close_connection = True
-            try:
+            with contextlib.suppress(OSError):
                 handler.connection.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                pass
 
         return cut

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMPy, a simulator of others, loads our FMUs: their descriptions are valid, and their answers are those of the libraries.
+"""FMPy, a simulator of others, loads our FMUs: their descriptions are valid, and their answers are those of the
+libraries.
 
 Usage: simulate.py TOOL TRUTH NETWORK CAR FOLDER, with the Python of build/peers/fmi; tests/fmu/CMakeLists.txt runs it.
 """
+
 import math
 import subprocess
 import sys
@@ -53,16 +55,28 @@ def as_input(names, times, rows):
 
 def simulate(path, names, outputs, times, rows, **start_values):
     description = read_model_description(str(path))
-    result = simulate_fmu(str(path), start_time=0.0, stop_time=times[-1], step_size=STEP_S, output_interval=STEP_S,
-                          fmi_type="CoSimulation", input=as_input(names, times, rows), output=outputs,
-                          start_values=start_values, model_description=description)
+    result = simulate_fmu(
+        str(path),
+        start_time=0.0,
+        stop_time=times[-1],
+        step_size=STEP_S,
+        output_interval=STEP_S,
+        fmi_type="CoSimulation",
+        input=as_input(names, times, rows),
+        output=outputs,
+        start_values=start_values,
+        model_description=description,
+    )
     check(len(result) == len(times), f"{path.name}: {len(result)} samples of {len(times)}")
     return np.array([[float(sample[o]) for o in outputs] for sample in result])
 
 
 def compare(name, got, expected):
     worst = np.abs(got - expected) / np.maximum(1.0, np.abs(expected))
-    check(worst.max() <= TOLERANCE, f"{name}: differs by {worst.max():.3g} at sample, column {np.unravel_index(worst.argmax(), worst.shape)}")
+    check(
+        worst.max() <= TOLERANCE,
+        f"{name}: differs by {worst.max():.3g} at sample, column {np.unravel_index(worst.argmax(), worst.shape)}",
+    )
     print(f"{name}: {got.shape[0]} samples of {got.shape[1]} outputs, largest difference {worst.max():.2g}")
 
 
@@ -70,7 +84,9 @@ def roads(path, **start_values):
     """Four tyres along the quarter circle; the last leaves the road."""
     times = [k * STEP_S for k in range(301)]
     names = [f"tyre[{i}].{c}" for i in range(1, 5) for c in ("x", "y", "z_guess")]
-    outputs = [f"tyre[{i}].{c}" for i in range(1, 5) for c in ("z", "normal.x", "normal.y", "normal.z", "friction", "status")]
+    outputs = [
+        f"tyre[{i}].{c}" for i in range(1, 5) for c in ("z", "normal.x", "normal.y", "normal.z", "friction", "status")
+    ]
     rows = []
     for t in times:
         row = []
@@ -89,10 +105,27 @@ def drive(path, **more):
     """Throttle, a bend, braking on the quarter circle."""
     times = [k * STEP_S for k in range(401)]
     rows = [[0.027 + 0.004 * math.sin(3 * t), 0.5 if t < 2.0 else 0.0, 0.4 if t > 2.5 else 0.0] for t in times]
-    start = {"start.x": 99.0 * math.sin(0.1), "start.y": 100.0 - 99.0 * math.cos(0.1), "start.z_guess": 20.0,
-             "start.heading": 0.1, "start.speed": 12.0}
-    outputs = ["x", "y", "z", "heading", "pitch", "roll", "speed", "lateral_speed", "acceleration.y", "engine.speed",
-               "gear", "fuel"]
+    start = {
+        "start.x": 99.0 * math.sin(0.1),
+        "start.y": 100.0 - 99.0 * math.cos(0.1),
+        "start.z_guess": 20.0,
+        "start.heading": 0.1,
+        "start.speed": 12.0,
+    }
+    outputs = [
+        "x",
+        "y",
+        "z",
+        "heading",
+        "pitch",
+        "roll",
+        "speed",
+        "lateral_speed",
+        "acceleration.y",
+        "engine.speed",
+        "gear",
+        "fuel",
+    ]
     outputs += [f"wheel[{i}].{c}" for i in range(1, 5) for c in ("load", "slip_angle", "spin", "travel")]
     got = simulate(path, ["steering", "throttle", "brake"], outputs, times, rows, **start, **more)
     arguments = ["car", network, car, *start.values(), round(STEP_S / 0.001)]
@@ -105,8 +138,13 @@ def refusals(roads_fmu):
     """A road that is not there ends the simulation, with our line in the log."""
     lines = []
     try:
-        simulate_fmu(str(roads_fmu), stop_time=0.1, step_size=STEP_S, start_values={"road_file": "/no/such.xodr"},
-                     logger=lambda *arguments: lines.append(arguments[-1]))
+        simulate_fmu(
+            str(roads_fmu),
+            stop_time=0.1,
+            step_size=STEP_S,
+            start_values={"road_file": "/no/such.xodr"},
+            logger=lambda *arguments: lines.append(arguments[-1]),
+        )
         check(False, "a missing network is no error")
     except Exception:  # FMPy's own, of no fixed type
         pass

@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""The arrows between rooms hold in every #include, header-only ones too. Prints each break; exit code 1 when there is one.
+"""The arrows between rooms hold in every #include, header-only ones too. Prints each break; exit code 1 when there is
+one.
 
     tests/includes/check_includes.py [ROOT]       # ROOT: the source tree, this one where it is not given
 
-A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of its
-DEPS; this script reads them and asks five things:
+A room is a folder of src/ with a target. What it may include stands in the DEPS of its CMakeLists.txt, and in those of
+its DEPS; this script reads them and asks five things:
 
 1. A file includes its own room and the rooms behind its arrows, nothing else; there is no circle of rooms.
 2. No stage reaches a stage or io, by an include or by DEPS.
@@ -13,6 +14,7 @@ DEPS; this script reads them and asks five things:
 4. No circle of includes between files.
 5. Headers show third-party types only where THIRD_PARTY allows it, so that these libraries can be changed in one .cpp.
 """
+
 import pathlib
 import re
 import sys
@@ -21,7 +23,12 @@ STAGES = {"segment", "refine", "elevate", "network", "scene", "drive", "synth", 
 # Rooms that read and write; roadquery, vehicle and fmu read the files they work on, and ship alone.
 FILE_ROOMS = {"io", "remote", "pipeline", "app", "roadquery", "vehicle", "fmu"}
 # core hashes files, writes them aside, looks for the models' folder and asks the kernel for its memory: for every room.
-FILE_ACCESS = {"orthodrive/core/atomic_file", "orthodrive/core/find_resource", "orthodrive/core/hash", "orthodrive/core/memory"}
+FILE_ACCESS = {
+    "orthodrive/core/atomic_file",
+    "orthodrive/core/find_resource",
+    "orthodrive/core/hash",
+    "orthodrive/core/memory",
+}
 # The command line parses options and calls the pipeline. Of the other rooms it sees what options and their errors need.
 APP_ROOMS = {"pipeline", "model", "core", "app"}
 APP_HEADERS = {
@@ -38,12 +45,16 @@ THIRD_PARTY = {
     "report": {"nlohmann"},  # the record of a run, which the page shows
     "app": {"CLI", "fmt", "httplib", "posix"},
 }
-OPENS = re.compile(r"\b(?:[io]?fstream|filebuf|fopen|freopen|fdopen|mkstemp|opendir|popen|GDALOpen\w*|VSIF?Open\w*|GDALCreate\w*)\b"
-                   r"|\bfilesystem::(?:exists|create_director\w+|directory_iterator|recursive_directory_iterator|remove|remove_all|rename|"
-                   r"copy\w*|file_size|last_write_time|is_\w+|resize_file|canonical|temp_directory_path)\b|::open\(")
-OPENING_HEADERS = re.compile(r"fstream|cstdio|stdio\.h|fcntl\.h|sys/(?:stat|file)\.h|dirent\.h|gdal.*|ogr.*|cpl_.*|ogrsf_frmts\.h")
-INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.M)
-NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.S)
+OPENS = re.compile(
+    r"\b(?:[io]?fstream|filebuf|fopen|freopen|fdopen|mkstemp|opendir|popen|GDALOpen\w*|VSIF?Open\w*|GDALCreate\w*)\b"
+    r"|\bfilesystem::(?:exists|create_director\w+|directory_iterator|recursive_directory_iterator|remove|remove_all|rename|"
+    r"copy\w*|file_size|last_write_time|is_\w+|resize_file|canonical|temp_directory_path)\b|::open\("
+)
+OPENING_HEADERS = re.compile(
+    r"fstream|cstdio|stdio\.h|fcntl\.h|sys/(?:stat|file)\.h|dirent\.h|gdal.*|ogr.*|cpl_.*|ogrsf_frmts\.h"
+)
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<([^>]+)>)', re.MULTILINE)
+NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 
 
 def group_of(header):
@@ -67,13 +78,17 @@ def read_arrows(root):
         for name, words in re.findall(r"orthodrive_library\((\w+)([^)]*)\)", text):
             deps, inside = set(), False
             for word in words.split():
-                inside = word == "DEPS" or inside and word != "LIBS"
+                inside = word == "DEPS" or (inside and word != "LIBS")
                 if inside and word != "DEPS":
                     deps.add(word)
             arrows[name] = deps
         for name, words in re.findall(r"target_link_libraries\(orthodrive_(\w+)\s+PUBLIC([^)]*)\)", text):
             if name in arrows:
-                arrows[name] |= {w.removeprefix("orthodrive::") for w in words.split() if w in ("roadquery", "vehicle", "fmu") or w.startswith("orthodrive::")}
+                arrows[name] |= {
+                    w.removeprefix("orthodrive::")
+                    for w in words.split()
+                    if w in ("roadquery", "vehicle", "fmu") or w.startswith("orthodrive::")
+                }
     return arrows
 
 
@@ -96,7 +111,7 @@ def circles_of(includes):
         path.append(file)
         for other in sorted(includes[file]):
             if other in place:
-                circles.append(path[place[other]:] + [other])
+                circles.append([*path[place[other] :], other])
             elif other not in done:
                 visit(other)
         done.add(file)
@@ -129,7 +144,9 @@ def check_file(name, text, reach, known):
             other = room_of(target)
             if room == "app":
                 if other not in APP_ROOMS and target not in APP_HEADERS:
-                    wrong.append(f"includes {quoted}: the command line sees {', '.join(sorted(APP_ROOMS - {'app'}))} only")
+                    wrong.append(
+                        f"includes {quoted}: the command line sees {', '.join(sorted(APP_ROOMS - {'app'}))} only"
+                    )
             elif other != room and other not in reach[room]:
                 wrong.append(f"includes {quoted}: no arrow leads from {room} to {other}")
             continue
@@ -141,7 +158,11 @@ def check_file(name, text, reach, known):
     if not opens_files:
         for word in sorted({m[0] for m in OPENS.finditer(NOISE.sub(" ", INCLUDE.sub(" ", text)))}):
             wrong.append(f"uses {word}: {room} opens no file")
-    if re.search(r"\b(?:at|torch)::\w", NOISE.sub(" ", text)) and not re.search(r"#include <(ATen|torch|c10)/", text) and is_header:
+    if (
+        re.search(r"\b(?:at|torch)::\w", NOISE.sub(" ", text))
+        and not re.search(r"#include <(ATen|torch|c10)/", text)
+        and is_header
+    ):
         wrong.append("names at:: without including it: a precompiled header hides that")
     return wrong, ours
 
@@ -170,7 +191,10 @@ def check(root):
             continue
         wrong, includes[name] = check_file(name, text, reach, known)
         findings += [f"{name}: {w}" for w in wrong]
-    findings += ["a circle of includes: " + " -> ".join(circle) for circle in circles_of({n: o & includes.keys() for n, o in includes.items()})]
+    findings += [
+        "a circle of includes: " + " -> ".join(circle)
+        for circle in circles_of({n: o & includes.keys() for n, o in includes.items()})
+    ]
     return findings, len(known)
 
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """The include rule can fail: a small tree with one sin at a time, and one without."""
+
 import pathlib
 import tempfile
 import unittest
@@ -12,18 +13,27 @@ GOOD = {
     "src/orthodrive/core/CMakeLists.txt": "orthodrive_library(core LIBS fmt::fmt)\n",
     "src/orthodrive/core/error.hpp": "#include <string>\n",
     "src/orthodrive/core/hash.cpp": '#include <fstream>\nvoid f() { std::ifstream in("a"); }\n',
-    "src/orthodrive/model/CMakeLists.txt": "orthodrive_library(model DEPS core LIBS fmt::fmt)\n# words\ntarget_link_libraries(orthodrive_model PUBLIC roadquery)\n",
+    "src/orthodrive/model/CMakeLists.txt": (
+        "orthodrive_library(model DEPS core LIBS fmt::fmt)\n# words\n"
+        "target_link_libraries(orthodrive_model PUBLIC roadquery)\n"
+    ),
     "src/orthodrive/model/photo.hpp": '#include "orthodrive/core/error.hpp"\n#include "roadquery/road_map.hpp"\n',
     "src/orthodrive/io/CMakeLists.txt": "orthodrive_library(io DEPS model LIBS GDAL::GDAL)\n",
     "src/orthodrive/io/read_photo.hpp": '#include "orthodrive/model/photo.hpp"\n',
     "src/orthodrive/io/gdal_support.hpp": "#include <gdal_priv.h>\n",
     "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model)\n",
     "src/orthodrive/refine/refine_roads.hpp": '#include "orthodrive/model/photo.hpp"\n',
-    "src/orthodrive/refine/refine_roads.cpp": '#include "orthodrive/refine/refine_roads.hpp"\n#include <ceres/ceres.h>\n// an ifstream in a comment, "fopen" in a string\nauto s = "fopen";\n',
+    "src/orthodrive/refine/refine_roads.cpp": (
+        '#include "orthodrive/refine/refine_roads.hpp"\n#include <ceres/ceres.h>'
+        '\n// an ifstream in a comment, "fopen" in a string\nauto s = '
+        '"fopen";\n'
+    ),
     "src/orthodrive/network/CMakeLists.txt": "orthodrive_library(network DEPS model)\n",
     "src/orthodrive/network/build_network.hpp": '#include "orthodrive/core/error.hpp"\n',
     "src/orthodrive/pipeline/CMakeLists.txt": "orthodrive_library(pipeline DEPS io refine network)\n",
-    "src/orthodrive/pipeline/run_refine.cpp": '#include "orthodrive/io/read_photo.hpp"\n#include "orthodrive/refine/refine_roads.hpp"\n#include <fstream>\n',
+    "src/orthodrive/pipeline/run_refine.cpp": (
+        '#include "orthodrive/io/read_photo.hpp"\n#include "orthodrive/refine/refine_roads.hpp"\n#include <fstream>\n'
+    ),
     "src/orthodrive/pipeline/run_refine.hpp": "\n",
     "app/main.cpp": '#include "orthodrive/pipeline/run_refine.hpp"\n',
 }
@@ -32,7 +42,7 @@ GOOD = {
 class Includes(unittest.TestCase):
     def findings(self, **changes):
         with tempfile.TemporaryDirectory() as folder:
-            for name, text in {**GOOD, **{k: v for k, v in changes.get("files", {}).items()}}.items():
+            for name, text in {**GOOD, **changes.get("files", {})}.items():
                 file = pathlib.Path(folder, name)
                 file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_text(text)
@@ -48,17 +58,34 @@ class Includes(unittest.TestCase):
         self.assertEqual(self.findings(), [])
 
     def test_a_stage_includes_a_stage_though_it_is_header_only(self):
-        self.expect("src/orthodrive/refine/odd.hpp", '#include "orthodrive/network/build_network.hpp"\n', "refine/odd.hpp", "no arrow")
+        self.expect(
+            "src/orthodrive/refine/odd.hpp",
+            '#include "orthodrive/network/build_network.hpp"\n',
+            "refine/odd.hpp",
+            "no arrow",
+        )
 
     def test_a_stage_includes_io(self):
-        self.expect("src/orthodrive/refine/odd.cpp", '  #  include "orthodrive/io/read_photo.hpp"\n', "no arrow leads from refine to io")
+        self.expect(
+            "src/orthodrive/refine/odd.cpp",
+            '  #  include "orthodrive/io/read_photo.hpp"\n',
+            "no arrow leads from refine to io",
+        )
 
     def test_a_stage_links_a_stage(self):
-        self.expect("src/orthodrive/refine/CMakeLists.txt", "orthodrive_library(refine DEPS model\n  network)\n", "a stage reaches network")
+        self.expect(
+            "src/orthodrive/refine/CMakeLists.txt",
+            "orthodrive_library(refine DEPS model\n  network)\n",
+            "a stage reaches network",
+        )
 
     def test_a_stage_links_io_through_another_room(self):
-        found = self.findings(files={"src/orthodrive/roads/CMakeLists.txt": "orthodrive_library(roads DEPS io)\n",
-                                     "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model roads)\n"})
+        found = self.findings(
+            files={
+                "src/orthodrive/roads/CMakeLists.txt": "orthodrive_library(roads DEPS io)\n",
+                "src/orthodrive/refine/CMakeLists.txt": "orthodrive_library(refine DEPS model roads)\n",
+            }
+        )
         self.assertEqual(found, ["refine: a stage reaches io by its DEPS"])
 
     def test_an_arrow_upwards(self):
@@ -69,13 +96,24 @@ class Includes(unittest.TestCase):
         self.assertIn("core: a circle of DEPS", found)
 
     def test_files_in_a_circle(self):
-        found = self.findings(files={"src/orthodrive/network/a.hpp": '#include "orthodrive/network/b.hpp"\n',
-                                     "src/orthodrive/network/b.hpp": '#include "orthodrive/network/a.hpp"\n'})
-        self.assertEqual(found, ["a circle of includes: orthodrive/network/a.hpp -> orthodrive/network/b.hpp -> orthodrive/network/a.hpp"])
+        found = self.findings(
+            files={
+                "src/orthodrive/network/a.hpp": '#include "orthodrive/network/b.hpp"\n',
+                "src/orthodrive/network/b.hpp": '#include "orthodrive/network/a.hpp"\n',
+            }
+        )
+        self.assertEqual(
+            found,
+            ["a circle of includes: orthodrive/network/a.hpp -> orthodrive/network/b.hpp -> orthodrive/network/a.hpp"],
+        )
 
     def test_a_stage_opens_a_file(self):
         self.expect("src/orthodrive/refine/odd.cpp", "#include <fstream>\n", "<fstream>", "opens no file")
-        self.expect("src/orthodrive/refine/odd.cpp", '#include <filesystem>\nbool f() { return std::filesystem::exists("a"); }\n', "exists")
+        self.expect(
+            "src/orthodrive/refine/odd.cpp",
+            '#include <filesystem>\nbool f() { return std::filesystem::exists("a"); }\n',
+            "exists",
+        )
         self.expect("src/orthodrive/model/odd.cpp", 'void f() { fopen("a", "r"); }\n', "fopen")
         self.expect("src/orthodrive/network/odd.cpp", "#include <gdal_priv.h>\n", "gdal")
 
@@ -85,7 +123,9 @@ class Includes(unittest.TestCase):
         self.expect("src/orthodrive/pipeline/odd.hpp", "#include <gdal_priv.h>\n", "gdal")
 
     def test_the_command_line_calls_a_stage(self):
-        self.expect("app/cmd_odd.cpp", '#include "orthodrive/network/build_network.hpp"\n', "cmd_odd.cpp", "the command line")
+        self.expect(
+            "app/cmd_odd.cpp", '#include "orthodrive/network/build_network.hpp"\n', "cmd_odd.cpp", "the command line"
+        )
 
     def test_a_file_that_is_not_there(self):
         self.expect("src/orthodrive/refine/odd.cpp", '#include "orthodrive/refine/gone.hpp"\n', "gone.hpp")

@@ -19,11 +19,12 @@ int main(int argc, char** argv) {
     fprintf(stderr, "%s\n", problem);
     return 1;
   }
-  const double x = atof(argv[2]), y = atof(argv[3]), z = atof(argv[4]);
+  const double x = strtod(argv[2], NULL), y = strtod(argv[3], NULL), z = strtod(argv[4], NULL);
   const int found = rq_query(map, &cursor, x, y, z, RQ_ALL, &hit) > 0;
   if (found) printf("road %d lane %d z %.3f\n", hit.road_id, hit.lane_id, hit.z);
   for (i = 0; i < 41 * 41; ++i) {
-    const int status = rq_query(map, &cursor, x + i % 41 - 20, y + i / 41 - 20, z, RQ_ALL, &hit);
+    const int east_m = i % 41 - 20, north_m = i / 41 - 20;
+    const int status = rq_query(map, &cursor, x + east_m, y + north_m, z, RQ_ALL, &hit);
     if (status < 0 || !(fabs(hit.z - z) < 20.0)) return 3;
     ++counts[status];
   }

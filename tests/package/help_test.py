@@ -1,9 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Manual pages and completions that the tool writes of its command table, against what its --help says, read by groff, bash, zsh and fish.
+"""Manual pages and completions that the tool writes of its command table, against what its --help says, read by groff,
+bash, zsh and fish.
 
-Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and the rest is right.
+Usage: help_test.py ORTHODRIVE. Prints one line a fault; exit code 1 if there is any, 77 where a reader is missing and
+the rest is right.
 """
+
 import functools
 import os
 import pty
@@ -26,7 +29,7 @@ def check(right, fault):
 
 
 def run(*command, **kwargs):
-    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=300, **kwargs)
+    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=300, check=False, **kwargs)
 
 
 @functools.cache
@@ -36,11 +39,11 @@ def help_of(*words):
 
 def commands_of(help_text):
     section = help_text.partition("Subcommands:\n")[2].partition("\n\n")[0]
-    return re.findall(r"^  (\w[\w-]*)", section, re.M)
+    return re.findall(r"^  (\w[\w-]*)", section, re.MULTILINE)
 
 
 def options_of(help_text):
-    return [name for line in re.findall(r"^  (-\S+)", help_text, re.M) for name in line.split(",")]
+    return [name for line in re.findall(r"^  (-\S+)", help_text, re.MULTILINE) for name in line.split(",")]
 
 
 def check_pages(folder):
@@ -48,14 +51,17 @@ def check_pages(folder):
     commands = commands_of(tool_help)
     check(len(commands) > 10, f"--help lists {len(commands)} commands")
     pages = {p.name for p in folder.glob("*.1")}
-    check(pages == {"orthodrive.1"} | {f"orthodrive-{c}.1" for c in commands}, f"pages {sorted(pages)} for commands {commands}")
+    check(
+        pages == {"orthodrive.1"} | {f"orthodrive-{c}.1" for c in commands},
+        f"pages {sorted(pages)} for commands {commands}",
+    )
     if not shutil.which("groff"):
         missing.append("groff")
         return
     for page in sorted(folder.glob("*.1")):
         made = run("groff", "-ww", "-man", "-Tutf8", "-P-cbou", "-rLL=150n", page)
         check(made.returncode == 0 and not made.stderr, f"{page.name}: groff says {made.stderr}")
-        text = made.stdout.replace("‐", "-").replace("−", "-")
+        text = made.stdout.replace("\N{HYPHEN}", "-").replace("\N{MINUS SIGN}", "-")
         check("NAME" in text and "SYNOPSIS" in text and "EXIT STATUS" in text, f"{page.name} lacks a section")
         command = page.stem.removeprefix("orthodrive").strip("-")
         kinds = commands_of(help_of(command)) if command else []
@@ -63,7 +69,7 @@ def check_pages(folder):
             for option in options_of(help_of(*words)):
                 check(re.search(rf"(?<!\S){option}(?![\w-])", text), f"{page.name} does not name {option} of {words}")
         if command:
-            example = re.search(r"^  (orthodrive .*)$", help_of(command), re.M)[1]
+            example = re.search(r"^  (orthodrive .*)$", help_of(command), re.MULTILINE)[1]
             check(" ".join(example.split()) in " ".join(text.split()), f"{page.name} lacks the example {example}")
 
 
@@ -83,6 +89,7 @@ def check_bash(file):
     def expect(line, *words):
         got = complete_in_bash(file, line)
         check(got == list(words), f"bash completes '{line}' with {got}, not {list(words)}")
+
     commands = commands_of(help_of())
     expect("orthodrive ", *commands)
     expect("orthodrive bui", "build")
@@ -105,8 +112,15 @@ def check_files_in_bash(file, folder):
     """A real interactive bash: Tab completes the name of a file, a blank in it included."""
     (folder / "my site.toml").write_text("")
     master, slave = pty.openpty()
-    shell = subprocess.Popen(["bash", "--norc", "--noprofile", "-i"], stdin=slave, stdout=slave, stderr=slave, cwd=folder, start_new_session=True,
-                             env={**os.environ, "PS1": "$ ", "TERM": "dumb", "INPUTRC": "/dev/null", "HISTFILE": ""})
+    shell = subprocess.Popen(
+        ["bash", "--norc", "--noprofile", "-i"],
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        cwd=folder,
+        start_new_session=True,
+        env={**os.environ, "PS1": "$ ", "TERM": "dumb", "INPUTRC": "/dev/null", "HISTFILE": ""},
+    )
     os.close(slave)
     os.write(master, f"source {file}; orthodrive() {{ printf 'GOT<%s>' \"$@\"; }}\n".encode())
     time.sleep(0.5)
@@ -132,11 +146,21 @@ def check_other_shells(folder):
         return
 
     def fish(line):
-        made = run("fish", "--no-config", "-c", f"source {folder}/orthodrive.fish; complete -C '{line}'", env={**os.environ, "HOME": str(folder)})
+        made = run(
+            "fish",
+            "--no-config",
+            "-c",
+            f"source {folder}/orthodrive.fish; complete -C '{line}'",
+            env={**os.environ, "HOME": str(folder)},
+        )
         check(not made.stderr, f"fish says {made.stderr}")
         return [answer.split("\t")[0] for answer in made.stdout.splitlines()]
+
     check(fish("orthodrive bui") == ["build"], f"fish completes bui with {fish('orthodrive bui')}")
-    check(fish("orthodrive synth --preset v") == ["village"], f"fish completes --preset v with {fish('orthodrive synth --preset v')}")
+    check(
+        fish("orthodrive synth --preset v") == ["village"],
+        f"fish completes --preset v with {fish('orthodrive synth --preset v')}",
+    )
     check("--before" in fish("orthodrive evaluate roads --be"), "fish lacks --before of evaluate roads")
     check("labels" in fish("orthodrive evaluate la"), "fish lacks evaluate labels")
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """tools/paint on a photo made in place. Usage: paint_test.py SOURCE_TREE. Exit code 77: Pillow or SciPy is missing."""
+
 import json
 import pathlib
 import subprocess
@@ -21,7 +22,8 @@ sys.dont_write_bytecode = True
 from painting import pieces, quilt, sheet, snap  # noqa: E402
 
 GSD = 0.5
-# A roof from 20.0 to 60.0 m in x and 30.0 to 50.0 m in y, green to the left of x = 80 m and grey to the right, in the piece whose corner is at 10, 20 m.
+# A roof from 20.0 to 60.0 m in x and 30.0 to 50.0 m in y, green to the left of x = 80 m and grey to the right, in the
+# piece whose corner is at 10, 20 m.
 SHEET = """piece a photo 10 20
 grow grass 10,10 10,90 70,50 40,70 | ground 95,10 90,90 92,50
 building 20.6,30.6 60.7,30.6 60.7,49.5 20.6,49.5
@@ -45,7 +47,9 @@ class Paint(unittest.TestCase):
         (self.root / "sheet.txt").write_text(SHEET)
 
     def paint(self, *words, code=0):
-        run = subprocess.run([sys.executable, SOURCE / "tools/paint", *words], capture_output=True, text=True, cwd=self.root)
+        run = subprocess.run(
+            [sys.executable, SOURCE / "tools/paint", *words], capture_output=True, text=True, cwd=self.root, check=False
+        )
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         return run.stdout + run.stderr
 
@@ -78,11 +82,13 @@ class Paint(unittest.TestCase):
     def test_a_drawn_roof_moves_to_its_edges(self):
         label, ring = self.painted()["a"].coats[-1]
         self.assertEqual(label, "building")
-        for (x, y), truth in zip(ring, [(30, 50), (70, 50), (70, 70), (30, 70)]):
+        for (x, y), truth in zip(ring, [(30, 50), (70, 50), (70, 70), (30, 70)], strict=True):
             self.assertLess(numpy.hypot(x * GSD - truth[0], y * GSD - truth[1]), 0.3)
 
     def test_a_tilde_leaves_a_shape_where_it_was_drawn(self):
-        self.assertEqual(self.painted()["b"].coats[-1][1], [(60.0, 100.0), (140.0, 100.0), (140.0, 140.0), (60.0, 140.0)])
+        self.assertEqual(
+            self.painted()["b"].coats[-1][1], [(60.0, 100.0), (140.0, 100.0), (140.0, 140.0), (60.0, 140.0)]
+        )
 
     def test_seeds_grow_to_the_border_of_what_they_look_like(self):
         labels = self.painted()["a"].labels()
@@ -101,7 +107,11 @@ class Paint(unittest.TestCase):
         self.assertEqual((self.root / "one.geojson").read_bytes(), (self.root / "two.geojson").read_bytes())
 
     def test_a_sheet_that_says_nonsense_is_refused_with_its_line(self):
-        for line, said in (("wood 1,1 2,2 3,1", "class 'wood' is unknown"), ("road 1,1 2,2", "at least three points"), ("road 1,1 x", "not enough values")):
+        for line, said in (
+            ("wood 1,1 2,2 3,1", "class 'wood' is unknown"),
+            ("road 1,1 2,2", "at least three points"),
+            ("road 1,1 x", "not enough values"),
+        ):
             (self.root / "sheet.txt").write_text("piece a photo 0 0\n" + line + "\n")
             self.assertIn("sheet.txt:2", message := self.paint("write", "sheet.txt", ".", "-o", "x.geojson", code=1))
             self.assertIn(said, message)
@@ -125,15 +135,21 @@ class Paint(unittest.TestCase):
         self.assertEqual(set(same["iou"].values()), {1.0})
         self.painted("second.geojson", SHEET.replace("road~ 0,40 100,40 100,45 0,45", "road~ 0,40 100,40 100,50 0,50"))
         other = json.loads(self.paint("agree", "painted.geojson", "second.geojson", "."))
-        self.assertEqual(other["pieces"]["b"]["road"], 1.0)  # where the second road is wider the first painter knows nothing
-        self.painted("third.geojson", SHEET.replace("box building~ 20,30 60,30 60,50", "box building~ 20,30 60,30 60,42"))
+        self.assertEqual(
+            other["pieces"]["b"]["road"], 1.0
+        )  # where the second road is wider the first painter knows nothing
+        self.painted(
+            "third.geojson", SHEET.replace("box building~ 20,30 60,30 60,50", "box building~ 20,30 60,30 60,42")
+        )
         other = json.loads(self.paint("agree", "painted.geojson", "third.geojson", "."))
         self.assertLess(other["pieces"]["b"]["road"], 0.85)  # the road below the roof's lower part
 
     def test_rendered_labels_lie_where_the_piece_is(self):
         self.painted()
         self.paint("render", "painted.geojson", ".", "-o", "out")
-        image, labels = (numpy.asarray(Image.open(self.root / "out" / kind / "test_b.png")) for kind in ("images", "labels"))
+        image, labels = (
+            numpy.asarray(Image.open(self.root / "out" / kind / "test_b.png")) for kind in ("images", "labels")
+        )
         self.assertEqual(image.shape, labels.shape)
         self.assertEqual(tuple(labels[0, 0]), (0, 0, 0))
         # 10 m to the left of the piece lie in the photo, 20 m above it: the roof's middle is at 50, 60 m there
@@ -141,7 +157,10 @@ class Paint(unittest.TestCase):
         self.assertLess(numpy.abs(image[120, 100].astype(int) - (200, 60, 50)).max(), 20)
 
     def test_shapes_are_cut_at_the_piece(self):
-        self.assertEqual(sorted(pieces.clip_to_square([(-10, 50), (50, 50), (50, 150), (-10, 150)])), [(0, 50), (0, 100), (50, 50), (50, 100)])
+        self.assertEqual(
+            sorted(pieces.clip_to_square([(-10, 50), (50, 50), (50, 150), (-10, 150)])),
+            [(0, 50), (0, 100), (50, 50), (50, 100)],
+        )
 
     def test_without_an_edge_nothing_moves(self):
         edges = snap.Edges(numpy.full((260, 260, 3), 90.0), GSD, 30)

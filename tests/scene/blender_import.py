@@ -28,7 +28,7 @@ def corners_of(thing):
 
 
 def main():
-    glb, out = sys.argv[sys.argv.index("--") + 1:]
+    glb, out = sys.argv[sys.argv.index("--") + 1 :]
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=glb, merge_vertices=False)
     objects, triangles, lows, highs, used = collections.Counter(), collections.Counter(), [], [], set()
@@ -43,8 +43,14 @@ def main():
         highs.append(corners.max(axis=0))
         used.update(slot.material.name for slot in thing.material_slots)
     pictures = [list(image.size) for image in bpy.data.images if image.type == "IMAGE"]
-    result = {"objects": objects, "triangles": triangles, "pictures": sorted(pictures), "materials": len(used),
-              "low": numpy.min(lows, axis=0).tolist(), "high": numpy.max(highs, axis=0).tolist()}
+    result = {
+        "objects": objects,
+        "triangles": triangles,
+        "pictures": sorted(pictures),
+        "materials": len(used),
+        "low": numpy.min(lows, axis=0).tolist(),
+        "high": numpy.max(highs, axis=0).tolist(),
+    }
     with open(out, "w") as file:
         json.dump(result, file)
 

@@ -26,15 +26,19 @@ COMPONENT_BYTES = {5121: 1, 5123: 2, 5125: 4, 5126: 4}
 def read_glb(path):
     data = path.read_bytes()
     length = struct.unpack_from("<I", data, 12)[0]
-    return json.loads(data[20:20 + length]), data[28 + length:]
+    return json.loads(data[20 : 20 + length]), data[28 + length :]
 
 
 def matrix_of(node):
     """translation * rotation * scale, 4 x 4."""
     x, y, z, w = node.get("rotation", [0, 0, 0, 1])
-    turn = numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    turn = numpy.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
     matrix = numpy.eye(4)
     matrix[:3, :3] = turn * numpy.array(node.get("scale", [1, 1, 1]))
     matrix[:3, 3] = node.get("translation", [0, 0, 0])
@@ -74,25 +78,51 @@ def expected_of(path):
     for image in gltf["images"]:
         view = gltf["bufferViews"][image["bufferView"]]
         start = view.get("byteOffset", 0)
-        pictures.append(list(Image.open(io.BytesIO(binary[start:start + view["byteLength"]])).size))
+        pictures.append(list(Image.open(io.BytesIO(binary[start : start + view["byteLength"]])).size))
     (x0, y0, z0), (x1, y1, z1) = numpy.min(lows, axis=0), numpy.max(highs, axis=0)
-    return {"objects": objects, "triangles": triangles, "pictures": sorted(pictures), "materials": len(materials),
-            "low": [x0, -z1, y0], "high": [x1, -z0, y1]}
+    return {
+        "objects": objects,
+        "triangles": triangles,
+        "pictures": sorted(pictures),
+        "materials": len(materials),
+        "low": [x0, -z1, y0],
+        "high": [x1, -z0, y1],
+    }
 
 
 def differences(expected, found):
-    lines = [f"{name}: the file has {expected[name]}, Blender {found[name]}"
-             for name in ("objects", "triangles", "pictures", "materials") if expected[name] != found[name]]
+    lines = [
+        f"{name}: the file has {expected[name]}, Blender {found[name]}"
+        for name in ("objects", "triangles", "pictures", "materials")
+        if expected[name] != found[name]
+    ]
     for name in ("low", "high"):
-        if not all(math.isclose(a, b, abs_tol=1e-3) for a, b in zip(expected[name], found[name])):
+        if not all(math.isclose(a, b, abs_tol=1e-3) for a, b in zip(expected[name], found[name], strict=True)):
             lines.append(f"{name} corner: the file has {expected[name]}, Blender {found[name]}")
     return lines
 
 
 def ask_blender(glb, out):
     script = Path(__file__).with_name("blender_import.py")
-    run = subprocess.run(["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python",
-                          script, "--", glb, out], capture_output=True, text=True, env={**os.environ, "HOME": str(out.parent)})
+    run = subprocess.run(
+        [
+            "blender",
+            "-b",
+            "--factory-startup",
+            "-noaudio",
+            "--python-exit-code",
+            "1",
+            "--python",
+            script,
+            "--",
+            glb,
+            out,
+        ],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "HOME": str(out.parent)},
+        check=False,
+    )
     if run.returncode != 0:
         sys.exit(f"Blender failed:\n{run.stdout[-3000:]}\n{run.stderr[-3000:]}")
     return json.loads(out.read_text())
@@ -107,8 +137,13 @@ def without_a_triangle(path, out):
     gltf["accessors"][gltf["meshes"][mesh]["primitives"][0]["indices"]]["count"] -= 3
     text = json.dumps(gltf, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    rest = data[20 + length:]
-    out.write_bytes(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)) + struct.pack("<I4s", len(text), b"JSON") + text + rest)
+    rest = data[20 + length :]
+    out.write_bytes(
+        struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest))
+        + struct.pack("<I4s", len(text), b"JSON")
+        + text
+        + rest
+    )
 
 
 def main():
@@ -119,12 +154,34 @@ def main():
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
     glb = out / "area.glb"
-    subprocess.run([tool, "export", "--network", built / "roads.xodr", "--labels", built / "labels.tif",
-                    "--photo", sources / "ortho.tif", "--dtm", sources / "dtm_1m.tif", "--buildings", sources / "roads.osm",
-                    "--trees", sources / "roads.osm", "--surroundings", sources / "roads.osm", "--glb", glb], check=True)
+    subprocess.run(
+        [
+            tool,
+            "export",
+            "--network",
+            built / "roads.xodr",
+            "--labels",
+            built / "labels.tif",
+            "--photo",
+            sources / "ortho.tif",
+            "--dtm",
+            sources / "dtm_1m.tif",
+            "--buildings",
+            sources / "roads.osm",
+            "--trees",
+            sources / "roads.osm",
+            "--surroundings",
+            sources / "roads.osm",
+            "--glb",
+            glb,
+        ],
+        check=True,
+    )
     expected, found = expected_of(glb), ask_blender(glb, out / "blender.json")
-    print(f"Blender has {sum(found['objects'].values())} objects, {sum(found['triangles'].values())} triangles, "
-          f"{len(found['pictures'])} pictures: {found['objects']}")
+    print(
+        f"Blender has {sum(found['objects'].values())} objects, {sum(found['triangles'].values())} triangles, "
+        f"{len(found['pictures'])} pictures: {found['objects']}"
+    )
     problems = differences(expected, found)
     # The test can fail.
     broken = out / "broken.glb"

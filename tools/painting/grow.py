@@ -3,6 +3,7 @@
 
 Meant for what has no sharp outline (lawn, bare trees, trodden soil); roads and buildings are drawn as polygons.
 """
+
 import numpy
 from osgeo import gdal, ogr
 from scipy import ndimage
@@ -22,7 +23,10 @@ def features(rgb, gsd_m):
     """Per pixel: brightness and two colour differences at two scales, roughness at two scales, each over its spread."""
     light = rgb.mean(axis=2)
     green_red, green_blue = rgb[:, :, 1] - rgb[:, :, 0], rgb[:, :, 1] - rgb[:, :, 2]
-    blur = lambda a, metres: ndimage.gaussian_filter(a, metres / gsd_m)
+
+    def blur(a, metres):
+        return ndimage.gaussian_filter(a, metres / gsd_m)
+
     light_log = numpy.log(light + 12.0)
     planes = []
     for plane, weight in ((light_log, 1.0), (green_red, 1.0), (green_blue, 1.0)):
@@ -38,7 +42,7 @@ def grow(rgb, gsd_m, seeds, margin_px, taken):
     of the nearest pixel outside, because nobody sees it."""
     f = features(rgb, gsd_m)
     height, width = taken.shape
-    f = f[margin_px:margin_px + height, margin_px:margin_px + width]
+    f = f[margin_px : margin_px + height, margin_px : margin_px + width]
     rows, columns = numpy.mgrid[0:height, 0:width].astype(numpy.float32)
     f = numpy.dstack([f, columns * gsd_m / PLACE_M, rows * gsd_m / PLACE_M])
     samples, labels = [], []
@@ -49,13 +53,15 @@ def grow(rgb, gsd_m, seeds, margin_px, taken):
         labels.append(numpy.full(int(disc.sum()), CLASSES.index(label)))
     samples, labels = numpy.concatenate(samples), numpy.concatenate(labels)
     step = max(1, round(ASK_EVERY_M / gsd_m))
-    asked = f[step // 2::step, step // 2::step]
+    asked = f[step // 2 :: step, step // 2 :: step]
     _, nearest = cKDTree(samples).query(asked.reshape(-1, f.shape[2]), k=min(7, len(samples)), workers=1)
     votes = labels[nearest].reshape(*asked.shape[:2], -1)
     votes = votes[numpy.minimum(numpy.arange(height) // step, len(votes) - 1)]
     votes = votes[:, numpy.minimum(numpy.arange(width) // step, votes.shape[1] - 1)]
-    share = [ndimage.gaussian_filter(((votes == c).mean(axis=2) * ~taken).astype(numpy.float32), SMOOTH_M / gsd_m)
-             for c in range(len(CLASSES))]
+    share = [
+        ndimage.gaussian_filter(((votes == c).mean(axis=2) * ~taken).astype(numpy.float32), SMOOTH_M / gsd_m)
+        for c in range(len(CLASSES))
+    ]
     grown = numpy.argmax(numpy.stack(share), axis=0).astype(numpy.uint8)
     if taken.any() and not taken.all():
         at = ndimage.distance_transform_edt(taken, return_distances=False, return_indices=True)

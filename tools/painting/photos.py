@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Photos as arrays; a piece is cut out with what lies around it."""
+
 import os
 
 import numpy
@@ -27,5 +28,10 @@ def cut(photo, x_px, y_px, width_px, height_px):
 
 def piece_photo(photo, piece, gsd_m, size_m, margin_px=0):
     n = round(size_m / gsd_m)
-    return cut(photo, round(piece.x_m / gsd_m) - margin_px, round(piece.y_m / gsd_m) - margin_px,
-               n + 2 * margin_px, n + 2 * margin_px)
+    return cut(
+        photo,
+        round(piece.x_m / gsd_m) - margin_px,
+        round(piece.y_m / gsd_m) - margin_px,
+        n + 2 * margin_px,
+        n + 2 * margin_px,
+    )

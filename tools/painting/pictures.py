@@ -1,14 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures for the painter: a piece with a grid in metres, and what was painted over it."""
+
 import numpy
 from PIL import Image, ImageDraw
 
 from painting.sheet import CLASSES
 
-COLORS = numpy.array([(192, 163, 19), (76, 76, 76), (19, 163, 192), (230, 23, 23), (28, 115, 11), (115, 230, 92),
-                      (19, 62, 192), (153, 84, 15), (255, 0, 255)], dtype=numpy.float32)  # those of the class table
-EDGE_COLORS = [(255, 220, 0), (255, 255, 255), (0, 255, 255), (255, 40, 40), (0, 140, 0), (150, 255, 120),
-               (60, 110, 255), (255, 140, 30), (255, 0, 255)]
+COLORS = numpy.array(
+    [
+        (192, 163, 19),
+        (76, 76, 76),
+        (19, 163, 192),
+        (230, 23, 23),
+        (28, 115, 11),
+        (115, 230, 92),
+        (19, 62, 192),
+        (153, 84, 15),
+        (255, 0, 255),
+    ],
+    dtype=numpy.float32,
+)  # those of the class table
+EDGE_COLORS = [
+    (255, 220, 0),
+    (255, 255, 255),
+    (0, 255, 255),
+    (255, 40, 40),
+    (0, 140, 0),
+    (150, 255, 120),
+    (60, 110, 255),
+    (255, 140, 30),
+    (255, 0, 255),
+]
 RULER_PX = 34
 
 

@@ -5,6 +5,7 @@ GeoJSON features have `piece`, `class`, `photo` and `held_out`; later ones cover
 the photo (x to the right, y down; the file says `"coordinates": "pixels"` and `gsd_m`), or longitude and latitude when
 the photo has a position.
 """
+
 import json
 import math
 
@@ -43,7 +44,7 @@ def compose(piece, photo, gsd_m):
     if piece.seeds:
         under = grow.outlines(grow.grow(rgb, gsd_m, piece.seeds, MARGIN_PX, taken), gsd_m)
         square = [(0.0, 0.0), (SIZE_M, 0.0), (SIZE_M, SIZE_M), (0.0, SIZE_M)]
-        under = [(under[0][0] if under else "unknown", square)] + under
+        under = [(under[0][0] if under else "unknown", square), *under]
     elif not taken.all():
         faults.append(f"{piece.name}: {100 * (1 - taken.mean()):.1f} % is not painted")
     return under + drawn, faults
@@ -68,13 +69,14 @@ def crosses_itself(ring):
 def clip_to_square(ring):
     """Sutherland-Hodgman against the piece."""
     for axis, limit, keep_less in ((0, 0.0, False), (0, SIZE_M, True), (1, 0.0, False), (1, SIZE_M, True)):
-        inside = lambda p: p[axis] <= limit if keep_less else p[axis] >= limit
+        inside = [p[axis] <= limit if keep_less else p[axis] >= limit for p in ring]
         result = []
-        for p, q in zip(ring[-1:] + ring[:-1], ring):
-            if inside(p) != inside(q):
+        for i, q in enumerate(ring):
+            p = ring[i - 1]
+            if inside[i - 1] != inside[i]:
                 t = (limit - p[axis]) / (q[axis] - p[axis])
                 result.append(tuple(p[k] + t * (q[k] - p[k]) for k in (0, 1)))
-            if inside(q):
+            if inside[i]:
                 result.append(q)
         ring = result
         if not ring:
@@ -92,7 +94,7 @@ def draw(coats, size_px):
     pen = ImageDraw.Draw(image)
     for label, ring in coats:
         pen.polygon([(x * FINER - 0.5, y * FINER - 0.5) for x, y in ring], fill=CLASSES.index(label))
-    return numpy.asarray(image)[FINER // 2::FINER, FINER // 2::FINER].copy()
+    return numpy.asarray(image)[FINER // 2 :: FINER, FINER // 2 :: FINER].copy()
 
 
 def write_geojson(path, name, pieces, photo_of, gsd_m, lonlat):
@@ -112,8 +114,11 @@ def write_geojson(path, name, pieces, photo_of, gsd_m, lonlat):
             properties = {"piece": piece.name, "class": label, "photo": piece.photo}
             if piece.held_out:
                 properties["held_out"] = True
-            feature = {"type": "Feature", "properties": properties,
-                       "geometry": {"type": "Polygon", "coordinates": [points + points[:1]]}}
+            feature = {
+                "type": "Feature",
+                "properties": properties,
+                "geometry": {"type": "Polygon", "coordinates": [points + points[:1]]},
+            }
             lines.append(json.dumps(feature, separators=(",", ":")))
     head = {"type": "FeatureCollection", "name": name}
     if not lonlat:
@@ -152,7 +157,9 @@ def read_geojson(path, photo_of):
         ring = [tuple(c) for c in feature["geometry"]["coordinates"][0][:-1]]
         if data.get("coordinates") != "pixels":
             inverse = gdal.InvGeoTransform(photo_of(p["photo"]).GetGeoTransform())
-            ring = [(inverse[0] + x * inverse[1] + y * inverse[2], inverse[3] + x * inverse[4] + y * inverse[5])
-                    for x, y in ring]
+            ring = [
+                (inverse[0] + x * inverse[1] + y * inverse[2], inverse[3] + x * inverse[4] + y * inverse[5])
+                for x, y in ring
+            ]
         piece.coats.append((p["class"], ring))
     return pieces, data["gsd_m"]

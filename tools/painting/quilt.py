@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Textures quilted out of painted photos: Efros and Freeman, Image quilting for texture synthesis and transfer, 2001.
 
-A texture is the detail of a class without its colour: each source patch is divided by its own mean, so that a tile holds 128 where it is as
-bright as the patch around it. Tiles go on at their edges: patches at the last column and row fit the first ones, too. Where the paper takes
-one of the patches within a tolerance of the least error, one of the best sixteenth is taken: smooth patches fit each other best, and a tile
-would fill with one of them.
+A texture is the detail of a class without its colour: each source patch is divided by its own mean, so that a tile
+holds 128 where it is as bright as the patch around it. Tiles go on at their edges: patches at the last column and row
+fit the first ones, too. Where the paper takes one of the patches within a tolerance of the least error, one of the best
+sixteenth is taken: smooth patches fit each other best, and a tile would fill with one of them.
 """
+
 import numpy
 
 OVERLAP_SHARE = 0.25
@@ -14,7 +15,7 @@ CALM_SHARE = 0.95
 
 
 def detail_patches(pictures, label, patch_px, most, random):
-    """Patches that show one class alone, N x patch x patch x 3, values around 1. `pictures`: pairs of photo and labels."""
+    """Patches that show one class alone, N x patch x patch x 3, around 1. `pictures`: pairs of photo and labels."""
     found = []
     for rgb, labels in pictures:
         is_class = labels == label
@@ -26,7 +27,7 @@ def detail_patches(pictures, label, patch_px, most, random):
         whole = table[n:, n:] - table[:-n, n:] - table[n:, :-n] + table[:-n, :-n] == n * n
         rows, cols = numpy.nonzero(whole)
         for i in random.permutation(len(rows))[:most]:
-            patch = rgb[rows[i]:rows[i] + n, cols[i]:cols[i] + n] + 1.0
+            patch = rgb[rows[i] : rows[i] + n, cols[i] : cols[i] + n] + 1.0
             found.append(numpy.rot90(patch / patch.mean(axis=(0, 1)), random.integers(4)))
     if not found:
         return numpy.zeros((0, patch_px, patch_px, 3))
@@ -44,7 +45,7 @@ def cut(error):
     path = [int(cost[-1].argmin())]
     for row in range(len(cost) - 2, -1, -1):
         first = max(0, path[-1] - 1)
-        path.append(first + int(cost[row, first:path[-1] + 2].argmin()))
+        path.append(first + int(cost[row, first : path[-1] + 2].argmin()))
     return numpy.array(path[::-1])
 
 
@@ -53,8 +54,12 @@ def taken_pixels(error, overlap, filled):
     n = len(error)
     taken = numpy.ones((n, n), bool)
     columns, middle = numpy.arange(overlap), n // 2
-    strips = ((filled[middle, 0], error, taken), (filled[middle, -1], error[:, ::-1], taken[:, ::-1]),
-              (filled[0, middle], error.T, taken.T), (filled[-1, middle], error[::-1].T, taken[::-1].T))
+    strips = (
+        (filled[middle, 0], error, taken),
+        (filled[middle, -1], error[:, ::-1], taken[:, ::-1]),
+        (filled[0, middle], error.T, taken.T),
+        (filled[-1, middle], error[::-1].T, taken[::-1].T),
+    )
     for is_filled, of_error, of_taken in strips:  # left, right, top, bottom: views of one array
         if is_filled:
             of_taken[:, :overlap] &= columns[None, :] >= cut(of_error[:, :overlap])[:, None]
@@ -73,7 +78,7 @@ def quilt(patches, tiles, random):
             at = numpy.ix_((numpy.arange(n) + row * step) % size, (numpy.arange(n) + col * step) % size)
             there, known = canvas[at], filled[at]
             errors = (((patches - there) ** 2).sum(axis=3) * known).sum(axis=(1, 2))
-            best = numpy.argsort(errors, kind="stable")[:max(1, int(BEST_SHARE * len(patches)))]
+            best = numpy.argsort(errors, kind="stable")[: max(1, int(BEST_SHARE * len(patches)))]
             patch = patches[best[random.integers(len(best))]]
             taken = taken_pixels(((patch - there) ** 2).sum(axis=2), overlap, known) | ~known
             there[taken] = patch[taken]

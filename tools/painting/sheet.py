@@ -11,6 +11,7 @@
 Later lines cover earlier ones. A class with ~ behind it is left where it was drawn, others are drawn to the edges in
 the photo (snap.py). A # begins a comment.
 """
+
 import math
 from dataclasses import dataclass, field
 
@@ -56,7 +57,7 @@ def read_sheets(files):
                     else:
                         _read_line(piece, words)
                 except (ValueError, IndexError, AttributeError) as error:
-                    raise SystemExit(f"{file}:{number}: {line.strip()[:80]}: {error}")
+                    raise SystemExit(f"{file}:{number}: {line.strip()[:80]}: {error}") from error
     return pieces
 
 
@@ -124,5 +125,7 @@ def _stroke(points, width):
 
 
 def _disc(center, radius):
-    return [(center[0] + radius * math.cos(k * math.pi / 8), center[1] + radius * math.sin(k * math.pi / 8))
-            for k in range(16)]
+    return [
+        (center[0] + radius * math.cos(k * math.pi / 8), center[1] + radius * math.sin(k * math.pi / 8))
+        for k in range(16)
+    ]

@@ -4,6 +4,7 @@
 Each side longer than `min_side_m` is moved along its normal to where the brightness changes most along the whole side,
 at most `reach_m` away; the corners are where neighbouring sides meet. A side on the border of the piece stays.
 """
+
 import math
 
 import numpy
@@ -23,7 +24,10 @@ class Edges:
 
     def across(self, x_m, y_m, nx, ny):
         """Change of colour along the normal, at points in metres of the piece (arrays)."""
-        at = [numpy.asarray(y_m) / self.gsd_m + self.margin_px - 0.5, numpy.asarray(x_m) / self.gsd_m + self.margin_px - 0.5]
+        at = [
+            numpy.asarray(y_m) / self.gsd_m + self.margin_px - 0.5,
+            numpy.asarray(x_m) / self.gsd_m + self.margin_px - 0.5,
+        ]
         total = 0.0
         for band in range(3):
             gx = ndimage.map_coordinates(self.dx[:, :, band], at, order=1, mode="nearest")
@@ -72,8 +76,8 @@ def _best_shift(edges, a, b, normal, length, reach_m):
 def _corner(before, after, old, reach_m, size_m):
     if before is None or after is None:
         return old
-    ax, ay, bx, by, s0 = before
-    cx, cy, dx, dy, s1 = after
+    ax, ay, bx, by, _ = before
+    cx, cy, dx, dy, _ = after
     cross = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
     lengths = math.hypot(bx - ax, by - ay) * math.hypot(dx - cx, dy - cy)
     if abs(cross) > 0.25 * lengths:

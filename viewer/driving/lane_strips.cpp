@@ -36,6 +36,7 @@ class StripWriter {
   void add_side(const Road& road, const LaneSection& section, double end, const std::vector<Lane>& lanes, double side) {
     const std::vector<double> s = places(road, section.s, end);
     std::vector<double> inner;
+    inner.reserve(s.size());
     for (const double at : s) inner.push_back(roadquery::evaluate(road.lane_offset, at));
     for (const Lane& lane : lanes) {
       std::vector<double> outer = inner;

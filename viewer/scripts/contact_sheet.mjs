@@ -10,7 +10,9 @@ import {join} from 'node:path';
 import {readLap, sceneShot} from '../test/page_helpers.mjs';
 import {openBrowser, serveSite} from '../test/serve_and_open.mjs';
 
-const columns = 4, width = 400, height = 250;
+const columns = 4,
+  width = 400,
+  height = 250;
 
 const [siteDir, tool, sheet, countText = '20'] = process.argv.slice(2);
 const count = Number(countText);
@@ -19,7 +21,8 @@ if (!sheet || !(count > 0)) {
   process.exit(2);
 }
 const times = readLap(siteDir, ['t_s']).flat();
-const first = times[0], last = times[times.length - 1];
+const first = times[0],
+  last = times[times.length - 1];
 const folder = sheet.replace(/\.jpg$/, '');
 mkdirSync(folder, {recursive: true});
 
@@ -37,7 +40,9 @@ try {
     await page.evaluate((t) => window.orthodrive.setTime(t), t_s);
     const png = await sceneShot(page);
     writeFileSync(join(folder, `t${t_s.toFixed(0).padStart(4, '0')}.png`), png);
-    cells.push(`<figure><img src="data:image/png;base64,${png.toString('base64')}"><figcaption>${t_s.toFixed(0)} s</figcaption></figure>`);
+    cells.push(
+      `<figure><img src="data:image/png;base64,${png.toString('base64')}"><figcaption>${t_s.toFixed(0)} s</figcaption></figure>`,
+    );
   }
   const style = `body { margin: 0; display: grid; grid-template-columns: repeat(${columns}, ${width}px); background: white }
     figure { margin: 0; position: relative } img { width: ${width}px; height: ${height}px; display: block }

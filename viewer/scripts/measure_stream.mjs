@@ -17,7 +17,11 @@ if (!tool) {
   process.exit(2);
 }
 const given = Object.fromEntries(words.map((word) => word.split('=')));
-const [length_m, speed_mps, step_s] = [['length', 10_000], ['speed', 50], ['step', 0]].map(([name, usual]) => Number(given[name] ?? usual));
+const [length_m, speed_mps, step_s] = [
+  ['length', 10_000],
+  ['speed', 50],
+  ['step', 0],
+].map(([name, usual]) => Number(given[name] ?? usual));
 const camera = given.camera ?? 'driver';
 
 /** Drawn with fewer pixels, because the processor draws them; tiles are chosen by the size of the page as ever. */
@@ -29,12 +33,19 @@ function processorSeconds() {
   const processes = new Map();
   for (const pid of readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
     try {
-      const fields = readFileSync(`/proc/${pid}/stat`, 'utf8').replace(/^.*\) /s, '').split(' ');
-      processes.set(Number(pid), {parent: Number(fields[1]), seconds: (Number(fields[11]) + Number(fields[12])) / ticks});
+      const fields = readFileSync(`/proc/${pid}/stat`, 'utf8')
+        .replace(/^.*\) /s, '')
+        .split(' ');
+      processes.set(Number(pid), {
+        parent: Number(fields[1]),
+        seconds: (Number(fields[11]) + Number(fields[12])) / ticks,
+      });
     } catch {} // it has ended meanwhile
   }
   const isBelow = (pid) => pid === process.pid || (processes.has(pid) && isBelow(processes.get(pid).parent));
-  return [...processes].filter(([pid]) => pid !== process.pid && isBelow(pid)).reduce((sum, [, {seconds}]) => sum + seconds, 0);
+  return [...processes]
+    .filter(([pid]) => pid !== process.pid && isBelow(pid))
+    .reduce((sum, [, {seconds}]) => sum + seconds, 0);
 }
 
 /** A browser that knows nothing yet, with the site open. `watch` runs in the page from its beginning. */
@@ -60,7 +71,8 @@ async function withPage(query, {watch, note = () => {}, pixels = 1}, work) {
 
 /** Seconds from the navigation. `first`: tiles cover all that is seen; `road`: level 0 under the car; `whole`: nothing more is to come. */
 function watchFirst() {
-  const times = (window.streamTimes = {});
+  const times = {};
+  window.streamTimes = times;
   const look = () => {
     const {orthodrive} = window;
     const note = (name, is) => {
@@ -74,7 +86,8 @@ function watchFirst() {
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // waits until the picture is drawn
       note('first', true);
     }
-    if (times.first && !times.road && orthodrive.car) { // the car may come after the first picture
+    if (times.first && !times.road && orthodrive.car) {
+      // the car may come after the first picture
       const {x_m, y_m, z_m} = orthodrive.car;
       note('road', orthodrive.roadNear(x_m, y_m, z_m)?.error_m === 0);
     }
@@ -90,14 +103,28 @@ async function measureFirst(query) {
   return withPage(query, {watch: watchFirst, note: (name) => (used[name] = processorSeconds())}, async (page) => {
     await page.waitForFunction(() => window.streamTimes?.whole, null, {timeout: 300_000});
     const {times, requests, held} = await page.evaluate(() => ({
-      times: window.streamTimes, held: window.orthodrive.held.length,
-      requests: performance.getEntriesByType('resource').map(({name, startTime, responseEnd, encodedBodySize}) =>
-        [name.split('/').slice(3).join('/'), Math.round(startTime), Math.round(responseEnd), encodedBodySize]),
+      times: window.streamTimes,
+      held: window.orthodrive.held.length,
+      requests: performance
+        .getEntriesByType('resource')
+        .map(({name, startTime, responseEnd, encodedBodySize}) => [
+          name.split('/').slice(3).join('/'),
+          Math.round(startTime),
+          Math.round(responseEnd),
+          encodedBodySize,
+        ]),
     }));
     if (given.requests) requests.forEach((request) => console.error(request.join(' ')));
     return {
-      script_s: times.script, first_s: times.first, road_s: times.road, whole_s: times.whole, tiles: held,
-      script_processor_s: since('script'), first_processor_s: since('first'), road_processor_s: since('road'), whole_processor_s: since('whole'),
+      script_s: times.script,
+      first_s: times.first,
+      road_s: times.road,
+      whole_s: times.whole,
+      tiles: held,
+      script_processor_s: since('script'),
+      first_processor_s: since('first'),
+      road_processor_s: since('road'),
+      whole_processor_s: since('whole'),
     };
   });
 }
@@ -110,9 +137,15 @@ async function pictureAt({t_s, places}) {
   while (orthodrive.frame === before) await new Promise(requestAnimationFrame);
   const inPicture = ([x, , ahead]) => Math.abs(x) <= 1 && ahead > -1 && ahead < 1;
   return {
-    held: orthodrive.held, drawn: orthodrive.drawn, visible: orthodrive.tilesVisible, failures: orthodrive.failures,
-    roads: places.map(({x_m, y_m, z_m}) => inPicture(orthodrive.pictured(x_m, y_m, z_m)) ? orthodrive.roadNear(x_m, y_m, z_m) ?? null : undefined)
-      .map((road) => road === undefined ? 'unseen' : road),
+    held: orthodrive.held,
+    drawn: orthodrive.drawn,
+    visible: orthodrive.tilesVisible,
+    failures: orthodrive.failures,
+    roads: places
+      .map(({x_m, y_m, z_m}) =>
+        inPicture(orthodrive.pictured(x_m, y_m, z_m)) ? (orthodrive.roadNear(x_m, y_m, z_m) ?? null) : undefined,
+      )
+      .map((road) => (road === undefined ? 'unseen' : road)),
   };
 }
 
@@ -123,15 +156,23 @@ async function measureDrive(places) {
     await page.waitForFunction(() => window.orthodrive?.ready, null, {timeout: 300_000});
     const pictures = [];
     const start = performance.now();
-    for (let s_m = 0; s_m < Math.min(length_m, places[places.length - 1].s_m);) {
+    for (let s_m = 0; s_m < Math.min(length_m, places[places.length - 1].s_m); ) {
       const t_s = step_s ? (pictures.length + 1) * step_s : (performance.now() - start) / 1000;
       s_m = Math.min(length_m, places[places.length - 1].s_m, speed_mps * t_s);
       const ahead = indicesAhead(s_m, grid.length);
-      const {held, drawn, visible, failures, roads} = await page.evaluate(pictureAt, {t_s: placeAt(places, s_m).t_s, places: ahead.map((i) => grid[i])});
+      const {held, drawn, visible, failures, roads} = await page.evaluate(pictureAt, {
+        t_s: placeAt(places, s_m).t_s,
+        places: ahead.map((i) => grid[i]),
+      });
       if (failures.length > 0) throw new Error(failures[0]);
       const seen = ahead.map((i, k) => [i, roads[k]]).filter(([, road]) => road !== 'unseen');
       pictures.push({
-        t_s, s_m, drawn, visible, held: heldBytes(held, fileBytes), places: seen.length,
+        t_s,
+        s_m,
+        drawn,
+        visible,
+        held: heldBytes(held, fileBytes),
+        places: seen.length,
         holes: seen.filter(([i, road]) => isHole(grid[i], road)).map(([i]) => i),
         coarse: seen.filter(([, road]) => road?.error_m > 0).map(([i]) => i),
       });
@@ -144,6 +185,7 @@ async function measureDrive(places) {
 const {origin} = JSON.parse(readFileSync(join(siteDir, 'scene/tileset.json'), 'utf8')).asset.extras.orthodrive;
 const places = lapPlaces(readLap(siteDir, ['t_s', 's_m', 'x_m', 'y_m', 'z_m']), origin);
 const result = {first: {}};
-for (const mode of given.first === '0' ? [] : ['fly', camera]) result.first[mode] = await measureFirst(`?camera=${mode}&t=0&play=0`);
+for (const mode of given.first === '0' ? [] : ['fly', camera])
+  result.first[mode] = await measureFirst(`?camera=${mode}&t=0&play=0`);
 if (length_m > 0) result.drive = await measureDrive(places);
 console.log(JSON.stringify(result, null, 1));

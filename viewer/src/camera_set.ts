@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // All cameras, and which of them is looked through.
 
-import {PerspectiveCamera, Sphere, Vector3} from 'three';
-
+import {type PerspectiveCamera, type Sphere, Vector3} from 'three';
+import {
+  type CameraMode,
+  DriverCamera,
+  FlyCamera,
+  FollowCamera,
+  isAtCar,
+  OrbitCamera,
+  sight_m,
+  type View,
+} from './cameras';
 import type {Car} from './car';
-import {CameraMode, DriverCamera, FlyCamera, FollowCamera, isAtCar, OrbitCamera, sight_m, View} from './cameras';
 import type {CarState} from './lap';
 
 /** Around which the sun's shadows are drawn. */
@@ -57,13 +65,19 @@ export class CameraSet {
     const names = Object.keys(this.modes) as CameraMode[];
     return names[(names.indexOf(this.chosen) + 1) % names.length];
   }
+  // biome-ignore lint/suspicious/useGetterReturn: tsc sees that every mode has its case.
   get active(): PerspectiveCamera {
     switch (this.chosen) {
-      case 'fly': return this.fly.camera;
-      case 'top': return this.top.camera;
-      case 'follow': return this.follow.camera;
-      case 'orbit': return this.orbit!.camera;
-      case 'driver': return this.driver!.camera;
+      case 'fly':
+        return this.fly.camera;
+      case 'top':
+        return this.top.camera;
+      case 'follow':
+        return this.follow.camera;
+      case 'orbit':
+        return this.orbit!.camera;
+      case 'driver':
+        return this.driver!.camera;
     }
   }
   get atCar(): boolean {
@@ -78,7 +92,13 @@ export class CameraSet {
   }
 
   resize(aspect: number): void {
-    for (const camera of [this.fly.camera, this.top.camera, this.follow.camera, this.orbit?.camera, this.driver?.camera]) {
+    for (const camera of [
+      this.fly.camera,
+      this.top.camera,
+      this.follow.camera,
+      this.orbit?.camera,
+      this.driver?.camera,
+    ]) {
       if (!camera) continue;
       camera.aspect = aspect;
       camera.updateProjectionMatrix();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cameras: fly over the map, look straight down, follow the car, go around it, and sit in it.
 
-import {Object3D, PerspectiveCamera, Sphere, Vector3} from 'three';
+import {type Object3D, PerspectiveCamera, type Sphere, Vector3} from 'three';
 import {MapControls} from 'three/addons/controls/MapControls.js';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 
@@ -24,7 +24,12 @@ export interface View {
 export const sight_m = 3600;
 
 const keyDirections: Record<string, [number, number, number]> = {
-  KeyW: [0, 1, 0], KeyS: [0, -1, 0], KeyA: [-1, 0, 0], KeyD: [1, 0, 0], KeyQ: [0, 0, -1], KeyE: [0, 0, 1],
+  KeyW: [0, 1, 0],
+  KeyS: [0, -1, 0],
+  KeyA: [-1, 0, 0],
+  KeyD: [1, 0, 0],
+  KeyQ: [0, 0, -1],
+  KeyE: [0, 0, 1],
 };
 
 /** Map controls (left drag moves, right drag turns, wheel zooms) and W A S D Q E. */
@@ -35,7 +40,10 @@ export class FlyCamera {
   private readonly pressed = new Set<string>();
 
   /** `straightDown`: north is up and the view does not turn. */
-  constructor(element: HTMLElement, private readonly straightDown = false) {
+  constructor(
+    element: HTMLElement,
+    private readonly straightDown = false,
+  ) {
     this.camera.up.set(0, straightDown ? 1 : 0, straightDown ? 0 : 1);
     this.controls = new MapControls(this.camera, element);
     this.controls.zoomToCursor = true;
@@ -81,14 +89,19 @@ export class FlyCamera {
   /** Returns true while a key moves the camera. */
   update(elapsed_s: number): boolean {
     if (this.pressed.size === 0 || !this.controls.enabled) return false;
-    const ahead = this.straightDown ? new Vector3(0, 1, 0) : new Vector3().subVectors(this.controls.target, this.camera.position);
+    const ahead = this.straightDown
+      ? new Vector3(0, 1, 0)
+      : new Vector3().subVectors(this.controls.target, this.camera.position);
     const speed_mps = Math.max(15, 0.6 * this.camera.position.distanceTo(this.controls.target));
     ahead.setZ(0).normalize();
     const right = new Vector3(ahead.y, -ahead.x, 0);
     const move = new Vector3();
     for (const key of this.pressed) {
       const [x, y, z] = keyDirections[key];
-      move.addScaledVector(right, x).addScaledVector(ahead, y).add(new Vector3(0, 0, z));
+      move
+        .addScaledVector(right, x)
+        .addScaledVector(ahead, y)
+        .add(new Vector3(0, 0, z));
     }
     move.multiplyScalar(speed_mps * elapsed_s);
     this.camera.position.add(move);

@@ -2,9 +2,19 @@
 // The driven car where the lap says: its wheels turn, steer and follow the road. Its frame: x ahead, y left, z up, origin
 // on the road under the middle of the wheelbase.
 
-import {Group, Material, Mesh, MeshBasicMaterial, Object3D, PlaneGeometry, Sprite, SpriteMaterial, Texture} from 'three';
+import {
+  Group,
+  type Material,
+  Mesh,
+  MeshBasicMaterial,
+  type Object3D,
+  PlaneGeometry,
+  Sprite,
+  SpriteMaterial,
+  type Texture,
+} from 'three';
 
-import {CarMaterials, carMaterials} from './car_materials';
+import {type CarMaterials, carMaterials} from './car_materials';
 import {bodyParts, cabinParts, cockpit} from './car_parts';
 import type {CarState} from './lap';
 import {merged} from './merged';
@@ -37,19 +47,30 @@ export class Car {
   private readonly materials: CarMaterials;
   private readonly steeringWheel: Object3D;
 
-  constructor(private readonly shape: VehicleShape, colors: {paint: number; dot: string} = {paint: 0x9a120c, dot: '#e23b2e'}) {
+  constructor(
+    private readonly shape: VehicleShape,
+    colors: {paint: number; dot: string} = {paint: 0x9a120c, dot: '#e23b2e'},
+  ) {
     const {length_m, width_m, height_m, wheelbase_m, rearOverhang_m} = shape;
     this.materials = carMaterials(colors.paint);
     this.eye_m = [0.015 * wheelbase_m, 0.2 * width_m, 0.83 * height_m];
     const {parts, column, wheel} = cockpit(shape, this.eye_m, this.materials);
     this.steeringWheel = wheel;
-    this.object.add(...merged([...bodyParts(shape, this.materials), ...cabinParts(shape, this.materials), ...parts]), column, this.patch);
+    this.object.add(
+      ...merged([...bodyParts(shape, this.materials), ...cabinParts(shape, this.materials), ...parts]),
+      column,
+      this.patch,
+    );
     this.patch.scale.set(1.2 * length_m, 1.5 * width_m, 1);
     this.patch.position.x = 0.5 * length_m - 0.5 * wheelbase_m - rearOverhang_m;
     this.wheels = this.makeWheels();
     this.object.rotation.order = 'ZYX'; // heading about up, then pitch about left, then roll about ahead
-    this.object.traverse((part) => (part.castShadow = part !== this.patch && (part as Mesh).material !== this.materials.glass));
-    this.marker = new Sprite(new SpriteMaterial({map: dotTexture(colors.dot), sizeAttenuation: false, depthTest: false, fog: false}));
+    this.object.traverse(
+      (part) => (part.castShadow = part !== this.patch && (part as Mesh).material !== this.materials.glass),
+    );
+    this.marker = new Sprite(
+      new SpriteMaterial({map: dotTexture(colors.dot), sizeAttenuation: false, depthTest: false, fog: false}),
+    );
     this.marker.scale.setScalar(0.028);
     this.marker.renderOrder = 2;
   }
@@ -67,7 +88,7 @@ export class Car {
       const road_m = state[wheel.height] ?? plane_m;
       const travel_m = Math.max(-maxTravel_m, Math.min(maxTravel_m, road_m - plane_m));
       wheel.holder.position.z = this.shape.wheelRadius_m + travel_m;
-      wheel.holder.rotation.z = wheel.isFront ? state.steering_rad ?? 0 : 0;
+      wheel.holder.rotation.z = wheel.isFront ? (state.steering_rad ?? 0) : 0;
       wheel.spinning.rotation.y = state.s_m / this.shape.wheelRadius_m;
     }
     this.steeringWheel.rotation.x = -steeringRatio * (state.steering_rad ?? 0);
@@ -82,7 +103,9 @@ export class Car {
     for (const isFront of [true, false])
       for (const isLeft of [true, false]) {
         const wheel: Wheel = {
-          holder: new Group(), spinning: makeWheel(wheelRadius_m, materials), isFront,
+          holder: new Group(),
+          spinning: makeWheel(wheelRadius_m, materials),
+          isFront,
           x_m: (isFront ? 0.5 : -0.5) * wheelbase_m,
           y_m: (isLeft ? 0.5 : -0.5) * (isFront ? frontTrack_m : rearTrack_m),
           height: `z_${isFront ? 'f' : 'r'}${isLeft ? 'l' : 'r'}_m`,
@@ -109,14 +132,30 @@ export function makeGhost(shape: VehicleShape): Car {
 }
 
 function shadow(): Mesh {
-  const texture = radialTexture([[0, 'rgba(0,0,0,0.75)'], [0.55, 'rgba(0,0,0,0.55)'], [1, 'rgba(0,0,0,0)']]);
-  const material = new MeshBasicMaterial({map: texture, transparent: true, depthWrite: false, polygonOffset: true,
-                                          polygonOffsetFactor: -4, polygonOffsetUnits: -4});
+  const texture = radialTexture([
+    [0, 'rgba(0,0,0,0.75)'],
+    [0.55, 'rgba(0,0,0,0.55)'],
+    [1, 'rgba(0,0,0,0)'],
+  ]);
+  const material = new MeshBasicMaterial({
+    map: texture,
+    transparent: true,
+    depthWrite: false,
+    polygonOffset: true,
+    polygonOffsetFactor: -4,
+    polygonOffsetUnits: -4,
+  });
   const patch = new Mesh(new PlaneGeometry(1, 1), material);
   patch.position.z = 0.04;
   return patch;
 }
 
 function dotTexture(color: string): Texture {
-  return radialTexture([[0, color], [0.6, color], [0.66, '#fff'], [0.9, '#fff'], [1, 'rgba(255,255,255,0)']]);
+  return radialTexture([
+    [0, color],
+    [0.6, color],
+    [0.66, '#fff'],
+    [0.9, '#fff'],
+    [1, 'rgba(255,255,255,0)'],
+  ]);
 }

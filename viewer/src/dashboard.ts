@@ -29,11 +29,14 @@ export class Dashboard {
     this.showShare('brake', car.brake);
     element('gear').textContent = gearName(car.gear);
     element('revs').textContent = car.engine_rpm === undefined ? '' : `${Math.round(car.engine_rpm / 10) * 10} 1/min`;
-    element('drive-line').hidden = [car.throttle, car.brake, car.gear, car.engine_rpm].every((value) => value === undefined);
+    element('drive-line').hidden = [car.throttle, car.brake, car.gear, car.engine_rpm].every(
+      (value) => value === undefined,
+    );
     for (const wheel of wheels) this.showShare(wheel, car[wheel] === undefined ? undefined : car[wheel] / this.most_n);
     element('loads').hidden = wheels.every((wheel) => car[wheel] === undefined);
     element('g-circle').hidden = car.a_lon_mps2 === undefined;
-    if (car.a_lon_mps2 !== undefined) this.showFelt(car.t_s, car.a_lat_mps2 / gravity_mps2, car.a_lon_mps2 / gravity_mps2);
+    if (car.a_lon_mps2 !== undefined)
+      this.showFelt(car.t_s, car.a_lat_mps2 / gravity_mps2, car.a_lon_mps2 / gravity_mps2);
   }
 
   private showShare(id: string, share: number | undefined): void {
@@ -67,7 +70,13 @@ export class Dashboard {
       const isNow = i + 1 === this.felt.length;
       this.circle.fillStyle = isNow ? '#d8382c' : `rgba(216, 56, 44, ${(0.4 * i) / this.felt.length})`;
       this.circle.beginPath();
-      this.circle.arc(middle + (left_g / this.most_g) * radius, middle + (ahead_g / this.most_g) * radius, isNow ? 9 : 4, 0, 2 * Math.PI);
+      this.circle.arc(
+        middle + (left_g / this.most_g) * radius,
+        middle + (ahead_g / this.most_g) * radius,
+        isNow ? 9 : 4,
+        0,
+        2 * Math.PI,
+      );
       this.circle.fill();
     });
   }

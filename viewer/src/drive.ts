@@ -2,14 +2,13 @@
 // The cars on the roads: the lap that is replayed or the car that somebody drives, the other lap beside it, and what the
 // page tells of them.
 
-import {Scene, Vector3, type PerspectiveCamera} from 'three';
-
-import {Car} from './car';
+import {type PerspectiveCamera, type Scene, Vector3} from 'three';
 import {followLag_s} from './cameras';
+import {Car} from './car';
 import {Dashboard} from './dashboard';
 import {DriverInput} from './driver_input';
 import {Ghost} from './ghost';
-import {CarState, Lap} from './lap';
+import {type CarState, Lap} from './lap';
 import {MapInset} from './map_inset';
 import * as panel from './panel';
 import {routeLine} from './route_line';
@@ -40,7 +39,13 @@ export class Drive {
   private isPlaying = false;
 
   /** `lap`: as far as it is needed to place the car. */
-  constructor(private readonly scene: Scene, private readonly site: Site, vehicle: VehicleShape, private lap: Lap, private time_s: number) {
+  constructor(
+    private readonly scene: Scene,
+    private readonly site: Site,
+    vehicle: VehicleShape,
+    private lap: Lap,
+    private time_s: number,
+  ) {
     this.car = new Car(vehicle);
     this.ghost = new Ghost(scene, vehicle);
     this.car.place(lap.at(time_s));
@@ -140,7 +145,8 @@ export class Drive {
   /** Returns true while something moves. */
   advance(elapsed_s: number, heightAt: HeightAt): boolean {
     if (this.isPlaying) this.time_s += this.rate * elapsed_s;
-    if (this.isDriven) this.self!.advance(elapsed_s, this.input.controls(this.self!.state.speed_mps, elapsed_s), heightAt);
+    if (this.isDriven)
+      this.self!.advance(elapsed_s, this.input.controls(this.self!.state.speed_mps, elapsed_s), heightAt);
     return this.isPlaying || this.isDriven;
   }
 
@@ -159,14 +165,24 @@ export class Drive {
     panel.showDashboard(state, this.lap.originHeight_m);
     panel.showGap(this.ghost.state !== undefined, this.ghost.gap_s);
     this.dashboard.show(state);
-    this.map.show(state, this.ghost.state, camera.position, camera.getWorldDirection(new Vector3()).add(camera.position));
+    this.map.show(
+      state,
+      this.ghost.state,
+      camera.position,
+      camera.getWorldDirection(new Vector3()).add(camera.position),
+    );
   }
 
   private placeGhost(state: CarState, marked: boolean): void {
     const ghost = !this.showsGhost ? undefined : this.isDriven ? this.lap : this.other;
     if (this.isDriven)
-      this.ghost.show(ghost, this.takenOver.t_s + state.t_s, state, this.takenOver.share + state.s_m / this.lap.length_m, marked);
-    else
-      this.ghost.show(ghost, state.t_s, state, this.lap.shareOf(state), marked);
+      this.ghost.show(
+        ghost,
+        this.takenOver.t_s + state.t_s,
+        state,
+        this.takenOver.share + state.s_m / this.lap.length_m,
+        marked,
+      );
+    else this.ghost.show(ghost, state.t_s, state, this.lap.shareOf(state), marked);
   }
 }

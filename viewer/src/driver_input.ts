@@ -6,11 +6,20 @@ import type {Controls} from './driving';
 const most_rad = 0.6; // of the front wheels
 const wheelbase_m = 2.6;
 const handiest_mps2 = 9; // what full lock asks for at speed, so that keys can steer a fast car
-const turn_1ps = 2.2, back_1ps = 4, pedal_1ps = 3; // shares of the whole way a second
+const turn_1ps = 2.2,
+  back_1ps = 4,
+  pedal_1ps = 3; // shares of the whole way a second
 
 type Pedal = 'left' | 'right' | 'up' | 'down';
 const keys: Record<string, Pedal> = {
-  ArrowLeft: 'left', KeyA: 'left', ArrowRight: 'right', KeyD: 'right', ArrowUp: 'up', KeyW: 'up', ArrowDown: 'down', KeyS: 'down',
+  ArrowLeft: 'left',
+  KeyA: 'left',
+  ArrowRight: 'right',
+  KeyD: 'right',
+  ArrowUp: 'up',
+  KeyW: 'up',
+  ArrowDown: 'down',
+  KeyS: 'down',
 };
 
 const towards = (from: number, to: number, step: number) => from + Math.max(-step, Math.min(step, to - from));
@@ -26,7 +35,10 @@ export class DriverInput {
     window.addEventListener('blur', () => this.pressed.clear());
     for (const pad of document.querySelectorAll<HTMLElement>('#pads [data-pedal]')) {
       const pedal = pad.dataset.pedal as Pedal;
-      pad.onpointerdown = (event) => (pad.setPointerCapture(event.pointerId), this.pressed.add(pedal));
+      pad.onpointerdown = (event) => {
+        pad.setPointerCapture(event.pointerId);
+        this.pressed.add(pedal);
+      };
       pad.onpointerup = pad.onpointercancel = () => this.pressed.delete(pedal);
     }
   }
@@ -64,8 +76,13 @@ export class DriverInput {
     const nearlyStill_mps = 0.5;
     if (down > 0.1 && up < 0.1 && speed_mps < nearlyStill_mps) this.backwards = true;
     if (up > 0.1 && speed_mps > -nearlyStill_mps) this.backwards = false;
-    const lock_rad = Math.min(most_rad, Math.atan((wheelbase_m * handiest_mps2) / Math.max(1, speed_mps * speed_mps)) + 0.02);
+    const lock_rad = Math.min(
+      most_rad,
+      Math.atan((wheelbase_m * handiest_mps2) / Math.max(1, speed_mps * speed_mps)) + 0.02,
+    );
     const steering_rad = wheel * lock_rad;
-    return this.backwards ? {steering_rad, throttle: down, brake: up, gear: -1} : {steering_rad, throttle: up, brake: down, gear: 1};
+    return this.backwards
+      ? {steering_rad, throttle: down, brake: up, gear: -1}
+      : {steering_rad, throttle: up, brake: down, gear: 1};
   }
 }

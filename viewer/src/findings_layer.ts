@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Findings (odd but not fatal) as dots on the ground; a click on one shows its message.
 
-import {BufferAttribute, BufferGeometry, Camera, Color, Points, PointsMaterial, Vector2, Vector3} from 'three';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  type Camera,
+  Color,
+  Points,
+  PointsMaterial,
+  type Vector2,
+  Vector3,
+} from 'three';
 
 import {radialTexture} from './radial_texture';
 import type {Finding, Site} from './site';
@@ -9,7 +18,9 @@ import type {TileLayers} from './tile_layers';
 import {utmFromGeographic, utmZone} from './utm';
 
 const colors: Record<Finding['severity'], Color> = {
-  info: new Color(0x3c8edb), warning: new Color(0xf2a31b), error: new Color(0xd6302b),
+  info: new Color(0x3c8edb),
+  warning: new Color(0xf2a31b),
+  error: new Color(0xd6302b),
 };
 
 export class FindingsLayer {
@@ -31,8 +42,17 @@ export class FindingsLayer {
     });
     const geometry = new BufferGeometry().setAttribute('position', this.positions).setAttribute('color', tints);
     const material = new PointsMaterial({
-      size: 11, sizeAttenuation: false, vertexColors: true, depthTest: false, fog: false, transparent: true,
-      map: radialTexture([[0, '#fff'], [0.8, '#fff'], [1, 'rgba(255,255,255,0)']]),
+      size: 11,
+      sizeAttenuation: false,
+      vertexColors: true,
+      depthTest: false,
+      fog: false,
+      transparent: true,
+      map: radialTexture([
+        [0, '#fff'],
+        [0.8, '#fff'],
+        [1, 'rgba(255,255,255,0)'],
+      ]),
     });
     this.object = new Points(geometry, material);
     this.object.frustumCulled = false;
@@ -55,7 +75,8 @@ export class FindingsLayer {
   /** The finding within 12 px of a place on the screen (normalised device coordinates). */
   at(place: Vector2, camera: Camera, viewport: Vector2): Finding | undefined {
     if (!this.object.visible) return undefined;
-    let nearest: Finding | undefined, nearest_px = 12;
+    let nearest: Finding | undefined,
+      nearest_px = 12;
     this.findings.forEach((finding, i) => {
       const p = new Vector3().fromBufferAttribute(this.positions, i).project(camera);
       const distance_px = Math.hypot(((p.x - place.x) * viewport.x) / 2, ((p.y - place.y) * viewport.y) / 2);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A second drive beside the first: a car that one sees through, and how far apart in time both are.
 
-import {Scene} from 'three';
+import type {Scene} from 'three';
 
-import {Car, makeGhost} from './car';
+import {type Car, makeGhost} from './car';
 import type {CarState, Lap} from './lap';
 import {LapGap} from './lap_gap';
 import type {VehicleShape} from './vehicle_shape';
@@ -16,7 +16,10 @@ export class Ghost {
   private lap?: Lap;
   private gap?: LapGap;
 
-  constructor(private readonly scene: Scene, private readonly shape: VehicleShape) {}
+  constructor(
+    private readonly scene: Scene,
+    private readonly shape: VehicleShape,
+  ) {}
 
   /** Where it is `t_s` after its start, at its end later on, and against the first car there. Undefined: no ghost. */
   show(lap: Lap | undefined, t_s: number, first: CarState, share: number, marked: boolean): void {

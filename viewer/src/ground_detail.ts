@@ -3,17 +3,31 @@
 // own colours. What lies where comes from the labels' roles and from how green the photo is.
 
 import {
-  DataArrayTexture, DataTexture, Group, LinearFilter, LinearMipmapLinearFilter, type Mesh, type MeshLambertMaterial, type Object3D, RepeatWrapping, RGBAFormat,
-  Scene, Sphere, type Texture, Vector3, Vector4,
+  DataArrayTexture,
+  DataTexture,
+  Group,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  type Mesh,
+  type MeshLambertMaterial,
+  type Object3D,
+  RepeatWrapping,
+  RGBAFormat,
+  Scene,
+  Sphere,
+  type Texture,
+  type Vector3,
+  Vector4,
 } from 'three';
 
-import {groundKinds, type GroundPatterns, groundPattern_m, groundPattern_px} from './ground_patterns';
+import {type GroundPatterns, groundKinds, groundPattern_m, groundPattern_px} from './ground_patterns';
 import GroundPainter from './ground_patterns.worker?worker';
 import {GroundPlants} from './ground_plants';
 import {groundTintGlsl} from './ground_tint';
 import {featuresOf, roleWeights} from './tile_features';
 
-const nearest_m = 16, farthest_m = 50; // patterns alone up to here; from here on the photo
+const nearest_m = 16,
+  farthest_m = 50; // patterns alone up to here; from here on the photo
 const clumps_m = 160; // so far the photo is a little uneven, as the ground is
 const colorSize_m = 4; // of the photo's means that give patterns their colours: cars and shadows of trees go under in them
 
@@ -27,7 +41,8 @@ interface Ground {
 
 /** Sides of the photo, in metres: from the mesh's places in it. */
 function photoSize_m(mesh: Mesh): number {
-  const position = mesh.geometry.getAttribute('position'), uv = mesh.geometry.getAttribute('uv');
+  const position = mesh.geometry.getAttribute('position'),
+    uv = mesh.geometry.getAttribute('uv');
   let [west, east] = [0, 0];
   for (let i = 0; i < position.count; ++i) {
     if (position.getX(i) < position.getX(west)) west = i;
@@ -90,7 +105,9 @@ export class GroundDetail {
     const image = material.map?.image as {width: number} | undefined;
     if (!image) return;
     const ground: Ground = {
-      lowLod: {value: Math.max(0, Math.log2((colorSize_m * image.width) / photoSize_m(mesh)))}, photo: material, asked: false,
+      lowLod: {value: Math.max(0, Math.log2((colorSize_m * image.width) / photoSize_m(mesh)))},
+      photo: material,
+      asked: false,
     };
     this.grounds.set(mesh, ground);
   }
@@ -99,14 +116,22 @@ export class GroundDetail {
   private detail(ground: Ground): void {
     ground.photo.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, {
-        groundShare: this.share, groundPatterns: this.patterns, groundMeans: this.means, groundLowLod: ground.lowLod, groundWeights: {value: ground.weights},
+        groundShare: this.share,
+        groundPatterns: this.patterns,
+        groundMeans: this.means,
+        groundLowLod: ground.lowLod,
+        groundWeights: {value: ground.weights},
       });
       const replace = (stage: 'vertexShader' | 'fragmentShader', from: string, to: string) => {
         if (!shader[stage].includes(from)) throw new Error('three.js has changed the shader of its Lambert material');
         shader[stage] = shader[stage].replace(from, to);
       };
       replace('vertexShader', '#include <common>', '#include <common>\nvarying vec2 groundPlace;');
-      replace('vertexShader', '#include <begin_vertex>', '#include <begin_vertex>\ngroundPlace = vec2(position.x, -position.z);');
+      replace(
+        'vertexShader',
+        '#include <begin_vertex>',
+        '#include <begin_vertex>\ngroundPlace = vec2(position.x, -position.z);',
+      );
       replace('fragmentShader', '#include <common>', `#include <common>\n${declarations}`);
       replace('fragmentShader', '#include <map_fragment>', colorCode);
       replace('fragmentShader', '#include <normal_fragment_maps>', normalCode);

@@ -32,11 +32,33 @@ export interface CarState {
 type Column = keyof CarState;
 
 const neededColumns = [
-  't_s', 's_m', 'x_m', 'y_m', 'z_m', 'heading_rad', 'pitch_rad', 'roll_rad', 'speed_mps', 'a_lat_mps2', 'gradient',
+  't_s',
+  's_m',
+  'x_m',
+  'y_m',
+  'z_m',
+  'heading_rad',
+  'pitch_rad',
+  'roll_rad',
+  'speed_mps',
+  'a_lat_mps2',
+  'gradient',
 ] as const satisfies readonly Column[];
 const furtherColumns = [
-  'a_lon_mps2', 'throttle', 'brake', 'gear', 'engine_rpm', 'steering_rad', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m', 'load_fl_n',
-  'load_fr_n', 'load_rl_n', 'load_rr_n',
+  'a_lon_mps2',
+  'throttle',
+  'brake',
+  'gear',
+  'engine_rpm',
+  'steering_rad',
+  'z_fl_m',
+  'z_fr_m',
+  'z_rl_m',
+  'z_rr_m',
+  'load_fl_n',
+  'load_fr_n',
+  'load_rl_n',
+  'load_rr_n',
 ] as const satisfies readonly Column[];
 const stepped: readonly Column[] = ['gear'];
 const heights: readonly Column[] = ['z_m', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m'];
@@ -44,7 +66,10 @@ const heights: readonly Column[] = ['z_m', 'z_fl_m', 'z_fr_m', 'z_rl_m', 'z_rr_m
 export class Lap {
   private readonly names: Column[];
 
-  private constructor(private readonly columns: Map<Column, Float64Array>, readonly originHeight_m: number) {
+  private constructor(
+    private readonly columns: Map<Column, Float64Array>,
+    readonly originHeight_m: number,
+  ) {
     this.names = [...columns.keys()];
   }
 
@@ -52,8 +77,7 @@ export class Lap {
   static parse(csv: string, origin: readonly [number, number, number], file: string): Lap {
     const lines = csv.split('\n').filter((line) => line.trim() !== '');
     const header = (lines[0] ?? '').split(',').map((name) => name.trim());
-    for (const name of neededColumns)
-      if (!header.includes(name)) throw new Error(`${file} has no column ${name}`);
+    for (const name of neededColumns) if (!header.includes(name)) throw new Error(`${file} has no column ${name}`);
     const count = lines.length - 1;
     if (count < 2) throw new Error(`${file} has fewer than two rows`);
     const columns = new Map<Column, Float64Array>();
@@ -65,15 +89,18 @@ export class Lap {
       const line = lines[row + 1];
       let at = 0;
       for (const column of wanted) {
-        const comma = line.indexOf(',', at), end = comma < 0 ? line.length : comma;
+        const comma = line.indexOf(',', at),
+          end = comma < 0 ? line.length : comma;
         if (column) column[row] = at <= line.length ? Number(line.slice(at, end)) : NaN;
         at = end + 1;
       }
     }
     for (const name of neededColumns)
-      if (!columns.get(name)!.every(Number.isFinite)) throw new Error(`${file} has something else than numbers in the column ${name}`);
+      if (!columns.get(name)!.every(Number.isFinite))
+        throw new Error(`${file} has something else than numbers in the column ${name}`);
     if (!(columns.get('t_s')![count - 1] > columns.get('t_s')![0])) throw new Error(`${file} ends before it begins`);
-    const subtract = (name: Column, by: number) => columns.get(name)?.forEach((value, i, column) => (column[i] = value - by));
+    const subtract = (name: Column, by: number) =>
+      columns.get(name)?.forEach((value, i, column) => (column[i] = value - by));
     subtract('x_m', origin[0]);
     subtract('y_m', origin[1]);
     for (const name of heights) subtract(name, origin[2]);
@@ -95,7 +122,8 @@ export class Lap {
     const {times} = this;
     const elapsed = ((t_s % this.duration_s) + this.duration_s) % this.duration_s;
     const t = this.start_s + elapsed;
-    let low = 0, high = times.length - 1; // times[low] <= t < times[high]
+    let low = 0,
+      high = times.length - 1; // times[low] <= t < times[high]
     while (high - low > 1) {
       const middle = (low + high) >> 1;
       if (times[middle] <= t) low = middle;
@@ -105,7 +133,8 @@ export class Lap {
     const state = {} as CarState;
     for (const name of this.names) {
       const column = this.columns.get(name)!;
-      const a = column[low], b = stepped.includes(name) ? a : column[high];
+      const a = column[low],
+        b = stepped.includes(name) ? a : column[high];
       const step = name === 'heading_rad' ? Math.atan2(Math.sin(b - a), Math.cos(b - a)) : b - a;
       state[name] = a + share * step;
     }

@@ -19,7 +19,8 @@ export class LapGap {
 
   /** Seconds into the other lap when it was beside that car and headed the same way; undefined where it never was. */
   timeAt(car: CarState, share: number): number | undefined {
-    let best: CarState | undefined, least = Infinity;
+    let best: CarState | undefined,
+      least = Infinity;
     for (const state of this.states) {
       const distance_m = Math.hypot(state.x_m - car.x_m, state.y_m - car.y_m);
       if (distance_m > most_m || Math.cos(state.heading_rad - car.heading_rad) < 0.3) continue;
@@ -32,7 +33,8 @@ export class LapGap {
 
   /** Between the samples: where the other car is exactly abreast. */
   private refined(near: CarState, car: CarState): number {
-    const ahead_m = Math.cos(near.heading_rad) * (car.x_m - near.x_m) + Math.sin(near.heading_rad) * (car.y_m - near.y_m);
+    const ahead_m =
+      Math.cos(near.heading_rad) * (car.x_m - near.x_m) + Math.sin(near.heading_rad) * (car.y_m - near.y_m);
     const shift_s = near.speed_mps > 1 ? ahead_m / near.speed_mps : 0;
     return Math.min(this.ghost.duration_s, Math.max(0, near.t_s + Math.max(-step_s, Math.min(step_s, shift_s))));
   }

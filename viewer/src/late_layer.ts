@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A layer whose data are fetched when it is shown for the first time.
 
-import {Group, Object3D} from 'three';
+import {Group, type Object3D} from 'three';
 
 import * as panel from './panel';
 

@@ -4,8 +4,23 @@
 import * as panel from './panel';
 
 export type LayerName =
-  'photo' | 'labels' | 'normals' | 'materials' | 'terrain' | 'roads' | 'buildings' | 'trees' | 'shadows' | 'wireframe' | 'lanes' |
-  'map-roads' | 'refined-roads' | 'error-bars' | 'route' | 'ghost' | 'findings';
+  | 'photo'
+  | 'labels'
+  | 'normals'
+  | 'materials'
+  | 'terrain'
+  | 'roads'
+  | 'buildings'
+  | 'trees'
+  | 'shadows'
+  | 'wireframe'
+  | 'lanes'
+  | 'map-roads'
+  | 'refined-roads'
+  | 'error-bars'
+  | 'route'
+  | 'ghost'
+  | 'findings';
 
 interface Layer {
   usual: boolean;

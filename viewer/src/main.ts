@@ -3,7 +3,7 @@
 
 import './style.css';
 
-import {PCFShadowMap, Scene, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
+import {PCFShadowMap, Scene, type Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
 
 import type {Api} from './api';
 import {CameraSet} from './camera_set';
@@ -25,14 +25,23 @@ function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
     renderer.shadowMap.type = PCFShadowMap;
     return renderer;
   } catch {
-    throw new Error('This browser gives no WebGL 2, with which the scene is drawn. Switch on hardware acceleration in its settings, or use another browser.');
+    throw new Error(
+      'This browser gives no WebGL 2, with which the scene is drawn. Switch on hardware acceleration in its settings, or use another browser.',
+    );
   }
 }
 
 /** One line of what was clicked on. */
 function textOf(what: Record<string, string>): string {
   const {kind, id, name, type, osm_id: osm, lane_id: lane, lane_type: laneType, class: label, role} = what;
-  const parts = [kind && `${kind}${id ? ` ${id}` : ''}`, name, type, lane && `lane ${lane} (${laneType})`, osm && `OSM ${osm}`, label && `${label} (${role})`];
+  const parts = [
+    kind && `${kind}${id ? ` ${id}` : ''}`,
+    name,
+    type,
+    lane && `lane ${lane} (${laneType})`,
+    osm && `OSM ${osm}`,
+    label && `${label} (${role})`,
+  ];
   return parts.filter(Boolean).join(' · ');
 }
 
@@ -69,7 +78,10 @@ class Viewer {
   private shownFailures = 0;
   private last_ms = performance.now();
 
-  constructor(private readonly site: Site, private readonly wanted: ViewState) {
+  constructor(
+    private readonly site: Site,
+    private readonly wanted: ViewState,
+  ) {
     this.layers = new SiteLayers(this.scene, site, this.sky, this.renderer.capabilities.getMaxAnisotropy(), wanted);
     this.cameras = new CameraSet(this.canvas);
     this.showDay = panel.setUpSun(zoneHours(site.localFromEcef), {setDay: (date, hour) => this.setDay(date, hour)});
@@ -115,7 +127,9 @@ class Viewer {
   }
 
   private setUpPage(name: string, attribution: string[]): void {
-    const ofCar = this.drive ? ['C camera', 'Space play', 'arrows or gamepad drive', 'drop a lap.csv to drive against it'] : [];
+    const ofCar = this.drive
+      ? ['C camera', 'Space play', 'arrows or gamepad drive', 'drop a lap.csv to drive against it']
+      : [];
     const keys = ['W A S D Q E fly', 'left drag move', 'right drag turn', 'wheel zoom', ...ofCar];
     panel.showTexts(name, attribution, keys.join(' · '));
     panel.setUpButtons(() => navigator.clipboard.writeText(this.link));
@@ -131,7 +145,9 @@ class Viewer {
     };
     panel.setUpDriving(() => void drive.setDriving(!drive.driving));
     panel.setUpTimeline(lap, {
-      seek: (t_s) => (drive.t_s = t_s), togglePlay: () => (drive.playing = !drive.playing), setRate: (factor) => (drive.rate = factor),
+      seek: (t_s) => (drive.t_s = t_s),
+      togglePlay: () => (drive.playing = !drive.playing),
+      setRate: (factor) => (drive.rate = factor),
     });
     panel.setUpGhost({open: (name, csv) => drive.setGhost(csv, name), remove: () => drive.removeGhost()});
     drive.playing = new URLSearchParams(location.search).get('play') !== '0';
@@ -165,14 +181,18 @@ class Viewer {
         return;
       }
       if (event.code === 'KeyC') this.setCamera(cameras.next);
-      if (event.code === 'Space') drive.playing = !drive.playing, event.preventDefault();
+      if (event.code === 'Space') {
+        drive.playing = !drive.playing;
+        event.preventDefault();
+      }
     });
     window.addEventListener('keyup', (event) => this.drive?.input.key(event.code, false));
     canvas.addEventListener('click', (event) => {
       const place = new Vector2((2 * event.clientX) / viewport.x - 1, 1 - (2 * event.clientY) / viewport.y);
       const finding = this.layers.findings?.at(place, cameras.active, viewport);
       if (finding) panel.showMessage(`${finding.code}: ${finding.message}`, false);
-      else void this.layers.tiles.describe(place, cameras.active).then((what) => panel.showMessage(textOf(what), false));
+      else
+        void this.layers.tiles.describe(place, cameras.active).then((what) => panel.showMessage(textOf(what), false));
     });
   }
 
@@ -189,7 +209,13 @@ class Viewer {
     const {cameras, drive, date, hour} = this;
     const {switches} = this.layers;
     const search = writeView({
-      camera: cameras.mode, view: cameras.view, t_s: drive?.t_s ?? 0, date, hour, off: switches.changedTo(false), on: switches.changedTo(true),
+      camera: cameras.mode,
+      view: cameras.view,
+      t_s: drive?.t_s ?? 0,
+      date,
+      hour,
+      off: switches.changedTo(false),
+      on: switches.changedTo(true),
       ghost: drive?.ghostFile,
     });
     return `${location.origin}${location.pathname}${search}`;
@@ -219,7 +245,8 @@ class Viewer {
     if (this.bounds) this.cameras.adoptBounds(this.bounds, this.wanted.view);
   }
 
-  private readonly groundUnder = (x_m: number, y_m: number, z_m: number) => this.layers.tiles.heightAt(x_m, y_m, z_m + 2);
+  private readonly groundUnder = (x_m: number, y_m: number, z_m: number) =>
+    this.layers.tiles.heightAt(x_m, y_m, z_m + 2);
 
   private placeCars(): void {
     const {drive, cameras} = this;
@@ -251,41 +278,84 @@ class Viewer {
       this.settled = this.layers.complete && this.hasAll && !this.ghostPending ? this.settled + 1 : 0;
       this.ready = this.settled >= 3; // a tile that has come asks for finer ones with the next picture
     }
-    if (this.layers.tiles.failures.length > this.shownFailures) panel.showMessage(this.layers.tiles.failures[this.shownFailures++], true);
+    if (this.layers.tiles.failures.length > this.shownFailures)
+      panel.showMessage(this.layers.tiles.failures[this.shownFailures++], true);
     requestAnimationFrame((later_ms) => this.tick(later_ms));
   }
 
+  // Over 60 lines by layout only: a table of members, each of which says one thing.
   get api(): Api {
     const viewer = this;
     const {cameras, renderer} = this;
     const {tiles, switches} = this.layers;
     return {
-      get ready() { return viewer.ready; },
-      get frame() { return viewer.frame; },
-      get tilesLoaded() { return tiles.loaded; },
-      get tilesVisible() { return tiles.visible; },
-      get covered() { return viewer.wasCovered && tiles.covered; },
-      get held() { return tiles.held; },
-      get drawn() { return {triangles: renderer.info.render.triangles, calls: renderer.info.render.calls}; },
-      get failures() { return tiles.failures; },
-      get mode() { return cameras.mode; },
-      get car() { return viewer.drive?.state; },
-      get ghost() { return viewer.drive?.ghostState; },
-      get gap_s() { return viewer.drive?.gap_s; },
-      get driving() { return viewer.drive?.driving ?? false; },
-      get wheelsOnRoad() { return viewer.drive?.wheelsOnRoad ?? 0; },
-      get cameraPosition() { return cameras.active.position.toArray() as [number, number, number]; },
-      get sun() { return viewer.toSun.toArray() as [number, number, number]; },
-      get link() { return viewer.link; },
-      get layers() { return switches.shown; },
+      get ready() {
+        return viewer.ready;
+      },
+      get frame() {
+        return viewer.frame;
+      },
+      get tilesLoaded() {
+        return tiles.loaded;
+      },
+      get tilesVisible() {
+        return tiles.visible;
+      },
+      get covered() {
+        return viewer.wasCovered && tiles.covered;
+      },
+      get held() {
+        return tiles.held;
+      },
+      get drawn() {
+        return {triangles: renderer.info.render.triangles, calls: renderer.info.render.calls};
+      },
+      get failures() {
+        return tiles.failures;
+      },
+      get mode() {
+        return cameras.mode;
+      },
+      get car() {
+        return viewer.drive?.state;
+      },
+      get ghost() {
+        return viewer.drive?.ghostState;
+      },
+      get gap_s() {
+        return viewer.drive?.gap_s;
+      },
+      get driving() {
+        return viewer.drive?.driving ?? false;
+      },
+      get wheelsOnRoad() {
+        return viewer.drive?.wheelsOnRoad ?? 0;
+      },
+      get cameraPosition() {
+        return cameras.active.position.toArray() as [number, number, number];
+      },
+      get sun() {
+        return viewer.toSun.toArray() as [number, number, number];
+      },
+      get link() {
+        return viewer.link;
+      },
+      get layers() {
+        return switches.shown;
+      },
       describe: (x, y) => tiles.describe(new Vector2(x, y), cameras.active),
       groundUnder: this.groundUnder,
       roadNear: (x_m, y_m, z_m) => tiles.roadNear(x_m, y_m, z_m),
-      pictured: (x_m, y_m, z_m) => new Vector3(x_m, y_m, z_m).project(cameras.active).toArray() as [number, number, number],
+      pictured: (x_m, y_m, z_m) =>
+        new Vector3(x_m, y_m, z_m).project(cameras.active).toArray() as [number, number, number],
       setCamera: (mode) => this.setCamera(mode),
       setLayer: (layer, on) => switches.set(layer, on),
-      setTime: (t_s) => { if (this.drive) this.drive.t_s = t_s; },
-      setPlaying: (on) => { if (this.drive) this.drive.playing = on; },
+      setTime: (t_s) => {
+        if (this.drive) this.drive.t_s = t_s;
+      },
+      setPlaying: (on) => {
+        if (this.drive) this.drive.playing = on;
+      },
       setDriving: async (on) => this.drive?.setDriving(on),
       setDay: (date, hour) => this.setDay(date, hour),
     };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A small map with north up: the driven lap by speed, the findings that are shown, where the car and the camera are.
 
-import {Vector3} from 'three';
+import type {Vector3} from 'three';
 
 import type {CarState, Lap} from './lap';
 import {speedColor} from './route_line';
@@ -16,7 +16,8 @@ export class MapInset {
 
   constructor(lap: Lap) {
     const states = lap.sampled(0.5);
-    const xs = states.map((state) => state.x_m), ys = states.map((state) => state.y_m);
+    const xs = states.map((state) => state.x_m),
+      ys = states.map((state) => state.y_m);
     const [west, south] = [Math.min(...xs), Math.min(...ys)];
     const [width_m, height_m] = [Math.max(...xs) - west, Math.max(...ys) - south];
     const size = this.canvas.width - 2 * margin_px;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fewer draw calls: parts that never move against each other become one mesh a material.
 
-import {BufferGeometry, Material, Mesh, Object3D} from 'three';
+import {BufferGeometry, type Material, Mesh, type Object3D} from 'three';
 import {mergeGeometries} from 'three/addons/utils/BufferGeometryUtils.js';
 
 /** In the frame of the parts' parent. The parts' own geometries are not needed any more. */
@@ -11,7 +11,8 @@ export function merged(parts: Object3D[]): Mesh<BufferGeometry, Material>[] {
     part.updateMatrixWorld();
     part.traverse((object) => {
       if (!(object instanceof Mesh)) return;
-      const source = object.geometry as BufferGeometry, geometry = new BufferGeometry();
+      const source = object.geometry as BufferGeometry,
+        geometry = new BufferGeometry();
       for (const name of ['position', 'normal']) geometry.setAttribute(name, source.getAttribute(name).clone());
       geometry.setIndex(source.getIndex());
       geometry.applyMatrix4(object.matrixWorld);

@@ -10,7 +10,10 @@ function element<T extends HTMLElement>(id: string): T {
 
 /** One of several, as a row of buttons. Returns a function that shows which one is chosen. */
 export function segments<T extends string>(
-    id: string, labels: Partial<Record<T, string>>, choose: (value: T) => void): (value: T) => void {
+  id: string,
+  labels: Partial<Record<T, string>>,
+  choose: (value: T) => void,
+): (value: T) => void {
   const buttons = Object.entries<string>(labels as Record<string, string>).map(([value, label]) => {
     const button = document.createElement('button');
     button.type = 'button';
@@ -24,7 +27,13 @@ export function segments<T extends string>(
 }
 
 /** A labelled switch; returns its input. `color`: of the lines that it shows. */
-export function addSwitch(name: string, label: string, on: boolean, change: (on: boolean) => void, color?: string): HTMLInputElement {
+export function addSwitch(
+  name: string,
+  label: string,
+  on: boolean,
+  change: (on: boolean) => void,
+  color?: string,
+): HTMLInputElement {
   const row = document.createElement('label');
   row.className = 'switch';
   if (color) row.style.setProperty('--color', color);
@@ -44,7 +53,8 @@ export interface SunActions {
 
 /** Date and hour of the sun; returns a function that shows them. */
 export function setUpSun(zoneHours: number, actions: SunActions): (date: string, hour: number) => void {
-  const day = element<HTMLInputElement>('date'), clock = element<HTMLInputElement>('hour');
+  const day = element<HTMLInputElement>('date'),
+    clock = element<HTMLInputElement>('hour');
   day.onchange = clock.oninput = () => {
     if (day.value !== '') actions.setDay(day.value, Number(clock.value));
   };
@@ -59,7 +69,8 @@ export function setUpSun(zoneHours: number, actions: SunActions): (date: string,
 
 /** On narrow pages the panel opens and closes; `copy` puts the address of the view into the clipboard. */
 export function setUpButtons(copy: () => Promise<void>): void {
-  const fold = element('fold'), panel = element('panel');
+  const fold = element('fold'),
+    panel = element('panel');
   fold.onclick = () => fold.setAttribute('aria-expanded', String(panel.classList.toggle('open')));
   const link = element('link');
   link.onclick = async () => {
@@ -154,7 +165,8 @@ export function setUpTimeline(lap: Lap, actions: TimelineActions): void {
   slider.oninput = () => actions.seek(Number(slider.value));
   element('play').onclick = () => actions.togglePlay();
   const rate = element<HTMLSelectElement>('rate');
-  for (const factor of [0.25, 0.5, 1, 2, 5, 10]) rate.add(new Option(`${factor}×`, String(factor), factor === 1, factor === 1));
+  for (const factor of [0.25, 0.5, 1, 2, 5, 10])
+    rate.add(new Option(`${factor}×`, String(factor), factor === 1, factor === 1));
   rate.onchange = () => actions.setRate(Number(rate.value));
   drawSpeedProfile(lap);
 }
@@ -181,7 +193,8 @@ export function showPlaying(playing: boolean): void {
 /** Speed over time behind the slider. */
 function drawSpeedProfile(lap: Lap): void {
   const canvas = element<HTMLCanvasElement>('profile');
-  const columns = 600, height = 48;
+  const columns = 600,
+    height = 48;
   [canvas.width, canvas.height] = [columns, height];
   const states = lap.sampled(lap.duration_s / columns);
   const top_mps = Math.max(...states.map((state) => state.speed_mps));

@@ -6,7 +6,7 @@ import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 import {LineSegments2} from 'three/addons/lines/LineSegments2.js';
 import {LineSegmentsGeometry} from 'three/addons/lines/LineSegmentsGeometry.js';
 
-import {fetchOptional, Site} from './site';
+import {fetchOptional, type Site} from './site';
 import {utmFromGeographic, utmZone} from './utm';
 
 export const graphColors = {before: 0xf0452f, after: 0x17c3b2, bars: 0xffd23f};
@@ -61,7 +61,10 @@ export async function loadGraph(site: Site, state: Way['state']): Promise<Object
 
 /** `segments`: x, y, z of both ends of each. */
 function lines(segments: number[], color: number, width_px: number): Object3D {
-  const drawn = new LineSegments2(new LineSegmentsGeometry().setPositions(segments), new LineMaterial({color, linewidth: width_px, fog: true}));
+  const drawn = new LineSegments2(
+    new LineSegmentsGeometry().setPositions(segments),
+    new LineMaterial({color, linewidth: width_px, fog: true}),
+  );
   drawn.frustumCulled = false;
   return drawn;
 }
@@ -79,16 +82,27 @@ function addBars({places, width_m, sigma_offset_m, sigma_width_m}: Way, position
     const length_m = Math.hypot(after[0] - before[0], after[1] - before[1]);
     if (length_m === 0 || !Number.isFinite(places[i][2])) continue;
     const ahead: [number, number] = [(after[0] - before[0]) / length_m, (after[1] - before[1]) / length_m];
-    const middle_m = quantile * sigma_offset_m![i], edge_m = quantile * Math.hypot(sigma_offset_m![i], 0.5 * sigma_width_m![i]);
+    const middle_m = quantile * sigma_offset_m![i],
+      edge_m = quantile * Math.hypot(sigma_offset_m![i], 0.5 * sigma_width_m![i]);
     addBar(places[i], ahead, 0, middle_m, positions);
     for (const side of [-1, 1]) addBar(places[i], ahead, 0.5 * side * width_m![i], edge_m, positions);
   }
 }
 
 /** From `left_m - reach_m` to `left_m + reach_m` beside the place, with a cap on both ends. */
-function addBar([x, y, z]: [number, number, number], [ahead_x, ahead_y]: [number, number], left_m: number, reach_m: number, positions: number[]): void {
+function addBar(
+  [x, y, z]: [number, number, number],
+  [ahead_x, ahead_y]: [number, number],
+  left_m: number,
+  reach_m: number,
+  positions: number[],
+): void {
   const cap_m = 0.25;
-  const at = (left: number, ahead: number) => [x - ahead_y * left + ahead_x * ahead, y + ahead_x * left + ahead_y * ahead, z];
+  const at = (left: number, ahead: number) => [
+    x - ahead_y * left + ahead_x * ahead,
+    y + ahead_x * left + ahead_y * ahead,
+    z,
+  ];
   positions.push(...at(left_m - reach_m, 0), ...at(left_m + reach_m, 0));
   for (const end of [left_m - reach_m, left_m + reach_m]) positions.push(...at(end, -cap_m), ...at(end, cap_m));
 }

@@ -38,7 +38,10 @@ class ElementWriter {
     this.write(`${text}\0`);
     for (const child of element.childNodes) {
       if (child instanceof Element) this.add(child);
-      else if (child.nodeType === Node.CDATA_SECTION_NODE || (child.nodeType === Node.TEXT_NODE && child.nodeValue!.trim() !== ''))
+      else if (
+        child.nodeType === Node.CDATA_SECTION_NODE ||
+        (child.nodeType === Node.TEXT_NODE && child.nodeValue!.trim() !== '')
+      )
         this.write(`T${child.nodeValue}\0`);
     }
     this.write(`E${element.tagName}\0`);
@@ -61,9 +64,12 @@ class ElementWriter {
 async function load(): Promise<Exports> {
   const [wasm, roads] = await Promise.all([fetch(wasmUrl), fetch(roadsUrl)]);
   for (const response of [wasm, roads])
-    if (!response.ok) throw new Error(`${response.url}: the server answers ${response.status}, so the roads are not known`);
+    if (!response.ok)
+      throw new Error(`${response.url}: the server answers ${response.status}, so the roads are not known`);
   const fail = (at: number, count: number) => {
-    throw new Error(`The roads cannot be read: ${new TextDecoder().decode(new Uint8Array(module.memory.buffer, at, count))}`);
+    throw new Error(
+      `The roads cannot be read: ${new TextDecoder().decode(new Uint8Array(module.memory.buffer, at, count))}`,
+    );
   };
   const {instance} = await WebAssembly.instantiate(await wasm.arrayBuffer(), {page: {fail}});
   const module = instance.exports as unknown as Exports;
@@ -81,5 +87,6 @@ let loading: Promise<Exports> | undefined;
 
 /** Throws what is wrong with the roads. */
 export function roadsModule(): Promise<Exports> {
-  return (loading ??= load());
+  loading ??= load();
+  return loading;
 }

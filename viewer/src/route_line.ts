@@ -8,7 +8,9 @@ import {LineMaterial} from 'three/addons/lines/LineMaterial.js';
 
 import type {Lap} from './lap';
 
-const slow = new Color(0xe2543b), middle = new Color(0xf6c945), fast = new Color(0x2fb673);
+const slow = new Color(0xe2543b),
+  middle = new Color(0xf6c945),
+  fast = new Color(0x2fb673);
 
 export function speedColor(share: number): Color {
   return share < 0.5 ? slow.clone().lerp(middle, 2 * share) : middle.clone().lerp(fast, 2 * share - 1);
@@ -21,5 +23,8 @@ export function routeLine(lap: Lap): Line2 {
   const geometry = new LineGeometry();
   geometry.setPositions(states.flatMap((state) => [state.x_m, state.y_m, state.z_m + 0.25]));
   geometry.setColors(states.flatMap((state) => speedColor(state.speed_mps / top_mps).toArray()));
-  return new Line2(geometry, new LineMaterial({linewidth: 3, vertexColors: true, fog: true, transparent: true, opacity: 0.9}));
+  return new Line2(
+    geometry,
+    new LineMaterial({linewidth: 3, vertexColors: true, fog: true, transparent: true, opacity: 0.9}),
+  );
 }

@@ -3,7 +3,7 @@
 
 import carText from '../../models/vehicles/family_car.toml?raw';
 import {followLag_s} from './cameras';
-import {Controls, Driving} from './driving';
+import {type Controls, Driving} from './driving';
 import type {CarState} from './lap';
 
 export class SelfDrive {
@@ -20,7 +20,11 @@ export class SelfDrive {
     this.headings = [];
   }
 
-  advance(elapsed_s: number, controls: Controls, heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined): void {
+  advance(
+    elapsed_s: number,
+    controls: Controls,
+    heightAt: (x_m: number, y_m: number, z_m: number) => number | undefined,
+  ): void {
     this.car.advance(elapsed_s, controls, heightAt);
     const {t_s, heading_rad} = this.car.state;
     this.headings.push({t_s, heading_rad});

@@ -6,7 +6,7 @@
 import {Matrix4} from 'three';
 
 import {Lap} from './lap';
-import {ordinaryCar, parseVehicleShape, VehicleShape} from './vehicle_shape';
+import {ordinaryCar, parseVehicleShape, type VehicleShape} from './vehicle_shape';
 
 export const tilesetUrl = 'site/scene/tileset.json';
 
@@ -69,22 +69,34 @@ export async function fetchOptional(url: string, headers: Record<string, string>
 /** Address of a file that somebody named: it must lie in the site's folder. */
 export function siteUrl(file: string): string {
   const names = file.split('/');
-  if (names.some((name) => name === '' || name.startsWith('.'))) throw new Error(`${file} is no file in the folder of the site: give its path below that folder.`);
+  if (names.some((name) => name === '' || name.startsWith('.')))
+    throw new Error(`${file} is no file in the folder of the site: give its path below that folder.`);
   return `site/${names.map(encodeURIComponent).join('/')}`;
 }
 
 export async function loadSite(): Promise<Site> {
   const tilesetResponse = await fetchOptional(tilesetUrl);
-  if (!tilesetResponse) throw new Error(`${tilesetUrl} is missing: build the site, then open it with "orthodrive view DIR"`);
+  if (!tilesetResponse)
+    throw new Error(`${tilesetUrl} is missing: build the site, then open it with "orthodrive view DIR"`);
   const tileset = (await tilesetResponse.json()) as TilesetJson;
   const frame = tileset.asset.extras?.orthodrive;
-  if (!frame || !tileset.root.transform) throw new Error(`${tilesetUrl} was not written by orthodrive: it names no site CRS`);
-  const top = (tileset.root.children ?? []).flatMap(({content}) => content?.uri ?? []).map((uri) => new URL(uri, new URL(tilesetUrl, location.href)).href);
+  if (!frame || !tileset.root.transform)
+    throw new Error(`${tilesetUrl} was not written by orthodrive: it names no site CRS`);
+  const top = (tileset.root.children ?? [])
+    .flatMap(({content}) => content?.uri ?? [])
+    .map((uri) => new URL(uri, new URL(tilesetUrl, location.href)).href);
   const coarsest = new Map(top.map((url) => [url, fetch(url)]));
-  return {crs: frame.crs, origin: frame.origin, tileset, coarsest, localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert()};
+  return {
+    crs: frame.crs,
+    origin: frame.origin,
+    tileset,
+    coarsest,
+    localFromEcef: new Matrix4().fromArray(tileset.root.transform).invert(),
+  };
 }
 
-const lapUrl = 'site/drive/lap.csv', lapFile = 'drive/lap.csv';
+const lapUrl = 'site/drive/lap.csv',
+  lapFile = 'drive/lap.csv';
 const lapHead_bytes = 1 << 20; // 25 s of a hundred rows a second
 
 /** A lap of 10 km has 13 MB, and only its beginning may be wanted yet: what there is, and the text of the rest where it is left for later. */
@@ -99,8 +111,10 @@ async function fetchLap(onlyHead: boolean): Promise<{text: string; rest?: () => 
 
 /** With the lap as far as `t_s` at least; `site` may still be on its way. */
 export async function loadCar(site: Promise<Site>, t_s: number): Promise<SiteCar> {
-  const [fetched, scenario] = await Promise.all(
-    [fetchLap(t_s < Infinity), fetchOptional('site/drive/lap.xosc').then((response) => response?.text())] as const);
+  const [fetched, scenario] = await Promise.all([
+    fetchLap(t_s < Infinity),
+    fetchOptional('site/drive/lap.xosc').then((response) => response?.text()),
+  ] as const);
   const vehicle = (scenario === undefined ? undefined : parseVehicleShape(scenario)) ?? ordinaryCar;
   if (!fetched) return {vehicle, wholeLap: () => Promise.resolve(undefined)};
   const {text, rest} = fetched;
@@ -116,7 +130,9 @@ export async function loadCar(site: Promise<Site>, t_s: number): Promise<SiteCar
 }
 
 export async function loadNotes(): Promise<SiteNotes> {
-  const [runResponse, findingsResponse] = await Promise.all(['site/run.json', 'site/findings.geojson'].map((url) => fetchOptional(url)));
+  const [runResponse, findingsResponse] = await Promise.all(
+    ['site/run.json', 'site/findings.geojson'].map((url) => fetchOptional(url)),
+  );
   const run = (await runResponse?.json()) as RunJson | undefined;
   const findings = (await findingsResponse?.json()) as FindingsJson | undefined;
   return {

@@ -24,11 +24,17 @@ export class SiteLayers {
   private readonly late: Record<LateName, LateLayer>;
 
   /** `wanted`: layers that an address switches on and off. */
-  constructor(private readonly scene: Scene, private readonly site: Site, private readonly sky: Sky, anisotropy: number, wanted: {on: string[]; off: string[]}) {
+  constructor(
+    private readonly scene: Scene,
+    private readonly site: Site,
+    private readonly sky: Sky,
+    anisotropy: number,
+    wanted: {on: string[]; off: string[]},
+  ) {
     this.switches = new LayerSwitches(wanted);
     this.tiles = new TileLayers(site, anisotropy);
     this.late = {
-      'lanes': new LateLayer(() => loadLanes(site.origin)),
+      lanes: new LateLayer(() => loadLanes(site.origin)),
       'map-roads': new LateLayer(() => loadGraph(site, 'before')),
       'refined-roads': new LateLayer(() => loadGraph(site, 'after')),
       'error-bars': new LateLayer(() => loadErrorBars(site)),
@@ -41,7 +47,8 @@ export class SiteLayers {
   /** What has come after the ground. */
   adopt(drive: Drive | undefined, allFindings: Finding[]): void {
     const {switches} = this;
-    const findings = (this.findings = new FindingsLayer(this.site, allFindings));
+    const findings = new FindingsLayer(this.site, allFindings);
+    this.findings = findings;
     this.scene.add(findings.object);
     this.drive = drive;
     if (drive) {
@@ -69,8 +76,12 @@ export class SiteLayers {
 
   private addSwitches(): void {
     const {switches, tiles, late, sky} = this;
-    const addTileLayer = (name: keyof Layers, label: string) => switches.add(name, label, tiles.layers[name], (on) => tiles.setLayer(name, on));
-    switches.add('photo', 'Orthophoto', true, (on) => (tiles.setLayer('photo', on), sky.setRelief(!on)));
+    const addTileLayer = (name: keyof Layers, label: string) =>
+      switches.add(name, label, tiles.layers[name], (on) => tiles.setLayer(name, on));
+    switches.add('photo', 'Orthophoto', true, (on) => {
+      tiles.setLayer('photo', on);
+      sky.setRelief(!on);
+    });
     addTileLayer('labels', 'Classes seen in it');
     addTileLayer('normals', 'Normals');
     addTileLayer('materials', 'Road materials');
@@ -81,7 +92,13 @@ export class SiteLayers {
     switches.add('shadows', 'Shadows', true, (on) => this.showShadows(on));
     addTileLayer('wireframe', 'Wireframe');
     const addLate = (name: LateName, label: string, color?: number) =>
-      switches.add(name, label, false, (on) => (late[name].visible = on), color === undefined ? undefined : `#${color.toString(16).padStart(6, '0')}`);
+      switches.add(
+        name,
+        label,
+        false,
+        (on) => (late[name].visible = on),
+        color === undefined ? undefined : `#${color.toString(16).padStart(6, '0')}`,
+      );
     addLate('lanes', 'Lanes');
     addLate('map-roads', 'Roads of the map', graphColors.before);
     addLate('refined-roads', 'Roads as refined', graphColors.after);

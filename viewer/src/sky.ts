@@ -2,8 +2,21 @@
 // Light and air: sky, sun with shadows, and haze in the colour of the horizon.
 
 import {
-  BackSide, Color, DataTexture, DirectionalLight, Fog, HemisphereLight, LinearFilter, LinearMipmapLinearFilter, Mesh, RedFormat, RepeatWrapping,
-  Scene, ShaderMaterial, SphereGeometry, Vector3,
+  BackSide,
+  Color,
+  DataTexture,
+  DirectionalLight,
+  Fog,
+  HemisphereLight,
+  LinearFilter,
+  LinearMipmapLinearFilter,
+  Mesh,
+  RedFormat,
+  RepeatWrapping,
+  type Scene,
+  ShaderMaterial,
+  SphereGeometry,
+  Vector3,
 } from 'three';
 
 import {fractal, randomOf} from './noise';
@@ -18,9 +31,23 @@ interface Air {
   sunShare: number;
   skyShare: number;
 }
-const air = (elevation: number, zenith: number, horizon: number, sun: number, sunShare: number, skyShare: number): Air =>
-  ({elevation, zenith: new Color(zenith), horizon: new Color(horizon), sun: new Color(sun), sunShare, skyShare});
-const airs: Air[] = [ // by eye, after photos of clear days
+const air = (
+  elevation: number,
+  zenith: number,
+  horizon: number,
+  sun: number,
+  sunShare: number,
+  skyShare: number,
+): Air => ({
+  elevation,
+  zenith: new Color(zenith),
+  horizon: new Color(horizon),
+  sun: new Color(sun),
+  sunShare,
+  skyShare,
+});
+const airs: Air[] = [
+  // by eye, after photos of clear days
   air(-12, 0x05070f, 0x0d1322, 0x223355, 0.0, 0.05),
   air(-4, 0x1b2a4a, 0x6f6470, 0xff9a5a, 0.0, 0.2),
   air(1, 0x33588c, 0xe8b48c, 0xffa866, 0.35, 0.4),
@@ -39,8 +66,12 @@ function airAt(elevation: number): Air {
   const u = (elevation - a.elevation) / (b.elevation - a.elevation);
   const mix = (from: number, to: number) => from + u * (to - from);
   return {
-    elevation, zenith: a.zenith.clone().lerp(b.zenith, u), horizon: a.horizon.clone().lerp(b.horizon, u),
-    sun: a.sun.clone().lerp(b.sun, u), sunShare: mix(a.sunShare, b.sunShare), skyShare: mix(a.skyShare, b.skyShare),
+    elevation,
+    zenith: a.zenith.clone().lerp(b.zenith, u),
+    horizon: a.horizon.clone().lerp(b.horizon, u),
+    sun: a.sun.clone().lerp(b.sun, u),
+    sunShare: mix(a.sunShare, b.sunShare),
+    skyShare: mix(a.skyShare, b.skyShare),
   };
 }
 
@@ -87,7 +118,14 @@ export class Sky {
     const snapped = new Vector3(...target.toArray().map((v) => Math.round(v / texel_m) * texel_m));
     this.sun.target.position.copy(snapped);
     this.sun.position.copy(snapped).addScaledVector(direction, 3 * reach_m);
-    Object.assign(camera, {left: -reach_m, right: reach_m, top: reach_m, bottom: -reach_m, near: 0.1 * reach_m, far: 6 * reach_m});
+    Object.assign(camera, {
+      left: -reach_m,
+      right: reach_m,
+      top: reach_m,
+      bottom: -reach_m,
+      near: 0.1 * reach_m,
+      far: 6 * reach_m,
+    });
     this.sun.shadow.normalBias = 1.5 * texel_m;
     camera.updateProjectionMatrix();
   }
@@ -125,7 +163,12 @@ export class Sky {
 function cloudNoise(): DataTexture {
   const size = 256;
   const values = fractal(size, 4, 6, randomOf(21));
-  const texture = new DataTexture(Uint8Array.from(values, (v) => 255 * Math.min(1, Math.max(0, 0.5 + 0.8 * v))), size, size, RedFormat);
+  const texture = new DataTexture(
+    Uint8Array.from(values, (v) => 255 * Math.min(1, Math.max(0, 0.5 + 0.8 * v))),
+    size,
+    size,
+    RedFormat,
+  );
   texture.wrapS = texture.wrapT = RepeatWrapping;
   texture.magFilter = LinearFilter;
   texture.minFilter = LinearMipmapLinearFilter;

@@ -2,7 +2,7 @@
 // Where the sun stands, in the scene's frame.
 // Low-precision formulae of the Astronomical Almanac (U.S. Naval Observatory), sec. C: within 0.01 degrees from 1950 to 2050.
 
-import {Matrix4, Vector3} from 'three';
+import {type Matrix4, Vector3} from 'three';
 
 const degree = Math.PI / 180;
 const j2000_ms = Date.UTC(2000, 0, 1, 12);
@@ -14,7 +14,11 @@ function sunInEcef(time_ms: number): Vector3 {
   const anomaly = (357.528 + 0.9856003 * days) * degree;
   const longitude = meanLongitude + (1.915 * Math.sin(anomaly) + 0.02 * Math.sin(2 * anomaly)) * degree;
   const obliquity = (23.439 - 4e-7 * days) * degree;
-  const equatorial = new Vector3(Math.cos(longitude), Math.cos(obliquity) * Math.sin(longitude), Math.sin(obliquity) * Math.sin(longitude));
+  const equatorial = new Vector3(
+    Math.cos(longitude),
+    Math.cos(obliquity) * Math.sin(longitude),
+    Math.sin(obliquity) * Math.sin(longitude),
+  );
   const siderealAngle = (280.46061837 + 360.98564736629 * days) * degree;
   return equatorial.applyAxisAngle(new Vector3(0, 0, 1), -siderealAngle);
 }

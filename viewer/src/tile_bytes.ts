@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a tile takes of the graphics card's memory.
 
-import {BufferAttribute, InstancedMesh, InterleavedBufferAttribute, Mesh, MeshStandardMaterial, Texture, TypedArray} from 'three';
+import {
+  type BufferAttribute,
+  InstancedMesh,
+  InterleavedBufferAttribute,
+  type Mesh,
+  type MeshStandardMaterial,
+  type Texture,
+  type TypedArray,
+} from 'three';
 
 const withSmallerCopies = 4 / 3; // 1 + 1/4 + 1/16 ...
 
@@ -13,7 +21,9 @@ export function graphicsBytes(meshes: Mesh[]): number {
     if (attribute) arrays.add(attribute instanceof InterleavedBufferAttribute ? attribute.data.array : attribute.array);
   };
   for (const mesh of meshes) {
-    Object.values(mesh.geometry.attributes).forEach((attribute) => add(attribute as BufferAttribute | InterleavedBufferAttribute));
+    Object.values(mesh.geometry.attributes).forEach((attribute) =>
+      add(attribute as BufferAttribute | InterleavedBufferAttribute),
+    );
     add(mesh.geometry.index);
     if (mesh instanceof InstancedMesh) add(mesh.instanceMatrix);
     const {map} = mesh.material as MeshStandardMaterial;

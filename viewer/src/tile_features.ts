@@ -2,8 +2,16 @@
 // What the parts of a tile are: roads and buildings by ids of the vertices (EXT_mesh_features), classes by the labels'
 // picture, both with rows of a table (EXT_structural_metadata).
 
+import {
+  type BufferGeometry,
+  CanvasTexture,
+  type Intersection,
+  type Mesh,
+  NearestFilter,
+  type Object3D,
+  SRGBColorSpace,
+} from 'three';
 import type {GLTFLoaderPlugin, GLTFParser} from 'three/addons/loaders/GLTFLoader.js';
-import {type BufferGeometry, CanvasTexture, type Intersection, type Mesh, NearestFilter, type Object3D, SRGBColorSpace} from 'three';
 
 type Row = Record<string, string>;
 
@@ -54,11 +62,19 @@ export function tileFeaturesPlugin(parser: GLTFParser): GLTFLoaderPlugin {
       const json = parser.json as GltfJson;
       const tables = json.extensions?.EXT_structural_metadata?.propertyTables ?? [];
       const find = (name: string) => tables.find((table) => table.class === name);
-      const ids = json.meshes.flatMap((mesh) => mesh.primitives).flatMap((part) => part.extensions?.EXT_mesh_features?.featureIds ?? []);
+      const ids = json.meshes
+        .flatMap((mesh) => mesh.primitives)
+        .flatMap((part) => part.extensions?.EXT_mesh_features?.featureIds ?? []);
       const texture = ids.find((id) => id.label === 'label')?.texture;
-      const features: TileFeatures = {objects: await readTable(parser, find('object')), labels: await readTable(parser, find('label'))};
+      const features: TileFeatures = {
+        objects: await readTable(parser, find('object')),
+        labels: await readTable(parser, find('label')),
+      };
       if (texture)
-        features.labelPicture = new Blob([await bytesOf(parser, json.images[json.textures[texture.index].source].bufferView)], {type: 'image/png'});
+        features.labelPicture = new Blob(
+          [await bytesOf(parser, json.images[json.textures[texture.index].source].bufferView)],
+          {type: 'image/png'},
+        );
       gltf.scene.userData.features = features;
     },
   };
@@ -72,7 +88,8 @@ export function featuresOf(object: Object3D | null): TileFeatures | undefined {
 /** The classes of a tile in their colours, for what shows the photo; undefined: the tile has no labels. */
 export function labelTexture(features: TileFeatures | undefined): Promise<CanvasTexture> | undefined {
   if (!features?.labelPicture) return undefined;
-  return (features.labelTexture ??= colored(features.labels, features.labelPicture));
+  features.labelTexture ??= colored(features.labels, features.labelPicture);
+  return features.labelTexture;
 }
 
 /** Values of the labels are in the first of four channels. */
@@ -106,7 +123,15 @@ export interface RoleWeights {
   height: number;
 }
 
-const weightOf: Record<string, number> = {ground: 0, vegetation: 1, road: 2, maybe_road: 2, building: 2, other: 2, rail: 3};
+const weightOf: Record<string, number> = {
+  ground: 0,
+  vegetation: 1,
+  road: 2,
+  maybe_road: 2,
+  building: 2,
+  other: 2,
+  rail: 3,
+};
 
 /** Shares of open ground, plants, paving and rails in squares of two pixels of the labels (0 to 255); undefined: no labels. */
 export function roleWeights(features: TileFeatures | undefined): Promise<RoleWeights> | undefined {

@@ -2,12 +2,23 @@
 // The 3D Tiles of the site and what of them is shown.
 
 import {type Tile, TilesRenderer} from '3d-tiles-renderer';
-import {Camera, Group, Mesh, MeshDepthMaterial, Object3D, Raycaster, Sphere, Vector2, Vector3, WebGLRenderer} from 'three';
+import {
+  type Camera,
+  Group,
+  Mesh,
+  MeshDepthMaterial,
+  type Object3D,
+  Raycaster,
+  Sphere,
+  type Vector2,
+  Vector3,
+  type WebGLRenderer,
+} from 'three';
 
 import {type Site, tilesetUrl} from './site';
 import {graphicsBytes} from './tile_bytes';
 import {describeHit} from './tile_features';
-import {isRoadSurface, kindOf, Layers, stands, SurfaceKind, TileLooks} from './tile_looks';
+import {isRoadSurface, kindOf, type Layers, type SurfaceKind, stands, TileLooks} from './tile_looks';
 
 const alwaysRefined_m = 1e4;
 const tubeCasts_m = 0.4;
@@ -23,7 +34,10 @@ function tubeShadow(): MeshDepthMaterial {
   material.onBeforeCompile = (shader) => {
     const place = '#include <project_vertex>';
     if (!shader.vertexShader.includes(place)) throw new Error('three.js has changed the shader of its depth material');
-    shader.vertexShader = shader.vertexShader.replace(place, `${place}\ngl_Position.z += ${tubeCasts_m} * projectionMatrix[2][2];`);
+    shader.vertexShader = shader.vertexShader.replace(
+      place,
+      `${place}\ngl_Position.z += ${tubeCasts_m} * projectionMatrix[2][2];`,
+    );
   };
   return material;
 }
@@ -52,7 +66,9 @@ function byGain(a: Tile, b: Tile): number {
 }
 /** Positive: `a` is dropped before `b`. */
 function byAge(a: Tile, b: Tile): number {
-  const [seenA, seenB] = [a, b].map(({traversal}) => (traversal as Tile['traversal'] & {lastFrameVisited: number}).lastFrameVisited);
+  const [seenA, seenB] = [a, b].map(
+    ({traversal}) => (traversal as Tile['traversal'] & {lastFrameVisited: number}).lastFrameVisited,
+  );
   return seenA !== seenB ? seenB - seenA : -byGain(a, b);
 }
 
@@ -61,11 +77,32 @@ class FlatPlaces {
   readonly name = 'flat_places';
   private readonly origins = new WeakMap<object, [number, number, number]>();
 
-  preprocessNode(tile: {transform?: number[]; extras?: {origin?: [number, number, number]}}, _folder: string, parent: object | null): void {
+  preprocessNode(
+    tile: {transform?: number[]; extras?: {origin?: [number, number, number]}},
+    _folder: string,
+    parent: object | null,
+  ): void {
     const origin = tile.extras?.origin ?? [0, 0, 0];
     const from = (parent && this.origins.get(parent)) ?? [0, 0, 0];
     this.origins.set(tile, origin);
-    tile.transform = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, origin[0] - from[0], origin[1] - from[1], origin[2] - from[2], 1];
+    tile.transform = [
+      1,
+      0,
+      0,
+      0,
+      0,
+      1,
+      0,
+      0,
+      0,
+      0,
+      1,
+      0,
+      origin[0] - from[0],
+      origin[1] - from[1],
+      origin[2] - from[2],
+      1,
+    ];
   }
 }
 
@@ -73,7 +110,15 @@ export class TileLayers {
   /** In the site's local frame: tiles lie on the flat map, see FlatPlaces. */
   readonly group = new Group();
   readonly layers: Layers = {
-    terrain: true, roads: true, photo: true, labels: false, normals: false, materials: true, buildings: true, trees: true, wireframe: false,
+    terrain: true,
+    roads: true,
+    photo: true,
+    labels: false,
+    normals: false,
+    materials: true,
+    buildings: true,
+    trees: true,
+    wireframe: false,
   };
   loaded = 0;
   readonly failures: string[] = [];
@@ -91,12 +136,16 @@ export class TileLayers {
     this.tiles.manager.addHandler(/\.(gltf|glb)$/, this.looks.gltfLoader(this.tiles.manager));
     this.group.add(this.tiles.group, this.looks.plants);
     this.tiles.registerPlugin(new FlatPlaces());
-    const fetched = (url: string) => (url === tilesetUrl ? Promise.resolve(tileset) : coarsest.get(new URL(url, location.href).href));
-    this.tiles.registerPlugin({name: 'read_once', fetchData: (url: string) => {
-      const data = fetched(url);
-      coarsest.delete(new URL(url, location.href).href); // an answer can be read once
-      return data ?? null;
-    }});
+    const fetched = (url: string) =>
+      url === tilesetUrl ? Promise.resolve(tileset) : coarsest.get(new URL(url, location.href).href);
+    this.tiles.registerPlugin({
+      name: 'read_once',
+      fetchData: (url: string) => {
+        const data = fetched(url);
+        coarsest.delete(new URL(url, location.href).href); // an answer can be read once
+        return data ?? null;
+      },
+    });
     this.tiles.maxDepth = topDepth;
     this.tiles.autoDisableRendererCulling = false; // parts of a tile that picture or shadow map do not show are not drawn
     this.tiles.errorTarget = 2; // pixels that a coarser level may differ by
@@ -126,21 +175,36 @@ export class TileLayers {
   /** A tile, coarse as it may be, lies wherever the present view shows the site. */
   get covered(): boolean {
     const top = this.tiles.root?.children ?? [];
-    return this.visible > 0 && top.every((tile) => !tile.traversal.inFrustum || (tile as LoadedTile).engineData.scene !== null);
+    return (
+      this.visible > 0 &&
+      top.every((tile) => !tile.traversal.inFrustum || (tile as LoadedTile).engineData.scene !== null)
+    );
   }
   get held(): HeldTile[] {
     const held: HeldTile[] = [];
-    this.tiles.forEachLoadedModel((model: Object3D, tile: Tile) => held.push({
-      file: tile.content!.uri!, error_m: tile.geometricError, bytes: this.bytes.get(model) ?? 0, visible: this.tiles.visibleTiles.has(tile),
-    }));
+    this.tiles.forEachLoadedModel((model: Object3D, tile: Tile) =>
+      held.push({
+        file: tile.content!.uri!,
+        error_m: tile.geometricError,
+        bytes: this.bytes.get(model) ?? 0,
+        visible: this.tiles.visibleTiles.has(tile),
+      }),
+    );
     return held;
   }
 
   /** Nothing more to load for the present view. */
   get complete(): boolean {
     // The renderer's own loadProgress is 1 for a moment between loading and reading a tile, and before it has asked for any.
-    const {queued, downloading, parsing} = (this.tiles as typeof this.tiles & {stats: Record<'queued' | 'downloading' | 'parsing', number>}).stats;
-    return this.tiles.root !== null && !this.tiles.processNodeQueue.running && queued + downloading + parsing === 0 && !this.looks.pending;
+    const {queued, downloading, parsing} = (
+      this.tiles as typeof this.tiles & {stats: Record<'queued' | 'downloading' | 'parsing', number>}
+    ).stats;
+    return (
+      this.tiles.root !== null &&
+      !this.tiles.processNodeQueue.running &&
+      queued + downloading + parsing === 0 &&
+      !this.looks.pending
+    );
   }
 
   /** The renderer takes a tile that failed for a finished one and would leave a hole: its parent is shown, or its parts. */
@@ -158,7 +222,9 @@ export class TileLayers {
   async describe(place: Vector2, camera: Camera): Promise<Record<string, string>> {
     const ray = new Raycaster();
     ray.setFromCamera(place, camera);
-    const hit = ray.intersectObject(this.group, true).find(({object}) => object.visible && !['verge', 'marking'].includes(kindOf(object as Mesh)));
+    const hit = ray
+      .intersectObject(this.group, true)
+      .find(({object}) => object.visible && !['verge', 'marking'].includes(kindOf(object as Mesh)));
     return hit ? describeHit(hit) : {};
   }
 
@@ -174,9 +240,12 @@ export class TileLayers {
     const ray = new Raycaster(new Vector3(x_m, y_m, z_m + reach_m), new Vector3(0, 0, -1), 0, 2 * reach_m);
     let nearest: {z_m: number; error_m: number} | undefined;
     this.tiles.visibleTiles.forEach((tile) => {
-      const meshes = meshesOf((tile as LoadedTile).engineData.scene!).filter((mesh) => mesh.visible && isRoadSurface(mesh));
+      const meshes = meshesOf((tile as LoadedTile).engineData.scene!).filter(
+        (mesh) => mesh.visible && isRoadSurface(mesh),
+      );
       for (const {point} of ray.intersectObjects(meshes, false))
-        if (!nearest || Math.abs(point.z - z_m) < Math.abs(nearest.z_m - z_m)) nearest = {z_m: point.z, error_m: tile.geometricError};
+        if (!nearest || Math.abs(point.z - z_m) < Math.abs(nearest.z_m - z_m))
+          nearest = {z_m: point.z, error_m: tile.geometricError};
     });
     return nearest;
   }
@@ -188,7 +257,8 @@ export class TileLayers {
   }
 
   update(camera: Camera, renderer: WebGLRenderer): void {
-    if (camera !== this.camera) { // one that is left asks for no tiles any more
+    if (camera !== this.camera) {
+      // one that is left asks for no tiles any more
       if (this.camera) this.tiles.deleteCamera(this.camera);
       this.camera = camera;
       this.tiles.setCamera(camera);
@@ -226,16 +296,22 @@ export class TileLayers {
     const asSeen = photo && !labels && !normals; // no layer that shows something else of the ground
     switch (kind) {
       case 'terrain':
-      case 'water': return terrain;
-      case 'road': return roads;
-      case 'verge': return terrain && roads && materials && asSeen;
-      case 'marking': return roads && materials && !labels && !normals;
+      case 'water':
+        return terrain;
+      case 'road':
+        return roads;
+      case 'verge':
+        return terrain && roads && materials && asSeen;
+      case 'marking':
+        return roads && materials && !labels && !normals;
       case 'building':
       case 'barrier':
       case 'track':
       case 'lamp':
-      case 'object': return buildings;
-      case 'tree': return trees;
+      case 'object':
+        return buildings;
+      case 'tree':
+        return trees;
     }
   }
 

@@ -1,8 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the parts of the tiles look like, by the layers that are shown: photo, materials, classes, normals, relief.
 
+import {
+  type LoadingManager,
+  type Material,
+  type Mesh,
+  MeshLambertMaterial,
+  MeshNormalMaterial,
+  type MeshStandardMaterial,
+  type Object3D,
+  type Texture,
+  type Vector3,
+} from 'three';
 import type {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
-import {LoadingManager, Material, Mesh, MeshLambertMaterial, MeshNormalMaterial, MeshStandardMaterial, Object3D, Texture, Vector3} from 'three';
 
 import {GroundDetail} from './ground_detail';
 import {SurfaceMaterials} from './surface_materials';
@@ -20,7 +30,19 @@ export interface Layers {
   wireframe: boolean;
 }
 
-const kinds = ['road', 'verge', 'marking', 'building', 'tree', 'barrier', 'track', 'lamp', 'object', 'water', 'terrain'] as const;
+const kinds = [
+  'road',
+  'verge',
+  'marking',
+  'building',
+  'tree',
+  'barrier',
+  'track',
+  'lamp',
+  'object',
+  'water',
+  'terrain',
+] as const;
 export type SurfaceKind = (typeof kinds)[number];
 
 /** Meshes are named by their kind (model/scene.hpp); the glTF loader may append to a name to keep names apart. */
@@ -43,8 +65,12 @@ function normalMaterial(): MeshNormalMaterial {
   const material = new MeshNormalMaterial();
   material.onBeforeCompile = (shader) => {
     const ofCamera = 'normalize( normal )';
-    if (!shader.fragmentShader.includes(ofCamera)) throw new Error('three.js has changed the shader of its normal material');
-    shader.fragmentShader = shader.fragmentShader.replace(ofCamera, 'normalize( ( vec4( normal, 0.0 ) * viewMatrix ).xyz )');
+    if (!shader.fragmentShader.includes(ofCamera))
+      throw new Error('three.js has changed the shader of its normal material');
+    shader.fragmentShader = shader.fragmentShader.replace(
+      ofCamera,
+      'normalize( ( vec4( normal, 0.0 ) * viewMatrix ).xyz )',
+    );
   };
   return material;
 }
@@ -72,7 +98,12 @@ export class TileLooks {
     lamp: new MeshLambertMaterial({color: 0x8d9094}),
     object: new MeshLambertMaterial({color: 0x8d9094}),
     water: new MeshLambertMaterial({color: 0x8fb0bd}),
-    marking: new MeshLambertMaterial({color: 0xf2f2ee, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}),
+    marking: new MeshLambertMaterial({
+      color: 0xf2f2ee,
+      polygonOffset: true,
+      polygonOffsetFactor: -4,
+      polygonOffsetUnits: -4,
+    }),
   };
   private pictures = 0; // of labels that are on their way
 
@@ -93,7 +124,8 @@ export class TileLooks {
 
   /** Of one tile. */
   adopt(meshes: Mesh[]): void {
-    const map: Texture | null = meshes.map((mesh) => (mesh.material as MeshStandardMaterial).map).find((one) => one !== null) ?? null;
+    const map: Texture | null =
+      meshes.map((mesh) => (mesh.material as MeshStandardMaterial).map).find((one) => one !== null) ?? null;
     if (map) map.anisotropy = this.anisotropy;
     for (const mesh of meshes) {
       const own = mesh.material as MeshStandardMaterial;
@@ -126,14 +158,16 @@ export class TileLooks {
     if (layers.normals) return this.normals;
     if (layers.labels) return stands(mesh) ? this.relief[kindOf(mesh)] : this.labelsOf(mesh, look);
     if (!layers.photo) return this.relief[kindOf(mesh)];
-    if (look.surface !== undefined && (layers.materials || stands(mesh))) return this.surfaceMaterials.get(look.surface);
+    if (look.surface !== undefined && (layers.materials || stands(mesh)))
+      return this.surfaceMaterials.get(look.surface);
     return look.photo;
   }
 
   /** Grey until the picture is there, and where the tile has none. */
   private labelsOf(mesh: Mesh, look: Look): Material {
     if (look.labels) return look.labels;
-    const material = (look.labels = new MeshLambertMaterial({color: 0xd3d4ce}));
+    const material = new MeshLambertMaterial({color: 0xd3d4ce});
+    look.labels = material;
     const picture = labelTexture(featuresOf(mesh));
     if (!picture) return material;
     ++this.pictures;

@@ -32,7 +32,8 @@ export function utmFromGeographic(zone: UtmZone, longitudeDeg: number, latitudeD
   const t = Math.sinh(Math.atanh(Math.sin(latitude)) - e * Math.atanh(e * Math.sin(latitude)));
   const xi = Math.atan2(t, Math.cos(longitude));
   const eta = Math.asinh(Math.sin(longitude) / Math.hypot(t, Math.cos(longitude)));
-  let x = eta, y = xi;
+  let x = eta,
+    y = xi;
   alpha.forEach((a, i) => {
     const k = 2 * (i + 1);
     x += a * Math.cos(k * xi) * Math.sinh(k * eta);

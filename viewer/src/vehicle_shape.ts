@@ -15,7 +15,14 @@ export interface VehicleShape {
 
 /** Of an ordinary car, where there is no scenario. */
 export const ordinaryCar: VehicleShape = {
-  name: 'car', length_m: 4.3, width_m: 1.8, height_m: 1.45, wheelbase_m: 2.6, frontTrack_m: 1.56, rearTrack_m: 1.56, wheelRadius_m: 0.33,
+  name: 'car',
+  length_m: 4.3,
+  width_m: 1.8,
+  height_m: 1.45,
+  wheelbase_m: 2.6,
+  frontTrack_m: 1.56,
+  rearTrack_m: 1.56,
+  wheelRadius_m: 0.33,
   rearOverhang_m: 0.85,
 };
 
@@ -23,7 +30,8 @@ export const ordinaryCar: VehicleShape = {
 export function parseVehicleShape(xosc: string): VehicleShape | undefined {
   const text = /<Vehicle\s.*?<\/Vehicle>/s.exec(xosc)?.[0] ?? ''; // the rest, where it drives, is long
   const vehicle = new DOMParser().parseFromString(text, 'text/xml').querySelector('Vehicle');
-  const number = (path: string, attribute: string) => Number(vehicle?.querySelector(path)?.getAttribute(attribute) ?? NaN);
+  const number = (path: string, attribute: string) =>
+    Number(vehicle?.querySelector(path)?.getAttribute(attribute) ?? NaN);
   const length_m = number('BoundingBox > Dimensions', 'length');
   const shape = {
     name: vehicle?.getAttribute('name') ?? '',

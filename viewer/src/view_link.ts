@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The address of a view: what the page shows as text after the '?', and back.
 
-import {CameraMode, cameraModes, View} from './cameras';
+import {type CameraMode, cameraModes, type View} from './cameras';
 
 export interface ViewState {
   camera: CameraMode;

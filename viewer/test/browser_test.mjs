@@ -31,7 +31,8 @@ async function checkFirstPicture(context, url) {
       const look = () => {
         const {orthodrive} = window;
         const panel = document.getElementById('panel');
-        if (!orthodrive || orthodrive.frame === 0) window.earlyPanel ||= panel !== null && panel.getBoundingClientRect().width > 0;
+        if (!orthodrive || orthodrive.frame === 0)
+          window.earlyPanel ||= panel !== null && panel.getBoundingClientRect().width > 0;
         else window.first ??= {covered: orthodrive.covered, mode: orthodrive.mode, tiles: orthodrive.tilesVisible};
         if (!window.first) requestAnimationFrame(look);
       };
@@ -40,10 +41,14 @@ async function checkFirstPicture(context, url) {
     await page.goto(`${url}?play=0&camera=${camera}&t=8`);
     await waitUntilDrawn(page);
     const {first, earlyPanel} = await page.evaluate(() => ({first: window.first, earlyPanel: window.earlyPanel}));
-    assert.deepEqual([first.covered, first.mode], [true, camera], `the first picture of the camera ${camera} has gaps, or another camera`);
+    assert.deepEqual(
+      [first.covered, first.mode],
+      [true, camera],
+      `the first picture of the camera ${camera} has gaps, or another camera`,
+    );
     assert.ok(first.tiles > 0, 'the first picture shows no tiles');
     assert.ok(!earlyPanel, 'the panel comes before the first picture');
-    assert.ok(await page.isVisible('#panel') && await page.isVisible('#map'), 'the page has no controls');
+    assert.ok((await page.isVisible('#panel')) && (await page.isVisible('#map')), 'the page has no controls');
     await page.close();
   }
 }
@@ -77,7 +82,8 @@ async function checkFollowCamera(page) {
       return {car, camera: cameraPosition, ground_m: groundUnder(car.x_m, car.y_m, car.z_m)};
     });
     [car.x_m, car.y_m, car.z_m].forEach((value, i) =>
-      assert.ok(Math.abs(value - (position[i] - origin[i])) < 0.01, `the car is not where lap.csv has it at ${t} s`));
+      assert.ok(Math.abs(value - (position[i] - origin[i])) < 0.01, `the car is not where lap.csv has it at ${t} s`),
+    );
     const distance = Math.hypot(camera[0] - car.x_m, camera[1] - car.y_m, camera[2] - car.z_m);
     assert.ok(distance > 3 && distance < 15, `the following camera is ${distance.toFixed(1)} m from the car`);
     assert.ok(ground_m !== undefined, `no surface under the car at ${t} s`);
@@ -93,21 +99,36 @@ async function checkFollowCamera(page) {
 async function checkPlaying(page) {
   const before = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
   await page.click('#play');
-  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m, {timeout: 240_000});
+  await page.waitForFunction((s_m) => Math.abs(window.orthodrive.car.s_m - s_m) > 3, before.car.s_m, {
+    timeout: 240_000,
+  });
   const camera = await page.evaluate(() => window.orthodrive.cameraPosition);
-  assert.ok(Math.hypot(camera[0] - before.camera[0], camera[1] - before.camera[1]) > 1, 'the camera stays behind while playing');
+  assert.ok(
+    Math.hypot(camera[0] - before.camera[0], camera[1] - before.camera[1]) > 1,
+    'the camera stays behind while playing',
+  );
   await page.click('#play');
 }
 
 /** Every camera shows something, from where its name says. */
 async function checkCameras(page) {
-  for (const [mode, nearest_m, farthest_m] of [['orbit', 3, 200], ['driver', 0.5, 2], ['top', 100, 1e5]]) {
+  for (const [mode, nearest_m, farthest_m] of [
+    ['orbit', 3, 200],
+    ['driver', 0.5, 2],
+    ['top', 100, 1e5],
+  ]) {
     await page.evaluate((name) => window.orthodrive.setCamera(name), mode);
     const statistics = await pictureStatistics(page, await sceneShot(page));
-    const {car, camera} = await page.evaluate(() => ({car: window.orthodrive.car, camera: window.orthodrive.cameraPosition}));
+    const {car, camera} = await page.evaluate(() => ({
+      car: window.orthodrive.car,
+      camera: window.orthodrive.cameraPosition,
+    }));
     const distance_m = Math.hypot(camera[0] - car.x_m, camera[1] - car.y_m, camera[2] - car.z_m);
     console.log(`${mode}: ${distance_m.toFixed(2)} m from the car,`, statistics);
-    assert.ok(distance_m > nearest_m && distance_m < farthest_m, `the camera ${mode} is ${distance_m.toFixed(1)} m from the car`);
+    assert.ok(
+      distance_m > nearest_m && distance_m < farthest_m,
+      `the camera ${mode} is ${distance_m.toFixed(1)} m from the car`,
+    );
     assert.ok(statistics.deviation > 10 && statistics.colors > 200, `the camera ${mode} shows hardly anything`);
     writeFileSync(join(siteDir, `viewer_${mode}.png`), await page.screenshot());
   }
@@ -116,7 +137,14 @@ async function checkCameras(page) {
 
 /** The sun goes from east to west, and twice the obliquity higher in June than in December; its shadows are seen. */
 async function checkSun(page) {
-  const sunAt = (date, hour) => page.evaluate(([day, clock]) => (window.orthodrive.setDay(day, clock), window.orthodrive.sun), [date, hour]);
+  const sunAt = (date, hour) =>
+    page.evaluate(
+      ([day, clock]) => {
+        window.orthodrive.setDay(day, clock);
+        return window.orthodrive.sun;
+      },
+      [date, hour],
+    );
   const degrees = (z) => (Math.asin(z) * 180) / Math.PI;
   const highest = async (date) => {
     let z = -1;
@@ -124,7 +152,10 @@ async function checkSun(page) {
     return degrees(z);
   };
   const difference = (await highest('2026-06-21')) - (await highest('2026-12-21'));
-  assert.ok(Math.abs(difference - 2 * 23.436) < 0.05, `the sun is ${difference.toFixed(2)} degrees higher in June than in December`);
+  assert.ok(
+    Math.abs(difference - 2 * 23.436) < 0.05,
+    `the sun is ${difference.toFixed(2)} degrees higher in June than in December`,
+  );
   assert.ok((await sunAt('2026-06-21', 8))[0] > 0.3, 'the sun is not in the east in the morning');
   assert.ok((await sunAt('2026-12-21', 0))[2] < 0, 'the sun shines at midnight in winter');
   assert.ok((await sunAt('2026-06-21', 17))[0] < -0.3, 'the sun is not in the west in the afternoon');
@@ -164,7 +195,9 @@ async function checkClick(page) {
   assert.ok(road.class && road.role, 'the road has no class of the photo');
   const {width, height} = page.viewportSize();
   await page.mouse.click(width / 2, (height * 1.15) / 2);
-  await page.waitForFunction(() => document.getElementById('message').textContent.includes('road'), null, {timeout: 60_000});
+  await page.waitForFunction(() => document.getElementById('message').textContent.includes('road'), null, {
+    timeout: 60_000,
+  });
   await page.evaluate(() => window.orthodrive.setLayer('route', true));
 }
 
@@ -178,18 +211,26 @@ async function checkBrokenTile(context, url) {
   };
   walk(tileset.root, undefined);
   assert.ok(withParent.length > 0, 'the site has no coarser tiles');
-  for (const breakTile of [(route) => route.fulfill({status: 404, body: ''}), (route) => route.fulfill({body: 'not a tile'})]) {
+  for (const breakTile of [
+    (route) => route.fulfill({status: 404, body: ''}),
+    (route) => route.fulfill({body: 'not a tile'}),
+  ]) {
     const page = await context.newPage();
     await page.route(`**/${withParent[0]}`, breakTile);
     const {origin} = findTile(tileset.root, withParent[0]).extras;
     const near = [origin[0] + 1, origin[1] - 60, origin[2] + 60]; // so near that the finest level is asked for
     await page.goto(`${url}?play=0&camera=fly&eye=${near.join(',')}&target=${origin.join(',')}`);
-    await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready, null, {timeout: 240_000});
+    await page.waitForFunction(() => window.orthodrive?.failures.length > 0 && window.orthodrive.ready, null, {
+      timeout: 240_000,
+    });
     const [failure] = await page.evaluate(() => window.orthodrive.failures);
     console.log('broken tile:', failure);
     assert.match(failure, /a coarser one is shown in its place/);
     assert.match(await page.textContent('#message'), /coarser/);
-    assert.ok((await page.evaluate(([x, y, z]) => window.orthodrive.groundUnder(x, y, z + 500), origin)) !== undefined, 'there is a hole');
+    assert.ok(
+      (await page.evaluate(([x, y, z]) => window.orthodrive.groundUnder(x, y, z + 500), origin)) !== undefined,
+      'there is a hole',
+    );
     await page.close();
   }
 }
@@ -222,7 +263,10 @@ try {
   const problems = [];
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
   page.on('pageerror', (error) => problems.push(error.message));
-  page.on('response', (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`));
+  page.on(
+    'response',
+    (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`),
+  );
   await checkFirstPicture(context, server.url);
   await page.goto(`${server.url}?play=0`);
   await checkFlyCamera(page);

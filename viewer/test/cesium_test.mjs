@@ -28,14 +28,23 @@ function middleOfSite() {
 /** Metres between two places of longitude and latitude, near each other. */
 function apart_m([lonA, latA], [lonB, latB]) {
   const metresPerDegree = (Math.PI / 180) * 6378137;
-  return Math.hypot((lonA - lonB) * metresPerDegree * Math.cos((latA * Math.PI) / 180), (latA - latB) * metresPerDegree);
+  return Math.hypot(
+    (lonA - lonB) * metresPerDegree * Math.cos((latA * Math.PI) / 180),
+    (latA - latB) * metresPerDegree,
+  );
 }
 
 /** Longitude, latitude and height of places on the driven lap. */
 function lapPlaces(count) {
-  const points = [...readFileSync(join(siteDir, 'drive/lap.gpx'), 'utf8').matchAll(/<trkpt lat="([^"]+)" lon="([^"]+)"[^>]*>\s*<ele>([^<]+)/g)];
+  const points = [
+    ...readFileSync(join(siteDir, 'drive/lap.gpx'), 'utf8').matchAll(
+      /<trkpt lat="([^"]+)" lon="([^"]+)"[^>]*>\s*<ele>([^<]+)/g,
+    ),
+  ];
   assert.ok(points.length > 10 * count, 'lap.gpx has hardly any points');
-  return Array.from({length: count}, (_, i) => points[Math.floor((i * points.length) / count)]).map(([, lat, lon, ele]) => [lon, lat, ele].map(Number));
+  return Array.from({length: count}, (_, i) => points[Math.floor((i * points.length) / count)]).map(
+    ([, lat, lon, ele]) => [lon, lat, ele].map(Number),
+  );
 }
 
 async function checkPicture(page, file) {
@@ -48,7 +57,8 @@ async function checkPicture(page, file) {
   assert.ok(statistics.colors > 200, `${file} has hardly any colours`);
 }
 
-const inPage = (page, name, ...values) => page.evaluate(([call, all]) => window.orthodrive[call](...all), [name, values]);
+const inPage = (page, name, ...values) =>
+  page.evaluate(([call, all]) => window.orthodrive[call](...all), [name, values]);
 const stateOf = (page) => page.evaluate(() => window.orthodrive.state);
 
 async function openTileset(page, url) {
@@ -62,7 +72,9 @@ async function checkAbove(page, url) {
   await openTileset(page, url);
   const {loaded, failures, lonLatDegHeight_m, radius_m} = await stateOf(page);
   const away_m = apart_m(lonLatDegHeight_m, middleOfSite());
-  console.log(`${loaded} tiles, middle ${lonLatDegHeight_m.map((v) => v.toFixed(6))}, ${away_m.toFixed(2)} m from the middle of the labels, radius ${radius_m.toFixed(0)} m`);
+  console.log(
+    `${loaded} tiles, middle ${lonLatDegHeight_m.map((v) => v.toFixed(6))}, ${away_m.toFixed(2)} m from the middle of the labels, radius ${radius_m.toFixed(0)} m`,
+  );
   assert.deepEqual(failures, [], 'tiles failed');
   assert.ok(loaded > 0, 'no tile was loaded');
   assert.ok(away_m < 5, `the site lies ${away_m.toFixed(1)} m from where it should`);
@@ -107,14 +119,20 @@ let context;
 try {
   context = await openBrowser(profile, {bypassCSP: true}); // the policy is for our page, not for this one
   const problems = [];
-  await context.route((url) => ['http:', 'https:'].includes(url.protocol) && !url.href.startsWith(server.url), (route) => {
-    problems.push(`asked for ${route.request().url()}`);
-    return route.abort();
-  });
+  await context.route(
+    (url) => ['http:', 'https:'].includes(url.protocol) && !url.href.startsWith(server.url),
+    (route) => {
+      problems.push(`asked for ${route.request().url()}`);
+      return route.abort();
+    },
+  );
   const page = context.pages()[0] ?? (await context.newPage());
   page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
   page.on('pageerror', (error) => problems.push(error.message));
-  page.on('response', (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`));
+  page.on(
+    'response',
+    (response) => response.status() >= 400 && problems.push(`${response.status()} ${response.url()}`),
+  );
   await checkAbove(page, server.url);
   await checkLap(page);
   assert.deepEqual((await stateOf(page)).failures, [], 'tiles failed');

@@ -11,7 +11,8 @@ import {comparePictures} from './pictures.mjs';
 
 /** Where the lap turns least in the next seconds: a car whose wheel nobody holds stays on the road there. */
 function startOfStraight(siteDir) {
-  const lap = readLap(siteDir, ['t_s', 'heading_rad']), ahead_s = 4;
+  const lap = readLap(siteDir, ['t_s', 'heading_rad']),
+    ahead_s = 4;
   const turn = (from) => {
     const rows = lap.filter(([t_s]) => t_s >= from && t_s <= from + ahead_s);
     return Math.max(...rows.map(([, heading]) => Math.abs(Math.sin(heading - rows[0][1]))));
@@ -23,7 +24,11 @@ function startOfStraight(siteDir) {
 
 /** Somebody takes over the car: it drives off on the throttle, turns with the wheel, off the road too, and stops on what is seen. */
 export async function checkDriving(page, siteDir) {
-  await page.evaluate((t_s) => (window.orthodrive.setPlaying(false), window.orthodrive.setCamera('follow'), window.orthodrive.setTime(t_s)), startOfStraight(siteDir));
+  await page.evaluate((t_s) => {
+    window.orthodrive.setPlaying(false);
+    window.orthodrive.setCamera('follow');
+    window.orthodrive.setTime(t_s);
+  }, startOfStraight(siteDir));
   const start = await page.evaluate(() => window.orthodrive.car);
   await page.click('#drive');
   await page.waitForFunction(() => window.orthodrive.driving, null, {timeout: 240_000});
@@ -46,7 +51,9 @@ export async function checkDriving(page, siteDir) {
     const {car, groundUnder} = window.orthodrive;
     return {car, ground_m: groundUnder(car.x_m, car.y_m, car.z_m)};
   });
-  console.log(`driving: ${(fast.speed_mps * 3.6).toFixed(0)} km/h reached, ${Math.abs(car.z_m - ground_m).toFixed(3)} m over the surface when it stopped`);
+  console.log(
+    `driving: ${(fast.speed_mps * 3.6).toFixed(0)} km/h reached, ${Math.abs(car.z_m - ground_m).toFixed(3)} m over the surface when it stopped`,
+  );
   assert.ok(Math.abs(car.z_m - ground_m) < 0.25, 'the car floats above or sinks into the surface');
   await page.click('#drive');
   await page.waitForFunction(() => !window.orthodrive.driving);
@@ -58,12 +65,21 @@ const dashboardParts = ['throttle', 'brake', 'gear', 'revs', 'g-circle', 'loads'
 
 /** What the dashboard shows of each part: a share, a text, or null where it is hidden. */
 function readDashboard(page) {
-  return page.evaluate((ids) => Object.fromEntries(ids.map((id) => {
-    const element = document.getElementById(id);
-    const shown = element.getBoundingClientRect().width > 0;
-    const value = element.style.getPropertyValue('--share') || element.textContent.trim() || (['g-circle', 'loads'].includes(id) ? 'shown' : null);
-    return [id, shown ? value : null];
-  })), [...dashboardParts, ...wheels]);
+  return page.evaluate(
+    (ids) =>
+      Object.fromEntries(
+        ids.map((id) => {
+          const element = document.getElementById(id);
+          const shown = element.getBoundingClientRect().width > 0;
+          const value =
+            element.style.getPropertyValue('--share') ||
+            element.textContent.trim() ||
+            (['g-circle', 'loads'].includes(id) ? 'shown' : null);
+          return [id, shown ? value : null];
+        }),
+      ),
+    [...dashboardParts, ...wheels],
+  );
 }
 
 /** The dashboard shows what the lap has, and nothing of what it does not have. */
@@ -77,14 +93,24 @@ export async function checkDashboard(context, page, url, siteDir) {
     await waitUntilDrawn(page);
     const shown = await readDashboard(page);
     assert.equal(shown.gear, String(row[3]));
-    assert.ok(Math.abs(parseInt(shown.revs) - row[4]) <= 15, `${shown.revs} are not ${row[4]} 1/min`);
-    for (const [id, expected] of [['throttle', row[1]], ['brake', row[2]]])
+    assert.ok(Math.abs(parseInt(shown.revs, 10) - row[4]) <= 15, `${shown.revs} are not ${row[4]} 1/min`);
+    for (const [id, expected] of [
+      ['throttle', row[1]],
+      ['brake', row[2]],
+    ])
       assert.ok(Math.abs(shown[id] - expected) < 0.01, `${id} shows ${shown[id]} of ${expected}`);
-    wheels.forEach((wheel, i) => assert.ok(Math.abs(shown[wheel] - row[5 + i] / most_n) < 0.03, `${wheel} shows ${shown[wheel]}`));
+    wheels.forEach((wheel, i) =>
+      assert.ok(Math.abs(shown[wheel] - row[5 + i] / most_n) < 0.03, `${wheel} shows ${shown[wheel]}`),
+    );
     assert.notEqual(shown['g-circle'], null, 'there is no circle of accelerations');
   }
-  for (const [missing, hidden] of [[/^(gear|load_.*|brake)$/, ['gear', 'loads', 'brake']], [/^(a_lon_mps2|throttle|brake|gear|engine_rpm)$/, ['g-circle', 'throttle', 'brake', 'gear', 'revs']]]) {
-    const csv = changedLap(siteDir, (row) => Object.fromEntries(Object.entries(row).filter(([name]) => !missing.test(name))));
+  for (const [missing, hidden] of [
+    [/^(gear|load_.*|brake)$/, ['gear', 'loads', 'brake']],
+    [/^(a_lon_mps2|throttle|brake|gear|engine_rpm)$/, ['g-circle', 'throttle', 'brake', 'gear', 'revs']],
+  ]) {
+    const csv = changedLap(siteDir, (row) =>
+      Object.fromEntries(Object.entries(row).filter(([name]) => !missing.test(name))),
+    );
     const other = await context.newPage();
     await other.route('**/site/drive/lap.csv', (route) => route.fulfill({body: csv}));
     await other.goto(`${url}?play=0&camera=follow&t=8`);
@@ -109,7 +135,12 @@ export async function checkGhost(context, url, siteDir) {
   const state = async (t_s) => {
     await page.evaluate((t) => window.orthodrive.setTime(t), t_s);
     await waitUntilDrawn(page);
-    return page.evaluate(() => ({car: window.orthodrive.car, ghost: window.orthodrive.ghost, gap_s: window.orthodrive.gap_s, text: document.getElementById('gap').textContent}));
+    return page.evaluate(() => ({
+      car: window.orthodrive.car,
+      ghost: window.orthodrive.ghost,
+      gap_s: window.orthodrive.gap_s,
+      text: document.getElementById('gap').textContent,
+    }));
   };
   for (const t_s of [20, 4]) {
     const {car, ghost, gap_s, text} = await state(t_s);
@@ -143,7 +174,10 @@ async function checkGhostFiles(page, csv) {
   await page.setInputFiles('#ghost-file', join(folder, 'mine.csv'));
   await page.waitForFunction(() => window.orthodrive.ghost !== undefined);
   assert.equal(await page.textContent('#ghost-name'), 'mine.csv');
-  assert.ok(!(await page.evaluate(() => window.orthodrive.link)).includes('ghost'), 'the link names a file that only this reader has');
+  assert.ok(
+    !(await page.evaluate(() => window.orthodrive.link)).includes('ghost'),
+    'the link names a file that only this reader has',
+  );
   writeFileSync(join(folder, 'broken.csv'), 't_s,x_m\n0,1\n');
   await page.setInputFiles('#ghost-file', join(folder, 'broken.csv'));
   await page.waitForFunction(() => document.getElementById('message').textContent === 'broken.csv has no column s_m');
@@ -153,6 +187,8 @@ async function checkGhostFiles(page, csv) {
     dataTransfer.items.add(new File([text], 'dropped.csv'));
     document.getElementById('canvas').dispatchEvent(new DragEvent('drop', {dataTransfer, bubbles: true}));
   }, csv);
-  await page.waitForFunction(() => document.getElementById('ghost-name').textContent === 'dropped.csv' && window.orthodrive.ghost !== undefined);
+  await page.waitForFunction(
+    () => document.getElementById('ghost-name').textContent === 'dropped.csv' && window.orthodrive.ghost !== undefined,
+  );
   rmSync(folder, {recursive: true});
 }

@@ -15,25 +15,35 @@ export async function checkGround(context, url) {
   const off = 'off=trees,buildings,shadows,route';
   await page.goto(`${url}?play=0&camera=follow&t=20&${off}`);
   await waitUntilDrawn(page);
-  const [eye, target] = await page.evaluate(([aside, up]) => {
-    const {car, groundUnder} = window.orthodrive;
-    const [cos, sin] = [Math.cos(car.heading_rad), Math.sin(car.heading_rad)];
-    const at = (ahead, right, above) => {
-      const [x, y] = [car.x_m + ahead * cos + right * sin, car.y_m + ahead * sin - right * cos];
-      return [x, y, groundUnder(x, y, car.z_m + 3) + above];
-    };
-    return [at(0, aside, up), at(4, aside + 1, 0)];
-  }, [beside_m, eye_m]);
+  const [eye, target] = await page.evaluate(
+    ([aside, up]) => {
+      const {car, groundUnder} = window.orthodrive;
+      const [cos, sin] = [Math.cos(car.heading_rad), Math.sin(car.heading_rad)];
+      const at = (ahead, right, above) => {
+        const [x, y] = [car.x_m + ahead * cos + right * sin, car.y_m + ahead * sin - right * cos];
+        return [x, y, groundUnder(x, y, car.z_m + 3) + above];
+      };
+      return [at(0, aside, up), at(4, aside + 1, 0)];
+    },
+    [beside_m, eye_m],
+  );
   await page.goto(`${url}?play=0&camera=fly&${off}&eye=${eye.join(',')}&target=${target.join(',')}`);
   const near = await sceneShot(page);
   await page.evaluate(() => window.orthodrive.setLayer('materials', false));
   const photo = await sceneShot(page);
   await page.evaluate(() => window.orthodrive.setLayer('materials', true));
   const again = await sceneShot(page);
-  const [detailed, plain, restored] = [await fineContrast(page, near), await fineContrast(page, photo), await fineContrast(page, again)];
+  const [detailed, plain, restored] = [
+    await fineContrast(page, near),
+    await fineContrast(page, photo),
+    await fineContrast(page, again),
+  ];
   console.log(`ground: contrast between pixels ${detailed.toFixed(2)}, of the photo ${plain.toFixed(2)}`);
   assert.ok(detailed > 2 * plain, 'the ground near the eye shows no more than the photo');
-  assert.ok(Math.abs(restored - detailed) < 0.02 * detailed, 'switching the materials back does not bring the ground back');
+  assert.ok(
+    Math.abs(restored - detailed) < 0.02 * detailed,
+    'switching the materials back does not bring the ground back',
+  );
   await page.close();
   return near;
 }

@@ -14,7 +14,13 @@ export async function checkHostileTexts(context, url, siteDir) {
   const run = {...json('run.json'), site: {name: hostile}, attribution: [hostile]};
   const findings = {
     type: 'FeatureCollection',
-    features: [{type: 'Feature', geometry: {type: 'Point', coordinates: [16.2, 49.55]}, properties: {severity: hostile, code: hostile, message: hostile}}],
+    features: [
+      {
+        type: 'Feature',
+        geometry: {type: 'Point', coordinates: [16.2, 49.55]},
+        properties: {severity: hostile, code: hostile, message: hostile},
+      },
+    ],
   };
   await page.route('**/site/run.json', (route) => route.fulfill({json: run}));
   await page.route('**/site/findings.geojson', (route) => route.fulfill({json: findings}));
@@ -22,10 +28,16 @@ export async function checkHostileTexts(context, url, siteDir) {
   page.on('request', (request) => asked.push(request.url()));
   for (const ghost of ['../../secret.csv', '//evil.example/lap.csv']) {
     await page.goto(`${url}?play=0&ghost=${encodeURIComponent(ghost)}`);
-    await page.waitForFunction(() => document.getElementById('site-name').textContent !== '' && !document.getElementById('message').hidden, null, {timeout: 240_000});
+    await page.waitForFunction(
+      () => document.getElementById('site-name').textContent !== '' && !document.getElementById('message').hidden,
+      null,
+      {timeout: 240_000},
+    );
     const seen = await page.evaluate(() => ({
-      name: document.getElementById('site-name').textContent, attribution: document.getElementById('attribution').textContent,
-      message: document.getElementById('message').textContent, elements: document.querySelectorAll('#title img, footer *, #message *, script:not([src])').length,
+      name: document.getElementById('site-name').textContent,
+      attribution: document.getElementById('attribution').textContent,
+      message: document.getElementById('message').textContent,
+      elements: document.querySelectorAll('#title img, footer *, #message *, script:not([src])').length,
       hacked: window.hacked,
     }));
     assert.deepEqual([seen.name, seen.attribution, seen.elements, seen.hacked], [hostile, hostile, 0, undefined]);
@@ -33,7 +45,11 @@ export async function checkHostileTexts(context, url, siteDir) {
   }
   const elsewhere = asked.filter((address) => !address.startsWith(url) && !/^(blob|data):/.test(address));
   assert.deepEqual(elsewhere, [], 'the page asks elsewhere');
-  assert.deepEqual(asked.filter((address) => new URL(address).pathname.includes('secret')), [], 'the page looks for a ghost outside the site');
+  assert.deepEqual(
+    asked.filter((address) => new URL(address).pathname.includes('secret')),
+    [],
+    'the page looks for a ghost outside the site',
+  );
   await checkPolicy(page);
   await page.close();
 }

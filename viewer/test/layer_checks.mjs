@@ -10,8 +10,16 @@ import {comparePictures, meanColor} from './pictures.mjs';
 
 /** Name, how it is not usually, how much of the picture changes at least. */
 const layers = [
-  ['photo', false, 0.02], ['terrain', false, 0.02], ['roads', false, 0.02], ['wireframe', true, 0.02], ['labels', true, 0.02],
-  ['normals', true, 0.2], ['lanes', true, 0.02], ['map-roads', true, 0.0005], ['refined-roads', true, 0.0005], ['error-bars', true, 0.0005],
+  ['photo', false, 0.02],
+  ['terrain', false, 0.02],
+  ['roads', false, 0.02],
+  ['wireframe', true, 0.02],
+  ['labels', true, 0.02],
+  ['normals', true, 0.2],
+  ['lanes', true, 0.02],
+  ['map-roads', true, 0.0005],
+  ['refined-roads', true, 0.0005],
+  ['error-bars', true, 0.0005],
 ];
 
 /** Each layer changes the picture, and switching it back brings the same picture again. */

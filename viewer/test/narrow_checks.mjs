@@ -10,19 +10,34 @@ const telephone = {width: 390, height: 780};
 
 /** Parts of the page that lie outside of it. */
 function partsOutside(page) {
-  return page.evaluate(() => [...document.querySelectorAll('.card, #timeline *, #hud *, #pads *')].filter((element) => {
-    const box = element.getBoundingClientRect();
-    return box.width > 0 && (box.left < -1 || box.right > window.innerWidth + 1 || box.top < -1 || box.bottom > window.innerHeight + 1);
-  }).map((element) => element.id || element.tagName));
+  return page.evaluate(() =>
+    [...document.querySelectorAll('.card, #timeline *, #hud *, #pads *')]
+      .filter((element) => {
+        const box = element.getBoundingClientRect();
+        return (
+          box.width > 0 &&
+          (box.left < -1 || box.right > window.innerWidth + 1 || box.top < -1 || box.bottom > window.innerHeight + 1)
+        );
+      })
+      .map((element) => element.id || element.tagName),
+  );
 }
 
 /** Pairs of cards of which one covers the other. */
 function overlaps(page) {
   return page.evaluate(() => {
-    const cards = [...document.querySelectorAll('#title, #fold, #map, #hud, #timeline, #pads .card')].map((element) => [element.id || element.dataset.pedal, element.getBoundingClientRect()])
+    const cards = [...document.querySelectorAll('#title, #fold, #map, #hud, #timeline, #pads .card')]
+      .map((element) => [element.id || element.dataset.pedal, element.getBoundingClientRect()])
       .filter(([, box]) => box.width > 0);
-    return cards.flatMap(([a, boxA], i) => cards.slice(i + 1).filter(([, boxB]) =>
-      boxA.left < boxB.right && boxB.left < boxA.right && boxA.top < boxB.bottom && boxB.top < boxA.bottom).map(([b]) => `${a} and ${b}`));
+    return cards.flatMap(([a, boxA], i) =>
+      cards
+        .slice(i + 1)
+        .filter(
+          ([, boxB]) =>
+            boxA.left < boxB.right && boxB.left < boxA.right && boxA.top < boxB.bottom && boxB.top < boxA.bottom,
+        )
+        .map(([b]) => `${a} and ${b}`),
+    );
   });
 }
 
@@ -51,7 +66,8 @@ export async function checkTouch(context, url, siteDir) {
   await session.send('Emulation.setTouchEmulationEnabled', {enabled: true, maxTouchPoints: 2});
   await page.goto(`${url}?play=0&camera=orbit&t=8`);
   await waitUntilDrawn(page);
-  const touch = (type, ...points) => session.send('Input.dispatchTouchEvent', {type, touchPoints: points.map(([x, y], id) => ({x, y, id}))});
+  const touch = (type, ...points) =>
+    session.send('Input.dispatchTouchEvent', {type, touchPoints: points.map(([x, y], id) => ({x, y, id}))});
   const camera = () => page.evaluate(() => window.orthodrive.cameraPosition);
   const before = await camera();
   await touch('touchStart', [200, 330]);

@@ -29,9 +29,12 @@ export function changedLap(siteDir, change) {
 
 /** All tiles are there and at least one more picture was drawn after the last change. */
 export async function waitUntilDrawn(page) {
-  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {timeout: 240_000});
+  await page.waitForFunction(() => window.orthodrive?.ready || window.orthodrive?.failures.length > 0, null, {
+    timeout: 240_000,
+  });
   assert.deepEqual(await page.evaluate(() => window.orthodrive.failures), [], 'tiles failed to load');
-  await page.evaluate(() => { // the browser has asked for the picture; this waits until its graphics process has drawn it
+  await page.evaluate(() => {
+    // the browser has asked for the picture; this waits until its graphics process has drawn it
     const gl = document.getElementById('canvas').getContext('webgl2');
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
   });
@@ -40,7 +43,8 @@ export async function waitUntilDrawn(page) {
 /** Hides the page's cards, which lie over the picture, or shows them again. The page's policy refuses style elements. */
 export function hideCards(page, hidden = true) {
   return page.evaluate((hide) => {
-    const sheet = (window.withoutCards ??= new CSSStyleSheet());
+    window.withoutCards ??= new CSSStyleSheet();
+    const sheet = window.withoutCards;
     sheet.replaceSync(hide ? '.card, footer, #message { visibility: hidden }' : '');
     if (!document.adoptedStyleSheets.includes(sheet)) document.adoptedStyleSheets.push(sheet);
   }, hidden);

@@ -23,7 +23,8 @@ function decodeIn(page, pngs, evaluate) {
 /** deviation: standard deviation of the green values (0-255); colors: distinct colours at 5 bits a channel. */
 export function pictureStatistics(page, png) {
   return decodeIn(page, [png], (pixels) => {
-    let sum = 0, squares = 0;
+    let sum = 0,
+      squares = 0;
     const colors = new Set();
     for (let i = 0; i < pixels.length; i += 4) {
       sum += pixels[i + 1];
@@ -47,20 +48,26 @@ export function comparePictures(page, a, b) {
 
 /** Mean of the rows below that share of the height. */
 export function meanColor(page, png, share) {
-  return decodeIn(page, [png], `(pixels) => {
+  return decodeIn(
+    page,
+    [png],
+    `(pixels) => {
     const first = 4 * Math.floor((pixels.length / 4) * ${share});
     const sums = [0, 0, 0];
     for (let i = first; i < pixels.length; i += 4) for (const k of [0, 1, 2]) sums[k] += pixels[i + k];
     const [red, green, blue] = sums.map((sum) => sum / ((pixels.length - first) / 4));
     return {red, green, blue};
-  }`);
+  }`,
+  );
 }
 
 /** Mean difference of the green values of pixels side by side, in the lower half. */
 export function fineContrast(page, png) {
   return decodeIn(page, [png], (pixels) => {
-    let sum = 0, count = 0;
-    for (let i = pixels.length >> 3 << 2; i + 5 < pixels.length; i += 4, ++count) sum += Math.abs(pixels[i + 5] - pixels[i + 1]);
+    let sum = 0,
+      count = 0;
+    for (let i = (pixels.length >> 3) << 2; i + 5 < pixels.length; i += 4, ++count)
+      sum += Math.abs(pixels[i + 5] - pixels[i + 1]);
     return sum / count;
   });
 }

@@ -8,8 +8,10 @@ import {chromium} from 'playwright-core';
 
 /** Serves on a free port. stop() presses Ctrl-C and returns the exit code. */
 export async function serveSite(tool, siteDir, environment = {}) {
-  const server = spawn(tool, ['view', siteDir, '--port', '0', '--no-open', '--quiet'],
-                       {stdio: ['ignore', 'pipe', 'inherit'], env: {...process.env, ...environment}});
+  const server = spawn(tool, ['view', siteDir, '--port', '0', '--no-open', '--quiet'], {
+    stdio: ['ignore', 'pipe', 'inherit'],
+    env: {...process.env, ...environment},
+  });
   const exited = new Promise((resolve, reject) => {
     server.once('exit', resolve);
     server.once('error', reject);
@@ -34,8 +36,16 @@ export function openBrowser(profileDir, {pixels = 1, bypassCSP = false} = {}) {
     deviceScaleFactor: pixels,
     bypassCSP,
     args: [
-      '--headless=new', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking',
-      '--disable-component-update', '--disable-sync', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
+      '--headless=new',
+      '--no-sandbox',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+      '--use-gl=angle',
+      '--use-angle=swiftshader',
+      '--enable-unsafe-swiftshader',
     ],
   });
 }

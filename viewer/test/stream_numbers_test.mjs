@@ -22,7 +22,14 @@ test('between rows all is linear, beyond the ends it stays', () => {
 });
 
 test('a car that stands has one place', () => {
-  const standing = lapPlaces([[0, 0, 1, 2, 3], [1, 0, 1, 2, 3], [2, 10, 11, 2, 3]], [0, 0, 0]);
+  const standing = lapPlaces(
+    [
+      [0, 0, 1, 2, 3],
+      [1, 0, 1, 2, 3],
+      [2, 10, 11, 2, 3],
+    ],
+    [0, 0, 0],
+  );
   assert.equal(placeAt(standing, 0).x_m, 1);
   assert.equal(placeAt(standing, 5).x_m, 6);
 });
@@ -49,19 +56,49 @@ test('a hole has no road, or one at another height than its tile may have', () =
 });
 
 test('bytes are summed over tiles, of files and of the graphics card', () => {
-  const held = [{file: 'a', bytes: 10}, {file: 'b', bytes: 5}];
-  assert.deepEqual(heldBytes(held, (file) => ({a: 1, b: 2})[file]), {tiles: 2, graphics: 15, files: 3});
-  assert.deepEqual(heldBytes([], () => assert.fail()), {tiles: 0, graphics: 0, files: 0});
+  const held = [
+    {file: 'a', bytes: 10},
+    {file: 'b', bytes: 5},
+  ];
+  assert.deepEqual(
+    heldBytes(held, (file) => ({a: 1, b: 2})[file]),
+    {tiles: 2, graphics: 15, files: 3},
+  );
+  assert.deepEqual(
+    heldBytes([], () => assert.fail()),
+    {tiles: 0, graphics: 0, files: 0},
+  );
 });
 
 test('of a drive the largest numbers are told, and every hole once', () => {
-  const picture = (t_s, more) => ({t_s, s_m: 50 * t_s, held: {tiles: 1, graphics: 1e6, files: 1e5}, drawn: {triangles: 1, calls: 1}, visible: 1, holes: [], coarse: [], ...more});
+  const picture = (t_s, more) => ({
+    t_s,
+    s_m: 50 * t_s,
+    held: {tiles: 1, graphics: 1e6, files: 1e5},
+    drawn: {triangles: 1, calls: 1},
+    visible: 1,
+    holes: [],
+    coarse: [],
+    ...more,
+  });
   const told = summary([
-    picture(0.1, {holes: [3, 4], drawn: {triangles: 9, calls: 2}}), picture(0.3, {holes: [4]}),
+    picture(0.1, {holes: [3, 4], drawn: {triangles: 9, calls: 2}}),
+    picture(0.3, {holes: [4]}),
     picture(1.3, {coarse: [7], held: {tiles: 2, graphics: 3e6, files: 2e5}}),
   ]);
   assert.deepEqual(told, {
-    pictures: 3, driven_m: 65, seconds: 1.3, longest_picture_s: 1, graphics_mb: 3, file_mb: 0.2, tiles: 2, tiles_visible: 1, triangles: 9, calls: 2,
-    holes: 2, hole_places_m: [30, 40], coarse: 1,
+    pictures: 3,
+    driven_m: 65,
+    seconds: 1.3,
+    longest_picture_s: 1,
+    graphics_mb: 3,
+    file_mb: 0.2,
+    tiles: 2,
+    tiles_visible: 1,
+    triangles: 9,
+    calls: 2,
+    holes: 2,
+    hole_places_m: [30, 40],
+    coarse: 1,
   });
 });

@@ -107,7 +107,7 @@ void remove_stale_atomic_files(const fs::path& folder) {
     const std::string name = path.filename().string();
     const auto mark = name.find(partial_mark);
     if (mark == std::string::npos) continue;
-    const pid_t owner = static_cast<pid_t>(std::atol(name.c_str() + mark + partial_mark.size()));
+    const pid_t owner = static_cast<pid_t>(std::strtol(name.c_str() + mark + partial_mark.size(), nullptr, 10));
     if (owner > 0 && (owner == getpid() || (kill(owner, 0) != 0 && errno == ESRCH))) stale.push_back(path);
   }
   for (const fs::path& path : stale) fs::remove_all(path, ignored);

@@ -80,6 +80,7 @@ double DriverModel::side_share(const LinePoint& p, double speed_mps) const {
 DrivingLine DriverModel::way_of_front_axle() const {
   const AxleSlip& rear = envelope_.rear_slip();
   std::vector<double> slip_rad;
+  slip_rad.reserve(line_.points.size());
   for (const LinePoint& p : line_.points) {
     slip_rad.push_back(rear.angle_rad(side_share(p, plan_.at(p.s_m).speed_mps)));
   }

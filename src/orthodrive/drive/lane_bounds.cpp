@@ -42,7 +42,7 @@ std::vector<double> margins(const DrivingLine& line, const std::vector<Room>& ro
     if (!narrow && std::abs(p[i].curvature_1pm) <= options.most_curvature_1pm) continue;
     const auto tighten = [&](std::size_t k) { margin_m[k] = std::min(margin_m[k], tight_margin_m); };
     for (std::size_t k = i; k < p.size() && p[k].s_m < p[i].s_m + tight_reach_m; ++k) tighten(k);
-    for (std::size_t k = i + 1; k-- > 0 && p[k].s_m > p[i].s_m - tight_reach_m;) tighten(k);
+    for (std::size_t k = i + 1; k > 0 && p[k - 1].s_m > p[i].s_m - tight_reach_m; --k) tighten(k - 1);
   }
   return margin_m;
 }

@@ -82,6 +82,7 @@ struct DrivenRoad {
 
 std::vector<DrivenRoad> join_lanes(const roadquery::RoadMap& map, const Route& route) {
   std::vector<DrivenRoad> roads;
+  roads.reserve(route.steps.size());
   for (const RouteStep& step : route.steps) {
     roads.push_back({&map.roads[static_cast<std::size_t>(step.road)], step.forward});
   }

@@ -68,7 +68,7 @@ std::optional<double> error_of_road(const roadquery::RoadQuery& roads, const Pla
 /// Takes edges that run in both directions out of a list. Calls crowded(edge, number) for those of more than two
 /// triangles.
 template <typename Edge, typename Crowded>
-std::vector<Edge> unpaired(std::vector<Edge> edges, const Crowded& crowded) {
+std::vector<Edge> unpaired(const std::vector<Edge>& edges, const Crowded& crowded) {
   struct Turned {
     Edge edge;  // from the lesser end
     int sign = 1;

@@ -8,6 +8,7 @@ namespace {
 
 std::vector<Polyline> centerlines(const RoadNetwork& roads) {
   std::vector<Polyline> lines;
+  lines.reserve(roads.paths.size());
   for (const RoadPath& path : roads.paths) lines.push_back(centerline(path));
   return lines;
 }

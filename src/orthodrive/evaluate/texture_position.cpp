@@ -81,6 +81,7 @@ std::vector<bool> same_light(const std::vector<double>& change) {
 /// them. What the scene has changed, such as the light of shadows that it lifts, falls out.
 std::vector<bool> explained(const std::vector<double>& errors) {
   std::vector<double> sizes;
+  sizes.reserve(errors.size());
   for (const double e : errors) sizes.push_back(std::abs(e));
   std::ranges::nth_element(sizes, sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2));
   constexpr double of_median = 1.4826, least_sigma = 1.0, most_sigmas = 4.0;
@@ -93,76 +94,113 @@ std::vector<bool> explained(const std::vector<double>& errors) {
   return result;
 }
 
-/// Where the tile's picture lies from the photo, in texels to the east and south. Nothing where a window shows too
-/// little, or no shift is found.
-std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const BrightnessAt& photo) {
-  const auto brightness = [&](int col, int row) {
+/// A window as the tile's picture and as the photo show it.
+struct Compared {
+  const SceneTile& tile;
+  const Window& window;
+  std::vector<double> photo;  // as photo_on gives it
+
+  [[nodiscard]] double drawn(int col, int row) const {
     double sum = 0.0;
     for (int channel = 0; channel < 3; ++channel)
       sum += tile.texture_rgb.at(window.col + col, window.row + row, channel);
     return sum / 3.0;
-  };
+  }
+  [[nodiscard]] double value(int col, int row) const {
+    return photo[static_cast<std::size_t>((row + 1) * (window_px + 2) + col + 1)];
+  }
+};
+
+std::vector<double> change_of_light(const Compared& w) {
+  std::vector<double> change;
+  change.reserve(std::size_t{window_px} * window_px);
+  for (int row = 0; row < window_px; ++row)
+    for (int col = 0; col < window_px; ++col) change.push_back(w.drawn(col, row) - w.value(col, row));
+  return change;
+}
+
+using Normal = std::array<std::array<double, 5>, 4>;
+
+/// Least squares for T - R = gain R + offset - g . d: T is drawn, R the photo, g its gradient.
+Normal normal_equations(const Compared& w, const std::vector<bool>& counts) {
+  Normal normal{};
+  for (int row = 0; row < window_px; ++row) {
+    for (int col = 0; col < window_px; ++col) {
+      if (!counts[static_cast<std::size_t>(row * window_px + col)]) continue;
+      const double r = w.value(col, row);
+      const std::array<double, 4> terms = {-0.5 * (w.value(col + 1, row) - w.value(col - 1, row)),
+                                           -0.5 * (w.value(col, row + 1) - w.value(col, row - 1)), r / 255.0, 1.0};
+      const double left = w.drawn(col, row) - r;
+      for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t k = 0; k < 4; ++k) normal[i][k] += terms[i] * terms[k];
+        normal[i][4] += terms[i] * left;
+      }
+    }
+  }
+  return normal;
+}
+
+/// Whether the window shows enough to say where it lies.
+bool shows_enough(const Normal& normal, const std::vector<bool>& counts) {
+  const double a = normal[0][0], b = normal[0][1], c = normal[1][1];
+  const double weaker = 0.5 * (a + c) - std::sqrt(0.25 * (a - c) * (a - c) + b * b);
+  const auto counted = static_cast<double>(std::ranges::count(counts, true));
+  return counted >= least_counted * window_px * window_px && weaker >= least_gradient * least_gradient * counted;
+}
+
+/// By Gauss' elimination; nothing where it is singular.
+std::optional<std::array<double, 4>> solve(Normal normal) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (!(normal[i][i] > 1e-9)) return std::nullopt;
+    for (std::size_t k = i + 1; k < 4; ++k) {
+      const double factor = normal[k][i] / normal[i][i];
+      for (std::size_t m = i; m < 5; ++m) normal[k][m] -= factor * normal[i][m];
+    }
+  }
+  std::array<double, 4> x{};
+  for (std::size_t i = 4; i-- > 0;) {
+    double rest = normal[i][4];
+    for (std::size_t k = i + 1; k < 4; ++k) rest -= normal[i][k] * x[k];
+    x[i] = rest / normal[i][i];
+  }
+  return x;
+}
+
+std::vector<double> errors_of(const Compared& w, const std::array<double, 4>& x) {
+  std::vector<double> errors;
+  errors.reserve(std::size_t{window_px} * window_px);
+  for (int row = 0; row < window_px; ++row) {
+    for (int col = 0; col < window_px; ++col) {
+      const double r = w.value(col, row);
+      errors.push_back(w.drawn(col, row) - r + 0.5 * x[0] * (w.value(col + 1, row) - w.value(col - 1, row)) +
+                       0.5 * x[1] * (w.value(col, row + 1) - w.value(col, row - 1)) - x[2] * r / 255.0 - x[3]);
+    }
+  }
+  return errors;
+}
+
+/// Where the tile's picture lies from the photo, in texels to the east and south. Nothing where a window shows too
+/// little, or no shift is found.
+std::optional<Vec2> shift_of(const SceneTile& tile, const Window& window, const BrightnessAt& photo) {
   Vec2 d;                                  // the picture at p shows what the photo has at p - d
   std::vector<bool> light_counts, counts;  // by texel
   for (int step = 0; step < steps; ++step) {
-    const auto values = photo_on(tile, window, d * -1.0, photo);
+    auto values = photo_on(tile, window, d * -1.0, photo);
     if (!values) return std::nullopt;
-    const auto value = [&](int col, int row) {
-      return (*values)[static_cast<std::size_t>((row + 1) * (window_px + 2) + col + 1)];
-    };
-    if (light_counts.empty()) {
-      std::vector<double> change;
-      for (int row = 0; row < window_px; ++row)
-        for (int col = 0; col < window_px; ++col) change.push_back(brightness(col, row) - value(col, row));
-      light_counts = counts = same_light(change);
-    }
-    // Least squares for T - R = gain R + offset - g . d.
-    std::array<std::array<double, 5>, 4> normal{};
-    for (int row = 0; row < window_px; ++row) {
-      for (int col = 0; col < window_px; ++col) {
-        if (!counts[static_cast<std::size_t>(row * window_px + col)]) continue;
-        const double r = value(col, row);
-        const std::array<double, 4> terms = {-0.5 * (value(col + 1, row) - value(col - 1, row)),
-                                             -0.5 * (value(col, row + 1) - value(col, row - 1)), r / 255.0, 1.0};
-        const double left = brightness(col, row) - r;
-        for (std::size_t i = 0; i < 4; ++i) {
-          for (std::size_t k = 0; k < 4; ++k) normal[i][k] += terms[i] * terms[k];
-          normal[i][4] += terms[i] * left;
-        }
-      }
-    }
-    const double a = normal[0][0], b = normal[0][1], c = normal[1][1];
-    const double weaker = 0.5 * (a + c) - std::sqrt(0.25 * (a - c) * (a - c) + b * b);
-    const auto counted = static_cast<double>(std::ranges::count(counts, true));
-    if (counted < least_counted * window_px * window_px || weaker < least_gradient * least_gradient * counted)
-      return std::nullopt;
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (!(normal[i][i] > 1e-9)) return std::nullopt;
-      for (std::size_t k = i + 1; k < 4; ++k) {
-        const double factor = normal[k][i] / normal[i][i];
-        for (std::size_t m = i; m < 5; ++m) normal[k][m] -= factor * normal[i][m];
-      }
-    }
-    std::array<double, 4> x{};
-    for (std::size_t i = 4; i-- > 0;) {
-      double rest = normal[i][4];
-      for (std::size_t k = i + 1; k < 4; ++k) rest -= normal[i][k] * x[k];
-      x[i] = rest / normal[i][i];
-    }
-    d = d + Vec2{x[0], x[1]};
+    const Compared compared{tile, window, *std::move(values)};
+    if (light_counts.empty()) light_counts = counts = same_light(change_of_light(compared));
+    const Normal normal = normal_equations(compared, counts);
+    if (!shows_enough(normal, counts)) return std::nullopt;
+    const auto x = solve(normal);
+    if (!x) return std::nullopt;
+    const Vec2 moved{(*x)[0], (*x)[1]};
+    d = d + moved;
     if (std::hypot(d.x, d.y) > 0.5 * window_px) return std::nullopt;
-    const bool is_found = std::hypot(x[0], x[1]) < found_px;
+    const bool is_found = std::hypot(moved.x, moved.y) < found_px;
     if (is_found && step > whole_steps) return d;
     if (step < whole_steps && !is_found) continue;
     step = std::max(step, whole_steps);
-    std::vector<double> errors;
-    for (int row = 0; row < window_px; ++row)
-      for (int col = 0; col < window_px; ++col) {
-        const double r = value(col, row);
-        errors.push_back(brightness(col, row) - r + 0.5 * x[0] * (value(col + 1, row) - value(col - 1, row)) +
-                         0.5 * x[1] * (value(col, row + 1) - value(col, row - 1)) - x[2] * r / 255.0 - x[3]);
-      }
-    counts = explained(errors);
+    counts = explained(errors_of(compared, *x));
     for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts[i] && light_counts[i];
   }
   return d;

@@ -136,6 +136,7 @@ CutRaster cut_raster(const std::vector<std::string>& names, const SiteFrame& sit
   start_gdal();
   const HttpManners manners(options);
   std::vector<DatasetPtr> sources;
+  sources.reserve(names.size());
   for (const std::string& name : names) sources.push_back(open_source(name));
   const DatasetPtr mosaic = sources.size() > 1 ? joined(sources, names) : nullptr;
   GDALDataset& raster = mosaic ? *mosaic : *sources.front();

@@ -94,6 +94,7 @@ void write_findings(const fs::path& path, const Findings& findings, const Crs& c
 void write_geojson(const fs::path& path, const std::vector<Feature>& features, const Crs& crs) {
   const LonLatWriter writer(crs);
   std::vector<std::string> texts;
+  texts.reserve(features.size());
   for (const Feature& feature : features) texts.push_back(geojson_feature(geometry_of(feature, writer), feature.tags));
   write_geojson_features(path, texts);
 }

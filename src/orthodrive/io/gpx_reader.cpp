@@ -51,6 +51,7 @@ std::optional<double> number(const pugi::xml_attribute& attribute) {
 std::optional<double> seconds_of(const char* text) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0;
   double second = 0.0;
+  // NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion): what is too large makes no date that is ok().
   if (std::sscanf(text, "%d-%d-%dT%d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6) return std::nullopt;
   const std::chrono::year_month_day date{std::chrono::year{year}, std::chrono::month{static_cast<unsigned>(month)},
                                          std::chrono::day{static_cast<unsigned>(day)}};

@@ -57,6 +57,7 @@ class TilePoints {
 /// The points without those nearer than the distance to one that is kept and comes before them.
 std::vector<Vec2> thinned(const std::vector<Vec2>& points, double distance_m) {
   std::vector<Box2> boxes;
+  boxes.reserve(points.size());
   for (const Vec2 p : points) boxes.push_back({p.x, p.y, p.x, p.y});
   const SpatialIndex index(boxes);
   std::vector<bool> kept(points.size(), false);
@@ -329,6 +330,7 @@ void add_level(const SceneLayout& layout, const RoadLevel& level, const LevelLin
   const Constraints constraints = add_lines(lines, address, 0.0, points);
   const Triangulation t = triangulate(points.points(), constraints, surface_of(layout, level, road.world({})));
   std::vector<bool> is_road;
+  is_road.reserve(t.region_points.size());
   for (const Vec2 local : t.region_points) is_road.push_back(level.outline().contains(road.world(local)));
   add_regions(
       t, is_road, [&](Vec2 p) { return road_vertex(layout, level, p); }, road);
@@ -414,53 +416,70 @@ Findings scene_findings(const SceneLayout& layout) {
   return all;
 }
 
-SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
-  const Box2 box = tile_box(address);
-  const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
-  SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
-  MeshBuilder terrain(MeshKind::terrain, center, layout.origin.z), road(MeshKind::road, center, layout.origin.z),
-      water(MeshKind::water, center, layout.origin.z), lids(MeshKind::terrain, center, layout.origin.z),
-      tunnel_road(MeshKind::tunnel_road, center, layout.origin.z);
-  MeshBuilder body(MeshKind::road_body, center, 0.0);  // takes heights that are relative already
-  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb},
-      structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails}, tube{.kind = MeshKind::tunnel};
-  add_ground(layout, address, {terrain, water, road, lids});
-  tile.lids = std::move(lids.mesh);
-  add_water_material(layout, center, water.mesh);
-  add_verge(layout, terrain.mesh, center, verge);
-  drape(road.mesh, 0, markings_of(layout.ground_lines, address, center), marking_lift_m, marking);
-  add_kerbs(road.mesh, 0, kerbs_of(layout.ground_lines, address, center), kerb);
+namespace {
+
+/// The meshes of a tile while they grow.
+struct TileMeshes {
+  TileMeshes(Vec2 center, double origin_z)
+      : terrain(MeshKind::terrain, center, origin_z),
+        road(MeshKind::road, center, origin_z),
+        water(MeshKind::water, center, origin_z),
+        lids(MeshKind::terrain, center, origin_z),
+        tunnel_road(MeshKind::tunnel_road, center, origin_z),
+        body(MeshKind::road_body, center, 0.0) {}
+  MeshBuilder terrain, road, water, lids, tunnel_road;
+  MeshBuilder body;  // takes heights that are relative already
+  TriMesh verge{.kind = MeshKind::verge}, marking{.kind = MeshKind::marking}, kerb{.kind = MeshKind::kerb};
+  TriMesh structure{.kind = MeshKind::structure}, rails{.kind = MeshKind::rails}, tube{.kind = MeshKind::tunnel};
+  TriMesh buildings{.kind = MeshKind::building};
+  std::vector<TriMesh> covers, along_lines;
+};
+
+/// Ground, roads on it, decks and tunnels, with their markings and kerbs.
+void add_surfaces(const SceneLayout& layout, TileAddress address, Vec2 center, TileMeshes& m) {
+  add_ground(layout, address, {m.terrain, m.water, m.road, m.lids});
+  add_water_material(layout, center, m.water.mesh);
+  add_verge(layout, m.terrain.mesh, center, m.verge);
+  const auto add_level_lines = [&](TriMesh& road, std::size_t first_index, const LevelLines& lines) {
+    drape(road, first_index, markings_of(lines, address, center), marking_lift_m, m.marking);
+    add_kerbs(road, first_index, kerbs_of(lines, address, center), m.kerb);
+  };
+  add_level_lines(m.road.mesh, 0, layout.ground_lines);
   for (std::size_t deck = 0; deck < layout.decks.size(); ++deck) {
-    const std::size_t first_index = road.mesh.indices.size();
-    add_level(layout, layout.decks[deck], layout.deck_lines[deck], address, road);
-    add_deck_body(layout, road.mesh, first_index, body);
-    drape(road.mesh, first_index, markings_of(layout.deck_lines[deck], address, center), marking_lift_m, marking);
-    add_kerbs(road.mesh, first_index, kerbs_of(layout.deck_lines[deck], address, center), kerb);
+    const std::size_t first_index = m.road.mesh.indices.size();
+    add_level(layout, layout.decks[deck], layout.deck_lines[deck], address, m.road);
+    add_deck_body(layout, m.road.mesh, first_index, m.body);
+    add_level_lines(m.road.mesh, first_index, layout.deck_lines[deck]);
   }
   for (std::size_t i = 0; i < layout.tunnels.size(); ++i) {
-    const std::size_t first_index = tunnel_road.mesh.indices.size();
-    add_level(layout, layout.tunnels[i], layout.tunnel_lines[i], address, tunnel_road);
-    drape(tunnel_road.mesh, first_index, markings_of(layout.tunnel_lines[i], address, center), marking_lift_m, marking);
-    add_kerbs(tunnel_road.mesh, first_index, kerbs_of(layout.tunnel_lines[i], address, center), kerb);
+    const std::size_t first_index = m.tunnel_road.mesh.indices.size();
+    add_level(layout, layout.tunnels[i], layout.tunnel_lines[i], address, m.tunnel_road);
+    add_level_lines(m.tunnel_road.mesh, first_index, layout.tunnel_lines[i]);
   }
-  std::vector<TriMesh> covers;
   if (const auto found = layout.covers_in.find(address); found != layout.covers_in.end())
-    covers = cover_meshes(terrain.mesh, found->second, center, marking);
-  add_road_materials(layout, center, name_lanes(*layout.query, tile, road.mesh), road.mesh);
-  add_road_materials(layout, center, name_lanes(*layout.query, tile, tunnel_road.mesh), tunnel_road.mesh);
-  add_plain_material(SurfaceMaterial::concrete, deck_concrete, body.mesh);
-  add_plain_material(SurfaceMaterial::paint, white_paint, marking);
-  add_material(SurfaceMaterial::concrete, kerb);
-  add_faces(faces_in(layout.structures, address), {}, tile.origin, structure);
-  add_faces(faces_in(layout.structures, address), {.is_rail = true}, tile.origin, rails);
-  add_material(SurfaceMaterial::concrete, structure);
-  add_material(SurfaceMaterial::concrete, rails);
-  add_faces(faces_in(layout.tubes, address), {}, tile.origin, tube);
-  add_material(SurfaceMaterial::concrete, tube);
-  TriMesh buildings{.kind = MeshKind::building};
+    m.covers = cover_meshes(m.terrain.mesh, found->second, center, m.marking);
+}
+
+/// Materials of the roads, and what carries or encloses them.
+void add_road_works(const SceneLayout& layout, TileAddress address, Vec2 center, SceneTile& tile, TileMeshes& m) {
+  add_road_materials(layout, center, name_lanes(*layout.query, tile, m.road.mesh), m.road.mesh);
+  add_road_materials(layout, center, name_lanes(*layout.query, tile, m.tunnel_road.mesh), m.tunnel_road.mesh);
+  add_plain_material(SurfaceMaterial::concrete, deck_concrete, m.body.mesh);
+  add_plain_material(SurfaceMaterial::paint, white_paint, m.marking);
+  add_material(SurfaceMaterial::concrete, m.kerb);
+  add_faces(faces_in(layout.structures, address), {}, tile.origin, m.structure);
+  add_faces(faces_in(layout.structures, address), {.is_rail = true}, tile.origin, m.rails);
+  add_material(SurfaceMaterial::concrete, m.structure);
+  add_material(SurfaceMaterial::concrete, m.rails);
+  add_faces(faces_in(layout.tubes, address), {}, tile.origin, m.tube);
+  add_material(SurfaceMaterial::concrete, m.tube);
+}
+
+/// Buildings, trees, lamps, barriers, tracks and other objects of the map.
+void add_surroundings(const SceneLayout& layout, TileAddress address, SceneTile& tile, TileMeshes& m) {
   if (const auto found = layout.buildings_in.find(address); found != layout.buildings_in.end()) {
-    buildings = building_mesh(found->second, tile.origin);
-    for (std::uint32_t& feature : buildings.features) feature += static_cast<std::uint32_t>(tile.features.size());
+    m.buildings = building_mesh(found->second, tile.origin);
+    for (std::uint32_t& feature : m.buildings.features) feature += static_cast<std::uint32_t>(tile.features.size());
     for (const PlacedBuilding* building : found->second)
       tile.features.push_back({.kind = "building", .osm_id = building->osm_id, .type = building->use});
     InstancedMesh chimneys = chimney_instances(found->second, tile.origin);
@@ -470,19 +489,23 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     std::ranges::move(tree_instances(found->second, tile.origin), std::back_inserter(tile.instanced));
   if (const auto found = layout.lamps_in.find(address); found != layout.lamps_in.end())
     tile.instanced.push_back(lamp_instances(found->second, tile.origin));
-  std::vector<TriMesh> along_lines;
   for (const SurfaceMaterial material :
        {SurfaceMaterial::concrete, SurfaceMaterial::gravel, SurfaceMaterial::foliage}) {
-    add_mesh_of(faces_in(layout.barriers, address), MeshKind::barrier, material, tile.origin, along_lines);
-    add_mesh_of(faces_in(layout.tracks, address), MeshKind::track, material, tile.origin, along_lines);
+    add_mesh_of(faces_in(layout.barriers, address), MeshKind::barrier, material, tile.origin, m.along_lines);
+    add_mesh_of(faces_in(layout.tracks, address), MeshKind::track, material, tile.origin, m.along_lines);
   }
-  add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin, along_lines);
+  add_mesh_of(faces_in(layout.objects, address), MeshKind::object, SurfaceMaterial::concrete, tile.origin,
+              m.along_lines);
+}
 
+/// Into the tile, with its least and greatest height.
+void collect(TileMeshes& m, SceneTile& tile) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  std::vector<TriMesh*> all = {&terrain.mesh, &water.mesh, &road.mesh, &body.mesh,        &verge, &marking, &kerb,
-                               &structure,    &rails,      &buildings, &tunnel_road.mesh, &tube};
-  for (TriMesh& mesh : covers) all.push_back(&mesh);
-  for (TriMesh& mesh : along_lines) all.push_back(&mesh);
+  std::vector<TriMesh*> all = {&m.terrain.mesh,     &m.water.mesh, &m.road.mesh, &m.body.mesh, &m.verge,
+                               &m.marking,          &m.kerb,       &m.structure, &m.rails,     &m.buildings,
+                               &m.tunnel_road.mesh, &m.tube};
+  for (TriMesh& mesh : m.covers) all.push_back(&mesh);
+  for (TriMesh& mesh : m.along_lines) all.push_back(&mesh);
   for (TriMesh* mesh : all) {
     if (mesh->indices.empty()) continue;
     for (const auto& p : mesh->positions) low = std::min(low, p[2]), high = std::max(high, p[2]);
@@ -493,9 +516,24 @@ SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
     for (const auto& p : copied.mesh.positions) top = std::max(top, p[2]);
     for (const MeshInstance& copy : copied.instances) high = std::max(high, copy.position[2] + top * copy.scale[2]);
   }
-  if (tile.meshes.empty()) return tile;
+  if (tile.meshes.empty()) return;
   tile.min_z_m = tile.origin.z + static_cast<double>(low);
   tile.max_z_m = tile.origin.z + static_cast<double>(high);
+}
+
+}  // namespace
+
+SceneTile build_scene_tile(const SceneLayout& layout, TileAddress address) {
+  const Box2 box = tile_box(address);
+  const Vec2 center{0.5 * (box.min_x + box.max_x), 0.5 * (box.min_y + box.max_y)};
+  SceneTile tile{.column = address.column, .row = address.row, .origin = {center.x, center.y, layout.origin.z}};
+  TileMeshes meshes(center, layout.origin.z);
+  add_surfaces(layout, address, center, meshes);
+  tile.lids = std::move(meshes.lids.mesh);
+  add_road_works(layout, address, center, tile, meshes);
+  add_surroundings(layout, address, tile, meshes);
+  collect(meshes, tile);
+  if (tile.meshes.empty()) return tile;
   tile.texture_rgb = tile_texture(*layout.photo, box, layout.options.max_texture_px);
   if (layout.labels != nullptr) {
     tile.labels = tile_labels(*layout.labels, box, layout.options.max_texture_px);

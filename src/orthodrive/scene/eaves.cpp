@@ -87,23 +87,27 @@ void split_edge(const Vec3& from, const Vec3& to, const std::vector<Vec3>& betwe
     }
 }
 
-}  // namespace
+using Border = std::map<std::array<Key, 2>, std::array<Vec3, 2>>;  // edges of one triangle
+struct Moved {
+  Vec3 at;
+  int planes = 0;
+};
+using MovedPoints = std::map<Key, Moved>;
+constexpr double least_m2 = 1e-4;
 
-Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> out_m) {
-  const Eaves as_it_is{roof.slopes, {}};
-  if (std::ranges::all_of(out_m, [](double m) { return m == 0.0; })) return as_it_is;
-  const Steps steps(outer, out_m);
-  std::map<std::array<Key, 2>, std::array<Vec3, 2>> border;
+Border border_of(const Roof& roof) {
+  Border border;
   for (const auto& slope : roof.slopes)
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 a = slope[k], b = slope[(k + 1) % 3];
       if (border.erase({key_of(b), key_of(a)}) == 0) border[{key_of(a), key_of(b)}] = {a, b};
     }
-  struct Moved {
-    Vec3 at;
-    int planes = 0;
-  };
-  std::map<Key, Moved> moved;
+  return border;
+}
+
+/// Where the points of the border go: out by the steps, at the mean height of the planes that meet there.
+MovedPoints moved_points(const Roof& roof, const Border& border, const Steps& steps) {
+  MovedPoints moved;
   for (const auto& [unused, edge] : border)
     for (const Vec3& p : edge) {
       const Vec2 q = snap_to_grid(Vec2{p.x, p.y} + steps.at(p));
@@ -116,50 +120,79 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
         ++found->second.planes;
       }
   for (auto& [unused, m] : moved) m.at.z /= m.planes;
-  Eaves eaves;
-  constexpr double least_m2 = 1e-4;
+  return moved;
+}
+
+/// The slopes with moved points; false where one would have no area.
+bool move_slopes(const Roof& roof, const MovedPoints& moved, Eaves& eaves) {
   for (auto slope : roof.slopes) {
     for (Vec3& p : slope)
       if (const auto found = moved.find(key_of(p)); found != moved.end()) p = found->second.at;
-    if (plan_area(slope) < least_m2) return as_it_is;
+    if (plan_area(slope) < least_m2) return false;
     eaves.slopes.push_back(slope);
   }
-  struct Quad {
-    Vec3 a, b, b_out, a_out;
-  };
-  std::vector<Quad> below;  // of the eaves
+  return true;
+}
+
+struct Quad {
+  Vec3 a, b, b_out, a_out;
+  [[nodiscard]] bool a_moves() const { return key_of(a) != key_of(a_out); }
+  [[nodiscard]] bool b_moves() const { return key_of(b) != key_of(b_out); }
+};
+
+/// What is below the eaves, edge by edge; nothing where an edge would turn over.
+std::optional<std::vector<Quad>> quads_below(const Border& border, const MovedPoints& moved, Eaves& eaves) {
+  std::vector<Quad> below;
   for (const auto& [unused, edge] : border) {
-    const Vec3 &a = edge[0], &b = edge[1], &a_out = moved.at(key_of(a)).at, &b_out = moved.at(key_of(b)).at;
-    const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
-    if (!a_moves && !b_moves) continue;
-    if (dot(plan(b) - plan(a), plan(b_out) - plan(a_out)) <= 0.0) return as_it_is;
+    const Quad quad{edge[0], edge[1], moved.at(key_of(edge[1])).at, moved.at(key_of(edge[0])).at};
+    const auto& [a, b, b_out, a_out] = quad;
+    if (!quad.a_moves() && !quad.b_moves()) continue;
+    if (dot(plan(b) - plan(a), plan(b_out) - plan(a_out)) <= 0.0) return std::nullopt;
     if (is_on_line(a_out, a, b) && is_on_line(b_out, a, b)) {
       // Eaves beside this edge have made the slope's border longer, along the wall that goes on below a part of it.
       const Vec2 along = plan(b) - plan(a);
-      if (dot(plan(a_out) - plan(a), along) > 0.0 || dot(plan(b_out) - plan(b), along) < 0.0) return as_it_is;
+      if (dot(plan(a_out) - plan(a), along) > 0.0 || dot(plan(b_out) - plan(b), along) < 0.0) return std::nullopt;
       std::vector<Vec3> between;
-      if (a_moves) between.push_back(a);
-      if (b_moves) between.push_back(b);
+      if (quad.a_moves()) between.push_back(a);
+      if (quad.b_moves()) between.push_back(b);
       split_edge(a_out, b_out, between, eaves.slopes);
       continue;
     }
-    below.push_back({a, b, b_out, a_out});
+    below.push_back(quad);
   }
-  // A diagonal of the slope above would be an edge of four triangles: then the soffit has the other one.
+  return below;
+}
+
+/// A diagonal of the slope above would be an edge of four triangles: then the soffit has the other one.
+void add_soffits(const std::vector<Quad>& below, Eaves& eaves) {
   std::set<std::array<Key, 2>> edges;
   for (const auto& slope : eaves.slopes)
     for (std::size_t k = 0; k < 3; ++k) edges.insert({key_of(slope[k]), key_of(slope[(k + 1) % 3])});
-  for (const auto& [a, b, b_out, a_out] : below) {
-    const bool a_moves = key_of(a) != key_of(a_out), b_moves = key_of(b) != key_of(b_out);
+  for (const Quad& quad : below) {
+    const auto& [a, b, b_out, a_out] = quad;
     const std::array<Key, 2> diagonal = {key_of(a), key_of(b_out)};
-    if (a_moves && b_moves && (edges.contains(diagonal) || edges.contains({diagonal[1], diagonal[0]}))) {
+    if (quad.a_moves() && quad.b_moves() && (edges.contains(diagonal) || edges.contains({diagonal[1], diagonal[0]}))) {
       eaves.soffits.push_back({a, b, a_out});
       eaves.soffits.push_back({b, b_out, a_out});
       continue;
     }
-    if (b_moves) eaves.soffits.push_back({a, b, b_out});
-    if (a_moves) eaves.soffits.push_back({a, b_out, a_out});
+    if (quad.b_moves()) eaves.soffits.push_back({a, b, b_out});
+    if (quad.a_moves()) eaves.soffits.push_back({a, b_out, a_out});
   }
+}
+
+}  // namespace
+
+Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> out_m) {
+  Eaves as_it_is{roof.slopes, {}};
+  if (std::ranges::all_of(out_m, [](double m) { return m == 0.0; })) return as_it_is;
+  const Border border = border_of(roof);
+  const MovedPoints moved = moved_points(roof, border, Steps(outer, out_m));
+  Eaves eaves;
+  if (!move_slopes(roof, moved, eaves)) return as_it_is;
+  const auto below = quads_below(border, moved, eaves);
+  if (!below) return as_it_is;
+  add_soffits(*below, eaves);
   for (const auto& soffit : eaves.soffits)
     if (plan_area(soffit) > -least_m2) return as_it_is;
   return eaves;

@@ -102,6 +102,34 @@ std::vector<PlannedWay> plan_ways(const SitePlan& plan) {
   return ways;
 }
 
+namespace {
+
+/// Areas and houses, displaced by a third of what the roads are: mappers trace them on the photo.
+void map_objects(const SiteObjects& objects, const DisplacementField& field, std::int64_t next_node,
+                 std::map<std::int64_t, Vec2>& nodes, OsmData& osm) {
+  std::int64_t next_area = first_area_id;
+  for (const OsmWay& way : osm.ways) next_area = std::max(next_area, way.id + 1);
+  const auto add_area = [&](const Ring& ring, std::map<std::string, std::string> tags) {
+    OsmWay way{.id = next_area++, .tags = std::move(tags)};
+    for (const Vec2 p : ring) {
+      nodes.emplace(next_node, p + field.at(p) * (1.0 / 3.0));
+      way.nodes.push_back(next_node++);
+    }
+    way.nodes.push_back(way.nodes.front());
+    osm.ways.push_back(std::move(way));
+  };
+  for (const Area& area : objects.areas) {
+    if (!area.mapped) continue;
+    if (area.cover == Cover::water) add_area(area.polygon.outer, {{"natural", "water"}});
+    if (area.cover == Cover::forest_floor) add_area(area.polygon.outer, {{"landuse", "forest"}});
+    if (area.cover == Cover::parking) add_area(area.polygon.outer, {{"amenity", "parking"}});
+    if (area.cover == Cover::gravel_trap) add_area(area.polygon.outer, {{"natural", "shingle"}, {"surface", "gravel"}});
+  }
+  for (const House& house : objects.houses) add_area(outline(house), {{"building", "yes"}});
+}
+
+}  // namespace
+
 OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, const SiteObjects& objects,
                     const DisturbOptions& options) {
   const DisplacementField field(options);
@@ -144,25 +172,7 @@ OsmData disturb_osm(const SitePlan& plan, const std::vector<PlannedWay>& ways, c
     osm.ways.push_back(std::move(way));
   }
 
-  std::int64_t next_area = first_area_id;
-  for (const OsmWay& way : osm.ways) next_area = std::max(next_area, way.id + 1);
-  const auto add_area = [&](const Ring& ring, std::map<std::string, std::string> tags) {
-    OsmWay way{.id = next_area++, .tags = std::move(tags)};
-    for (const Vec2 p : ring) {
-      nodes.emplace(next_node, p + field.at(p) * (1.0 / 3.0));
-      way.nodes.push_back(next_node++);
-    }
-    way.nodes.push_back(way.nodes.front());
-    osm.ways.push_back(std::move(way));
-  };
-  for (const Area& area : objects.areas) {
-    if (!area.mapped) continue;
-    if (area.cover == Cover::water) add_area(area.polygon.outer, {{"natural", "water"}});
-    if (area.cover == Cover::forest_floor) add_area(area.polygon.outer, {{"landuse", "forest"}});
-    if (area.cover == Cover::parking) add_area(area.polygon.outer, {{"amenity", "parking"}});
-    if (area.cover == Cover::gravel_trap) add_area(area.polygon.outer, {{"natural", "shingle"}, {"surface", "gravel"}});
-  }
-  for (const House& house : objects.houses) add_area(outline(house), {{"building", "yes"}});
+  map_objects(objects, field, next_node, nodes, osm);
   for (const auto& [id, p] : nodes) osm.nodes.push_back({id, p});
   return osm;
 }

@@ -39,6 +39,17 @@ HeightGrid noisy_dtm(const HeightGrid& truth, int cell, double sigma_m, std::uin
     }
   return grid;
 }
+
+/// With what the labels let see of each.
+std::vector<SynthSurface> seen_surfaces(const SynthSite& site) {
+  std::vector<SynthSurface> surfaces = true_surfaces(site.roads);
+  for (SynthSurface& surface : surfaces) {
+    SeenPixels seen;
+    seen.count(surface.polygon, site.labels.labels, site.labels.frame);
+    surface.visibility = seen.share();
+  }
+  return surfaces;
+}
 }  // namespace
 
 void check_synth_options(const SynthOptions& o) {
@@ -105,12 +116,7 @@ SynthSite make_site(const SitePlan& given_plan, const SynthOptions& options, Mon
   for (RoadPath& path : site.roads.paths)
     for (RoadNode& node : path.nodes) node.p = node.p + world_from_local;
   site.osm.crs = site.roads.crs = site.crs;
-  site.surfaces = true_surfaces(site.roads);
-  for (SynthSurface& surface : site.surfaces) {
-    SeenPixels seen;
-    seen.count(surface.polygon, site.labels.labels, site.labels.frame);
-    surface.visibility = seen.share();
-  }
+  site.surfaces = seen_surfaces(site);
   report(1.0);
   return site;
 }

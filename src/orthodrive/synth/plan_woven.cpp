@@ -237,23 +237,90 @@ void add_yards(WovenPlanner& woven, int count, Range half_m, const std::vector<C
              covers[woven.random().below(covers.size())], false);
   }
 }
+
+Weave weave_of_lanes() {
+  return {
+      .row_gap_m = {44.0, 70.0},
+      .corner_gap_m = {45.0, 95.0},
+      .link_gap_m = {38.0, 110.0},
+      .dead_end_gap_m = {60.0, 220.0},
+      .wander_m = 8.5,
+      .slant_m = 9.0,
+      .radius_m = {8.0, 40.0},
+      .least_joint_gap_m = 13.0,
+      .main = {"tertiary", {6.0, 8.0}},
+      .rows = {{"residential", {3.2, 5.2}, 1, 0.7}, {"residential", {5.0, 6.2}, 2, 0.3}},
+      .links = {{"residential", {2.6, 4.2}, 1, 0.75}, {"unclassified", {3.0, 4.5}, 1, 0.25}},
+      .dead_ends = {{"service", {2.5, 3.4}, 1, 1.0}},
+  };
+}
+
+Weave weave_of_farmland() {
+  return {
+      .row_gap_m = {120.0, 190.0},
+      .corner_gap_m = {70.0, 180.0},
+      .link_gap_m = {120.0, 300.0},
+      .dead_end_gap_m = {110.0, 320.0},
+      .wander_m = 26.0,
+      .slant_m = 30.0,
+      .radius_m = {20.0, 120.0},
+      .least_joint_gap_m = 18.0,
+      .main = {"tertiary", {5.2, 6.8}},
+      .rows = {{"unclassified", {3.6, 5.2}, 1, 0.4}, {"track", {2.6, 4.0}, 1, 0.6}},
+      .links = {{"track", {2.5, 3.8}, 1, 0.8}, {"unclassified", {3.4, 4.8}, 1, 0.2}},
+      .dead_ends = {{"track", {2.5, 3.4}, 1, 0.7}, {"service", {2.8, 3.8}, 1, 0.3}},
+  };
+}
+
+/// Houses that stand close to narrow lanes.
+void settle_lanes(Settling& s, bool town, Random& random) {
+  s.lots = {.least_length_m = 9.0,
+            .most_length_m = 16.0,
+            .walk_m = 0.3,
+            .least_setback_m = 0.6,
+            .most_setback_m = 3.0,
+            .least_depth_m = 14.0,
+            .most_depth_m = 21.0,
+            .least_half_front_m = 3.4,
+            .most_half_front_m = 6.5,
+            .side_gap_m = 0.8,
+            .least_half_deep_m = 4.0,
+            .most_half_deep_m = 6.5,
+            .least_eave_m = 4.0,
+            .most_eave_m = town ? 11.0 : 7.0,
+            .road_gap_m = 0.7,
+            .house_gap_m = 0.6};
+  s.built_share = random.uniform(0.75, 0.97);
+  s.lawn_share = random.uniform(0.05, 0.35);
+  s.tree_clearance_m = random.uniform(0.8, 2.0);
+  s.roadside_trees = random.uniform(0.0, 0.25);
+  s.scattered_per_ha = random.uniform(1.0, 5.0);
+}
+
+/// Yards and barns beside roads, where there is room.
+void add_farms(WovenPlanner& woven, int farms) {
+  Random& random = woven.random();
+  SitePlan& plan = woven.plan();
+  for (int i = 0; i < farms; ++i) {
+    const std::size_t r = random.below(plan.roads.size());
+    const PlannedRoad& road = plan.roads[r];
+    const AlignmentPoint q = evaluate(road.alignment, random.uniform(0.1, 0.9) * road.alignment.length_m);
+    const Vec2 along{std::cos(q.heading_rad), std::sin(q.heading_rad)},
+        out = left_normal(along) * (random.below(2) ? 1.0 : -1.0);
+    const Vec2 yard = q.p + out * (0.5 * road.width_m + 16.0);
+    if (woven.room_m(yard + out * 9.0, 60.0) < 24.0 || woven.room_m(yard + out * 9.0 + along * 26.0, 60.0) < 18.0 ||
+        woven.room_m(yard + out * 9.0 - along * 26.0, 60.0) < 18.0)
+      continue;
+    add_area(plan, rectangle(yard + out * 4.0, q.heading_rad, random.uniform(20.0, 30.0), 16.0),
+             random.uniform() < 0.5 ? Cover::gravel : Cover::paved, false);
+    add_farm(plan, yard, out, random);
+  }
+}
 }  // namespace
 
 SitePlan plan_lanes(double size_m, std::uint64_t seed) {
   check_preset_size(size_m, 200.0, 2000.0);
-  WovenPlanner woven(size_m, seed,
-                     {.row_gap_m = {44.0, 70.0},
-                      .corner_gap_m = {45.0, 95.0},
-                      .link_gap_m = {38.0, 110.0},
-                      .dead_end_gap_m = {60.0, 220.0},
-                      .wander_m = 8.5,
-                      .slant_m = 9.0,
-                      .radius_m = {8.0, 40.0},
-                      .least_joint_gap_m = 13.0,
-                      .main = {"tertiary", {6.0, 8.0}},
-                      .rows = {{"residential", {3.2, 5.2}, 1, 0.7}, {"residential", {5.0, 6.2}, 2, 0.3}},
-                      .links = {{"residential", {2.6, 4.2}, 1, 0.75}, {"unclassified", {3.0, 4.5}, 1, 0.25}},
-                      .dead_ends = {{"service", {2.5, 3.4}, 1, 1.0}}});
+  WovenPlanner woven(size_m, seed, weave_of_lanes());
   woven.weave();
   Random& random = woven.random();
   SitePlan& plan = woven.plan();
@@ -282,46 +349,13 @@ SitePlan plan_lanes(double size_m, std::uint64_t seed) {
   const bool terraced = random.uniform() < 0.5;
   plan.terrace_m = terraced ? random.uniform(0.5, 1.2) : 0.0;
   plan.walk_to_m = 0.0, plan.corner_rounding_m = 3.0;
-  Settling& s = plan.settling;
-  s.lots = {.least_length_m = 9.0,
-            .most_length_m = 16.0,
-            .walk_m = 0.3,
-            .least_setback_m = 0.6,
-            .most_setback_m = 3.0,
-            .least_depth_m = 14.0,
-            .most_depth_m = 21.0,
-            .least_half_front_m = 3.4,
-            .most_half_front_m = 6.5,
-            .side_gap_m = 0.8,
-            .least_half_deep_m = 4.0,
-            .most_half_deep_m = 6.5,
-            .least_eave_m = 4.0,
-            .most_eave_m = town ? 11.0 : 7.0,
-            .road_gap_m = 0.7,
-            .house_gap_m = 0.6};
-  s.built_share = random.uniform(0.75, 0.97);
-  s.lawn_share = random.uniform(0.05, 0.35);
-  s.tree_clearance_m = random.uniform(0.8, 2.0);
-  s.roadside_trees = random.uniform(0.0, 0.25);
-  s.scattered_per_ha = random.uniform(1.0, 5.0);
+  settle_lanes(plan.settling, town, random);
   return woven.finish("Lanes", terraced ? random.uniform(0.6, 1.2) : random.uniform(0.2, 0.5));
 }
 
 SitePlan plan_farmland(double size_m, std::uint64_t seed) {
   check_preset_size(size_m, 300.0, 2000.0);
-  WovenPlanner woven(size_m, seed,
-                     {.row_gap_m = {120.0, 190.0},
-                      .corner_gap_m = {70.0, 180.0},
-                      .link_gap_m = {120.0, 300.0},
-                      .dead_end_gap_m = {110.0, 320.0},
-                      .wander_m = 26.0,
-                      .slant_m = 30.0,
-                      .radius_m = {20.0, 120.0},
-                      .least_joint_gap_m = 18.0,
-                      .main = {"tertiary", {5.2, 6.8}},
-                      .rows = {{"unclassified", {3.6, 5.2}, 1, 0.4}, {"track", {2.6, 4.0}, 1, 0.6}},
-                      .links = {{"track", {2.5, 3.8}, 1, 0.8}, {"unclassified", {3.4, 4.8}, 1, 0.2}},
-                      .dead_ends = {{"track", {2.5, 3.4}, 1, 0.7}, {"service", {2.8, 3.8}, 1, 0.3}}});
+  WovenPlanner woven(size_m, seed, weave_of_farmland());
   woven.weave();
   Random& random = woven.random();
   SitePlan& plan = woven.plan();
@@ -345,21 +379,7 @@ SitePlan plan_farmland(double size_m, std::uint64_t seed) {
     plan.settling.orchards.push_back(
         {{ring, {}}, heading, random.uniform(3.5, 7.5), random.uniform(2.5, 6.0), random.uniform(0.9, 2.2)});
   }
-  const int farms = 2 + static_cast<int>(size_m / 250.0);
-  for (int i = 0; i < farms; ++i) {
-    const std::size_t r = random.below(plan.roads.size());
-    const PlannedRoad& road = plan.roads[r];
-    const AlignmentPoint q = evaluate(road.alignment, random.uniform(0.1, 0.9) * road.alignment.length_m);
-    const Vec2 along{std::cos(q.heading_rad), std::sin(q.heading_rad)},
-        out = left_normal(along) * (random.below(2) ? 1.0 : -1.0);
-    const Vec2 yard = q.p + out * (0.5 * road.width_m + 16.0);
-    if (woven.room_m(yard + out * 9.0, 60.0) < 24.0 || woven.room_m(yard + out * 9.0 + along * 26.0, 60.0) < 18.0 ||
-        woven.room_m(yard + out * 9.0 - along * 26.0, 60.0) < 18.0)
-      continue;
-    add_area(plan, rectangle(yard + out * 4.0, q.heading_rad, random.uniform(20.0, 30.0), 16.0),
-             random.uniform() < 0.5 ? Cover::gravel : Cover::paved, false);
-    add_farm(plan, yard, out, random);
-  }
+  add_farms(woven, 2 + static_cast<int>(size_m / 250.0));
   plan.field_m = {random.uniform(40.0, 100.0), random.uniform(90.0, 260.0)};
   plan.bund_m = random.uniform(0.0, 1.5);
   plan.terrace_m = random.uniform() < 0.25 ? random.uniform(1.0, 2.5) : 0.0;

@@ -307,7 +307,8 @@ void spread_twigs(const SceneSource& source, const Tree& t, const Band& band, Sc
                 });
 }
 
-void raise_objects(const SceneSource& source, const Band& band, SceneRaster& scene) {
+/// Heights of decks of bridges over the ground, their parapets too; nothing stands anywhere else yet.
+void raise_bridges(const SceneSource& source, const Band& band, SceneRaster& scene) {
   const GridFrame& frame = scene.frame;
   for (int row = band.first; row < band.first + band.rows; ++row)
     for (int col = 0; col < frame.width; ++col) {
@@ -322,6 +323,24 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
       height = std::max(0.0f, 0.5f * (a.z_m + b.z_m) - ground_height(source, frame.center_of(col, row))) +
                (scene.road_edge_m.at(col, row) > 0.0f ? 0.9f : 0.0f);
     }
+}
+
+void raise_car(const Car& c, std::int32_t number, const Band& band, SceneRaster& scene) {
+  for_rectangle(band, scene.frame, c.center, c.heading_rad, c.half_length_m, c.half_width_m,
+                [&](int col, int row, double u, double v) {
+                  if (std::hypot(std::max(0.0, std::abs(u) - c.half_length_m + 0.5),
+                                 std::max(0.0, std::abs(v) - c.half_width_m + 0.5)) > 0.5)
+                    return;
+                  float& top = scene.height_m.at(col, row);
+                  if (scene.object.at(col, row) >= 0) return;  // under a crown or a roof
+                  top += static_cast<float>(std::abs(u) < 0.55 * c.half_length_m ? c.height_m : 0.65 * c.height_m);
+                  scene.object.at(col, row) = number;
+                });
+}
+
+void raise_objects(const SceneSource& source, const Band& band, SceneRaster& scene) {
+  const GridFrame& frame = scene.frame;
+  raise_bridges(source, band, scene);
   const auto put = [&](int col, int row, double height, std::int32_t number) {
     float& top = scene.height_m.at(col, row);
     if (static_cast<float>(height) <= top) return;
@@ -356,19 +375,7 @@ void raise_objects(const SceneSource& source, const Band& band, SceneRaster& sce
                   });
     ++number;
   }
-  for (const Car& c : source.objects.cars) {
-    for_rectangle(band, frame, c.center, c.heading_rad, c.half_length_m, c.half_width_m,
-                  [&](int col, int row, double u, double v) {
-                    if (std::hypot(std::max(0.0, std::abs(u) - c.half_length_m + 0.5),
-                                   std::max(0.0, std::abs(v) - c.half_width_m + 0.5)) > 0.5)
-                      return;
-                    float& top = scene.height_m.at(col, row);
-                    if (scene.object.at(col, row) >= 0) return;  // under a crown or a roof
-                    top += static_cast<float>(std::abs(u) < 0.55 * c.half_length_m ? c.height_m : 0.65 * c.height_m);
-                    scene.object.at(col, row) = number;
-                  });
-    ++number;
-  }
+  for (const Car& c : source.objects.cars) raise_car(c, number++, band, scene);
 }
 }  // namespace
 

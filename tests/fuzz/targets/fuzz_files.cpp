@@ -138,8 +138,7 @@ fs::path folder;
 void close_left_open() {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator("/proc/self/fd", error))
-    if (fs::read_symlink(entry.path(), error).parent_path() == folder)
-      close(std::atoi(entry.path().filename().c_str()));
+    if (fs::read_symlink(entry.path(), error).parent_path() == folder) close(std::stoi(entry.path().filename()));
 }
 
 }  // namespace
