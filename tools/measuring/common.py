@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the sub-commands of tools/measure share: paths, running the tool, numbers as text, results, tables in pages."""
+
 import decimal
 import json
 import math
@@ -23,14 +24,21 @@ IMAGES = ROOT / "docs/images"
 
 def add_tool(parser, out=None):
     """--tool (a copy may be given, so that building can go on) and the folder for what is made."""
-    parser.add_argument("--tool", type=pathlib.Path, default=ROOT / "build/release/orthodrive", help="the program that is measured")
+    parser.add_argument(
+        "--tool", type=pathlib.Path, default=ROOT / "build/release/orthodrive", help="the program that is measured"
+    )
     if out:
         parser.add_argument("--out", type=pathlib.Path, default=ROOT / out, help=f"folder for what is made ({out})")
 
 
 def add_only(parser, names):
-    parser.add_argument("--only", type=lambda text: text.split(","), default=list(names), metavar="NAME,...",
-                        help=f"of {','.join(names)}; the others keep their last values")
+    parser.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        default=list(names),
+        metavar="NAME,...",
+        help=f"of {','.join(names)}; the others keep their last values",
+    )
 
 
 def add_table(parser):
@@ -83,6 +91,7 @@ def machine():
 
 # ---- results and pages
 
+
 def read_results(name, otherwise):
     file = RESULTS / name
     return json.loads(file.read_text()) if file.exists() else otherwise
@@ -111,7 +120,9 @@ def stamped(text, stores):
     """A page with the commits of its results in lines of their own below its title: one, where all was measured in one run."""
     found = dict.fromkeys(c for store in stores for c in commits_of(read_results(store, {})))
     title, _, rest = STAMP.sub("", text).partition("\n")
-    return f"{title}\n\n" + "".join(f"Measured on commit {c}.\n" for c in found or ["unknown"]) + "\n" + rest.lstrip("\n")
+    return (
+        f"{title}\n\n" + "".join(f"Measured on commit {c}.\n" for c in found or ["unknown"]) + "\n" + rest.lstrip("\n")
+    )
 
 
 def write_page(page, stores, text):
@@ -143,6 +154,7 @@ def row(cells):
 
 # ---- numbers as text
 
+
 def fixed(value, digits=2, otherwise="-"):
     """With so many digits; halves away from zero."""
     if value is None or math.isnan(value):
@@ -163,6 +175,7 @@ def exponential(value):
 
 # ---- roads.gpkg, without GDAL
 
+
 def point_of(blob):
     """x, y of a GeoPackage point."""
     at = 8 + [0, 32, 48, 48, 64][(blob[3] >> 1) & 7] + 5
@@ -170,7 +183,11 @@ def point_of(blob):
 
 
 def longest_way(file):
-    return sqlite3.connect(file).execute("select osm_id from nodes where part = 0 group by osm_id order by max(s_m) desc, osm_id").fetchone()[0]
+    return (
+        sqlite3.connect(file)
+        .execute("select osm_id from nodes where part = 0 group by osm_id order by max(s_m) desc, osm_id")
+        .fetchone()[0]
+    )
 
 
 def children_seconds():

@@ -4,6 +4,7 @@
 Needs the data in ../shared/data, the painted pieces (tools/measure painted) and the synthetic sites that models/regions.toml names (made here
 when missing).
 """
+
 import re
 
 from measuring.common import *
@@ -28,8 +29,10 @@ def run(args):
         tool.synth(site, "--preset", preset, "--seed", seed)
     scores = tool.json("train", experiment, "--measure", model)
     classes = list(next(iter(scores.values()))["iou"])
-    lines = ["| held out | road IoU | mean IoU | pixel accuracy | " + " | ".join(classes) + " |",
-             "|---|" + "---:|" * (3 + len(classes))]
+    lines = [
+        "| held out | road IoU | mean IoU | pixel accuracy | " + " | ".join(classes) + " |",
+        "|---|" + "---:|" * (3 + len(classes)),
+    ]
     for name, s in scores.items():
         values = [s["road_iou"], s["mean_iou"], s["pixel_accuracy"]] + [s["iou"][c] for c in classes]
         lines.append(f"| {name} | " + " | ".join(cell(v) for v in values) + " |")

@@ -3,6 +3,7 @@
 
 Prints JSON: road IoU, mean IoU over the classes, pixel accuracy, road IoU of each piece. Both paintings are drawn on a grid of half a metre; `unknown` in either does not count.
 """
+
 import json
 
 from measuring.common import ROOT
@@ -15,7 +16,9 @@ UNKNOWN, CELLS = len(CLASSES), 256
 def features_of(file):
     pieces = {}
     for f in json.loads((TRUTH / file).read_text())["features"]:
-        polygons = [f["geometry"]["coordinates"]] if f["geometry"]["type"] == "Polygon" else f["geometry"]["coordinates"]
+        polygons = (
+            [f["geometry"]["coordinates"]] if f["geometry"]["type"] == "Polygon" else f["geometry"]["coordinates"]
+        )
         pieces.setdefault(f["properties"]["piece"], []).append((f["properties"]["class"], polygons))
     return pieces
 
@@ -36,7 +39,9 @@ def draw(features, box):
             edges = [(a, b) for ring in rings for a, b in zip(ring, ring[1:]) if a[1] != b[1]]
             for row in range(CELLS):
                 y = north - (row + 0.5) * (north - south) / CELLS
-                crossings = sorted(a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges if (a[1] <= y) != (b[1] <= y))
+                crossings = sorted(
+                    a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges if (a[1] <= y) != (b[1] <= y)
+                )
                 for x0, x1 in zip(crossings[::2], crossings[1::2]):
                     first = max(0, round((x0 - west) / (east - west) * CELLS))
                     last = min(CELLS, round((x1 - west) / (east - west) * CELLS))
@@ -68,6 +73,15 @@ def run(args):
                     total[a][b] += 1
         pieces[piece] = round(iou(own, CLASSES.index("road")) or 0.0, 3)
     by_class = {name: round(iou(total, c), 3) for c, name in enumerate(CLASSES)}
-    print(json.dumps({"road_iou": by_class["road"], "mean_iou": round(sum(by_class.values()) / len(by_class), 3),
-                      "pixel_accuracy": round(sum(total[c][c] for c in range(len(CLASSES))) / sum(map(sum, total)), 3),
-                      "iou": by_class, "road_iou_of_pieces": pieces}, indent=1))
+    print(
+        json.dumps(
+            {
+                "road_iou": by_class["road"],
+                "mean_iou": round(sum(by_class.values()) / len(by_class), 3),
+                "pixel_accuracy": round(sum(total[c][c] for c in range(len(CLASSES))) / sum(map(sum, total)), 3),
+                "iou": by_class,
+                "road_iou_of_pieces": pieces,
+            },
+            indent=1,
+        )
+    )

@@ -5,6 +5,7 @@ Runs bench_road_query, bench_road_query_truth and bench_c_interface of build/rel
 NAME=roads.xodr, and bench_crg (some minutes). With --table nothing runs: the pages are written from the last results,
 bench/results/roadquery.json.
 """
+
 import json
 import os
 import pathlib
@@ -38,7 +39,9 @@ def truth(*words):
 
 def crg_ns(program):
     """Case of bench_crg -> CPU time of one, the least of seven runs."""
-    runs = json.loads(common.run_program(program, "--benchmark_format=json", "--benchmark_repetitions=7", "--benchmark_min_time=0.1"))
+    runs = json.loads(
+        common.run_program(program, "--benchmark_format=json", "--benchmark_repetitions=7", "--benchmark_min_time=0.1")
+    )
     least = {}
     for run in runs["benchmarks"]:
         if run["run_type"] == "iteration":
@@ -53,7 +56,10 @@ def circumstances(r):
 
 def c_interface_page(r):
     text = "# Measured: C interface\n\nMethod: [c_interface.md](../c_interface.md). Written by `tools/measure roadquery` from "
-    text += circumstances(r) + ": least of nine rounds.\n`bench_c_interface roads.xodr` asks `libroadquery.so` as a simulator does, not "
+    text += (
+        circumstances(r)
+        + ": least of nine rounds.\n`bench_c_interface roads.xodr` asks `libroadquery.so` as a simulator does, not "
+    )
     text += "inlined. Driving order: a point each 3 cm along the roads, with a cursor. Any order: the same points shuffled, each with a new "
     text += "cursor.\n\n"
     text += common.header(["ns a query", "points", "z", "z, normal, friction", "all", "missed"])
@@ -61,21 +67,29 @@ def c_interface_page(r):
         c = s["c_interface"]
         for order, words in (("driving", "driving order"), ("any", "any order")):
             missed = sum(c[f"{order}_{what}_missed"] for what in ("z", "normal", "all"))
-            text += common.row([f"{site}, {words}", f"{c['points']:.0f}"] +
-                               [f"{c[f'{order}_{what}_ns']:.0f}" for what in ("z", "normal", "all")] + [f"{missed:.0f}"])
+            text += common.row(
+                [f"{site}, {words}", f"{c['points']:.0f}"]
+                + [f"{c[f'{order}_{what}_ns']:.0f}" for what in ("z", "normal", "all")]
+                + [f"{missed:.0f}"]
+            )
     return text + "\nAsked, in driving order: z 70 ns, with normal and friction 100 ns.\n"
 
 
 def opencrg_page(r):
     c = r["crg"]
-    text = "# Measured: OpenCRG\n\nMethod: [opencrg.md](../opencrg.md). Written by `tools/measure roadquery` from " + circumstances(r)
+    text = (
+        "# Measured: OpenCRG\n\nMethod: [opencrg.md](../opencrg.md). Written by `tools/measure roadquery` from "
+        + circumstances(r)
+    )
     text += ": least of seven runs of `bench_crg`.\n\n" + common.header(["case", "ns a query"])
-    for words, case in (("height and slopes at (u, v), a point moving along 1001 x 341 values", "crg_height_at_uv/in_order"),
-                        ("the same, points anywhere on them", "crg_height_at_uv/anywhere"),
-                        ("height and slopes at (x, y) with the last u as hint", "crg_height_at_xy"),
-                        ("all of a hit of the road query, no file", "road_query/without_file"),
-                        ("the same with an `attached` file", "road_query/attached"),
-                        ("the same with a `genuine` file", "road_query/genuine")):
+    for words, case in (
+        ("height and slopes at (u, v), a point moving along 1001 x 341 values", "crg_height_at_uv/in_order"),
+        ("the same, points anywhere on them", "crg_height_at_uv/anywhere"),
+        ("height and slopes at (x, y) with the last u as hint", "crg_height_at_xy"),
+        ("all of a hit of the road query, no file", "road_query/without_file"),
+        ("the same with an `attached` file", "road_query/attached"),
+        ("the same with a `genuine` file", "road_query/genuine"),
+    ):
         text += common.row([words, f"{c[case]:.0f}"])
     text += "\nA grid of 341,000 "
     return text + f"values is made ready in {1e-6 * c['crg_make_ready']:.1f} ms.\n"
@@ -84,11 +98,20 @@ def opencrg_page(r):
 def page(r):
     sites = r["sites"]
     worst = lambda key: max(s["speed"][key] for s in sites.values())
-    text = "# Measured: road query\n\nMethod: [roadquery.md](../roadquery.md). Written by `tools/measure roadquery` from "
+    text = (
+        "# Measured: road query\n\nMethod: [roadquery.md](../roadquery.md). Written by `tools/measure roadquery` from "
+    )
     text += circumstances(r) + ": least of seven runs.\n\n## Speed\n\n"
-    rows = [("height alone, driving order, ns", "route_z_ns_least", "70"), ("with normal and friction, ns", "route_normal_ns_least", "100"),
-            ("all of a hit, ns", "route_all_ns_least", "-"), ("any order, ns", "any_order_ns_least", "500"), ("worst of the points, us", "worst_us_least_of_six", "20"),
-            ("stations", "stations", "-"), ("read, s", "read_s", "-"), ("make the tables, s", "bake_s", "-")]
+    rows = [
+        ("height alone, driving order, ns", "route_z_ns_least", "70"),
+        ("with normal and friction, ns", "route_normal_ns_least", "100"),
+        ("all of a hit, ns", "route_all_ns_least", "-"),
+        ("any order, ns", "any_order_ns_least", "500"),
+        ("worst of the points, us", "worst_us_least_of_six", "20"),
+        ("stations", "stations", "-"),
+        ("read, s", "read_s", "-"),
+        ("make the tables, s", "bake_s", "-"),
+    ]
     text += common.header(["what", "asked"] + [f"{n} ({s['speed']['road_km']:.0f} km)" for n, s in sites.items()])
     for what, key, asked in rows:
         text += common.row([what, asked] + [f"{s['speed'][key]:g}" for s in sites.values()])
@@ -104,7 +127,9 @@ def page(r):
     text += common.header(["site, how"] + [n.replace("_", " ") for n in names] + ["worst height, mm"])
     for site, s in sites.items():
         for case, c in s["truth"].items():
-            text += common.row([f"{site}, {case.replace('_', ' ')}"] + [f"{c[n]:.0f}" for n in names] + [f"{c['worst_height_mm']:.5f}"])
+            text += common.row(
+                [f"{site}, {case.replace('_', ' ')}"] + [f"{c[n]:.0f}" for n in names] + [f"{c['worst_height_mm']:.5f}"]
+            )
     total = sum(c["wrong"] + c["missed"] for s in sites.values() for c in s["truth"].values())
     text += f"\nWrong or missed of all: {total:.0f} (asked: 0). Slowest site in driving order: {worst('route_z_ns_least'):g} ns.\n"
     return text
@@ -118,9 +143,11 @@ def run(args):
             raise SystemExit("tools/measure roadquery: give at least one --site NAME=roads.xodr")
         results = {"commit": common.commit(), "machine": common.machine(), "load": [os.getloadavg()[1]], "sites": {}}
         for name, file in sites.items():
-            results["sites"][name] = {"speed": numbers(args.bench / "bench_road_query", file, 2000000),
-                                      "truth": truth(args.bench / "bench_road_query_truth", file, args.points, 7),
-                                      "c_interface": numbers(args.bench / "bench_c_interface", file)}
+            results["sites"][name] = {
+                "speed": numbers(args.bench / "bench_road_query", file, 2000000),
+                "truth": truth(args.bench / "bench_road_query_truth", file, args.points, 7),
+                "c_interface": numbers(args.bench / "bench_c_interface", file),
+            }
         results["tile"] = numbers(args.bench / "bench_road_query", "--tile", list(sites.values())[-1], args.tile_km)
         results["overlap"] = numbers(args.bench / "bench_road_query", "--overlap")
         results["crg"] = crg_ns(args.bench / "bench_crg")

@@ -5,6 +5,7 @@ A quarter of an hour on two idle cores; parts that are not named keep their last
 bench/results/segmentation_numbers.json. Needs ../shared/data and a release build with benchmarks; makes the synthetic site.
 The comparison of networks is a note, because it needs trainings: `tools/measure networks`.
 """
+
 import json
 import os
 import tempfile
@@ -46,7 +47,16 @@ def measure(tool, parts, work, keep):
     if "mosaic" in parts:
         for name, more in VARIANTS:
             labels = work / f"pardubice_{name}.tif"
-            seconds, memory = timed(tool, "segment", DATA / "pardubice/ortho.tif", "-o", labels, "--confidence", work / "confidence.tif", *more)
+            seconds, memory = timed(
+                tool,
+                "segment",
+                DATA / "pardubice/ortho.tif",
+                "-o",
+                labels,
+                "--confidence",
+                work / "confidence.tif",
+                *more,
+            )
             keep(f"mosaic_{name}", {"megapixels": pixels(tool, labels) / 1e6, "seconds": seconds, "peak_gb": memory})
     if "windows" in parts:
         photo = DATA / "kvarnbyn/ortho.jpg"
@@ -62,8 +72,14 @@ def measure(tool, parts, work, keep):
         for name, more in VARIANTS:
             labels = work / f"village_{name}.tif"
             tool("segment", site / "ortho.tif", "-o", labels, *more)
-            keep(f"village_road_iou_{name}", tool.json("evaluate", "labels", labels, site / "truth/labels.tif", "--json")["road_iou"])
-            keep(f"handmade_road_iou_{name}", tool.json("train", ROOT / "models/default.toml", "--measure", "default", *more)["handmade"]["road_iou"])
+            keep(
+                f"village_road_iou_{name}",
+                tool.json("evaluate", "labels", labels, site / "truth/labels.tif", "--json")["road_iou"],
+            )
+            keep(
+                f"handmade_road_iou_{name}",
+                tool.json("train", ROOT / "models/default.toml", "--measure", "default", *more)["handmade"]["road_iou"],
+            )
 
 
 def table(n):
@@ -73,13 +89,23 @@ def table(n):
 
     each = lambda keys, show: ", ".join(show(n[k]) if k in n else "not measured" for k in keys)
     of_both = lambda name: each((f"{name}_network", f"{name}_crf"), lambda v: f"{v:.3f}") + " (without, with CRF)"
-    return "| asked | reached |\n|---|---|\n" + "".join(row(cells) for cells in [
-        ("whole mosaic without CRF >= 2.5 Mpx/s, <= 2 GB", mosaic("network")),
-        ("the same with CRF", mosaic("crf")),
-        ("windows 512, 1024 against whole image: <= 1 label in 100,000 differs", each(("window_network_512", "window_network_1024"), lambda v: f"{1e5 * v:.2f}")),
-        ("windows 512, 1024 with CRF: <= 0.1 % differ", each(("window_crf_512", "window_crf_1024"), lambda v: f"{100 * v:.4f} %")),
-        ("village of an unseen seed, 0.2 m/px: road IoU >= 0.90", of_both("village_road_iou")),
-        ("hand-made test set: road IoU >= 0.75", of_both("handmade_road_iou"))])
+    return "| asked | reached |\n|---|---|\n" + "".join(
+        row(cells)
+        for cells in [
+            ("whole mosaic without CRF >= 2.5 Mpx/s, <= 2 GB", mosaic("network")),
+            ("the same with CRF", mosaic("crf")),
+            (
+                "windows 512, 1024 against whole image: <= 1 label in 100,000 differs",
+                each(("window_network_512", "window_network_1024"), lambda v: f"{1e5 * v:.2f}"),
+            ),
+            (
+                "windows 512, 1024 with CRF: <= 0.1 % differ",
+                each(("window_crf_512", "window_crf_1024"), lambda v: f"{100 * v:.4f} %"),
+            ),
+            ("village of an unseen seed, 0.2 m/px: road IoU >= 0.90", of_both("village_road_iou")),
+            ("hand-made test set: road IoU >= 0.75", of_both("handmade_road_iou")),
+        ]
+    )
 
 
 def run(args):

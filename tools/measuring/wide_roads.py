@@ -6,6 +6,7 @@ junction areas of the network, all roads across them together, for a gore belong
 piece by its long sides. Every piece is measured on the photo and the map 140 m around it, which takes two minutes in all.
 `--as before` keeps the numbers of another build (--tool) to compare with.
 """
+
 import bisect
 import json
 import math
@@ -28,6 +29,7 @@ def add_arguments(parser):
 
 
 # ---- gores, by lanes
+
 
 def metres_from(lon0, lat0):
     """East and north of a place near (lon0, lat0); a sphere is good to a thousandth over some hundred metres."""
@@ -54,7 +56,10 @@ def places_along(line):
         a, b = line[i], line[i + 1]
         share = (k * STEP_M - s[i]) / (s[i + 1] - s[i])
         length = math.dist(a, b)
-        yield (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])), ((a[1] - b[1]) / length, (b[0] - a[0]) / length)
+        yield (
+            (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])),
+            ((a[1] - b[1]) / length, (b[0] - a[0]) / length),
+        )
 
 
 def reach_across(rings, p, across, side):
@@ -94,7 +99,9 @@ def true_width(ring, line, p, across):
 def gore_errors(truth, paved):
     """Error of the width of all carriageways at places on the gores' middle lines, m. `paved`: polygons, outer rings first."""
     errors = []
-    surfaces = {f["properties"]["id"]: f["geometry"]["coordinates"] for f in truth if f["geometry"]["type"] == "Polygon"}
+    surfaces = {
+        f["properties"]["id"]: f["geometry"]["coordinates"] for f in truth if f["geometry"]["type"] == "Polygon"
+    }
     for f in truth:
         if f["geometry"]["type"] != "LineString" or f["properties"]["kind"] != "gore":
             continue
@@ -113,8 +120,13 @@ def gore_errors(truth, paved):
 
 # ---- measuring
 
+
 def summary_of(errors):
-    return {"n": len(errors), "bias": sum(errors) / len(errors), "mean_abs": sum(map(abs, errors)) / len(errors)} if errors else None
+    return (
+        {"n": len(errors), "bias": sum(errors) / len(errors), "mean_abs": sum(map(abs, errors)) / len(errors)}
+        if errors
+        else None
+    )
 
 
 def cut_photo(name, line, file):
@@ -124,8 +136,17 @@ def cut_photo(name, line, file):
     to_m = metres_from(*line[0])
     east, north = (1 / to_m((line[0][0] + 1, line[0][1]))[0], 1 / to_m((line[0][0], line[0][1] + 1))[1])
     lon, lat = zip(*line)
-    run_program("gdal_translate", "-q", "-projwin", min(lon) - CROP_M * east, max(lat) + CROP_M * north, max(lon) + CROP_M * east, min(lat) - CROP_M * north,
-                refine.PHOTOS[name], file)
+    run_program(
+        "gdal_translate",
+        "-q",
+        "-projwin",
+        min(lon) - CROP_M * east,
+        max(lat) + CROP_M * north,
+        max(lon) + CROP_M * east,
+        min(lat) - CROP_M * north,
+        refine.PHOTOS[name],
+        file,
+    )
 
 
 def cut_map(name, line, file):
@@ -147,17 +168,36 @@ def measure_piece(args, name, identifier, features):
     """Error sums of one piece. Labels and roads are made of the photo and the map around it alone."""
     tool, folder = Tool(args.tool), args.out / identifier
     folder.mkdir(parents=True, exist_ok=True)
-    photo, osm, truth, roads, network, layers = (folder / f for f in ("photo.tif", "roads.osm", "truth.geojson", "now.gpkg", "now.xodr", "now.geojson"))
+    photo, osm, truth, roads, network, layers = (
+        folder / f for f in ("photo.tif", "roads.osm", "truth.geojson", "now.gpkg", "now.xodr", "now.geojson")
+    )
     line = next(f for f in features if f["geometry"]["type"] == "LineString")["geometry"]["coordinates"]
     cut_photo(name, line, photo)
     cut_map(name, line, osm)
     labels, probability, alignment = folder / "labels.tif", folder / "road_probability.tif", folder / "alignment.csv"
     tool("segment", photo, "--osm", osm, "-o", labels, "--road-probability", probability, "--alignment", alignment)
-    tool("refine", "--osm", osm, "--labels", labels, "--road-probability", probability, "--alignment", alignment, "-o", roads)
+    tool(
+        "refine",
+        "--osm",
+        osm,
+        "--labels",
+        labels,
+        "--road-probability",
+        probability,
+        "--alignment",
+        alignment,
+        "-o",
+        roads,
+    )
     if features[0]["properties"]["kind"] == "gore":
         tool("network", "--roads", roads, "-o", network, "--geojson", layers)
-        paved = [f["geometry"]["coordinates"] for f in json.loads(layers.read_text())["features"]
-                 if f["properties"]["layer_name"] == "junctions" or f["properties"]["layer_name"] == "lanes" and f["properties"]["type"] != "sidewalk"]
+        paved = [
+            f["geometry"]["coordinates"]
+            for f in json.loads(layers.read_text())["features"]
+            if f["properties"]["layer_name"] == "junctions"
+            or f["properties"]["layer_name"] == "lanes"
+            and f["properties"]["type"] != "sidewalk"
+        ]
         return summary_of(gore_errors(features, paved))
     truth.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     width = tool.json("evaluate", "roads", roads, truth, "--json")["width_m"]
@@ -171,7 +211,9 @@ def measure_town(args, name):
         if f["properties"]["town"] == name:
             by_piece.setdefault(f["properties"].get("id") or f["properties"]["of"], []).append(f)
     for identifier, features in by_piece.items():
-        errors = found.setdefault(features[0]["properties"]["kind"], {})[identifier] = measure_piece(args, name, identifier, features)
+        errors = found.setdefault(features[0]["properties"]["kind"], {})[identifier] = measure_piece(
+            args, name, identifier, features
+        )
         print(identifier, errors, flush=True)
     return found
 
@@ -192,7 +234,9 @@ def table(numbers):
         text += row([kind, mean["pieces"] if mean else 0, said(mean)])
     text += "\n" + header(["piece", "kind", "bias / mean error, m"])
     for town in numbers["towns"].values():
-        text += "".join(row([piece, kind, said(town[kind][piece])]) for kind in KINDS for piece in sorted(town.get(kind, {})))
+        text += "".join(
+            row([piece, kind, said(town[kind][piece])]) for kind in KINDS for piece in sorted(town.get(kind, {}))
+        )
     return text + "\nMeans are over the pieces, each once.\n"
 
 
