@@ -1,16 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a network gains that adapts to a site, and what that costs. Writes docs/measured/adapt.md.
 
-    tools/measure adapt --model out/without_town/model.safetensors --only kvarnbyn      a model that has not seen the town
+    tools/measure adapt --model out/without_town/model.safetensors --only kvarnbyn      a model that has not seen the
+                                                                                        town
 
-Some forty minutes on two cores. What is not measured in this run keeps its last values from bench/results/adapt.json. Needs
-../shared/data for the towns; makes the synthetic sites.
+Some forty minutes on two cores. What is not measured in this run keeps its last values from bench/results/adapt.json.
+Needs ../shared/data for the towns; makes the synthetic sites.
 """
+
+import os
+import pathlib
+import subprocess
+import sys
+import time
 
 import numpy
 
 from measuring import refine, second_eye
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    percent,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "adapt.json", PAGES / "adapt.md"
 VILLAGE = ["--preset", "village", "--seed", 99, "--size", 1000, "--gsd", 0.5]
@@ -89,7 +112,9 @@ class Measuring:
         }
 
     def measure(self, name, photo, osm, truth, true_labels=None, maps=(), more=(), map_for_roads=None):
-        """Both variants. The roads that are refined are those of `map_for_roads`, else of the map that is learned from."""
+        """Both variants. The roads that are refined are those of `map_for_roads`, else of the map that is learned
+        from.
+        """
         folder = self.out / name.replace(" ", "_").replace(",", "")
         folder.mkdir(parents=True, exist_ok=True)
         roads, none = map_for_roads or osm, folder / "none.gpkg"

@@ -1,17 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Banking: synthetic sites against their truth, and how Kvarnbyn's bends lie. Writes docs/measured/banking.md and a picture.
+"""Banking: synthetic sites against their truth, and how Kvarnbyn's bends lie. Writes docs/measured/banking.md and a
+picture.
 
-Estimates banking on the true lines of the folders village-11 to -14, village-99, circuit and junction (made where they lack),
-and on Kvarnbyn's refined roads, which `tools/measure refine` leaves in out/refinement/roads. Needs gdal-bin; a minute.
+Estimates banking on the true lines of the folders village-11 to -14, village-99, circuit and junction (made where they
+lack), and on Kvarnbyn's refined roads, which `tools/measure refine` leaves in out/refinement/roads. Needs gdal-bin; a
+minute.
 """
 
-import json
 import math
+import pathlib
 import re
+import sqlite3
+import sys
 from array import array
 from collections import defaultdict
 
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    IMAGES,
+    PAGES,
+    RESULTS,
+    ROOT,
+    Tool,
+    add_table,
+    add_tool,
+    children_seconds,
+    commit,
+    point_of,
+    read_results,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "banking.json", PAGES / "banking.md"
 KVARNBYN = DATA / "kvarnbyn"
@@ -56,7 +76,9 @@ def percentile(values, share):
 
 
 def on_bed_of_another(truth):
-    """Nodes at the end of a road that lie on the carriageway or shoulder (1 m) of one that goes on: the site's ground is that one's."""
+    """Nodes at the end of a road that lie on the carriageway or shoulder (1 m) of one that goes on: the site's ground
+    is that one's.
+    """
     at_node = defaultdict(list)
     for key, nodes in truth.items():
         for i, node in enumerate(nodes):
@@ -162,7 +184,9 @@ def correlation(a, b):
 
 
 def bends_of(paths, highways, ground):
-    """Measured nodes in curves of less than 120 m radius: banking beside the grid's own slopes over the carriageway and over 20 m."""
+    """Measured nodes in curves of less than 120 m radius: banking beside the grid's own slopes over the carriageway and
+    over 20 m.
+    """
     reach, bends = 8, []  # nodes to each side
     for key, nodes in paths.items():
         for i in range(reach, len(nodes) - reach):
@@ -177,23 +201,26 @@ def bends_of(paths, highways, ground):
             if abs(curvature) < 1 / 120 or span == 0:
                 continue
             left = (-(c["y"] - a["y"]) / span, (c["x"] - a["x"]) / span)
-            at = lambda t: ground.at(b["x"] + left[0] * t, b["y"] + left[1] * t)
+
+            def at(t):
+                return ground.at(b["x"] + left[0] * t, b["y"] + left[1] * t)
+
             inner = max(1.0, b["width_m"] / 2 - 1)
             heights = [at(inner), at(-inner), at(10), at(-10)]
             if None in heights:
                 continue
             bends.append(
-                dict(
-                    key=key,
-                    i=i,
-                    highway=highways[key],
-                    curvature=curvature,
-                    left=left,
-                    node=b,
-                    slope=math.tan(b["banking"]),
-                    grid=(heights[0] - heights[1]) / (2 * inner),
-                    hill=(heights[2] - heights[3]) / 20,
-                )
+                {
+                    "key": key,
+                    "i": i,
+                    "highway": highways[key],
+                    "curvature": curvature,
+                    "left": left,
+                    "node": b,
+                    "slope": math.tan(b["banking"]),
+                    "grid": (heights[0] - heights[1]) / (2 * inner),
+                    "hill": (heights[2] - heights[3]) / 20,
+                }
             )
     return bends
 
@@ -219,7 +246,10 @@ def draw(bends, ground):
             shown.append((run[len(run) // 2], run))
     wide, tall, half = 300, 250, 16
     out = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {3 * wide} {tall}" font-family="sans-serif" font-size="11">',
+        (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {3 * wide} {tall}" font-family="sans-serif" '
+            'font-size="11">'
+        ),
         f'<rect width="{3 * wide}" height="{tall}" fill="white"/>',
     ]
     for n, (r, run) in enumerate(shown):
@@ -236,13 +266,20 @@ def draw(bends, ground):
         out.append(
             f'<clipPath id="panel{n}"><rect x="{x0 + 10}" y="40" width="{wide - 20}" height="{tall - 60}"/></clipPath>'
         )
-        px = lambda t: x0 + wide / 2 - t * (wide / 2 - 20) / half  # seen along the road: left is left
-        py = lambda z: tall / 2 + 10 - z * 90 / size
-        line = lambda points, style: out.append(
-            f'<polyline clip-path="url(#panel{n})" fill="none" {style} points="'
-            + " ".join(f"{px(t):.1f},{py(z):.1f}" for t, z in points)
-            + '"/>'
-        )
+
+        def px(t):
+            return x0 + wide / 2 - t * (wide / 2 - 20) / half  # seen along the road: left is left
+
+        def py(z):
+            return tall / 2 + 10 - z * 90 / size
+
+        def line(points, style):
+            return out.append(
+                f'<polyline clip-path="url(#panel{n})" fill="none" {style} points="'
+                + " ".join(f"{px(t):.1f},{py(z):.1f}" for t, z in points)
+                + '"/>'
+            )
+
         w = node["width_m"] / 2
         out.append(f'<rect x="{px(w):.1f}" y="40" width="{px(-w) - px(w):.1f}" height="{tall - 60}" fill="#eee"/>')
         for s in sections[::2]:
@@ -258,18 +295,22 @@ def draw(bends, ground):
             f'<text x="{x0 + 12}" y="16">{r["highway"]}, bends to the {side}, R {abs(1 / r["curvature"]):.0f} m</text>'
         )
         out.append(
-            f'<text x="{x0 + 12}" y="31" fill="#555">banking {100 * r["slope"]:.1f} %, hill over 20 m {100 * r["hill"]:.0f} %</text>'
+            f'<text x="{x0 + 12}" y="31" fill="#555">banking {100 * r["slope"]:.1f} %, hill over 20 m '
+            f"{100 * r['hill']:.0f} %</text>"
         )
     out.append(
-        f'<text x="12" y="{tall - 6}" fill="#555">Red: carriageway as measured; dark: 2 m grid across the middle of the bend; light: the rest of it. Seen along the way; ± {half} m across, ± 3 m high (times 3).</text></svg>'
+        f'<text x="12" y="{tall - 6}" fill="#555">Red: carriageway as measured; dark: 2 m grid across the middle of '
+        f"the bend; light: the rest of it. Seen along the way; ± {half} m across, ± 3 m high (times 3).</text></svg>"
     )
     (IMAGES / "banking_bends.svg").write_text("\n".join(out) + "\n")
 
 
 def plane_spread(paths):
-    """How far the surfaces of the roads of a junction are apart in slope at its node: the largest difference of two gradients, a node."""
+    """How far the surfaces of the roads of a junction are apart in slope at its node: the largest difference of two
+    gradients, a node.
+    """
     at_node = defaultdict(list)
-    for key, nodes in paths.items():
+    for nodes in paths.values():
         for i, node in enumerate(nodes):
             a, b = nodes[max(0, i - 1)], nodes[min(len(nodes) - 1, i + 1)]
             span = math.hypot(b["x"] - a["x"], b["y"] - a["y"])
@@ -337,14 +378,36 @@ def tables(numbers):
     text = "\n| site | grid | mean | p95 | mean off other roads' beds | asked: mean |\n|---|---|---|---|---|---|\n"
     for r in numbers["sites"]:
         name = r["site"].replace("-", " ") + (" (weights found on it)" if r["site"] in TUNED else "")
-        text += f"| {name} | {r['grid_m']} m | {r['mean']:.4f} | {r['p95']:.4f} | {r['mean_off_beds']:.4f} | {'0.0030' if 'village' in r['site'] and r['grid_m'] == 2 else '-'} |\n"
-    text += f"\nCrown where there is none: at {100 * max(r['crowned'] for r in numbers['sites']):.1f} % of the nodes at most. "
-    text += f"z of village 99 from the 2 m grid: {next(r['z_mean'] for r in numbers['sites'] if r['site'] == 'village-99'):.3f} m in the mean (asked: 0.05 m).\n\n"
-    text += f"Kvarnbyn, refined lines: measured at {100 * k['measured']:.0f} % of the nodes (all of the west); all of `elevate` takes {k['seconds']:.1f} s of processor time for 73 km. "
-    text += f"Surfaces of roads that share a node differ in slope there by {k['spread_mean']:.4f} in the mean, {k['spread_p95']:.4f} (p95), {k['spread_max']:.3f} at most.\n\n"
-    text += "| Kvarnbyn, bends under 120 m | nodes | fall outwards | of these with the hill | sign as in the grid | correlation with hill | with bend |\n|---|---|---|---|---|---|---|\n"
+        text += (
+            f"| {name} | {r['grid_m']} m | {r['mean']:.4f} | {r['p95']:.4f} | {r['mean_off_beds']:.4f} | "
+            f"{'0.0030' if 'village' in r['site'] and r['grid_m'] == 2 else '-'} |\n"
+        )
+    text += (
+        f"\nCrown where there is none: at {100 * max(r['crowned'] for r in numbers['sites']):.1f} % of the nodes "
+        "at most. "
+    )
+    text += (
+        "z of village 99 from the 2 m grid: "
+        f"{next(r['z_mean'] for r in numbers['sites'] if r['site'] == 'village-99'):.3f} m in the mean (asked: "
+        "0.05 m).\n\n"
+    )
+    text += (
+        f"Kvarnbyn, refined lines: measured at {100 * k['measured']:.0f} % of the nodes (all of the west); all of "
+        f"`elevate` takes {k['seconds']:.1f} s of processor time for 73 km. "
+    )
+    text += (
+        f"Surfaces of roads that share a node differ in slope there by {k['spread_mean']:.4f} in the mean, "
+        f"{k['spread_p95']:.4f} (p95), {k['spread_max']:.3f} at most.\n\n"
+    )
+    text += (
+        "| Kvarnbyn, bends under 120 m | nodes | fall outwards | of these with the hill | sign as in the grid | "
+        "correlation with hill | with bend |\n|---|---|---|---|---|---|---|\n"
+    )
     for r in k["bends"]:
-        text += f"| {r['highway']} | {r['nodes']} | {100 * r['outwards']:.0f} % | {100 * r['as_hill']:.0f} % | {100 * r['as_grid']:.0f} % | {r['with_hill']:.2f} | {r['with_curvature']:.2f} |\n"
+        text += (
+            f"| {r['highway']} | {r['nodes']} | {100 * r['outwards']:.0f} % | {100 * r['as_hill']:.0f} % | "
+            f"{100 * r['as_grid']:.0f} % | {r['with_hill']:.2f} | {r['with_curvature']:.2f} |\n"
+        )
     return text
 
 

@@ -1,18 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
 """A build shared by two nodes of a Slurm cluster, one of them lost half-way. Writes docs/measured/cluster.md.
 
-Slurm's daemons run on this machine, on the loopback, with one core a node: two nodes need two cores and nothing else beside them.
-Needs slurmctld, slurmd, slurm-client and munge, and root. --site gives another site than Kvarnbyn.
+Slurm's daemons run on this machine, on the loopback, with one core a node: two nodes need two cores and nothing else
+beside them. Needs slurmctld, slurmd, slurm-client and munge, and root. --site gives another site than Kvarnbyn.
 """
 
 import contextlib
 import hashlib
+import os
+import pathlib
 import shutil
 import signal
 import socket
+import subprocess
+import sys
 import tempfile
+import time
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    ROOT,
+    Tool,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "cluster.json", PAGES / "cluster.md"
 DRIVER = ROOT / "examples/cluster/slurm_build.sh"
@@ -94,7 +114,10 @@ def cluster(nodes):
         controller, *ports = free_ports(nodes + 1)
         host = socket.gethostname()
         lines = "".join(
-            f"NodeName=node{i + 1} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 RealMemory=8000 State=UNKNOWN\n"
+            (
+                f"NodeName=node{i + 1} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 RealMemory=8000 "
+                "State=UNKNOWN\n"
+            )
             for i, port in enumerate(ports)
         )
         (home / "slurm.conf").write_text(

@@ -78,7 +78,10 @@ def commit():
     """Of the checkout; "unknown" for a tree without a history."""
     if not (ROOT / ".git").exists():
         return "unknown"
-    git = lambda *words: run_program("git", "-C", ROOT, *words).strip()
+
+    def git(*words):
+        return run_program("git", "-C", ROOT, *words).strip()
+
     changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!bench/results", ":!docs")
     return git("rev-parse", "--short", "HEAD") + (" + changes" if changed else "")
 
@@ -102,7 +105,7 @@ def write_results(name, value):
     (RESULTS / name).write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n")
 
 
-STAMP = re.compile(r"^Measured on commit (.+)\.$", re.M)
+STAMP = re.compile(r"^Measured on commit (.+)\.$", re.MULTILINE)
 
 
 def commits_of(value):
@@ -117,7 +120,9 @@ def commits_of(value):
 
 
 def stamped(text, stores):
-    """A page with the commits of its results in lines of their own below its title: one, where all was measured in one run."""
+    """A page with the commits of its results in lines of their own below its title: one, where all was measured in one
+    run.
+    """
     found = dict.fromkeys(c for store in stores for c in commits_of(read_results(store, {})))
     title, _, rest = STAMP.sub("", text).partition("\n")
     return (
@@ -126,8 +131,9 @@ def stamped(text, stores):
 
 
 def write_page(page, stores, text):
-    """`text` is the whole page, or by name what stands between <!-- measured: NAME --> and <!-- /measured --> of it; what
-    stands outside the marks is the page's template."""
+    """`text` is the whole page, or by name what stands between <!-- measured: NAME --> and <!-- /measured --> of it;
+    what stands outside the marks is the page's template.
+    """
     if isinstance(text, dict):
         for name, part in text.items():
             write_between(page, name, part)

@@ -3,8 +3,8 @@
 
 Several places become panels beside each other, three in a row.
 
-Roads outside junctions are grey, darker the higher their layer, sidewalks and shoulders light; connecting roads are drawn by
-their lanes' middle lines; lane borders as they are marked. Bridges have a blue edge, tunnels a dashed one.
+Roads outside junctions are grey, darker the higher their layer, sidewalks and shoulders light; connecting roads are
+drawn by their lanes' middle lines; lane borders as they are marked. Bridges have a blue edge, tunnels a dashed one.
 """
 
 import math
@@ -23,7 +23,10 @@ def pose(g, ds):
         rate = 0.0 if kind.tag == "arc" else (float(kind.get("curvEnd")) - k0) / length
         n = max(2, 2 * math.ceil(ds))  # Simpson's rule over half metres
         h = ds / n
-        heading = lambda s: hdg + s * (k0 + 0.5 * rate * s)
+
+        def heading(s):
+            return hdg + s * (k0 + 0.5 * rate * s)
+
         for i in range(n + 1):
             weight = h / 3 * (1 if i in (0, n) else 4 if i % 2 else 2)
             x += weight * math.cos(heading(i * h))
@@ -64,7 +67,10 @@ def borders(road):
         s = length * i / steps
         g = [e for e in geometry if float(e.get("s")) <= s + 1e-9][-1]
         x, y, hdg = pose(g, min(s - float(g.get("s")), float(g.get("length"))))
-        at = lambda t: (x - t * math.sin(hdg), y + t * math.cos(hdg))
+
+        def at(t):
+            return (x - t * math.sin(hdg), y + t * math.cos(hdg))
+
         k = 0
         for side, sign in (("left", 1), ("right", -1)):
             t = cubic(offset, s)
@@ -82,8 +88,12 @@ def draw(root, cx, cy, half):
     offset = root.find("header/offset")
     if offset is not None:
         cx, cy = cx - float(offset.get("x")), cy - float(offset.get("y"))
-    seen = lambda points: any(abs(x - cx) < half + 5 and abs(y - cy) < half + 5 for x, y in points)
-    path = lambda points: " ".join(f"{x - cx + half:.1f},{half - (y - cy):.1f}" for x, y in points)
+
+    def seen(points):
+        return any(abs(x - cx) < half + 5 and abs(y - cy) < half + 5 for x, y in points)
+
+    def path(points):
+        return " ".join(f"{x - cx + half:.1f},{half - (y - cy):.1f}" for x, y in points)
 
     def add(order, kind, points, style):
         if seen(points):

@@ -2,14 +2,27 @@
 """Drive logs: simulated drives with exact truth, their roughness, the real minute. Writes docs/measured/drive_logs.md.
 
 The drives and their truth are those of tests/elevate. Each test records what it measures as a property of its result
-(`measured_1`, `measured_2`, ...); this command runs them, reads the properties from googletest's JSON report, keeps them in
-bench/results/drive_logs.json and writes the page. The real minute needs ../shared/data/drives.
+(`measured_1`, `measured_2`, ...); this command runs them, reads the properties from googletest's JSON report, keeps
+them in bench/results/drive_logs.json and writes the page. The real minute needs ../shared/data/drives.
 """
 
 import json
+import pathlib
+import sys
 import tempfile
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    RESULTS,
+    ROOT,
+    add_table,
+    commit,
+    machine,
+    read_results,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "drive_logs.json", PAGES / "drive_logs.md"
 TITLES = {

@@ -1,14 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """A family car on every road of a town, by drive --all-roads. Writes docs/measured/every_road.md.
 
-Give networks as NAME=FILE, for example  --files Kvarnbyn=out/kvarnbyn/roads.xodr Pardubice=out/pardubice/roads.xodr
-Two threads each: some ten processor minutes for a town of 23 km2. With --table nothing runs: the page is written from the last results,
-bench/results/every_road.json.
+Give networks as NAME=FILE, for example  --files Kvarnbyn=out/kvarnbyn/roads.xodr Pardubice=out/pardubice/roads.xodr Two
+threads each: some ten processor minutes for a town of 23 km2. With --table nothing runs: the page is written from the
+last results, bench/results/every_road.json.
 """
 
 import csv
+import json
+import re
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_table,
+    add_tool,
+    children_seconds,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "every_road.json", PAGES / "every_road.md"
 KINDS = {
@@ -60,9 +76,16 @@ def worst(places, kind):
 
 
 def page(results):
-    of = lambda get: [get(n) for n in results.values()]
-    counted = lambda kind: of(lambda n: len(worst(n["places"], kind)))
-    text = "# Measured: a family car on every road\n\nMethod: [drive.md](../drive.md). Written by `tools/measure every-road`.\n\n"
+    def of(get):
+        return [get(n) for n in results.values()]
+
+    def counted(kind):
+        return of(lambda n: len(worst(n["places"], kind)))
+
+    text = (
+        "# Measured: a family car on every road\n\nMethod: [drive.md](../drive.md). Written by `tools/measure "
+        "every-road`.\n\n"
+    )
     text += "Every road of the largest connected part in every direction, connecting roads too, at the legal speed.\n"
     text += "Places within 10 m of each other count once.\n\n"
     rows = [
@@ -87,8 +110,14 @@ def page(results):
         ["times real time (processor)", "-", *of(lambda n: fixed(n["driven_s"] / n["processor_s"], 0))],
     ]
     text += header(["", "asked", *results]).replace("|  |", "| |", 1) + "".join(map(row, rows))
-    text += "\nA bend counts as too tight over a whole wheelbase; a route that ends before one and has nothing left behind it is not driven to the end.\n"
-    text += f"Measured on {next(iter(results.values()))['machine']['cpu']}; other work may have run beside it, so processor time is what counts.\n\n## Places\n\n"
+    text += (
+        "\nA bend counts as too tight over a whole wheelbase; a route that ends before one and has nothing left "
+        "behind it is not driven to the end.\n"
+    )
+    text += (
+        f"Measured on {next(iter(results.values()))['machine']['cpu']}; other work may have run beside it, so "
+        "processor time is what counts.\n\n## Places\n\n"
+    )
     text += f"At most {SHOWN} of a kind, the worst first.\n\n" + header(["network", "kind", "x, y", "what"])
     for name, n in results.items():
         for kind, title in KINDS.items():

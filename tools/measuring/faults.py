@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Faults of `orthodrive build`: kills, stops, full and read-only disks, permissions, clocks, sources, a second host. Writes docs/measured/faults.md.
+"""Faults of `orthodrive build`: kills, stops, full and read-only disks, permissions, clocks, sources, a second host.
+Writes docs/measured/faults.md.
 
-By hand: some minutes. Builds two synthetic sites, disturbs builds of them, lets the same command finish and compares all files that
-hold no times. Disks are file systems in memory in a mount namespace (unshare); what the machine cannot do is said on the page.
+By hand: some minutes. Builds two synthetic sites, disturbs builds of them, lets the same command finish and compares
+all files that hold no times. Disks are file systems in memory in a mount namespace (unshare); what the machine cannot
+do is said on the page.
 """
 
 import hashlib
@@ -17,7 +19,21 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "faults.json", PAGES / "faults.md"
 SITES = {
@@ -71,7 +87,7 @@ class Case:
 
 def finish(tool, site, out, whole):
     """Builds to the end. Empty when the files are those of an undisturbed build, else what is wrong."""
-    run = subprocess.run(command(tool, site, out), capture_output=True, text=True)
+    run = subprocess.run(command(tool, site, out), capture_output=True, text=True, check=False)
     if run.returncode != 0:
         return f"exit code {run.returncode}: {run.stderr}"
     ours = hashes(out)
@@ -89,7 +105,9 @@ def interrupt(tool, site, out, after_s, number):
 
 
 def interrupts(tool, site, out, whole, whole_s, count, rng, number):
-    """Interrupts builds at random times, each from where the last one was, until each build is whole; `count` in all."""
+    """Interrupts builds at random times, each from where the last one was, until each build is whole; `count` in
+    all.
+    """
     case, done = Case(), 0
     while done < count:
         shutil.rmtree(out, ignore_errors=True)
@@ -104,7 +122,7 @@ def interrupts(tool, site, out, whole, whole_s, count, rng, number):
             ended = code == 128 + number and said.endswith("stopped; run again to go on\n")
             not_begun = code == -number and not said  # it was still loading its libraries
             clean = number == signal.SIGKILL or ((ended or not_begun) and not left)
-            of_this_build.append(("" if clean else f"exit code {code}, {left}, {said}"))
+            of_this_build.append("" if clean else f"exit code {code}, {left}, {said}")
         wrong = finish(tool, site, out, whole)
         if wrong:
             shutil.copytree(out, out.parent / f"bad_{done}", dirs_exist_ok=True)
@@ -119,7 +137,7 @@ def one_line(run):
 
 def quietly(tool, site, out, before=()):
     words = command(tool, site, out)
-    return subprocess.run([*before, words[0], "--quiet", *words[1:]], capture_output=True, text=True)
+    return subprocess.run([*before, words[0], "--quiet", *words[1:]], capture_output=True, text=True, check=False)
 
 
 def next_stage(out):
@@ -155,7 +173,10 @@ def disks(tool, site, mount, whole, size):
 def in_namespace(*words):
     """The JSON that this file prints when it runs in its own namespaces; None where that is not allowed."""
     run = subprocess.run(
-        ["unshare", "-Urm", sys.executable, "-B", __file__, *map(str, words)], capture_output=True, text=True
+        ["unshare", "-Urm", sys.executable, "-B", __file__, *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     if run.returncode != 0:
         print(run.stderr, file=sys.stderr)

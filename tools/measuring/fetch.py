@@ -1,14 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """`orthodrive fetch` from loopback: tiles a second, tiles under injected faults, kills. Writes docs/measured/fetch.md.
 
-Needs fetch_tile_server of the tests (cmake --build build/release --target fetch_tile_server), Debian's python3-numpy and python3-pil.
+Needs fetch_tile_server of the tests (cmake --build build/release --target fetch_tile_server), Debian's python3-numpy
+and python3-pil.
 """
 
+import json
+import os
+import pathlib
 import random
+import re
 import signal
+import sqlite3
+import subprocess
+import sys
 import tempfile
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    ROOT,
+    Tool,
+    add_table,
+    add_tool,
+    children_seconds,
+    commit,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "fetch.json", PAGES / "fetch.md"
 WEST, SOUTH = 15.70, 50.03
@@ -25,7 +47,8 @@ def add_arguments(parser):
 
 def write_site(folder, url, degrees, resolution_m):
     (folder / "site.toml").write_text(
-        f'[area]\nbbox_wgs84 = [{WEST}, {SOUTH}, {WEST + degrees}, {SOUTH + 0.65 * degrees}]\n[sources]\nphoto = "p.mbtiles"\nosm = ["a.osm"]\ndtm = ["a.tif"]\n'
+        f"[area]\nbbox_wgs84 = [{WEST}, {SOUTH}, {WEST + degrees}, {SOUTH + 0.65 * degrees}]\n[sources]\nphoto = "
+        '"p.mbtiles"\nosm = ["a.osm"]\ndtm = ["a.tif"]\n'
         f'[[fetch]]\nto = "p.mbtiles"\nkind = "xyz"\nurl = "{url}"\nresolution_m = {resolution_m}\n'
     )
     return folder / "site.toml"
@@ -45,7 +68,9 @@ def clear(folder):
 
 
 def speed(tool, server, servers, folder, connections):
-    """Tiles a second as the tool says it (requests, checks, store); best and worst of three, and by its processor time, all included."""
+    """Tiles a second as the tool says it (requests, checks, store); best and worst of three, and by its processor time,
+    all included.
+    """
     (folder / "tile.jpg").write_bytes(servers.encoded(servers.tile_pixels(18, 142484, 88736)))
     process = subprocess.Popen([server, folder / "tile.jpg", str(connections + 2)], stdout=subprocess.PIPE, text=True)
     try:
@@ -127,7 +152,10 @@ def table(n):
         asked = "500" if connections == "6" else ""
         text += row(
             [
-                f"tiles a second, {connections} connection{'s' if connections != '1' else ''} ({s['tiles']} tiles of {s['tile_bytes'] / 1000:.0f} kB; best, worst of 3)",
+                (
+                    f"tiles a second, {connections} connection{'s' if connections != '1' else ''} ({s['tiles']} tiles of "
+                    f"{s['tile_bytes'] / 1000:.0f} kB; best, worst of 3)"
+                ),
                 asked,
                 f"{s['best']:.0f}, {s['worst']:.0f}",
             ]

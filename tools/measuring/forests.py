@@ -7,7 +7,7 @@ real:     from the pieces of Kvarnbyn and Pardubice (0.5 m/px) that were painted
 Some minutes and 2 GB.
 """
 
-from measuring.common import *
+from measuring.common import DATA, ROOT, Tool, add_tool
 
 SEEDS = (12, 13, 21, 24, 25, 26)  # weights were searched on 22 and 23, numbers are from 11 and 99
 SETS = ["villages", "real"]

@@ -1,13 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """How often readers of foreign files were run by libFuzzer without a finding left. Writes docs/measured/fuzz.md.
 
-Runs `tools/fuzz` and adds what ran to bench/results/fuzz.json. A finding takes the count of its reader back to nothing, and so does
---forget READER.
+Runs `tools/fuzz` and adds what ran to bench/results/fuzz.json. A finding takes the count of its reader back to nothing,
+and so does --forget READER.
 """
 
 import datetime
+import os
+import re
+import subprocess
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    ROOT,
+    add_table,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "fuzz.json", PAGES / "fuzz.md"
 
@@ -24,14 +39,16 @@ def add_arguments(parser):
 def names():
     script = (ROOT / "tools/fuzz").read_text()
     return [
-        name for group in ("own", "of_files") for name in re.search(rf"^{group}=\(([^)]*)\)", script, re.M)[1].split()
+        name
+        for group in ("own", "of_files")
+        for name in re.search(rf"^{group}=\(([^)]*)\)", script, re.MULTILINE)[1].split()
     ]
 
 
 def add_run(results, name):
     """From the log of the last run; a finding takes the count back to nothing."""
     log = (ROOT / "build/fuzz" / f"{name}.log").read_text(errors="replace")
-    done, covered = re.search(r"^Done (\d+) runs in (\d+) second", log, re.M), re.findall(r"\bcov: (\d+)", log)
+    done, covered = re.search(r"^Done (\d+) runs in (\d+) second", log, re.MULTILINE), re.findall(r"\bcov: (\d+)", log)
     if not done:
         results.pop(name, None)
         print(f"{name}: a finding, see build/fuzz/{name}.log")
@@ -66,12 +83,14 @@ def run(args):
         )
     if args.only and not args.table:
         for name in args.only:
-            subprocess.run([str(ROOT / "tools/fuzz"), name, str(args.seconds)], cwd=ROOT)
+            subprocess.run([str(ROOT / "tools/fuzz"), name, str(args.seconds)], cwd=ROOT, check=False)
             add_runs([name])
     elif not args.table:
         readers = names()
         cores = min(os.cpu_count(), len(readers))
-        subprocess.run([str(ROOT / "tools/fuzz"), "all", str(args.seconds * len(readers) // cores)], cwd=ROOT)
+        subprocess.run(
+            [str(ROOT / "tools/fuzz"), "all", str(args.seconds * len(readers) // cores)], cwd=ROOT, check=False
+        )
         add_runs(readers)
     results = read_results(STORE, {})
     table = header(["reader", "runs", "minutes", "branches seen", "ten million runs or 30 minutes"])

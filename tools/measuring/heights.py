@@ -10,11 +10,33 @@ import itertools
 import json
 import math
 import os
+import pathlib
 import re
 import shutil
+import sqlite3
 
 from measuring import height_plots
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    RESULTS,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    exponential,
+    fixed,
+    header,
+    longest_way,
+    percent,
+    point_of,
+    read_results,
+    row,
+    run_program,
+    write_page,
+)
 
 STORE, PAGE = "heights.json", PAGES / "elevate.md"
 METHODS = {
@@ -54,10 +76,16 @@ def add_arguments(parser):
 
 def save(numbers):
     """A line a row and a profile."""
-    line = lambda value: json.dumps(value, ensure_ascii=False, separators=(",", ":"))
-    lines = lambda table: "{\n" + ",\n".join(f"  {line(key)}: {line(value)}" for key, value in table.items()) + "\n }"
+
+    def line(value):
+        return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+    def lines(table):
+        return "{\n" + ",\n".join(f"  {line(key)}: {line(value)}" for key, value in table.items()) + "\n }"
+
     (RESULTS / STORE).write_text(
-        f'{{\n "rows": {lines(numbers["rows"])},\n "profiles": {lines(numbers["profiles"])},\n "speed": {line(numbers.get("speed"))}\n}}\n'
+        f'{{\n "rows": {lines(numbers["rows"])},\n "profiles": {lines(numbers["profiles"])},\n "speed": '
+        f"{line(numbers.get('speed'))}\n}}\n"
     )
 
 
@@ -85,18 +113,20 @@ def all_nodes(file):
     ]
 
 
-# ---- where a bare-earth grid is not the road: 45 m about decks are left out of the comparison, by what the data say and not
-# by any of the methods compared. In the roads' CRS.
+# ---- where a bare-earth grid is not the road: 45 m about decks are left out of the comparison, by what the data say
+# and not by any of the methods compared. In the roads' CRS.
 
 
 def write_decks(file, places):
-    ring = lambda x, y: [
-        [
-            round(x + AROUND_DECK_M * math.cos(i % 16 * math.pi / 8), 2),
-            round(y + AROUND_DECK_M * math.sin(i % 16 * math.pi / 8), 2),
+    def ring(x, y):
+        return [
+            [
+                round(x + AROUND_DECK_M * math.cos(i % 16 * math.pi / 8), 2),
+                round(y + AROUND_DECK_M * math.sin(i % 16 * math.pi / 8), 2),
+            ]
+            for i in range(17)
         ]
-        for i in range(17)
-    ]
+
     file.write_text(
         json.dumps(
             {
@@ -116,7 +146,9 @@ UNTAGGED_BRIDGES = [(12.0341532, 57.6570488), (12.0259758, 57.6592385)]
 
 
 def utm33(place):
-    """UTM zone 33 on WGS 84 by Krueger's series in the third flattening, to a millimetre (Karney, Transverse Mercator, 2011, eq. 35)."""
+    """UTM zone 33 on WGS 84 by Krueger's series in the third flattening, to a millimetre (Karney, Transverse Mercator,
+    2011, eq. 35).
+    """
     lon, lat = place[:2]
     f = 1 / 298.257223563
     n, e = f / (2 - f), math.sqrt(f * (2 - f))
@@ -147,12 +179,13 @@ def lines_of(geometry):
         "Polygon": lambda: at,
         "MultiLineString": lambda: at,
         "MultiPolygon": lambda: [ring for polygon in at for ring in polygon],
-    }.get(geometry["type"], lambda: [])()
+    }.get(geometry["type"], list)()
 
 
 def kvarnbyn_decks(tool, args, fine, dtm):
-    """Kvarnbyn's map has no tags of bridges: where roads cross water, bridges that are known, and abutments: the 2 m grid rises
-    along a road by more than any street of the world does (35 %)."""
+    """Kvarnbyn's map has no tags of bridges: where roads cross water, bridges that are known, and abutments: the 2 m
+    grid rises along a road by more than any street of the world does (35 %).
+    """
     water = [
         [utm33(p) for p in line]
         for f in json.loads((DATA / "kvarnbyn/osm_water.geojson").read_text())["features"]
@@ -188,7 +221,7 @@ def kvarnbyn_decks(tool, args, fine, dtm):
             for x0, y0, x1, y1, w in boxes
             if min(a[0], b[0]) <= x1 and max(a[0], b[0]) >= x0 and min(a[1], b[1]) <= y1 and max(a[1], b[1]) >= y0
         ]
-        if any(crosses(a, b, p, q) for line in near for p, q in zip(line, line[1:])):
+        if any(crosses(a, b, p, q) for line in near for p, q in itertools.pairwise(line)):
             places.append(a)
         far = next((m for m in nodes[i + 1 :] if m[:2] != n[:2] or m[2] - n[2] >= 5.9), None)
         if far and far[:2] == n[:2] and abs(far[3] - n[3]) > 0.35 * (far[2] - n[2]):
@@ -276,8 +309,10 @@ class Measuring:
                     with_decks=self.evaluate(file, truth),
                 )
                 print(
-                    f"{name} {sampling} {method}: E_RG {fixed(1e4 * t['gradient_energy'])} E_h {fixed(t['height_error_energy'], 4)} z {fixed(t['z_m']['mean_abs'], 3)} / "
-                    f"{fixed(t['z_m']['p95'], 3)} kink {exponential(t['largest_kink']['size'])} {exponential(t['largest_junction_kink']['size'])} "
+                    f"{name} {sampling} {method}: E_RG {fixed(1e4 * t['gradient_energy'])} E_h "
+                    f"{fixed(t['height_error_energy'], 4)} z {fixed(t['z_m']['mean_abs'], 3)} / "
+                    f"{fixed(t['z_m']['p95'], 3)} kink {exponential(t['largest_kink']['size'])} "
+                    f"{exponential(t['largest_junction_kink']['size'])} "
                     f"sigma {t['sigma_coverage']['1']} clearance {t['min_clearance_m']} {seconds:.1f} s",
                     flush=True,
                 )
@@ -456,7 +491,9 @@ def compare_methods(tables, rows, place, sampling):
             }
         )
 
-    both = lambda best, nlo, ours: [nlo < best, ours < nlo]
+    def both(best, nlo, ours):
+        return [nlo < best, ours < nlo]
+
     # E_RG is a property of the profile: below that of the truth is as wrong as above.
     add("e_rg", lambda r: r["truth"]["gradient_energy"], 1e4, 2, lambda best, nlo, _: [nlo < best])
     add(
@@ -485,7 +522,10 @@ def summary(numbers):
         for sampling in SAMPLINGS:
             compare_methods(tables, rows, place, sampling)
     orders = ["NLO below the best average", "default below NLO"]
-    add = lambda what, asked, value, good: lines.append(row([what, asked, value, yes_or_missed(good)]))
+
+    def add(what, asked, value, good):
+        return lines.append(row([what, asked, value, yes_or_missed(good)]))
+
     k, v = (rows.get(f"{name} cubic default") for name in ("kvarnbyn 10 m", "village 2 m"))
     if k:
         z = k["truth"]["z_m"]
@@ -575,11 +615,14 @@ def page(numbers):
         if f"{name} cubic default" in rows:
             text += f"\n### {name[0].upper()}{name[1:]} grid\n\n{table(rows, name)}"
     if numbers.get("speed"):
-        text += f"\n### Cost against road length (`bench_heights`)\n\n" + "".join(
+        text += "\n### Cost against road length (`bench_heights`)\n\n" + "".join(
             f"    {line}\n" for line in numbers["speed"]["lines"]
         )
     pictures = [
-        f"![Height and gradient along a way of {name.split(' ')[0]}](../images/heights_profile_{name.split(' ')[0]}.svg)\n"
+        (
+            "![Height and gradient along a way of "
+            f"{name.split(' ')[0]}](../images/heights_profile_{name.split(' ')[0]}.svg)\n"
+        )
         for name in numbers["profiles"]
     ]
     return (

@@ -4,10 +4,13 @@
 Give built sites as NAME=FOLDER, for example  --sites village=out/village kvarnbyn=out/kvarnbyn
 """
 
+import json
+import pathlib
+import sqlite3
 import statistics
 import xml.etree.ElementTree as ElementTree
 
-from measuring.common import *
+from measuring.common import PAGES, add_table, commit, fixed, header, read_results, row, write_page, write_results
 
 STORE, PAGE = "junctions.json", PAGES / "junctions.md"
 RANKS = {

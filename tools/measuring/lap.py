@@ -1,16 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Laps of the Red Bull Ring: the cars on the real track, on its heights and flat. Writes docs/measured/lap.md.
 
-Makes the site of ../shared/data/spielberg (real edges and heights), writes its true roads as OpenDRIVE and drives them: a few
-minutes. The pictures are those of the GT3-like car's report. With --table nothing runs: the page is written from the last
-results, bench/results/lap.json.
+Makes the site of ../shared/data/spielberg (real edges and heights), writes its true roads as OpenDRIVE and drives them:
+a few minutes. The pictures are those of the GT3-like car's report. With --table nothing runs: the page is written from
+the last results, bench/results/lap.json.
 """
 
 import csv
 import html
 import re
 
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    IMAGES,
+    PAGES,
+    Tool,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "lap.json", PAGES / "lap.md"
 CARS = {"gt3": "GT3-like", "sports": "sports car", "family": "family car"}
@@ -51,13 +66,19 @@ def drive(tool, network, folder, *options):
     """The numbers of a lap, from its page and its table."""
     tool("drive", "--network", network, "-o", folder, *options)
     page = (folder / "report.html").read_text()
-    shown = dict(
-        (html.unescape(a), html.unescape(b)) for a, b in re.findall(r"<tr><td>([^<]*)</td><td>([^<]*)</td></tr>", page)
-    )
-    seconds = lambda text: int(text.split(":")[0]) * 60 + float(text.split(":")[1])
+    shown = {
+        html.unescape(a): html.unescape(b) for a, b in re.findall(r"<tr><td>([^<]*)</td><td>([^<]*)</td></tr>", page)
+    }
+
+    def seconds(text):
+        return int(text.split(":")[0]) * 60 + float(text.split(":")[1])
+
     lap, planned = re.findall(r"\d+:\d+\.\d+", shown["Lap time"])[:2]
     rows = list(csv.DictReader((folder / "lap.csv").open()))
-    column = lambda name: [float(r[name]) for r in rows]
+
+    def column(name):
+        return [float(r[name]) for r in rows]
+
     return {
         "lap_s": seconds(lap),
         "planned_s": seconds(planned),
@@ -110,8 +131,11 @@ def measure(tool, out):
 
 def page(results):
     laps = results["laps"]
-    text = "# Measured: laps of the Red Bull Ring\n\nMethod: [drive.md](../drive.md), the car: [vehicle.md](../vehicle.md), the track: [synth.md](../synth.md). "
-    text += f"Written by `tools/measure lap` from `bench/results/lap.json`.\n\n"
+    text = (
+        "# Measured: laps of the Red Bull Ring\n\nMethod: [drive.md](../drive.md), the car: "
+        "[vehicle.md](../vehicle.md), the track: [synth.md](../synth.md). "
+    )
+    text += "Written by `tools/measure lap` from `bench/results/lap.json`.\n\n"
     text += (
         "The track lies between its surveyed edges on real heights; banking, and the ground beside it, are made up. "
     )

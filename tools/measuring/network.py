@@ -1,18 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
 """OpenDRIVE networks of the real towns: scores, schema, SUMO. Writes the tables of docs/measured/network.md.
 
-Needs the refined roads "SITE drawn.default.gpkg" that `tools/measure refine` leaves in out/refinement/roads, netconvert,
-xmllint and ../shared/data.
+Needs the refined roads "SITE drawn.default.gpkg" that `tools/measure refine` leaves in out/refinement/roads,
+netconvert, xmllint and ../shared/data.
 """
 
 import collections
 import json
 import os
+import pathlib
 import re
 import subprocess
+import sys
 
 from measuring import routes
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    exponential,
+    fixed,
+    header,
+    percent,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "network.json", PAGES / "network.md"
 STORES = [STORE, "opendrive.json"]  # of the page: tools/measure opendrive writes the other part
@@ -33,7 +52,9 @@ def try_program(*words, **options):
 
 
 def sumo(xodr, net):
-    """Warnings by their text without names and numbers, {"Found sharp turn with radius # at the start of edge #.": 3}."""
+    """Warnings by their text without names and numbers, {"Found sharp turn with radius # at the start of edge #.":
+    3}.
+    """
     made = try_program(
         "netconvert",
         "--opendrive-files",
@@ -57,7 +78,9 @@ def sumo(xodr, net):
 
 
 def schema_18(folder, copy):
-    """The 1.8.1 schema is XSD 1.1, xmllint knows 1.0: without assertions and types by attribute (our junctions are common ones)."""
+    """The 1.8.1 schema is XSD 1.1, xmllint knows 1.0: without assertions and types by attribute (our junctions are
+    common ones).
+    """
     copy.mkdir(parents=True, exist_ok=True)
     for file in sorted(folder.iterdir()):
         lines = [
@@ -199,8 +222,13 @@ def numbers_table(numbers):
 
 def crossings_table(numbers):
     """Every crossing on two levels of every town, by clearance."""
-    end = lambda e: f"{e['highway']}{', way ' + str(e['osm_id']) if e.get('osm_id') else ' (in a junction)'}"
-    near = lambda x: fixed(x, 0)
+
+    def end(e):
+        return f"{e['highway']}{', way ' + str(e['osm_id']) if e.get('osm_id') else ' (in a junction)'}"
+
+    def near(x):
+        return fixed(x, 0)
+
     return header(["town", "place (x, y), m", "above", "below", "clearance, m"]) + "".join(
         row([site, f"{near(c['x'])}, {near(c['y'])}", end(c["upper"]), end(c["lower"]), fixed(c["clearance_m"], 2)])
         for site, n in numbers.items()

@@ -5,14 +5,14 @@
     tools/measure networks measure [NETWORK ...] what is trained: bench/results/segmentation.json and the tables
     tools/measure networks write                 only the tables, from the last results
 
-Models go to out/compare/NAME (git-ignored); `default` is the shipped one. Needs ../shared/data; makes the synthetic sites.
+Models go to out/compare/NAME (git-ignored); `default` is the shipped one. Needs ../shared/data; makes the synthetic
+sites.
 """
 
 import csv
-import json
 import subprocess
 
-from measuring.common import *
+from measuring.common import NOTES, ROOT, Tool, add_tool, read_results, write_between, write_results
 
 OUT = ROOT / "out/compare"
 STORE, PAGE = "segmentation.json", NOTES / "networks.md"

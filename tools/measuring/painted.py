@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renders images and labels of the painted pieces into out/painted, for experiments with [[images]]."""
 
-from measuring.common import *
+from measuring.common import DATA, ROOT, run_program
 
 PHOTOS = {"estonia": "segmentation/estonia/images", "banepa": "segmentation/nepal_banepa"}
 

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """How well two independent paintings of the hand-made test pieces agree: what a network can reach at most on them.
 
-Prints JSON: road IoU, mean IoU over the classes, pixel accuracy, road IoU of each piece. Both paintings are drawn on a grid of half a metre; `unknown` in either does not count.
+Prints JSON: road IoU, mean IoU over the classes, pixel accuracy, road IoU of each piece. Both paintings are drawn on a
+grid of half a metre; `unknown` in either does not count.
 """
 
 import json
 
 from measuring.common import ROOT
+import itertools
 
 TRUTH = ROOT / "models/truth"
 CLASSES = ["ground", "road", "parking", "building", "vegetation", "grass", "water", "rail"]
@@ -36,7 +38,7 @@ def draw(features, box):
     for name, polygons in features:
         value = CLASSES.index(name) if name in CLASSES else UNKNOWN
         for rings in polygons:
-            edges = [(a, b) for ring in rings for a, b in zip(ring, ring[1:]) if a[1] != b[1]]
+            edges = [(a, b) for ring in rings for a, b in itertools.pairwise(ring) if a[1] != b[1]]
             for row in range(CELLS):
                 y = north - (row + 0.5) * (north - south) / CELLS
                 crossings = sorted(

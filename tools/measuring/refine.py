@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Road refinement: all methods on synthetic and real sites. Writes docs/measured/refine.md.
 
-With both MRF polygons and three NLO weight sets it takes three quarters of an hour on two cores; the default alone three
-minutes. What is not measured in this run keeps its last values from bench/results/refinement.json.
+With both MRF polygons and three NLO weight sets it takes three quarters of an hour on two cores; the default alone
+three minutes. What is not measured in this run keeps its last values from bench/results/refinement.json.
 """
 
 import json
@@ -11,7 +11,24 @@ import os
 import re
 
 from measuring import forests
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    percent,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "refinement.json", PAGES / "refine.md"
 TRACK = DATA / "spielberg"
@@ -83,8 +100,9 @@ def segment(tool, photo, folder):
 
 
 def paint(name, site, given):
-    """The network's labels with the hand-made test pieces of models/truth as their painters see them: what a network without
-    errors would leave to do."""
+    """The network's labels with the hand-made test pieces of models/truth as their painters see them: what a network
+    without errors would leave to do.
+    """
     labels, probability, polygons = (
         site / "painted_labels.tif",
         site / "painted_road_probability.tif",
@@ -135,7 +153,10 @@ def drawn_truth(name, folder):
     drawn = {}
     for part in ("", "_area", "_unmapped"):
         features = json.loads((ROOT / f"models/truth/carriageways{part}.geojson").read_text())["features"]
-        of = lambda p: next(p[k] for k in ("piece", "id", "of") if p.get(k) is not None)
+
+        def of(p):
+            return next(p[k] for k in ("piece", "id", "of") if p.get(k) is not None)
+
         drawn[part] = folder / f"carriageways{part}.geojson"
         drawn[part].write_text(
             json.dumps(
@@ -160,7 +181,10 @@ class Measuring:
         """`given`: photo, osm, labels, probability (of the default, where there is one)."""
         folder = self.out / "roads"
         folder.mkdir(parents=True, exist_ok=True)
-        file = lambda m: folder / f"{name}.{m}.gpkg"
+
+        def file(m):
+            return folder / f"{name}.{m}.gpkg"
+
         forest = ROOT / f"out/forests/forests_{'real' if name.split(' ')[0] in PHOTOS else 'villages'}.yml"
         if method.startswith("mrf") and not forest.exists():
             forests.learn(self.tool, ROOT / "out/forests", ["villages", "real"])
@@ -172,8 +196,13 @@ class Measuring:
             **{f"nlo-{w}": ["--method", "nlo", "--weights", w] for w in ("1", "2", "1+2")},
             "default": ["--road-probability", given["probability"]] if given.get("probability") else [],
         }
-        labels = lambda m: [] if m.startswith("mrf") else ["--labels", given["labels"]]
-        refine = lambda m: self.tool.timed("refine", "--osm", given["osm"], *labels(m), "-o", file(m), *options[m])
+
+        def labels(m):
+            return [] if m.startswith("mrf") else ["--labels", given["labels"]]
+
+        def refine(m):
+            return self.tool.timed("refine", "--osm", given["osm"], *labels(m), "-o", file(m), *options[m])
+
         if not file("none").exists():
             refine("none")
         seconds = refine(method)
@@ -189,8 +218,10 @@ class Measuring:
         write_results(STORE, self.numbers)
         away = (scores.get("moved_away") or {}).get("share_by_more_than_0_3_m")
         print(
-            f"{name} {method}: IoU {fixed(scores['surface_iou'], 3)} offset {fixed(scores['offset_m']['mean_abs'], 3)} / {fixed(scores['offset_m']['p95'], 3)}"
-            f" width {fixed(scores['width_m']['mean_abs'], 3)} sigma {fixed(scores['sigma_coverage']['1'], 3)} away {fixed(away, 3)} {seconds:.1f} s",
+            f"{name} {method}: IoU {fixed(scores['surface_iou'], 3)} offset "
+            f"{fixed(scores['offset_m']['mean_abs'], 3)} / {fixed(scores['offset_m']['p95'], 3)}"
+            f" width {fixed(scores['width_m']['mean_abs'], 3)} sigma {fixed(scores['sigma_coverage']['1'], 3)} away "
+            f"{fixed(away, 3)} {seconds:.1f} s",
             flush=True,
         )
 
@@ -254,7 +285,10 @@ def table(rows, name, known=False):
             "s",
         ]
     )
-    triple = lambda x: f"{fixed(x['bias'])} / {fixed(x['mean_abs'])} / {fixed(x['p95'])}"
+
+    def triple(x):
+        return f"{fixed(x['bias'])} / {fixed(x['mean_abs'])} / {fixed(x['p95'])}"
+
     for r in shown:
         s = r["sigma_coverage"]
         w = s.get("width") or {}
@@ -298,7 +332,9 @@ def disturbed_table(rows, name):
 
 def summary(numbers):
     rows, lines = numbers["rows"], []
-    add = lambda what, asked, value, good: lines.append(row([what, asked, value + ("" if good else " **missed**")]))
+
+    def add(what, asked, value, good):
+        return lines.append(row([what, asked, value + ("" if good else " **missed**")]))
 
     def sigma(name, r):
         both = [r["sigma_coverage"]["1"], r["sigma_coverage"]["width"]["1"]]
@@ -414,9 +450,12 @@ def page(numbers):
         if f"{name} drawn default" in rows:
             text += f"\n### {name.capitalize()}, hand-drawn carriageways\n\n{table(rows, f'{name} drawn', known=True)}"
         if f"{name} disturbed default" in rows:
-            text += f"\n### {name.capitalize()}, OSM disturbed by a smooth field of 1 to 4 m\n\n{disturbed_table(rows, f'{name} disturbed')}"
+            text += (
+                f"\n### {name.capitalize()}, OSM disturbed by a smooth field of 1 to 4 m\n\n"
+                f"{disturbed_table(rows, f'{name} disturbed')}"
+            )
     if numbers.get("speed"):
-        text += f"\n### Cost against road length (400 Mpx of labels, `bench_refine`)\n\n" + header(
+        text += "\n### Cost against road length (400 Mpx of labels, `bench_refine`)\n\n" + header(
             ["nodes", "km", "s", "nodes a second", "peak GB"]
         )
         text += "".join(

@@ -1,16 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """Regions x models: road IoU of the shipped models on held-out data. Writes docs/measured/regions.md.
 
-    tools/measure regions
-    tools/measure regions --left-out japan=out/left_out/japan_map/model.safetensors --before models/training/two_towns.safetensors
+    tools/measure regions tools/measure regions --left-out japan=out/left_out/japan_map/model.safetensors --before
+    models/training/two_towns.safetensors
 
-The second form prints and writes nothing. A left-out model is trained by models/experiments/left_out.toml, a branch for the map by
-left_out_map.toml, both with --leave-out REGION (or several), and measured on all of that region: by the photo alone, or with the map.
-`before`: the model given by --before, which they started from. Such trainings are told in docs/notes/regions.md.
-Needs ../shared/data; makes the synthetic site and renders the painted pieces.
+The second form prints and writes nothing. A left-out model is trained by models/experiments/left_out.toml, a branch for
+the map by left_out_map.toml, both with --leave-out REGION (or several), and measured on all of that region: by the
+photo alone, or with the map. `before`: the model given by --before, which they started from. Such trainings are told in
+docs/notes/regions.md. Needs ../shared/data; makes the synthetic site and renders the painted pieces.
 """
 
-from measuring.common import *
+import pathlib
+
+from measuring.common import (
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    header,
+    percent,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 from measuring.painted import render_painted
 
 STORE, PAGE = "regions.json", PAGES / "regions.md"
@@ -59,7 +75,10 @@ def table(numbers):
             [
                 name,
                 *(
-                    f"{percent(m[name]['road_iou'])} / {percent(m[name]['mean_iou'])} / {percent(m[name]['pixel_accuracy'])}"
+                    (
+                        f"{percent(m[name]['road_iou'])} / {percent(m[name]['mean_iou'])} / "
+                        f"{percent(m[name]['pixel_accuracy'])}"
+                    )
                     if name in m
                     else "-"
                     for m in models.values()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The road query: speed, load and wrong roads on built sites. Writes docs/measured/roadquery.md, c_interface.md, opencrg.md.
+"""The road query: speed, load and wrong roads on built sites. Writes docs/measured/roadquery.md, c_interface.md,
+opencrg.md.
 
 Runs bench_road_query, bench_road_query_truth and bench_c_interface of build/release on every site given by --site
 NAME=roads.xodr, and bench_crg (some minutes). With --table nothing runs: the pages are written from the last results,
@@ -32,7 +33,7 @@ def numbers(*words):
 
 def truth(*words):
     """Case -> name -> count. The program ends with 1 when a point came back wrong: that is a result, too."""
-    out = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, text=True).stdout
+    out = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, text=True, check=False).stdout
     cases = [line.split() for line in out.splitlines() if line.startswith("with")]
     return {words[0]: {k: float(v) for k, v in zip(words[1::2], words[2::2])} for words in cases}
 
@@ -50,17 +51,26 @@ def crg_ns(program):
 
 
 def circumstances(r):
-    text = f"`bench/results/roadquery.json`. CPU time, one core of {r['machine']['cpu']} with {r['machine']['cores']} cores "
+    text = (
+        f"`bench/results/roadquery.json`. CPU time, one core of {r['machine']['cpu']} with {r['machine']['cores']} "
+        "cores "
+    )
     return text + f"(load {r['load'][0]:.1f} before, {r['load'][1]:.1f} after)"
 
 
 def c_interface_page(r):
-    text = "# Measured: C interface\n\nMethod: [c_interface.md](../c_interface.md). Written by `tools/measure roadquery` from "
+    text = (
+        "# Measured: C interface\n\nMethod: [c_interface.md](../c_interface.md). Written by `tools/measure "
+        "roadquery` from "
+    )
     text += (
         circumstances(r)
         + ": least of nine rounds.\n`bench_c_interface roads.xodr` asks `libroadquery.so` as a simulator does, not "
     )
-    text += "inlined. Driving order: a point each 3 cm along the roads, with a cursor. Any order: the same points shuffled, each with a new "
+    text += (
+        "inlined. Driving order: a point each 3 cm along the roads, with a cursor. Any order: the same points "
+        "shuffled, each with a new "
+    )
     text += "cursor.\n\n"
     text += common.header(["ns a query", "points", "z", "z, normal, friction", "all", "missed"])
     for site, s in r["sites"].items():
@@ -97,7 +107,10 @@ def opencrg_page(r):
 
 def page(r):
     sites = r["sites"]
-    worst = lambda key: max(s["speed"][key] for s in sites.values())
+
+    def worst(key):
+        return max(s["speed"][key] for s in sites.values())
+
     text = (
         "# Measured: road query\n\nMethod: [roadquery.md](../roadquery.md). Written by `tools/measure roadquery` from "
     )
@@ -115,14 +128,29 @@ def page(r):
     text += common.header(["what", "asked"] + [f"{n} ({s['speed']['road_km']:.0f} km)" for n, s in sites.items()])
     for what, key, asked in rows:
         text += common.row([what, asked] + [f"{s['speed'][key]:g}" for s in sites.values()])
-    text += "\nThe worst point is the slowest of six times, each of which another process may have stretched: the least counts.\n"
+    text += (
+        "\nThe worst point is the slowest of six times, each of which another process may have stretched: the "
+        "least counts.\n"
+    )
     o = r["overlap"]
-    text += f"\nWhere twelve connecting roads that turn overlap without a surface of the junction's own: {o['overlap_z_ns_least']:.0f} ns for the height, "
-    text += f"{o['overlap_normal_ns_least']:.0f} with normal and friction, {o['overlap_all_ns_least']:.0f} for all (asked: 500).\n"
+    text += (
+        "\nWhere twelve connecting roads that turn overlap without a surface of the junction's own: "
+        f"{o['overlap_z_ns_least']:.0f} ns for the height, "
+    )
+    text += (
+        f"{o['overlap_normal_ns_least']:.0f} with normal and friction, {o['overlap_all_ns_least']:.0f} for all "
+        "(asked: 500).\n"
+    )
     t = r["tile"]
-    text += f"\n{t['road_km']:.0f} km of road: {t['bake_s']:.1f} s for the tables, {t['all_mb']:.0f} MB in all, of it {t['map_mb']:.0f} MB the "
+    text += (
+        f"\n{t['road_km']:.0f} km of road: {t['bake_s']:.1f} s for the tables, {t['all_mb']:.0f} MB in all, of it "
+        f"{t['map_mb']:.0f} MB the "
+    )
     text += f"roads as read (asked: 5 s, 500 MB); {t['peak_mb']:.0f} MB at the peak.\n\n## Wrong roads\n\n"
-    text += "Points from known (road, s, t); what counts as right stands at the head of `bench/speed/road_query_truth.cpp`.\n\n"
+    text += (
+        "Points from known (road, s, t); what counts as right stands at the head of "
+        "`bench/speed/road_query_truth.cpp`.\n\n"
+    )
     names = ["points", "same", "of_junction", "overlapping", "itself", "wrong", "missed", "wrong_heights"]
     text += common.header(["site, how"] + [n.replace("_", " ") for n in names] + ["worst height, mm"])
     for site, s in sites.items():
@@ -131,7 +159,10 @@ def page(r):
                 [f"{site}, {case.replace('_', ' ')}"] + [f"{c[n]:.0f}" for n in names] + [f"{c['worst_height_mm']:.5f}"]
             )
     total = sum(c["wrong"] + c["missed"] for s in sites.values() for c in s["truth"].values())
-    text += f"\nWrong or missed of all: {total:.0f} (asked: 0). Slowest site in driving order: {worst('route_z_ns_least'):g} ns.\n"
+    text += (
+        f"\nWrong or missed of all: {total:.0f} (asked: 0). Slowest site in driving order: "
+        f"{worst('route_z_ns_least'):g} ns.\n"
+    )
     return text
 
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Do the lanes that SUMO reads from our OpenDRIVE connect what OpenStreetMap connects? Prints JSON.
 
-Draws pairs of directed roads (1000, always the same ones) from the largest part of the OSM graph in which every place can be
-driven to from every other one, and looks for a route between them in SUMO's network. Prints JSON: pairs, found, share, and the
-same without the U-turns that netconvert adds at junctions by itself ("no_u_turns"; at dead ends they stay).
+Draws pairs of directed roads (1000, always the same ones) from the largest part of the OSM graph in which every place
+can be driven to from every other one, and looks for a route between them in SUMO's network. Prints JSON: pairs, found,
+share, and the same without the U-turns that netconvert adds at junctions by itself ("no_u_turns"; at dead ends they
+stay).
 """
 
 import json
@@ -31,7 +32,9 @@ def read_paths(file):
 
 
 def osm_edges(paths):
-    """Directed edges between places where paths meet or end: {(path, first node, last node): (from, to)} in the path's direction."""
+    """Directed edges between places where paths meet or end: {(path, first node, last node): (from, to)} in the path's
+    direction.
+    """
     visits = defaultdict(int)
     for path in paths.values():
         for _, node in path["nodes"]:
@@ -39,7 +42,10 @@ def osm_edges(paths):
     edges = {}
     for key, path in paths.items():
         nodes = path["nodes"]
-        name = lambda k: nodes[k][1] or (key, k)  # an end at the border has no node
+
+        def name(k):
+            return nodes[k][1] or (key, k)  # an end at the border has no node
+
         first = 0
         for k in range(1, len(nodes)):
             if k + 1 < len(nodes) and (nodes[k][1] == 0 or visits[nodes[k][1]] < 2):
@@ -158,10 +164,10 @@ def compare(gpkg, xodr, net, count=1000):
     edges_of_path = defaultdict(list)
     for (key, first, last), ends in edges.items():
         edges_of_path[key].append((first, last, ends))
-    net_edges, leads, u_turns, of_road = read_net(net)
+    _net_edges, leads, u_turns, of_road = read_net(net)
     drivable = []
     for road, (way, place) in sorted(read_roads(xodr).items()):
-        squared, key, k = min(
+        _squared, key, k = min(
             ((p[0] - place[0]) ** 2 + (p[1] - place[1]) ** 2, key, k)
             for key in parts_of_way[way]
             for k, (p, _) in enumerate(paths[key]["nodes"])
@@ -176,7 +182,10 @@ def compare(gpkg, xodr, net, count=1000):
     random.seed(1)
     pairs = [random.sample(drivable, 2) for _ in range(count)]
     result = {"directed_roads": len(drivable), "pairs": count}
-    both = lambda edge: leads[edge] | u_turns[edge]
+
+    def both(edge):
+        return leads[edge] | u_turns[edge]
+
     for name, step in (("", both), ("no_u_turns_", lambda edge: leads[edge])):
         reached, missing = {}, []
         for (origin, road_a), (target, road_b) in pairs:

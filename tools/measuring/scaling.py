@@ -1,14 +1,35 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a build grows with its area: seconds, memory and disk of each stage. Writes docs/measured/scaling.md and its curve.
+"""How a build grows with its area: seconds, memory and disk of each stage. Writes docs/measured/scaling.md and its
+curve.
 
-By hand, on a machine that does nothing else: 100 km2 take a quarter of an hour, to make the site as long again (25 minutes where
-it is a conurbation). --only 1,10 measures
-less; a site that is there is not made again.
+By hand, on a machine that does nothing else: 100 km2 take a quarter of an hour, to make the site as long again (25
+minutes where it is a conurbation). --only 1,10 measures less; a site that is there is not made again.
 """
 
+import json
+import math
+import os
 import shutil
+import time
 
-from measuring.common import *
+from measuring.common import (
+    IMAGES,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    children_seconds,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE, CURVE = "scaling.json", PAGES / "scaling.md", IMAGES / "scaling.svg"
 SITES = {
@@ -79,7 +100,10 @@ def slope(numbers, value):
 def table(numbers):
     areas = sorted(numbers, key=lambda name: (name in CITIES, km2(name)))
     text = header(["", *map(title, areas), "asked"])
-    of = lambda value, digits=1: [fixed(value(numbers[a]), digits) for a in areas]
+
+    def of(value, digits=1):
+        return [fixed(value(numbers[a]), digits) for a in areas]
+
     text += row(["seconds of all stages", *of(lambda n: n["seconds"], 0), ""])
     text += row(["seconds a km2", *[fixed(numbers[a]["seconds"] / km2(a), 2) for a in areas], "6 at 100 km2"])
     text += row(
@@ -101,7 +125,10 @@ def table(numbers):
             [
                 f"{stage}: seconds a km2 (memory, GB)",
                 *[
-                    f"{fixed(numbers[a]['stages'][stage]['seconds'] / km2(a), 2)} ({fixed(numbers[a]['stages'][stage]['memory_mb'] / 1e3, 2)})"
+                    (
+                        f"{fixed(numbers[a]['stages'][stage]['seconds'] / km2(a), 2)} "
+                        f"({fixed(numbers[a]['stages'][stage]['memory_mb'] / 1e3, 2)})"
+                    )
                     for a in areas
                 ],
                 "",
@@ -131,7 +158,9 @@ def planned(numbers):
 
 
 def fit(numbers):
-    """Costs for pipeline/plan_build.cpp: base, a km2, a megapixel, a km of road, none below zero, by the least sum of squared relative errors."""
+    """Costs for pipeline/plan_build.cpp: base, a km2, a megapixel, a km of road, none below zero, by the least sum of
+    squared relative errors.
+    """
     from scipy.optimize import nnls
 
     sizes = [[1.0, *(n["plan"][key] for key in ("area_km2", "megapixels", "road_km"))] for n in numbers.values()]
@@ -174,16 +203,21 @@ def curve(numbers):
     top = 1.1 * max(
         sum(s["seconds"] for s in n["stages"].values()) / float(a) for a, n in numbers.items() if a in SITES
     )
-    x = lambda a: (
-        left
-        + (width - left - right)
-        * (math.log10(float(a)) - math.log10(float(areas[0])))
-        / (math.log10(float(areas[-1])) - math.log10(float(areas[0])))
-    )
-    y = lambda v: height - bottom - (height - bottom - 20) * v / top
+
+    def x(a):
+        return left + (width - left - right) * (math.log10(float(a)) - math.log10(float(areas[0]))) / (
+            math.log10(float(areas[-1])) - math.log10(float(areas[0]))
+        )
+
+    def y(v):
+        return height - bottom - (height - bottom - 20) * v / top
+
     colors = ["#4477aa", "#66ccee", "#228833", "#ccbb44", "#ee6677", "#aa3377", "#bbbbbb"]
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
+        (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" '
+            'font-size="12">'
+        ),
         f'<rect width="{width}" height="{height}" fill="white"/>',
     ]
     below = [0.0] * len(areas)
@@ -195,16 +229,19 @@ def curve(numbers):
         parts.append(f'<polygon points="{" ".join(points)}" fill="{color}"/>')
         at = height - bottom - 20 * STAGES.index(stage)
         parts.append(
-            f'<rect x="{width - right + 12}" y="{at - 10}" width="12" height="12" fill="{color}"/><text x="{width - right + 30}" y="{at}">{stage}</text>'
+            f'<rect x="{width - right + 12}" y="{at - 10}" width="12" height="12" fill="{color}"/><text '
+            f'x="{width - right + 30}" y="{at}">{stage}</text>'
         )
         below = above
     step = 2 if top > 8 else 1
     for v in range(0, int(top) + 1, step):
         parts.append(
-            f'<text x="{left - 8}" y="{y(v) + 4:.1f}" text-anchor="end">{v}</text><line x1="{left - 4}" x2="{left}" y1="{y(v):.1f}" y2="{y(v):.1f}" stroke="black"/>'
+            f'<text x="{left - 8}" y="{y(v) + 4:.1f}" text-anchor="end">{v}</text><line x1="{left - 4}" x2="{left}" '
+            f'y1="{y(v):.1f}" y2="{y(v):.1f}" stroke="black"/>'
         )
     parts.append(
-        f'<line x1="{left}" x2="{width - right}" y1="{y(6):.1f}" y2="{y(6):.1f}" stroke="black" stroke-dasharray="4"/><text x="{left + 6}" y="{y(6) - 5:.1f}">asked: 6</text>'
+        f'<line x1="{left}" x2="{width - right}" y1="{y(6):.1f}" y2="{y(6):.1f}" stroke="black" stroke-dasharray="4"/>'
+        f'<text x="{left + 6}" y="{y(6) - 5:.1f}">asked: 6</text>'
     )
     for a in areas:
         parts.append(f'<text x="{x(a):.1f}" y="{height - bottom + 16}" text-anchor="middle">{a}</text>')

@@ -5,11 +5,29 @@ Give sites as NAME=SITE_TOML=OUT, OUT the folder that `orthodrive build SITE_TOM
   --sites village=village/site.toml=village/out
 """
 
+import os
+import pathlib
 import shutil
+import subprocess
+import sys
 import tempfile
+import time
 import tomllib
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "scene.json", PAGES / "scene.md"
 STORES = [STORE, "scene_parts.json"]  # of the page: tools/measure scene-parts writes the other part
@@ -27,7 +45,10 @@ def scene_options(site_file, out):
     """What a build gives the scene stage."""
     site = tomllib.loads(site_file.read_text())
     sources = site["sources"]
-    listed = lambda value: [value] if isinstance(value, str) else list(value)
+
+    def listed(value):
+        return [value] if isinstance(value, str) else list(value)
+
     maps = listed(sources["osm"])
     options = [
         "--network",
@@ -61,7 +82,10 @@ def measure(tool, site_file, out):
         )
         photo = site_file.parent / tomllib.loads(site_file.read_text())["sources"]["photo"]
         scores = tool.json("evaluate", "scene", folder / "scene", out / "roads.xodr", "--photo", photo, "--json")
-        files = lambda pattern: sum(f.stat().st_size for f in (folder / "scene").glob(pattern))
+
+        def files(pattern):
+            return sum(f.stat().st_size for f in (folder / "scene").glob(pattern))
+
         return {
             "commit": commit(),
             "machine": machine(),
@@ -77,7 +101,9 @@ def measure(tool, site_file, out):
 
 def table(numbers):
     def rows():
-        per_km2 = lambda n, value: value / n["scores"]["ground_km2"]
+        def per_km2(n, value):
+            return value / n["scores"]["ground_km2"]
+
         yield (
             "ground, km2; tiles; levels",
             "",

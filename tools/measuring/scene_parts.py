@@ -3,14 +3,30 @@
 
     tools/measure scene-parts --sites village=village/site.toml=village/out
 
-Wants Debian's linux-perf. Writes the table of parts in docs/measured/scene.md. Seconds are those of both processors; on the
-clock a stage that keeps two busy takes half.
+Wants Debian's linux-perf. Writes the table of parts in docs/measured/scene.md. Seconds are those of both processors; on
+the clock a stage that keeps two busy takes half.
 """
 
+import pathlib
 import shutil
+import subprocess
 import tempfile
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 from measuring.scene import STORES, scene_options
 
 STORE, PAGE = "scene_parts.json", PAGES / "scene.md"

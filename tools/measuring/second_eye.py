@@ -1,19 +1,45 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a network that sees the map adds: labels, alignment of the map's roads, refined roads. Writes docs/measured/second_eye.md.
+"""What a network that sees the map adds: labels, alignment of the map's roads, refined roads. Writes
+docs/measured/second_eye.md.
 
     tools/measure second-eye --eye out/second_eye/model.safetensors
 
-Some twenty minutes on two cores. What is not measured in this run keeps its last values from bench/results/second_eye.json. Needs
-../shared/data; makes the synthetic sites and renders the painted pieces. Regions left out: tools/measure regions.
+Some twenty minutes on two cores. What is not measured in this run keeps its last values from
+bench/results/second_eye.json. Needs ../shared/data; makes the synthetic sites and renders the painted pieces. Regions
+left out: tools/measure regions.
 """
 
 import bisect
 import csv
+import json
+import math
+import pathlib
+import re
+import sqlite3
 
 from measuring import refine
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    percent,
+    point_of,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 from measuring.painted import render_painted
 from measuring.segment import timed
+import itertools
 
 STORE, PAGE = "second_eye.json", PAGES / "second_eye.md"
 SITES = {
@@ -62,7 +88,7 @@ class NearestLine:
     def __init__(self, lines):
         self.cells = {}
         for line in lines:
-            for segment in zip(line, line[1:]):
+            for segment in itertools.pairwise(line):
                 self.cells.setdefault(self.cell(segment[0]), []).append(segment)
 
     def cell(self, p):
@@ -85,11 +111,13 @@ class NearestLine:
 
 
 def place_errors(alignment, osm, truth):
-    """Of every place: how far its line is from the nearest true centre line, before and after, m; and the sigma stated."""
+    """Of every place: how far its line is from the nearest true centre line, before and after, m; and the sigma
+    stated.
+    """
     true, lines, errors = NearestLine(nodes_of(truth).values()), nodes_of(osm), []
     at = {key: [0] for key in lines}
     for key, line in lines.items():
-        for a, b in zip(line, line[1:]):
+        for a, b in itertools.pairwise(line):
             at[key].append(at[key][-1] + math.dist(a, b))
     for place in csv.DictReader(alignment.open()):
         key, s = (int(place["osm_id"]), int(place["part"])), float(place["s_m"])
@@ -240,7 +268,9 @@ class Measuring:
 
 
 def label_rows(scores):
-    """A row a set: road IoU of the photo alone and with the map; what is stated of pixels labelled road, and what is right."""
+    """A row a set: road IoU of the photo alone and with the map; what is stated of pixels labelled road, and what is
+    right.
+    """
     text = header(["road IoU, %", "photo alone", "with the map", "stated of road with the map, %", "right, %"])
     suffix = " with map"
     for name, alone in scores.items():

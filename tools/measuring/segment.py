@@ -2,16 +2,30 @@
 """Segmentation: speed, memory, windows against the whole, road IoU. Writes a table of docs/measured/segment.md.
 
 A quarter of an hour on two idle cores; parts that are not named keep their last values from
-bench/results/segmentation_numbers.json. Needs ../shared/data and a release build with benchmarks; makes the synthetic site.
-The comparison of networks is a note, because it needs trainings: `tools/measure networks`.
+bench/results/segmentation_numbers.json. Needs ../shared/data and a release build with benchmarks; makes the synthetic
+site. The comparison of networks is a note, because it needs trainings: `tools/measure networks`.
 """
 
-import json
 import os
+import pathlib
+import sys
 import tempfile
 import time
 
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "segmentation_numbers.json", PAGES / "segment.md"
 PARTS = ["mosaic", "windows", "labels"]
@@ -85,10 +99,17 @@ def measure(tool, parts, work, keep):
 def table(n):
     def mosaic(name):
         m = n[f"mosaic_{name}"]
-        return f"{m['megapixels'] / m['seconds']:.2f} Mpx/s, {m['peak_gb']:.2f} GB ({m['megapixels']:.0f} Mpx of Pardubice, reading and writing included)"
+        return (
+            f"{m['megapixels'] / m['seconds']:.2f} Mpx/s, {m['peak_gb']:.2f} GB ({m['megapixels']:.0f} Mpx of "
+            "Pardubice, reading and writing included)"
+        )
 
-    each = lambda keys, show: ", ".join(show(n[k]) if k in n else "not measured" for k in keys)
-    of_both = lambda name: each((f"{name}_network", f"{name}_crf"), lambda v: f"{v:.3f}") + " (without, with CRF)"
+    def each(keys, show):
+        return ", ".join(show(n[k]) if k in n else "not measured" for k in keys)
+
+    def of_both(name):
+        return each((f"{name}_network", f"{name}_crf"), lambda v: f"{v:.3f}") + " (without, with CRF)"
+
     return "| asked | reached |\n|---|---|\n" + "".join(
         row(cells)
         for cells in [

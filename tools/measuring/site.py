@@ -10,7 +10,25 @@ import json
 import shutil
 import time
 
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    exponential,
+    fixed,
+    header,
+    machine,
+    percent,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "numbers.json", PAGES / "site.md"
 SITES = ["village", "kvarnbyn", "pardubice"]
@@ -77,7 +95,10 @@ def measure_village(tool, out):
 
 def asked_and_reached(numbers):
     lines = []
-    add = lambda what, asked, reached, good: lines.append(row([what, asked, reached, "yes" if good else "**no**"]))
+
+    def add(what, asked, reached, good):
+        return lines.append(row([what, asked, reached, "yes" if good else "**no**"]))
+
     for name, title, seconds, gb in (
         ("kvarnbyn", "Kvarnbyn (2.1 x 1.5 km)", 300, 4),
         ("pardubice", "Pardubice (23 km2)", 1800, 8),
@@ -109,7 +130,10 @@ def asked_and_reached(numbers):
 
 def village_tables(n):
     roads, heights, labels = (n["result"][k] for k in ("roads", "heights", "labels"))
-    text = "## Village (synthetic, seed 7, 1 km2 at 0.2 m/px): against exact truth\n\n| | unit | input OSM | result |\n|---|---|---|---|\n"
+    text = (
+        "## Village (synthetic, seed 7, 1 km2 at 0.2 m/px): against exact truth\n\n| | unit | input OSM | result "
+        "|\n|---|---|---|---|\n"
+    )
     text += row(
         ["road surface IoU", "%", fixed(100 * n["input"]["surface_iou"], 1), fixed(100 * roads["surface_iou"], 1)]
     )
@@ -119,7 +143,8 @@ def village_tables(n):
     z = heights["z_m"]
     return text + (
         f"\nHeights of the result: bias {fixed(z['bias'])} m, mean {fixed(z['mean_abs'])} m, 95 % {fixed(z['p95'])} m. "
-        f"Labels: road IoU {percent(labels['road_iou'])} %, mean IoU {percent(labels['mean_iou'])} %, pixel accuracy {percent(labels['pixel_accuracy'])} %.\n"
+        f"Labels: road IoU {percent(labels['road_iou'])} %, mean IoU {percent(labels['mean_iou'])} %, pixel accuracy "
+        f"{percent(labels['pixel_accuracy'])} %.\n"
     )
 
 
@@ -132,14 +157,17 @@ def stages_table(title, n):
     if "heights" in n:
         z = n["heights"]["z_m"]
         text += (
-            f"\nHeights, built from 10 m terrain, against the 2 m terrain of the western part ({z['n']} nodes): bias {fixed(z['bias'])} m, "
+            f"\nHeights, built from 10 m terrain, against the 2 m terrain of the western part ({z['n']} nodes): bias "
+            f"{fixed(z['bias'])} m, "
             f"mean {fixed(z['mean_abs'])} m, 95 % {fixed(z['p95'])} m.\n"
         )
     if "network" in n:
         w = n["network"]
         text += (
-            f"\nNetwork: {w['roads']} roads, {w['junctions']} junctions, {fixed(w['length_m'] / 1000, 1)} km, largest joint gap {exponential(w['max_joint_gap_m'])} m, "
-            f"largest gradient kink {exponential(w['max_gradient_kink'])}, {percent(w['connected_share'])} % of the length connected.\n"
+            f"\nNetwork: {w['roads']} roads, {w['junctions']} junctions, {fixed(w['length_m'] / 1000, 1)} km, largest "
+            f"joint gap {exponential(w['max_joint_gap_m'])} m, "
+            f"largest gradient kink {exponential(w['max_gradient_kink'])}, {percent(w['connected_share'])} % of the "
+            "length connected.\n"
         )
     return text
 

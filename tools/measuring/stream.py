@@ -1,12 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The viewer on a large site: first picture, memory, holes, triangles and draw calls while driving. Writes docs/measured/stream.md.
+"""The viewer on a large site: first picture, memory, holes, triangles and draw calls while driving. Writes
+docs/measured/stream.md.
 
 Give sites as NAME=OUT, OUT the folder that `orthodrive build` wrote, for example
   --sites region=region/out
 Chromium draws with the processor, and by the clock: nothing else should run beside it.
 """
 
-from measuring.common import *
+import json
+import math
+import os
+import pathlib
+
+from measuring.common import (
+    PAGES,
+    ROOT,
+    Tool,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "stream.json", PAGES / "stream.md"
 
@@ -37,8 +58,13 @@ def measure(tool, out, cameras):
 
 def table(numbers):
     columns = [(name, camera, n, n["cameras"][camera]) for name, n in numbers.items() for camera in n["cameras"]]
-    first = lambda c, view, key: fixed(c["first"].get(view, {}).get(key) or math.nan, 1)
-    drive = lambda key, digits=0: lambda n, camera, c: fixed(c["drive"][key], digits)
+
+    def first(c, view, key):
+        return fixed(c["first"].get(view, {}).get(key) or math.nan, 1)
+
+    def drive(key, digits=0):
+        return lambda n, camera, c: fixed(c["drive"][key], digits)
+
     rows = [
         ("first picture from the air: all of it, s", "3", lambda n, camera, c: first(c, "fly", "first_s")),
         ("... as fine as it gets, s", "", lambda n, camera, c: first(c, "fly", "whole_s")),

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The car: its checks against closed forms and its speed. Writes docs/measured/vehicle.md.
 
-Runs test_vehicle and bench_vehicle of build/release (a minute). With --table nothing runs: the page is written from the last
-results, bench/results/vehicle.json.
+Runs test_vehicle and bench_vehicle of build/release (a minute). With --table nothing runs: the page is written from the
+last results, bench/results/vehicle.json.
 """
 
 import json
@@ -33,9 +33,10 @@ def checks(test):
         subprocess.run([test, f"--gtest_output=json:{report}"], check=True, stdout=subprocess.DEVNULL)
         suites = json.loads(report.read_text())["testsuites"]
     cases = [case for suite in suites for case in suite["testsuite"]]
-    keys = lambda case: sorted(
-        (k for k in case if re.fullmatch(r"measured_\d+", k)), key=lambda k: int(k.split("_")[1])
-    )
+
+    def keys(case):
+        return sorted((k for k in case if re.fullmatch(r"measured_\d+", k)), key=lambda k: int(k.split("_")[1]))
+
     return [case[key].split(" | ") for case in cases for key in keys(case)]
 
 
@@ -57,7 +58,7 @@ def speeds(bench):
 
 def page(results):
     text = "# Measured: the car\n\nMethod: [vehicle.md](../vehicle.md). Written by `tools/measure vehicle` from "
-    text += f"`bench/results/vehicle.json`.\n\n## Checks\n\n"
+    text += "`bench/results/vehicle.json`.\n\n## Checks\n\n"
     text += "Asked: the closed form of the test in `tests/vehicle`, or what the line names first.\n\n"
     text += common.header(["check", "asked", "reached"]) + "".join(common.row(r) for r in results["checks"])
     text += "\nThe envelope leaves out what locking differentials, camber and the tilt of the car "

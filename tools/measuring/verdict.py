@@ -4,7 +4,20 @@
 Give files as NAME=FILE, for example  --files village=out/village/roads.xodr kvarnbyn=out/kvarnbyn/roads.xodr
 """
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_table,
+    add_tool,
+    children_seconds,
+    commit,
+    fixed,
+    header,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "verdict.json", PAGES / "verdict.md"
 KINDS = {  # kind: unit, factor, digits

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Widths of wide and narrow roads against surfaces drawn by hand. Writes docs/measured/road_surface.md.
 
-Motorway-like carriageways, roundabout rings, service ways and tracks by the widths in roads.gpkg; gores by the lanes and
-junction areas of the network, all roads across them together, for a gore belongs to two, where a section leaves the drawn
-piece by its long sides. Every piece is measured on the photo and the map 140 m around it, which takes two minutes in all.
-`--as before` keeps the numbers of another build (--tool) to compare with.
+Motorway-like carriageways, roundabout rings, service ways and tracks by the widths in roads.gpkg; gores by the lanes
+and junction areas of the network, all roads across them together, for a gore belongs to two, where a section leaves the
+drawn piece by its long sides. Every piece is measured on the photo and the map 140 m around it, which takes two minutes
+in all. `--as before` keeps the numbers of another build (--tool) to compare with.
 """
 
 import bisect
@@ -13,7 +13,24 @@ import math
 import xml.etree.ElementTree as ElementTree
 
 from measuring import refine
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
+import itertools
 
 STORE, PAGE = "road_surface.json", PAGES / "road_surface.md"
 KINDS = ["motorway", "ring", "gore", "service", "track"]
@@ -49,7 +66,7 @@ def contains(ring, p):
 def places_along(line):
     """(point, unit vector across) every STEP_M of a line."""
     s = [0.0]
-    for a, b in zip(line, line[1:]):
+    for a, b in itertools.pairwise(line):
         s.append(s[-1] + math.dist(a, b))
     for k in range(int(s[-1] / STEP_M) + 1):
         i = min(len(line) - 2, max(0, bisect.bisect_right(s, k * STEP_M) - 1))
@@ -97,7 +114,9 @@ def true_width(ring, line, p, across):
 
 
 def gore_errors(truth, paved):
-    """Error of the width of all carriageways at places on the gores' middle lines, m. `paved`: polygons, outer rings first."""
+    """Error of the width of all carriageways at places on the gores' middle lines, m. `paved`: polygons, outer rings
+    first.
+    """
     errors = []
     surfaces = {
         f["properties"]["id"]: f["geometry"]["coordinates"] for f in truth if f["geometry"]["type"] == "Polygon"
@@ -107,7 +126,10 @@ def gore_errors(truth, paved):
             continue
         line = f["geometry"]["coordinates"]
         to_m = metres_from(*line[0])
-        is_near = lambda ring: any(abs(x) < 80 and abs(y) < 80 for x, y in ring)
+
+        def is_near(ring):
+            return any(abs(x) < 80 and abs(y) < 80 for x, y in ring)
+
         ours = [ring for polygon in paved if is_near(ring := [to_m(p) for p in polygon[0]])]
         drawn = [to_m(p) for p in surfaces[f["properties"]["of"]][0]]
         middle = [to_m(q) for q in line]
@@ -195,8 +217,7 @@ def measure_piece(args, name, identifier, features):
             f["geometry"]["coordinates"]
             for f in json.loads(layers.read_text())["features"]
             if f["properties"]["layer_name"] == "junctions"
-            or f["properties"]["layer_name"] == "lanes"
-            and f["properties"]["type"] != "sidewalk"
+            or (f["properties"]["layer_name"] == "lanes" and f["properties"]["type"] != "sidewalk")
         ]
         return summary_of(gore_errors(features, paved))
     truth.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
@@ -227,7 +248,9 @@ def mean_of(pieces):
 
 
 def table(numbers):
-    said = lambda m: "-" if not m or not m.get("n", m.get("pieces")) else f"{fixed(m['bias'])} / {fixed(m['mean_abs'])}"
+    def said(m):
+        return "-" if not m or not m.get("n", m.get("pieces")) else f"{fixed(m['bias'])} / {fixed(m['mean_abs'])}"
+
     text = header(["kind", "pieces", "bias / mean error of the width, m"])
     for kind in KINDS:
         mean = mean_of([piece for town in numbers["towns"].values() for piece in town.get(kind, {}).values()])

@@ -4,7 +4,10 @@
 Sites that are there already are left as they are. --experiment prints the [[raster]] tables that an experiment in
 models/ names them by (docs/train.md)."""
 
-from measuring.common import *
+import pathlib
+import time
+
+from measuring.common import ROOT, Tool, add_tool
 
 
 def listed_sites():
@@ -30,7 +33,8 @@ def run(args):
     if args.experiment is not None:
         for name in sites:
             print(
-                f'[[raster]]\nname = "{name}"\nfolder = "../out/synth/{name}"\nmin_zoom = 0.8\nmax_zoom = 1.5\nweight = {args.experiment / len(sites):.4f}\n'
+                f'[[raster]]\nname = "{name}"\nfolder = "../out/synth/{name}"\nmin_zoom = 0.8\nmax_zoom = 1.5\nweight '
+                f"= {args.experiment / len(sites):.4f}\n"
             )
         return
     tool = Tool(args.tool)
