@@ -289,7 +289,7 @@ def check_options(root, faults):
             faults += [f"docs/{page.name}: option {n} is not in the code" for n in names if n not in members]
             values = [re.sub(r"\(.*?\)|\+-.*", "", v).strip() for v in cells[2].split(",")]
             if len(values) == len(names):
-                for name, value in zip(names, map(number_of, values)):
+                for name, value in zip(names, map(number_of, values), strict=True):
                     if value is not None and name in defaults and value not in defaults[name]:
                         known = ", ".join(str(d) for d in sorted(d for d in defaults[name] if d is not None))
                         faults.append(f"docs/{page.name}: {name} is {value:g} there and {known} in the code")
@@ -297,7 +297,7 @@ def check_options(root, faults):
 
 def check_lengths(root, faults):
     for page in sorted((root / "docs").glob("*.md")):
-        lines = [l for l in page.read_text().splitlines() if not l.startswith("    ")]
+        lines = [line for line in page.read_text().splitlines() if not line.startswith("    ")]
         if page.name not in FREE and len(lines) > METHOD_LINES:
             faults.append(f"docs/{page.name}: {len(lines)} lines beyond formulas, at most {METHOD_LINES}")
         for number, line in enumerate(page.read_text().split("\n"), 1):

@@ -61,7 +61,7 @@ def add_arguments(parser):
 
 
 def recolour(source, target, look):
-    from osgeo import gdal
+    from osgeo import gdal  # noqa: PLC0415 (Debian's python3-gdal; --table does without)
 
     photo = gdal.Open(str(source))
     rgb = numpy.clip(LOOKS[look](photo.ReadAsArray()[:3] / 255.0), 0, 1)
@@ -159,7 +159,9 @@ class Measuring:
             self.measure(f"village, {look}", photo, site / "roads.osm", truth, true_labels)
         shifted = site / "shifted.osm"
         second_eye.shift(site / "roads.osm", shifted, SHIFT_M)
-        for name, osm in zip(WRONG_MAPS, (shifted, other / "roads.osm")):  # the same place, so its map lies there, too
+        for name, osm in zip(
+            WRONG_MAPS, (shifted, other / "roads.osm"), strict=False
+        ):  # the same place, so its map lies there, too
             self.measure(
                 f"village, {name}", site / "dusk.tif", osm, truth, true_labels, map_for_roads=site / "roads.osm"
             )

@@ -61,7 +61,7 @@ def read_paths(file):
         f"select geom, osm_id, part, {', '.join(n if n in held else '0' for n in names)} from nodes order by fid"
     ):
         x, y = point_of(geometry)
-        paths[way, part].append(dict(zip(names, values), x=x, y=y))
+        paths[way, part].append(dict(zip(names, values, strict=False), x=x, y=y))
     return paths, {(w, p): h for w, p, h in base.execute("select osm_id, part, highway from centrelines")}
 
 
@@ -109,7 +109,7 @@ def measure_site(tool, args, site, grid_m):
     errors = [
         (abs(a["banking"] - b["banking"]), (key, i) in beds)
         for key in truth
-        for i, (a, b) in enumerate(zip(ours[key], truth[key]))
+        for i, (a, b) in enumerate(zip(ours[key], truth[key], strict=False))
     ]
     heights = tool.json("evaluate", "heights", result, folder / "truth/roads.gpkg", "--json")
     return {
@@ -178,7 +178,7 @@ class Ground:
 
 def correlation(a, b):
     ma, mb = mean(a), mean(b)
-    return sum((x - ma) * (y - mb) for x, y in zip(a, b)) / math.sqrt(
+    return sum((x - ma) * (y - mb) for x, y in zip(a, b, strict=True)) / math.sqrt(
         sum((x - ma) ** 2 for x in a) * sum((y - mb) ** 2 for y in b)
     )
 
@@ -261,7 +261,9 @@ def draw(bends, ground):
             ]
             for q in run
         ]
-        sections = [([(t, z - q["node"]["z_m"]) for t, z in s if z is not None]) for s, q in zip(sections, run)]
+        sections = [
+            ([(t, z - q["node"]["z_m"]) for t, z in s if z is not None]) for s, q in zip(sections, run, strict=True)
+        ]
         size = 3.0
         out.append(
             f'<clipPath id="panel{n}"><rect x="{x0 + 10}" y="40" width="{wide - 20}" height="{tall - 60}"/></clipPath>'
@@ -319,7 +321,7 @@ def plane_spread(paths):
                 at_node[node["osm_node"]].append(
                     (node["gradient"] * d[0] - across * d[1], node["gradient"] * d[1] + across * d[0])
                 )
-    return [max(math.dist(p, q) for p in l for q in l) for l in at_node.values() if len(l) > 1]
+    return [max(math.dist(p, q) for p in ends for q in ends) for ends in at_node.values() if len(ends) > 1]
 
 
 def bend_rows(bends):
@@ -369,7 +371,7 @@ def measure_kvarnbyn(tool, args):
         "spread_p95": percentile(spread, 0.95),
         "spread_max": max(spread),
         "seconds": seconds,
-        "measured": mean(n["banking_source"] == "dtm" for l in paths.values() for n in l),
+        "measured": mean(n["banking_source"] == "dtm" for path in paths.values() for n in path),
     }
 
 

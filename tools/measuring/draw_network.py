@@ -59,7 +59,8 @@ def borders(road):
     section = road.find("lanes/laneSection")
     offset = road.findall("lanes/laneOffset")
     lanes = {
-        side: sorted(section.findall(f"{side}/lane"), key=lambda l: abs(int(l.get("id")))) for side in ("left", "right")
+        side: sorted(section.findall(f"{side}/lane"), key=lambda lane: abs(int(lane.get("id"))))
+        for side in ("left", "right")
     }
     result = [(lane, [], []) for side in lanes for lane in lanes[side]]
     steps = max(1, math.ceil(length / STEP_M))
@@ -109,7 +110,7 @@ def draw(root, cx, cy, half):
         lanes, centre = borders(road)
         if road.get("junction") != "-1":
             for _, inner, outer in lanes:
-                middle = [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in zip(inner, outer)]
+                middle = [((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in zip(inner, outer, strict=True)]
                 add(layer * 10, "polygon", inner + outer[::-1], 'fill="#b9bec4"')
                 add(layer * 10 + 3, "polyline", middle, f'fill="none" stroke="#c2571a" stroke-width="{half / 200:g}"')
             continue

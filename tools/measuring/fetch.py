@@ -153,7 +153,8 @@ def table(n):
         text += row(
             [
                 (
-                    f"tiles a second, {connections} connection{'s' if connections != '1' else ''} ({s['tiles']} tiles of "
+                    f"tiles a second, {connections} connection{'s' if connections != '1' else ''} ("
+                    f"{s['tiles']} tiles of "
                     f"{s['tile_bytes'] / 1000:.0f} kB; best, worst of 3)"
                 ),
                 asked,
@@ -188,12 +189,12 @@ def run(args):
     numbers = read_results(STORE, {})
     if not args.table:
         sys.path.insert(0, str(ROOT / "tests/fetch"))
-        import servers
+        import servers  # noqa: PLC0415 (of the tests; its folder is named in the line above)
 
         tool = Tool(args.tool)
         numbers = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1)}
-        with tempfile.TemporaryDirectory() as folder:
-            folder = pathlib.Path(folder)
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
             numbers["speed"] = {str(c): speed(tool, args.server, servers, folder, c) for c in (6,)}
             numbers["faults"] = faults(tool, servers, folder)
             numbers["kills"] = kills(tool, servers, folder, args.kills)

@@ -94,7 +94,7 @@ def energies(rows, samplings, methods):
                 f'<circle cx="{px(x):.1f}" cy="{py(t["height_error_energy"]):.1f}" r="5" stroke="{COLORS[m]}" '
                 'stroke-width="2" '
                 f'fill="{COLORS[m] if s == "cubic" else "white"}"/>'
-                for x, (s, m, t) in zip(xs, points)
+                for x, (s, m, t) in zip(xs, points, strict=True)
             )
 
         left, above = 70 + i % 2 * 440, i // 2 * 330
@@ -151,7 +151,8 @@ def profile(name, p):
     )
     body += "".join(
         (
-            f'<path d="M{70 + i * 170} 572h24" stroke="{COLORS[k]}" stroke-width="2"/><text x="{100 + i * 170}" y="576">'
+            f'<path d="M{70 + i * 170} 572h24" stroke="{COLORS[k]}" stroke-width="2"/>'
+            f'<text x="{100 + i * 170}" y="576">'
             f"{TITLES[k]}</text>"
         )
         for i, k in enumerate(kinds)

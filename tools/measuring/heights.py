@@ -152,10 +152,10 @@ def utm33(place):
     lon, lat = place[:2]
     f = 1 / 298.257223563
     n, e = f / (2 - f), math.sqrt(f * (2 - f))
-    l, sine = math.radians(lon - 15), math.sin(math.radians(lat))
+    east, sine = math.radians(lon - 15), math.sin(math.radians(lat))
     radius = 6378137 / (1 + n) * (1 + n**2 / 4 + n**4 / 64)
     t = math.sinh(math.atanh(sine) - e * math.atanh(e * sine))
-    xi, eta = math.atan2(t, math.cos(l)), math.asinh(math.sin(l) / math.hypot(t, math.cos(l)))
+    xi, eta = math.atan2(t, math.cos(east)), math.asinh(math.sin(east) / math.hypot(t, math.cos(east)))
     x, y = eta, xi
     for j, a in enumerate([n / 2 - 2 / 3 * n**2 + 5 / 16 * n**3, 13 / 48 * n**2 - 3 / 5 * n**3, 61 / 240 * n**3], 1):
         x += a * math.cos(2 * j * xi) * math.sinh(2 * j * eta)
@@ -240,8 +240,8 @@ def thinned(file, target):
         base.execute(f'drop trigger "{name}"')  # those of the spatial index call functions that only GDAL has
     gone = []
     rows = base.execute("select osm_id, part, fid, s_m, osm_node from nodes order by osm_id, part, fid").fetchall()
-    for _, group in itertools.groupby(rows, key=lambda one: one[:2]):
-        group, last_m = list(group), -math.inf
+    for _, nodes in itertools.groupby(rows, key=lambda one: one[:2]):
+        group, last_m = list(nodes), -math.inf
         for node in group:
             if node is group[-1] or (node[4] or 0) > 0 or node[3] - last_m >= 4.0:
                 last_m = node[3]
@@ -433,8 +433,8 @@ def table(rows, name):
 QUESTIONS = {
     "e_rg": (
         "E_RG, 1e-4",
-        """E_RG is a property of the profile alone. A longer average flattens the hills and so always has less of it, also less than the truth. NLO is
-meant to be below the averages.""",
+        "E_RG is a property of the profile alone. A longer average flattens the hills and so always has less of it, "
+        "also less than the truth. NLO is\nmeant to be below the averages.",
     ),
     "far": ("distance of E_RG from that of the truth", "1e-4."),
     "wrong": ("squared error of the gradient", "1e-4. The tool's sampling is cubic."),

@@ -109,7 +109,7 @@ def measure(folder):
     sizes, size_bytes = extents(folder / "roads.xodr")
     nodes, seen = kerb_radii(folder / "roads.gpkg")
     by_class = []
-    for (_, least, _), most in zip(CLASSES, [99, *(c[1] for c in CLASSES)]):
+    for (_, least, _), most in zip(CLASSES, [99, *(c[1] for c in CLASSES)], strict=False):
         radii = [r for rank, r in seen if least <= rank < most]
         by_class.append([len(radii), *(statistics.quantiles(radii, n=4) if len(radii) > 1 else radii * 3)])
     return {

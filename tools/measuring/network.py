@@ -48,7 +48,7 @@ def add_arguments(parser):
 
 
 def try_program(*words, **options):
-    return subprocess.run(list(map(str, words)), capture_output=True, text=True, **options)
+    return subprocess.run(list(map(str, words)), capture_output=True, text=True, check=False, **options)
 
 
 def sumo(xodr, net):

@@ -5,10 +5,10 @@ Prints JSON: road IoU, mean IoU over the classes, pixel accuracy, road IoU of ea
 grid of half a metre; `unknown` in either does not count.
 """
 
+import itertools
 import json
 
 from measuring.common import ROOT
-import itertools
 
 TRUTH = ROOT / "models/truth"
 CLASSES = ["ground", "road", "parking", "building", "vegetation", "grass", "water", "rail"]
@@ -44,7 +44,7 @@ def draw(features, box):
                 crossings = sorted(
                     a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]) for a, b in edges if (a[1] <= y) != (b[1] <= y)
                 )
-                for x0, x1 in zip(crossings[::2], crossings[1::2]):
+                for x0, x1 in zip(crossings[::2], crossings[1::2], strict=False):
                     first = max(0, round((x0 - west) / (east - west) * CELLS))
                     last = min(CELLS, round((x1 - west) / (east - west) * CELLS))
                     for col in range(first, last):
@@ -68,8 +68,8 @@ def run(args):
     for piece, features in sorted(first.items()):
         box = box_of(features)
         own = [[0] * len(CLASSES) for _ in CLASSES]
-        for row_a, row_b in zip(draw(features, box), draw(second[piece], box)):
-            for a, b in zip(row_a, row_b):
+        for row_a, row_b in zip(draw(features, box), draw(second[piece], box), strict=True):
+            for a, b in zip(row_a, row_b, strict=True):
                 if a != UNKNOWN and b != UNKNOWN:
                     own[a][b] += 1
                     total[a][b] += 1

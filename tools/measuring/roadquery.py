@@ -35,7 +35,7 @@ def truth(*words):
     """Case -> name -> count. The program ends with 1 when a point came back wrong: that is a result, too."""
     out = subprocess.run([str(w) for w in words], stdout=subprocess.PIPE, text=True, check=False).stdout
     cases = [line.split() for line in out.splitlines() if line.startswith("with")]
-    return {words[0]: {k: float(v) for k, v in zip(words[1::2], words[2::2])} for words in cases}
+    return {words[0]: {k: float(v) for k, v in zip(words[1::2], words[2::2], strict=False)} for words in cases}
 
 
 def crg_ns(program):

@@ -161,15 +161,20 @@ def fit(numbers):
     """Costs for pipeline/plan_build.cpp: base, a km2, a megapixel, a km of road, none below zero, by the least sum of
     squared relative errors.
     """
-    from scipy.optimize import nnls
+    from scipy.optimize import nnls  # noqa: PLC0415 (Debian's python3-scipy; only --fit asks)
 
     sizes = [[1.0, *(n["plan"][key] for key in ("area_km2", "megapixels", "road_km"))] for n in numbers.values()]
     for stage in STAGES:
         costs = []
         for key in ("seconds", "memory_mb"):
             values = [n["stages"][stage][key] for n in numbers.values()]
-            x, _ = nnls([[size / value for size in row] for row, value in zip(sizes, values)], [1.0] * len(values))
-            worst = max(abs(sum(a * b for a, b in zip(x, row)) / value - 1) for row, value in zip(sizes, values))
+            x, _ = nnls(
+                [[size / value for size in row] for row, value in zip(sizes, values, strict=True)], [1.0] * len(values)
+            )
+            worst = max(
+                abs(sum(a * b for a, b in zip(x, row, strict=True)) / value - 1)
+                for row, value in zip(sizes, values, strict=True)
+            )
             costs.append("{" + ", ".join(f"{v:.3g}" for v in x) + f"}} (at worst {100 * worst:.0f} % off)")
         print(stage, *costs)
 
@@ -221,10 +226,10 @@ def curve(numbers):
         f'<rect width="{width}" height="{height}" fill="white"/>',
     ]
     below = [0.0] * len(areas)
-    for stage, color in zip(STAGES, colors):
-        above = [b + numbers[a]["stages"][stage]["seconds"] / float(a) for a, b in zip(areas, below)]
-        points = [f"{x(a):.1f},{y(v):.1f}" for a, v in zip(areas, above)] + [
-            f"{x(a):.1f},{y(v):.1f}" for a, v in reversed(list(zip(areas, below)))
+    for stage, color in zip(STAGES, colors, strict=False):
+        above = [b + numbers[a]["stages"][stage]["seconds"] / float(a) for a, b in zip(areas, below, strict=True)]
+        points = [f"{x(a):.1f},{y(v):.1f}" for a, v in zip(areas, above, strict=True)] + [
+            f"{x(a):.1f},{y(v):.1f}" for a, v in reversed(list(zip(areas, below, strict=True)))
         ]
         parts.append(f'<polygon points="{" ".join(points)}" fill="{color}"/>')
         at = height - bottom - 20 * STAGES.index(stage)
@@ -261,10 +266,8 @@ def run(args):
             write_results(STORE, numbers)
     sites = {name: n for name, n in numbers.items() if name in SITES | REAL | CITIES}
     if args.fit:
-        for name in sites:
-            sites[name]["plan"] = Tool(args.tool).json(
-                "plan", REAL.get(name, args.out / name / "site/site.toml"), "--json"
-            )
+        for name, site in sites.items():
+            site["plan"] = Tool(args.tool).json("plan", REAL.get(name, args.out / name / "site/site.toml"), "--json")
         write_results(STORE, numbers)
         fit(sites)
     m = numbers["machine"]

@@ -11,6 +11,7 @@ left out: tools/measure regions.
 
 import bisect
 import csv
+import itertools
 import json
 import math
 import pathlib
@@ -39,7 +40,6 @@ from measuring.common import (
 )
 from measuring.painted import render_painted
 from measuring.segment import timed
-import itertools
 
 STORE, PAGE = "second_eye.json", PAGES / "second_eye.md"
 SITES = {
@@ -225,7 +225,7 @@ class Measuring:
     def site(self, name):
         site = self.tool.synth(ROOT / "out/synth" / name, *SITES[name])
         alignment, none = self.roads(name, site / "ortho.tif", site / "roads.osm", site / "truth")
-        before, after, sigma = zip(*place_errors(alignment, none, site / "truth/roads.gpkg"))
+        before, after, sigma = zip(*place_errors(alignment, none, site / "truth/roads.gpkg"), strict=True)
         count = len(before)
         self.numbers["places"][name] = {
             "places": count,
@@ -233,7 +233,7 @@ class Measuring:
             "after_m": sum(after) / count,
             "after_p95_m": sorted(after)[int(0.95 * count)],
             "sigma_m": sorted(sigma)[count // 2],
-            "within_sigma": sum(a <= s for a, s in zip(after, sigma)) / count,
+            "within_sigma": sum(a <= s for a, s in zip(after, sigma, strict=True)) / count,
         }
         self.keep(name)
 

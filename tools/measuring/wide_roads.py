@@ -8,6 +8,7 @@ in all. `--as before` keeps the numbers of another build (--tool) to compare wit
 """
 
 import bisect
+import itertools
 import json
 import math
 import xml.etree.ElementTree as ElementTree
@@ -30,7 +31,6 @@ from measuring.common import (
     write_page,
     write_results,
 )
-import itertools
 
 STORE, PAGE = "road_surface.json", PAGES / "road_surface.md"
 KINDS = ["motorway", "ring", "gore", "service", "track"]
@@ -57,7 +57,7 @@ def metres_from(lon0, lat0):
 
 def contains(ring, p):
     inside = False
-    for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1]):
+    for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1], strict=True):
         if (y0 > p[1]) != (y1 > p[1]) and p[0] < x0 + (p[1] - y0) * (x1 - x0) / (y1 - y0):
             inside = not inside
     return inside
@@ -100,7 +100,7 @@ def distance_to(edge, p):
 
 def true_width(ring, line, p, across):
     """Of a drawn piece across its middle line at p; None where the section leaves the piece by one of its two ends."""
-    edges = list(zip(ring, ring[1:] + ring[:1]))
+    edges = list(zip(ring, ring[1:] + ring[:1], strict=True))
     edges = [e for e in edges if e[0] != e[1]]
     ends = [min(edges, key=lambda e: distance_to(e, q)) for q in (line[0], line[-1])]
     width = 0.0
@@ -157,7 +157,7 @@ def cut_photo(name, line, file):
         return
     to_m = metres_from(*line[0])
     east, north = (1 / to_m((line[0][0] + 1, line[0][1]))[0], 1 / to_m((line[0][0], line[0][1] + 1))[1])
-    lon, lat = zip(*line)
+    lon, lat = zip(*line, strict=True)
     run_program(
         "gdal_translate",
         "-q",
