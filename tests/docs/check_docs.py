@@ -6,8 +6,8 @@
   extension may be left out). Pages that are named in code exist.
 - Links between pages, and to pictures and headings, resolve.
 - docs/reference.md: every row names a file and a test that exist, nothing that is "Open" exists or has a test, the
-  words that it offers for a search lead to a place, and every numbered heading of chapters 2 to 4 of the reference itself
-  stands there.
+  words that it offers for a search lead to a place, and every numbered heading of chapters 2 to 4 of the reference
+  itself stands there.
 - Every term of the glossary has a file that exists; no term stands twice.
 - Names that the glossary retires are on no other page.
 - Names in the tables of options are in the code, and numbers beside them are its defaults.
@@ -160,15 +160,21 @@ def reference_rows(text):
 
 def check_reference_rows(root, faults):
     room_of = rooms(root)
-    paths = lambda cell: {
-        span: path_exists(root, room_of, span)
-        for _, span in code_spans(cell)
-        if path_exists(root, room_of, span) is not None
-    }
+
+    def paths(cell):
+        return {
+            span: path_exists(root, room_of, span)
+            for _, span in code_spans(cell)
+            if path_exists(root, room_of, span) is not None
+        }
+
     count = 0
     for number, cells in reference_rows((root / "docs/reference.md").read_text()):
         count += 1
-        say = lambda what, place=f"docs/reference.md:{number}: {cells[0]}": faults.append(f"{place}: {what}")
+
+        def say(what, place=f"docs/reference.md:{number}: {cells[0]}"):
+            return faults.append(f"{place}: {what}")
+
         if len(cells) != 3:
             say("a row has three cells")
             continue
@@ -283,7 +289,7 @@ def check_options(root, faults):
             faults += [f"docs/{page.name}: option {n} is not in the code" for n in names if n not in members]
             values = [re.sub(r"\(.*?\)|\+-.*", "", v).strip() for v in cells[2].split(",")]
             if len(values) == len(names):
-                for name, value in zip(names, map(number_of, values)):
+                for name, value in zip(names, map(number_of, values), strict=True):
                     if value is not None and name in defaults and value not in defaults[name]:
                         known = ", ".join(str(d) for d in sorted(d for d in defaults[name] if d is not None))
                         faults.append(f"docs/{page.name}: {name} is {value:g} there and {known} in the code")
@@ -291,7 +297,7 @@ def check_options(root, faults):
 
 def check_lengths(root, faults):
     for page in sorted((root / "docs").glob("*.md")):
-        lines = [l for l in page.read_text().splitlines() if not l.startswith("    ")]
+        lines = [line for line in page.read_text().splitlines() if not line.startswith("    ")]
         if page.name not in FREE and len(lines) > METHOD_LINES:
             faults.append(f"docs/{page.name}: {len(lines)} lines beyond formulas, at most {METHOD_LINES}")
         for number, line in enumerate(page.read_text().split("\n"), 1):

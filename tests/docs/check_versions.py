@@ -56,7 +56,9 @@ def check_complete(root, rows, faults):
 
 
 def check_release(root, tracked, faults):
-    text_of = lambda name: (root / name).read_text()
+    def text_of(name):
+        return (root / name).read_text()
+
     version = re.search(r"^project\(\w+ VERSION (\d+\.\d+\.\d+)", text_of("CMakeLists.txt"), re.MULTILINE)[1]
     changes = re.search(r"^## \[(\d+\.\d+\.\d+)\] - \d{4}-\d\d-\d\d$", text_of("CHANGELOG.md"), re.MULTILINE)
     if not changes or changes[1] != version:

@@ -103,11 +103,14 @@ class CommitSubjects(unittest.TestCase):
 
     def test_only_commits_behind_the_script_are_asked(self):
         with tempfile.TemporaryDirectory() as folder:
-            git = lambda *words: subprocess.run(
-                ["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b", *words],
-                check=True,
-                capture_output=True,
-            )
+
+            def git(*words):
+                return subprocess.run(
+                    ["git", "-C", folder, "-c", "user.name=a", "-c", "user.email=a@b", *words],
+                    check=True,
+                    capture_output=True,
+                )
+
             git("init")
             git("commit", "--allow-empty", "-m", "added long ago.")
             (Path(folder) / "tools").mkdir()

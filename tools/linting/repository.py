@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What holds in the whole repository: the licence in every source, subjects of commits."""
+"""The repository: every source names its licence; subjects of commits are as CONTRIBUTING.md says."""
 
-from linting.common import ROOT, cpp_files, interpreter, lines_of, python_files, web_files
+from .common import ROOT, cpp_files, interpreter, lines_of, python_files, shell_files, web_files
 
-LICENCE = "SPDX-License-Identifier: Apache-2.0"
+ENDINGS = (".cmake", ".yml", "CMakeLists.txt", "Doxyfile")
 
 
 def check_licence(work):
-    """Sources whose first lines do not name the licence."""
-    builds = [n for n in work.files if n.endswith((".cmake", "CMakeLists.txt"))]
-    scripts = [n for n in work.files if interpreter(n)]
-    sources = {*cpp_files(work.files), *python_files(work.files), *web_files(work.files), *builds, *scripts}
-    wanting = []
-    for name in sorted(sources):
-        with open(ROOT / name, encoding="utf-8") as file:
-            if LICENCE not in file.read(200):
-                wanting.append(f"{name}: its first lines lack '{LICENCE}'")
-    return wanting
+    """An SPDX line within the first five lines."""
+    names = [*cpp_files(work.files), *python_files(work.files), *shell_files(work.files), *web_files(work.files)]
+    names += [name for name in work.files if name.endswith(ENDINGS) or interpreter(name)]
+    return [
+        f"{name}: no SPDX-License-Identifier in its first five lines"
+        for name in dict.fromkeys(names)
+        if not names_licence(name)
+    ]
 
 
-def check_commit_subjects(_work):
-    return lines_of("tools/commit_subjects")
+def names_licence(name):
+    return b"SPDX-License-Identifier: " in b"\n".join((ROOT / name).read_bytes().split(b"\n")[:5])
+
+
+def check_commit_subjects(work):
+    return lines_of(ROOT / "tools/commit_subjects")

@@ -1,17 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
 """A build shared by two nodes of a Slurm cluster, one of them lost half-way. Writes docs/measured/cluster.md.
 
-Slurm's daemons run on this machine, on the loopback, with one core a node: two nodes need two cores and nothing else beside them.
-Needs slurmctld, slurmd, slurm-client and munge, and root. --site gives another site than Kvarnbyn.
+Slurm's daemons run on this machine, on the loopback, with one core a node: two nodes need two cores and nothing else
+beside them. Needs slurmctld, slurmd, slurm-client and munge, and root. --site gives another site than Kvarnbyn.
 """
+
 import contextlib
 import hashlib
+import os
+import pathlib
 import shutil
 import signal
 import socket
+import subprocess
+import sys
 import tempfile
+import time
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    ROOT,
+    Tool,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "cluster.json", PAGES / "cluster.md"
 DRIVER = ROOT / "examples/cluster/slurm_build.sh"
@@ -58,7 +79,11 @@ def add_arguments(parser):
     add_table(parser)
     parser.add_argument("--site", type=pathlib.Path, default=ROOT / "sites/kvarnbyn.toml")
     parser.add_argument("--name", help="of the site in the table; its file's otherwise")
-    parser.add_argument("--without-alone", action="store_true", help="leave out the build without Slurm: files are compared with those of one node")
+    parser.add_argument(
+        "--without-alone",
+        action="store_true",
+        help="leave out the build without Slurm: files are compared with those of one node",
+    )
     parser.add_argument("--without-loss", action="store_true", help="leave out the builds that lose a node")
 
 
@@ -88,12 +113,26 @@ def cluster(nodes):
         (home / "munge.key").chmod(0o400)
         controller, *ports = free_ports(nodes + 1)
         host = socket.gethostname()
-        lines = "".join(f"NodeName=node{i + 1} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 RealMemory=8000 State=UNKNOWN\n"
-                        for i, port in enumerate(ports))
-        (home / "slurm.conf").write_text(CONF.format(home=home, host=host, controller=controller, nodes=lines, count=nodes))
+        lines = "".join(
+            (
+                f"NodeName=node{i + 1} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs=1 RealMemory=8000 "
+                "State=UNKNOWN\n"
+            )
+            for i, port in enumerate(ports)
+        )
+        (home / "slurm.conf").write_text(
+            CONF.format(home=home, host=host, controller=controller, nodes=lines, count=nodes)
+        )
         environment = {**os.environ, "SLURM_CONF": str(home / "slurm.conf")}
-        run_program("munged", "--force", f"--key-file={home}/munge.key", f"--socket={home}/munge.socket", f"--pid-file={home}/munged.pid",
-                    f"--log-file={home}/munged.log", f"--seed-file={home}/munged.seed")
+        run_program(
+            "munged",
+            "--force",
+            f"--key-file={home}/munge.key",
+            f"--socket={home}/munge.socket",
+            f"--pid-file={home}/munged.pid",
+            f"--log-file={home}/munged.log",
+            f"--seed-file={home}/munged.seed",
+        )
         run_program("slurmctld", "-c", env=environment)
         for i in range(nodes):
             run_program("slurmd", "-N", f"node{i + 1}", env=environment)
@@ -115,8 +154,11 @@ def cluster(nodes):
 def digests(out):
     """Of all files that a user gets; but for times."""
     skip = {"report.html", "run.json", "item.json"}
-    return {str(f.relative_to(out)): hashlib.sha256(f.read_bytes()).hexdigest() for f in sorted(out.rglob("*"))
-            if f.is_file() and ".orthodrive" not in f.parts and f.name not in skip}
+    return {
+        str(f.relative_to(out)): hashlib.sha256(f.read_bytes()).hexdigest()
+        for f in sorted(out.rglob("*"))
+        if f.is_file() and ".orthodrive" not in f.parts and f.name not in skip
+    }
 
 
 def kill_node(home, name):
@@ -136,7 +178,12 @@ def kill_node(home, name):
     return len(victims)
 
 
-CASES = {"one node": (1, None), "two nodes": (2, None), "two nodes, the one that helps lost": (2, "node2"), "two nodes, the one that builds lost": (2, "node1")}
+CASES = {
+    "one node": (1, None),
+    "two nodes": (2, None),
+    "two nodes, the one that helps lost": (2, "node2"),
+    "two nodes, the one that builds lost": (2, "node1"),
+}
 
 
 def job_of(environment, node):
@@ -153,7 +200,9 @@ def shared_build(args, out, nodes, lost):
         environment["ORTHODRIVE"] = str(args.tool.resolve())
         start = time.monotonic()
         log = (out.parent / f"{out.name}.log").open("w")
-        build = subprocess.Popen([DRIVER, args.site.resolve(), out, str(nodes)], env=environment, stdout=log, stderr=subprocess.STDOUT)
+        build = subprocess.Popen(
+            [DRIVER, args.site.resolve(), out, str(nodes)], env=environment, stdout=log, stderr=subprocess.STDOUT
+        )
         killed = 0
         if lost:
             while build.poll() is None and len(list(out.glob(".orthodrive/cells/segment-*/cells/[0-9]*/cell.bin"))) < 3:
@@ -175,7 +224,11 @@ def run(args):
         args.out.mkdir(parents=True, exist_ok=True)
         tool, alone, expected = Tool(args.tool), args.out / "alone", None
         shutil.rmtree(alone, ignore_errors=True)
-        of_site = numbers[args.name or args.site.stem] = {"commit": commit(), "machine": machine(), "load": round(os.getloadavg()[0], 1)}
+        of_site = numbers[args.name or args.site.stem] = {
+            "commit": commit(),
+            "machine": machine(),
+            "load": round(os.getloadavg()[0], 1),
+        }
         if not args.without_alone:
             of_site["alone"] = {"seconds": tool.timed("--threads", 1, "build", args.site, "-o", alone)}
             expected = digests(alone)
@@ -185,7 +238,10 @@ def run(args):
             result = shared_build(args, args.out / name.replace(" ", "_").replace(",", ""), nodes, lost)
             found = result.pop("digests")
             expected = expected or found
-            result["files"], result["different"] = len(expected), sum(found.get(f) != d for f, d in expected.items()) + len(found.keys() - expected.keys())
+            result["files"], result["different"] = (
+                len(expected),
+                sum(found.get(f) != d for f, d in expected.items()) + len(found.keys() - expected.keys()),
+            )
             of_site[name] = result
             print(name, result, flush=True)
             write_results(STORE, numbers)
@@ -199,5 +255,14 @@ def table(numbers):
         text += row([site, "`build`, one thread, without Slurm", fixed(alone, 1), "", "", of_site["load"]])
         for name in CASES:
             if n := of_site.get(name):
-                text += row(["", name, fixed(n["seconds"], 1), fixed(of_site["one node"]["seconds"] / n["seconds"]), f"{n['different']} of {n['files']}", ""])
+                text += row(
+                    [
+                        "",
+                        name,
+                        fixed(n["seconds"], 1),
+                        fixed(of_site["one node"]["seconds"] / n["seconds"]),
+                        f"{n['different']} of {n['files']}",
+                        "",
+                    ]
+                )
     return text + "\nAsked: two nodes 1.7 times one; one lost: the same bytes.\n" if numbers else ""

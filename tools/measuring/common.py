@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the sub-commands of tools/measure share: paths, running the tool, numbers as text, results, tables in pages."""
+
 import decimal
 import json
 import math
@@ -23,14 +24,21 @@ IMAGES = ROOT / "docs/images"
 
 def add_tool(parser, out=None):
     """--tool (a copy may be given, so that building can go on) and the folder for what is made."""
-    parser.add_argument("--tool", type=pathlib.Path, default=ROOT / "build/release/orthodrive", help="the program that is measured")
+    parser.add_argument(
+        "--tool", type=pathlib.Path, default=ROOT / "build/release/orthodrive", help="the program that is measured"
+    )
     if out:
         parser.add_argument("--out", type=pathlib.Path, default=ROOT / out, help=f"folder for what is made ({out})")
 
 
 def add_only(parser, names):
-    parser.add_argument("--only", type=lambda text: text.split(","), default=list(names), metavar="NAME,...",
-                        help=f"of {','.join(names)}; the others keep their last values")
+    parser.add_argument(
+        "--only",
+        type=lambda text: text.split(","),
+        default=list(names),
+        metavar="NAME,...",
+        help=f"of {','.join(names)}; the others keep their last values",
+    )
 
 
 def add_table(parser):
@@ -70,7 +78,10 @@ def commit():
     """Of the checkout; "unknown" for a tree without a history."""
     if not (ROOT / ".git").exists():
         return "unknown"
-    git = lambda *words: run_program("git", "-C", ROOT, *words).strip()
+
+    def git(*words):
+        return run_program("git", "-C", ROOT, *words).strip()
+
     changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!bench/results", ":!docs")
     return git("rev-parse", "--short", "HEAD") + (" + changes" if changed else "")
 
@@ -83,6 +94,7 @@ def machine():
 
 # ---- results and pages
 
+
 def read_results(name, otherwise):
     file = RESULTS / name
     return json.loads(file.read_text()) if file.exists() else otherwise
@@ -93,7 +105,7 @@ def write_results(name, value):
     (RESULTS / name).write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n")
 
 
-STAMP = re.compile(r"^Measured on commit (.+)\.$", re.M)
+STAMP = re.compile(r"^Measured on commit (.+)\.$", re.MULTILINE)
 
 
 def commits_of(value):
@@ -108,15 +120,20 @@ def commits_of(value):
 
 
 def stamped(text, stores):
-    """A page with the commits of its results in lines of their own below its title: one, where all was measured in one run."""
+    """A page with the commits of its results in lines of their own below its title: one, where all was measured in one
+    run.
+    """
     found = dict.fromkeys(c for store in stores for c in commits_of(read_results(store, {})))
     title, _, rest = STAMP.sub("", text).partition("\n")
-    return f"{title}\n\n" + "".join(f"Measured on commit {c}.\n" for c in found or ["unknown"]) + "\n" + rest.lstrip("\n")
+    return (
+        f"{title}\n\n" + "".join(f"Measured on commit {c}.\n" for c in found or ["unknown"]) + "\n" + rest.lstrip("\n")
+    )
 
 
 def write_page(page, stores, text):
-    """`text` is the whole page, or by name what stands between <!-- measured: NAME --> and <!-- /measured --> of it; what
-    stands outside the marks is the page's template."""
+    """`text` is the whole page, or by name what stands between <!-- measured: NAME --> and <!-- /measured --> of it;
+    what stands outside the marks is the page's template.
+    """
     if isinstance(text, dict):
         for name, part in text.items():
             write_between(page, name, part)
@@ -143,6 +160,7 @@ def row(cells):
 
 # ---- numbers as text
 
+
 def fixed(value, digits=2, otherwise="-"):
     """With so many digits; halves away from zero."""
     if value is None or math.isnan(value):
@@ -163,6 +181,7 @@ def exponential(value):
 
 # ---- roads.gpkg, without GDAL
 
+
 def point_of(blob):
     """x, y of a GeoPackage point."""
     at = 8 + [0, 32, 48, 48, 64][(blob[3] >> 1) & 7] + 5
@@ -170,7 +189,11 @@ def point_of(blob):
 
 
 def longest_way(file):
-    return sqlite3.connect(file).execute("select osm_id from nodes where part = 0 group by osm_id order by max(s_m) desc, osm_id").fetchone()[0]
+    return (
+        sqlite3.connect(file)
+        .execute("select osm_id from nodes where part = 0 group by osm_id order by max(s_m) desc, osm_id")
+        .fetchone()[0]
+    )
 
 
 def children_seconds():

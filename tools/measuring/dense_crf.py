@@ -5,9 +5,27 @@ Runs bench_crf on a piece of Kvarnbyn's photo (two windows of 1024 x 1024 px on 
 with exact sums; a minute. Needs gdal-bin and ../shared/data.
 """
 
+import json
+import os
+import pathlib
+import re
 import tempfile
 
-from measuring.common import *
+from measuring.common import (
+    DATA,
+    PAGES,
+    ROOT,
+    add_table,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    run_program,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "dense_crf.json", PAGES / "dense_crf.md"
 BUILD = ROOT / "build/release"
@@ -52,13 +70,17 @@ def measure(args):
         "commit": commit(),
         "machine": machine(),
         "bench": {b["name"]: {k: v for k, v in b.items() if isinstance(v, float)} for b in bench["benchmarks"]},
-        "lines": re.findall(COMPARED, run_program(args.test, "--gtest_filter=*DenseCrf*:*Crf*"), re.M),
+        "lines": re.findall(COMPARED, run_program(args.test, "--gtest_filter=*DenseCrf*:*Crf*"), re.MULTILINE),
     }
 
 
 def table(n):
-    of = lambda classes, widths: n["bench"][f"dense_crf/two_windows/classes:{classes}/widths:{widths}/real_time"]
-    speed = lambda classes, widths: f"{fixed(of(classes, widths)['items_per_second'] / 1e6)} Mpx/s"
+    def of(classes, widths):
+        return n["bench"][f"dense_crf/two_windows/classes:{classes}/widths:{widths}/real_time"]
+
+    def speed(classes, widths):
+        return f"{fixed(of(classes, widths)['items_per_second'] / 1e6)} Mpx/s"
+
     text = header(["theta alpha, beta, gamma", "vertices a px", "8 classes", "38 classes"])
     text += "".join(
         row([name, fixed(of(8, i)["vertices_per_px"]), speed(8, i), speed(38, i)]) for i, name in enumerate(WIDTHS)

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Faults of `orthodrive build`: kills, stops, full and read-only disks, permissions, clocks, sources, a second host. Writes docs/measured/faults.md.
+"""Faults of `orthodrive build`: kills, stops, full and read-only disks, permissions, clocks, sources, a second host.
+Writes docs/measured/faults.md.
 
-By hand: some minutes. Builds two synthetic sites, disturbs builds of them, lets the same command finish and compares all files that
-hold no times. Disks are file systems in memory in a mount namespace (unshare); what the machine cannot do is said on the page.
+By hand: some minutes. Builds two synthetic sites, disturbs builds of them, lets the same command finish and compares
+all files that hold no times. Disks are file systems in memory in a mount namespace (unshare); what the machine cannot
+do is said on the page.
 """
+
 import hashlib
 import json
 import os
@@ -16,11 +19,27 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 
 STORE, PAGE = "faults.json", PAGES / "faults.md"
-SITES = {"village": ["--preset", "village", "--seed", "7", "--size", "200", "--gsd", "0.5"],
-         "circuit": ["--preset", "circuit", "--seed", "5", "--size", "500", "--gsd", "1"]}
+SITES = {
+    "village": ["--preset", "village", "--seed", "7", "--size", "200", "--gsd", "0.5"],
+    "circuit": ["--preset", "circuit", "--seed", "5", "--size", "500", "--gsd", "1"],
+}
 STAGES = ["segment", "refine", "elevate", "network", "drive", "scene", "report"]
 DISKS = 14  # sizes of a disk that fills up, evenly from nothing to what a build needs
 
@@ -29,14 +48,21 @@ def add_arguments(parser):
     add_tool(parser, "out/faults")
     add_only(parser, SITES)
     add_table(parser)
-    parser.add_argument("--kills", type=int, default=50, help="random kills and as many random stops, of each site (%(default)s)")
+    parser.add_argument(
+        "--kills", type=int, default=50, help="random kills and as many random stops, of each site (%(default)s)"
+    )
     parser.add_argument("--seed", type=int, default=1, help="of the times of kills (%(default)s)")
 
 
 def hashes(folder):
     """Of all files whose content must not depend on the run."""
-    return {str(f.relative_to(folder)): hashlib.sha256(f.read_bytes()).hexdigest() for f in sorted(folder.rglob("*"))
-            if f.is_file() and f.name not in ("run.json", "report.html") and not (f.parent.name == ".orthodrive" and f.suffix == ".json")}
+    return {
+        str(f.relative_to(folder)): hashlib.sha256(f.read_bytes()).hexdigest()
+        for f in sorted(folder.rglob("*"))
+        if f.is_file()
+        and f.name not in ("run.json", "report.html")
+        and not (f.parent.name == ".orthodrive" and f.suffix == ".json")
+    }
 
 
 def command(tool, site, out):
@@ -61,7 +87,7 @@ class Case:
 
 def finish(tool, site, out, whole):
     """Builds to the end. Empty when the files are those of an undisturbed build, else what is wrong."""
-    run = subprocess.run(command(tool, site, out), capture_output=True, text=True)
+    run = subprocess.run(command(tool, site, out), capture_output=True, text=True, check=False)
     if run.returncode != 0:
         return f"exit code {run.returncode}: {run.stderr}"
     ours = hashes(out)
@@ -79,7 +105,9 @@ def interrupt(tool, site, out, after_s, number):
 
 
 def interrupts(tool, site, out, whole, whole_s, count, rng, number):
-    """Interrupts builds at random times, each from where the last one was, until each build is whole; `count` in all."""
+    """Interrupts builds at random times, each from where the last one was, until each build is whole; `count` in
+    all.
+    """
     case, done = Case(), 0
     while done < count:
         shutil.rmtree(out, ignore_errors=True)
@@ -94,7 +122,7 @@ def interrupts(tool, site, out, whole, whole_s, count, rng, number):
             ended = code == 128 + number and said.endswith("stopped; run again to go on\n")
             not_begun = code == -number and not said  # it was still loading its libraries
             clean = number == signal.SIGKILL or ((ended or not_begun) and not left)
-            of_this_build.append(("" if clean else f"exit code {code}, {left}, {said}"))
+            of_this_build.append("" if clean else f"exit code {code}, {left}, {said}")
         wrong = finish(tool, site, out, whole)
         if wrong:
             shutil.copytree(out, out.parent / f"bad_{done}", dirs_exist_ok=True)
@@ -109,7 +137,7 @@ def one_line(run):
 
 def quietly(tool, site, out, before=()):
     words = command(tool, site, out)
-    return subprocess.run([*before, words[0], "--quiet", *words[1:]], capture_output=True, text=True)
+    return subprocess.run([*before, words[0], "--quiet", *words[1:]], capture_output=True, text=True, check=False)
 
 
 def next_stage(out):
@@ -121,7 +149,9 @@ def disks(tool, site, mount, whole, size):
     """In a mount namespace: a disk of each size fills up, then is read-only, then has room."""
     rows, full, read_only = {}, Case(), Case()
     for i in range(DISKS):
-        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={max(16384, size * i // DISKS)}", "tmpfs", mount], check=True)
+        subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", f"size={max(16384, size * i // DISKS)}", "tmpfs", mount], check=True
+        )
         out = mount / "out"
         run = quietly(tool, site, out)
         stage = next_stage(out)
@@ -142,7 +172,12 @@ def disks(tool, site, mount, whole, size):
 
 def in_namespace(*words):
     """The JSON that this file prints when it runs in its own namespaces; None where that is not allowed."""
-    run = subprocess.run(["unshare", "-Urm", sys.executable, "-B", __file__, *map(str, words)], capture_output=True, text=True)
+    run = subprocess.run(
+        ["unshare", "-Urm", sys.executable, "-B", __file__, *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if run.returncode != 0:
         print(run.stderr, file=sys.stderr)
         return None
@@ -163,9 +198,16 @@ def other_faults(tool, site, out, whole):
         rows["no permission"] = permission.row()
 
     source = Case()
-    for stage, file in (("segment", "ortho.tif"), ("refine", "roads.osm"), ("elevate", "dtm_1m.tif"), ("scene", "dtm_1m.tif")):
+    for stage, file in (
+        ("segment", "ortho.tif"),
+        ("refine", "roads.osm"),
+        ("elevate", "dtm_1m.tif"),
+        ("scene", "dtm_1m.tif"),
+    ):
         shutil.rmtree(out, ignore_errors=True)
-        build = subprocess.Popen([*command(tool, site, out)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        build = subprocess.Popen(
+            [*command(tool, site, out)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        )
         # It takes the lock when it has read the sources: a change before that is one between two builds.
         while build.poll() is None and not ((out / ".orthodrive/lock").exists() and next_stage(out) == stage):
             time.sleep(0.002)
@@ -179,12 +221,21 @@ def other_faults(tool, site, out, whole):
 
     host = Case()
     shutil.rmtree(out, ignore_errors=True)
-    first = subprocess.Popen(["unshare", "-Uru", "sh", "-c", "hostname elsewhere && exec \"$@\"", "sh", *command(tool, site, out)],
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    first = subprocess.Popen(
+        ["unshare", "-Uru", "sh", "-c", 'hostname elsewhere && exec "$@"', "sh", *command(tool, site, out)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     while first.poll() is None and not ((out / ".orthodrive/lock").exists() and (out / ".orthodrive/lock").read_text()):
         time.sleep(0.002)
     second = quietly(tool, site, out)
-    host.add(one_line(second) and "on elsewhere" in second.stderr and first.wait() == 0 and not finish(tool, site, out, whole), second.stderr)
+    host.add(
+        one_line(second)
+        and "on elsewhere" in second.stderr
+        and first.wait() == 0
+        and not finish(tool, site, out, whole),
+        second.stderr,
+    )
     rows["a second host"] = host.row()
 
     clock = Case()
@@ -206,15 +257,24 @@ def measure(tool, folder, name, args):
     whole_s, whole = time.monotonic() - start, hashes(reference)
     rng = random.Random(f"{name} {args.seed}")
     print(f"{name}: {whole_s:.1f} s, {len(whole)} files", flush=True)
-    rows = {"kill -9": interrupts(tool, site, out, whole, whole_s, args.kills, rng, signal.SIGKILL).row(),
-            "Ctrl-C": interrupts(tool, site, out, whole, whole_s, args.kills, rng, signal.SIGINT).row()}
+    rows = {
+        "kill -9": interrupts(tool, site, out, whole, whole_s, args.kills, rng, signal.SIGKILL).row(),
+        "Ctrl-C": interrupts(tool, site, out, whole, whole_s, args.kills, rng, signal.SIGINT).row(),
+    }
     print(rows, flush=True)
     size = sum(f.stat().st_size for f in reference.rglob("*") if f.is_file())
     (folder / name / "mount").mkdir()
     (folder / name / "whole.json").write_text(json.dumps(whole))
     rows |= in_namespace(tool, site, folder / name / "mount", folder / name / "whole.json", size) or {}
     rows |= other_faults(tool, site, out, whole)
-    return {"commit": commit(), **machine(), "load": round(os.getloadavg()[0], 1), "seconds": round(whole_s, 1), "files": len(whole), "rows": rows}
+    return {
+        "commit": commit(),
+        **machine(),
+        "load": round(os.getloadavg()[0], 1),
+        "seconds": round(whole_s, 1),
+        "files": len(whole),
+        "rows": rows,
+    }
 
 
 def table(numbers):
@@ -225,12 +285,26 @@ def table(numbers):
         cells = []
         for n in names:
             r = numbers[n]["rows"].get(kind)
-            cells.append("not tried" if r is None else f"{r['good']} of {r['tried']}" + (f" (slowest end {fixed(r['worst_s'], 1)} s)" if kind == "Ctrl-C" else ""))
+            cells.append(
+                "not tried"
+                if r is None
+                else f"{r['good']} of {r['tried']}"
+                + (f" (slowest end {fixed(r['worst_s'], 1)} s)" if kind == "Ctrl-C" else "")
+            )
         text += row([kind, *cells])
     for n in names:
         stages = numbers[n]["rows"].get("disk full", {}).get("stages", {})
-        text += row([f"disk full in {n}: stages where it struck", *[", ".join(f"{s} {c}" for s, c in stages.items()) if m == n else "" for m in names]])
-    for key, title in (("files", "files compared"), ("seconds", "seconds of a whole build"), ("load", "others' load of the machine")):
+        text += row(
+            [
+                f"disk full in {n}: stages where it struck",
+                *[", ".join(f"{s} {c}" for s, c in stages.items()) if m == n else "" for m in names],
+            ]
+        )
+    for key, title in (
+        ("files", "files compared"),
+        ("seconds", "seconds of a whole build"),
+        ("load", "others' load of the machine"),
+    ):
         text += row([title, *[numbers[n][key] for n in names]])
     for n in names:
         for kind, r in numbers[n]["rows"].items():
@@ -243,7 +317,9 @@ def table(numbers):
 def run(args):
     numbers = read_results(STORE, {})
     if not args.table:
-        signal.signal(signal.SIGINT, signal.default_int_handler)  # a script's background job has it ignored, and so would its builds
+        signal.signal(
+            signal.SIGINT, signal.default_int_handler
+        )  # a script's background job has it ignored, and so would its builds
         for name in args.only:
             numbers[name] = measure(Tool(args.tool).file, args.out, name, args)
             write_results(STORE, numbers)
@@ -252,4 +328,8 @@ def run(args):
 
 if __name__ == "__main__":
     tool, site, mount, whole, size = sys.argv[1:]
-    print(json.dumps(disks(tool, pathlib.Path(site), pathlib.Path(mount), json.loads(pathlib.Path(whole).read_text()), int(size))))
+    print(
+        json.dumps(
+            disks(tool, pathlib.Path(site), pathlib.Path(mount), json.loads(pathlib.Path(whole).read_text()), int(size))
+        )
+    )

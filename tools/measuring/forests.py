@@ -6,7 +6,8 @@ real:     from the pieces of Kvarnbyn and Pardubice (0.5 m/px) that were painted
           models/training/painted_*.geojson; the test pieces are none of them -> OUT/forests_real.yml
 Some minutes and 2 GB.
 """
-from measuring.common import *
+
+from measuring.common import DATA, ROOT, Tool, add_tool
 
 SEEDS = (12, 13, 21, 24, 25, 26)  # weights were searched on 22 and 23, numbers are from 11 and 99
 SETS = ["villages", "real"]
@@ -14,22 +15,42 @@ SETS = ["villages", "real"]
 
 def add_arguments(parser):
     add_tool(parser, "out/forests")
-    parser.add_argument("sets", nargs="*", choices=[[], *SETS], metavar="villages|real", help="both where none is given")
+    parser.add_argument(
+        "sets", nargs="*", choices=[[], *SETS], metavar="villages|real", help="both where none is given"
+    )
 
 
 def learn(tool, out, sets):
     out.mkdir(parents=True, exist_ok=True)
 
     def forests(name, pairs, *options):
-        tool("forests", *(part for photo, labels in pairs for part in ("--photo", photo, "--labels", labels)), *options, "-o", out / name)
+        tool(
+            "forests",
+            *(part for photo, labels in pairs for part in ("--photo", photo, "--labels", labels)),
+            *options,
+            "-o",
+            out / name,
+        )
 
     if "villages" in sets:
-        sites = [tool.synth(ROOT / f"out/synth/village-{seed}", "--preset", "village", "--seed", seed) for seed in SEEDS]
-        forests("forests_villages.yml", [(site / "ortho.tif", site / "truth/labels.tif") for site in sites], "--samples", "40000")
+        sites = [
+            tool.synth(ROOT / f"out/synth/village-{seed}", "--preset", "village", "--seed", seed) for seed in SEEDS
+        ]
+        forests(
+            "forests_villages.yml",
+            [(site / "ortho.tif", site / "truth/labels.tif") for site in sites],
+            "--samples",
+            "40000",
+        )
     if "real" in sets:
         painted = ROOT / "models/training"
-        forests("forests_real.yml", [(DATA / "kvarnbyn/ortho.jpg", painted / "painted_kvarnbyn.geojson"),
-                                     (DATA / "pardubice/ortho.tif", painted / "painted_pardubice.geojson")])
+        forests(
+            "forests_real.yml",
+            [
+                (DATA / "kvarnbyn/ortho.jpg", painted / "painted_kvarnbyn.geojson"),
+                (DATA / "pardubice/ortho.tif", painted / "painted_pardubice.geojson"),
+            ],
+        )
 
 
 def run(args):

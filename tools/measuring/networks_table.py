@@ -5,13 +5,14 @@
     tools/measure networks measure [NETWORK ...] what is trained: bench/results/segmentation.json and the tables
     tools/measure networks write                 only the tables, from the last results
 
-Models go to out/compare/NAME (git-ignored); `default` is the shipped one. Needs ../shared/data; makes the synthetic sites.
+Models go to out/compare/NAME (git-ignored); `default` is the shipped one. Needs ../shared/data; makes the synthetic
+sites.
 """
+
 import csv
-import json
 import subprocess
 
-from measuring.common import *
+from measuring.common import NOTES, ROOT, Tool, add_tool, read_results, write_between, write_results
 
 OUT = ROOT / "out/compare"
 STORE, PAGE = "segmentation.json", NOTES / "networks.md"
@@ -41,9 +42,16 @@ def train(tool, names):
             finished = folder / "crf/model.safetensors" if crf else folder / "finished"
             if finished.exists():
                 continue
-            resume = ["--resume"] if (folder / ("crf/checkpoint.safetensors" if crf else "checkpoint.safetensors")).exists() else []
+            resume = (
+                ["--resume"]
+                if (folder / ("crf/checkpoint.safetensors" if crf else "checkpoint.safetensors")).exists()
+                else []
+            )
             print(f"training {name} {' '.join(crf + resume)}", flush=True)
-            subprocess.run([str(tool.file), "train", str(experiment_of(name)), "-o", str(folder), "--threads", "2", *crf, *resume], check=True)
+            subprocess.run(
+                [str(tool.file), "train", str(experiment_of(name)), "-o", str(folder), "--threads", "2", *crf, *resume],
+                check=True,
+            )
             if not crf:
                 finished.write_text("")
 
@@ -82,8 +90,12 @@ def measure(tool, networks):
                 if not model.exists() or not (OUT / name / "finished").exists():
                     continue
                 sets = [part for s in SETS if experiments[SETS[s]] == name for part in ("--set", s)]
-                scores = tool.json("train", experiment_of(name), "--measure", model, *sets, *(["--crf"] if with_crf else []))
-                results.setdefault(network, {}).setdefault(crf, {}).update({k: v for k, v in scores.items() if k in SETS})
+                scores = tool.json(
+                    "train", experiment_of(name), "--measure", model, *sets, *(["--crf"] if with_crf else [])
+                )
+                results.setdefault(network, {}).setdefault(crf, {}).update(
+                    {k: v for k, v in scores.items() if k in SETS}
+                )
                 print(network, crf, name, {k: v["mean_iou"] for k, v in scores.items()}, flush=True)
                 write_results(STORE, results)
 
@@ -93,7 +105,10 @@ def cell(value):
 
 
 def tables(results):
-    lines = ["| network | CRF | " + " | ".join(f"{s}: mean IoU / road IoU / accuracy" for s in SETS) + " | Mpx/s |", "|---|---|" + "---:|" * (len(SETS) + 1)]
+    lines = [
+        "| network | CRF | " + " | ".join(f"{s}: mean IoU / road IoU / accuracy" for s in SETS) + " | Mpx/s |",
+        "|---|---|" + "---:|" * (len(SETS) + 1),
+    ]
     results = {network: results[network] for network in NETWORKS if network in results}
     for network, by_crf in results.items():
         for crf in CRFS:
@@ -101,11 +116,17 @@ def tables(results):
             cells = []
             for s in SETS:
                 v = scores.get(s)
-                cells.append("-" if v is None else f"{cell(v['mean_iou'])} / {cell(v['road_iou'])} / {cell(v['pixel_accuracy'])}")
+                cells.append(
+                    "-" if v is None else f"{cell(v['mean_iou'])} / {cell(v['road_iou'])} / {cell(v['pixel_accuracy'])}"
+                )
             speed = scores.get("village-99")
             cells.append("-" if speed is None else f"{speed['megapixels'] / speed['seconds']:.3g}")
             lines.append(f"| {network} | {crf} | " + " | ".join(cells) + " |")
-    lines += ["", "| network | trained on | network: steps, seconds | CRF and network: steps, seconds |", "|---|---|---:|---:|"]
+    lines += [
+        "",
+        "| network | trained on | network: steps, seconds | CRF and network: steps, seconds |",
+        "|---|---|---:|---:|",
+    ]
     for network, by_crf in results.items():
         for part in ("mix", "mumbai"):
             told = {}

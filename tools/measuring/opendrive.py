@@ -5,8 +5,10 @@ Give files as NAME=FILE, for example  --files kvarnbyn=out/kvarnbyn/roads.xodr p
 """
 
 import collections
+import pathlib
+import re
 
-from measuring.common import *
+from measuring.common import PAGES, add_table, commit, fixed, header, read_results, row, write_page, write_results
 from measuring.network import STORES
 
 STORE, PAGE = "opendrive.json", PAGES / "network.md"

@@ -6,7 +6,20 @@ Makes every site anew: two minutes. The Red Bull Ring needs ../shared/data/spiel
 
 import shutil
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    Tool,
+    add_only,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    read_results,
+    row,
+    write_page,
+    write_results,
+)
 from measuring.refine import SYNTHETIC
 from measuring.scene import run_measured
 
