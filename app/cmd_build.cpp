@@ -6,9 +6,8 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/stop.hpp"
-#include "orthodrive/pipeline/build_site.hpp"
-#include "orthodrive/pipeline/run_fetch.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -32,7 +31,7 @@ std::string line_of(const StageForecast& forecast) {
 }
 
 void explain(const Site& site, const std::filesystem::path& out) {
-  for (const StageForecast& forecast : explain_build(site, out)) fmt::print("{}\n", line_of(forecast));
+  for (const StageForecast& forecast : runs().explain_build(site, out)) fmt::print("{}\n", line_of(forecast));
   fmt::print("{:<9} runs: it always does\n", "report");
 }
 }  // namespace
@@ -66,12 +65,13 @@ void add_build(CLI::App& app, Context& context) {
       "  orthodrive build site.toml -o out --explain --set elevate.sampling=bilinear\n"
       "  orthodrive build site.toml -o out --set drive.route=\"Circuit\" --set elevate.sampling=bilinear");
   cmd->callback([args, &context, &app] {
-    const Site site = read_site(args->site, args->overrides);
+    const Site site = runs().read_site(args->site, args->overrides);
     if (args->explain) return explain(site, args->out);
     const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
-    fetch_what_lacks(site, context.monitor);
-    build_site(site, args->out, {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage},
-               context.monitor);
+    runs().fetch_what_lacks(site, context.monitor);
+    runs().build_site(site, args->out,
+                      {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage},
+                      context.monitor);
     fmt::print("{}\n", (args->out / "report.html").string());
   });
 }

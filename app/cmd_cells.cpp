@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/stop.hpp"
-#include "orthodrive/pipeline/work_on_site.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -41,16 +41,17 @@ void add_work(CLI::App& cmd, CLI::App& app, const SharedArguments& args, Context
       throw OptionError(fmt::format("--index {}: there are {} processes, from 0 to {}", args->share.index,
                                     args->share.of, args->share.of - 1));
     const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
-    work_on_site(read_site(args->site, args->overrides), args->out, args->share,
-                 {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage},
-                 context.monitor);
+    runs().work_on_site(runs().read_site(args->site, args->overrides), args->out, args->share,
+                        {.threads = context.threads, .version = app.version(), .at_stage = context.set_stage},
+                        context.monitor);
   });
 }
 
 void add_missing(CLI::App& cmd, const SharedArguments& args, Context& context) {
   CLI::App* sub = add_sub(cmd, args, "missing", "Prints the stages that a build would run; exit code 1 for any.");
   sub->callback([args, &context] {
-    const std::vector<std::string> missing = missing_stages(read_site(args->site, args->overrides), args->out);
+    const std::vector<std::string> missing =
+        runs().missing_stages(runs().read_site(args->site, args->overrides), args->out);
     if (missing.empty()) return;
     fmt::print("{}\n", fmt::join(missing, " "));
     context.exit_code = 1;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/pipeline/run_drive.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -35,7 +35,7 @@ Vec2 parse_point(const std::string& text) {
 void run(Arguments& arguments, const Context& context) {
   for (const std::string& text : arguments.via) arguments.drive.route.via.push_back(parse_point(text));
   StageContext stage = stage_context(context);
-  const StageOutcome outcome = run_drive(arguments.files, arguments.drive, stage);
+  const StageOutcome outcome = runs().run_drive(arguments.files, arguments.drive, stage);
   for (const std::string& line : outcome.summary) stage.info(line);
   for (const Finding& finding : outcome.findings)
     stage.info(fmt::format("{} at {:.1f}, {:.1f}: {}", finding.code, finding.x_m, finding.y_m, finding.message));

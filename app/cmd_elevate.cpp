@@ -7,8 +7,8 @@
 
 #include "commands.hpp"
 #include "driving_side_option.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/pipeline/run_elevate.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -74,7 +74,7 @@ void add_elevate(CLI::App& app, Context& context) {
     if (window->count() > 0 && command->options.elevate.heights.method != HeightMethod::moving_average)
       throw OptionError("--window is the moving average's; give --method moving-average with it");
     StageContext stage = stage_context(context);
-    print_outcome(run_elevate(command->files, command->options, stage), stage);
+    print_outcome(runs().run_elevate(command->files, command->options, stage), stage);
   });
 }
 

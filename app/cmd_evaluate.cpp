@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/pipeline/score.hpp"
 
 namespace orthodrive::app {
 namespace fs = std::filesystem;
@@ -33,15 +33,15 @@ CLI::App* add_kind(CLI::App* cmd, const Command& command, const char* name, cons
   kind->footer(footer);
   kind->callback([command, score] {
     const ScoreJson scores = score(*command);
-    fmt::print("{}", command->json ? scores.dump(2) + "\n" : to_table(scores));
+    fmt::print("{}", command->json ? scores.dump(2) + "\n" : runs().to_table(scores));
     if (command->strict && !scores.at("verdict").at("pass").get<bool>())
       throw Error(fmt::format("{}: the verdict is fail, {} places are over a limit", command->request.scored.string(),
                               scores.at("faults").size()));
   });
   return kind;
 }
-Score of_files(ScoreJson (*score)(const ScoreRequest&)) {
-  return [score](const EvaluateCommand& c) { return score(c.request); };
+Score of_files(ScoreJson (*Runs::*score)(const ScoreRequest&)) {
+  return [score](const EvaluateCommand& c) { return (runs().*score)(c.request); };
 }
 void positional(CLI::App* kind, const char* name, fs::path& path, const char* text) {
   kind->add_option(name, path, text)->required();
@@ -61,7 +61,7 @@ void add_labels(CLI::App* cmd, const Command& command) {
       "  orthodrive evaluate labels labels.tif truth.geojson --html page --photo ortho.tif --confidence "
       "confidence.tif\n"
       "  orthodrive evaluate labels labels.tif truth.tif --merge models/classes/merge_38_to_32.toml",
-      [](const EvaluateCommand& c) { return score_labels(c.request, c.label_options); });
+      [](const EvaluateCommand& c) { return runs().score_labels(c.request, c.label_options); });
   positional(labels, "PRED", command->request.scored, "label map (GeoTIFF with class table)");
   positional(labels, "TRUTH", command->request.truth,
              "label raster, polygons with `class`, polygons with a road `kind`, or a truth folder");
@@ -90,7 +90,7 @@ void add_roads(CLI::App* cmd, const Command& command) {
       "  orthodrive evaluate roads site/roads.osm site/truth --json\n"
       "  orthodrive evaluate roads out/roads.gpkg site/truth --before site/roads.osm --overlay errors.png --photo "
       "site/ortho.tif --layers errors.gpkg",
-      [](const EvaluateCommand& c) { return score_roads(c.request, c.road_options); });
+      [](const EvaluateCommand& c) { return runs().score_roads(c.request, c.road_options); });
   positional(roads, "ROADS", command->request.scored,
              "roads.gpkg; or .osm, .osm.pbf: as it is, with default widths, in the box of the truth");
   positional(roads, "TRUTH", command->request.truth,
@@ -118,7 +118,7 @@ void add_heights(CLI::App* cmd, const Command& command) {
                "min_clearance_m: at the crossings on two levels; level_crossings: the other ones.\n"
                "Examples:\n  orthodrive evaluate heights out/roads.gpkg site/truth/roads.gpkg\n"
                "  orthodrive evaluate heights out/roads.gpkg dtm_1m.tif --json",
-               of_files(score_heights));
+               of_files(&Runs::score_heights));
   positional(heights, "ROADS", command->request.scored, "roads.gpkg with heights");
   positional(heights, "TRUTH", command->request.truth, "terrain model in metres, a true roads.gpkg, or a truth folder");
 }
@@ -132,7 +132,7 @@ void add_network(CLI::App* cmd, const Command& command) {
       "Exit code 1 where the verdict is fail and --strict is given, else 0.\n"
       "Examples:\n  orthodrive evaluate network out/roads.xodr\n  orthodrive evaluate network out/roads.xodr --json\n"
       "  orthodrive evaluate network out/roads.xodr --strict --findings faults.geojson --layers faults.gpkg",
-      [](const EvaluateCommand& c) { return score_network(c.request, c.network_options); });
+      [](const EvaluateCommand& c) { return runs().score_network(c.request, c.network_options); });
   network->add_flag("--strict", command->strict, "exit code 1 when the verdict is fail");
   network->add_option("--findings", command->network_options.findings,
                       "write the places that fail as GeoJSON points (WGS84)");
@@ -152,7 +152,7 @@ void add_scene(CLI::App* cmd, const Command& command) {
       "texture: with --photo, how far the tiles' pictures lie from it, in texels: the worst of windows of 48 texels.\n"
       "Examples:\n  orthodrive evaluate scene out/scene out/roads.xodr\n"
       "  orthodrive evaluate scene out/scene out/roads.xodr --photo ortho.tif --json",
-      [](const EvaluateCommand& c) { return score_scene(c.request, c.scene_options); });
+      [](const EvaluateCommand& c) { return runs().score_scene(c.request, c.scene_options); });
   scene->add_option("--photo", command->scene_options.photo, "orthophoto that the tiles were made of");
   positional(scene, "DIR", command->request.scored, "folder of `orthodrive scene`");
   positional(scene, "NETWORK", command->request.truth, "the roads that it was made of (OpenDRIVE)");
@@ -163,7 +163,7 @@ void add_site(CLI::App* cmd, const Command& command) {
       add_kind(cmd, command, "site", "All of the above for the output folder of `orthodrive build`.",
                "Examples:\n  orthodrive evaluate site out --truth site/truth\n  orthodrive evaluate site out "
                "--truth site/truth --json",
-               of_files(score_site));
+               of_files(&Runs::score_site));
   positional(site, "DIR", command->request.scored, "output folder of `orthodrive build`");
   site->add_option("--truth", command->request.truth,
                    "folder with labels.tif, roads.gpkg or surface.geojson, as `orthodrive synth` makes it")

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "scene_inputs.hpp"
 #include "stage_output.hpp"
 
@@ -41,7 +42,7 @@ void add_export(CLI::App& app, Context& context) {
       command->options.bounds = Box2{b[0], b[1], b[2], b[3]};
     }
     StageContext stage = stage_context(context);
-    print_outcome(run_export(command->files, command->options, stage), stage);
+    print_outcome(runs().run_export(command->files, command->options, stage), stage);
   });
 }
 

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/stop.hpp"
-#include "orthodrive/pipeline/run_fetch.hpp"
 
 namespace orthodrive::app {
 
@@ -46,7 +46,7 @@ void add_fetch(CLI::App& app, Context& context) {
       "  orthodrive fetch site.toml --refresh --connections 2");
   cmd->callback([args, &context] {
     const StopOnSignals stoppable({.last_words = [&context] { context.last_words(Stopped(0).what()); }});
-    run_fetch(read_site(args->site, args->overrides), args->options, context.monitor);
+    runs().run_fetch(runs().read_site(args->site, args->overrides), args->options, context.monitor);
   });
 }
 

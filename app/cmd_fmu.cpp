@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_fmu.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -34,7 +34,7 @@ void add_fmu(CLI::App& app, Context& context) {
       "  orthodrive fmu --network out/roads.xodr --car sports_car -o car.fmu");
   cmd->callback([command, &context] {
     StageContext stage = stage_context(context);
-    print_outcome(run_fmu(command->files, command->options, stage), stage);
+    print_outcome(runs().run_fmu(command->files, command->options, stage), stage);
   });
 }
 

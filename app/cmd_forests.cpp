@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_forests.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -45,7 +45,7 @@ void add_forests(CLI::App& app, Context& context) {
       "  orthodrive forests --photo a.tif --labels a.geojson --photo b.tif --labels b.tif -o forests.yml");
   cmd->callback([command, &context] {
     StageContext stage = stage_context(context);
-    print_outcome(run_forests(command->files, command->options, stage), stage);
+    print_outcome(runs().run_forests(command->files, command->options, stage), stage);
   });
 }
 

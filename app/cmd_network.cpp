@@ -8,7 +8,7 @@
 
 #include "commands.hpp"
 #include "driving_side_option.hpp"
-#include "orthodrive/pipeline/run_network.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -22,9 +22,9 @@ struct NetworkCommand {
 
 void run(NetworkCommand& command, const Context& context) {
   command.options.opendrive_minor_version = command.opendrive == "1.8" ? 8 : 7;
-  command.options.crg.format = crg_format_of(command.crg_format);
+  command.options.crg.format = runs().crg_format_of(command.crg_format);
   StageContext stage = stage_context(context);
-  const StageOutcome outcome = run_network(command.files, command.options, stage);
+  const StageOutcome outcome = runs().run_network(command.files, command.options, stage);
   std::map<std::string, int> counts;  // a line a place would be too many
   for (const Finding& finding : outcome.findings) ++counts[finding.code];
   for (const auto& [code, count] : counts) stage.info(fmt::format("{}: {} places", code, count));
@@ -87,10 +87,12 @@ void add_network(CLI::App& app, Context& context) {
   add_driving_side(cmd, command->options.network.driving_side, "right, left: where one drives");
   cmd->add_option_function<std::string>(
          "--weather",
-         [&weather = command->options.network.weather](const std::string& text) { weather = weather_of(text); },
+         [&weather = command->options.network.weather](const std::string& text) {
+           weather = text == "wet" ? Weather::wet : Weather::dry;
+         },
          "dry, wet: what the friction of the lanes is for")
       ->check(CLI::IsMember({"dry", "wet"}))
-      ->default_str(to_string(command->options.network.weather));
+      ->default_str(command->options.network.weather == Weather::wet ? "wet" : "dry");
   cmd->footer(
       "Reads roads.gpkg (layers centrelines, nodes and, for OpenCRG, roughness). Writes one OpenDRIVE file in the CRS "
       "of the roads. Roads without\n"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_new.hpp"
+#include "load_runs.hpp"
 
 namespace orthodrive::app {
 
@@ -44,7 +44,7 @@ void add_new(CLI::App& app, Context& context) {
       "  orthodrive new --relation 439840 --osm praha.osm.pbf --osm-file praha.osm.pbf -o praha.toml\n"
       "  orthodrive new --list --bbox 11.5,48.1,11.6,48.2");
   cmd->callback([args, &context] {
-    const RunNewResult result = run_new(*args);
+    const RunNewResult result = runs().run_new(*args);
     for (const Finding& finding : result.findings)
       context.monitor->info(
           fmt::format("{}: {}", finding.severity == Severity::info ? "note" : "warning", finding.message));

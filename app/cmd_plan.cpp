@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/plan_build.hpp"
+#include "load_runs.hpp"
 
 namespace orthodrive::app {
 namespace {
@@ -14,7 +14,7 @@ void print_json(const SiteSize& size, const BuildEstimate& all) {
   nlohmann::ordered_json out{{"area_km2", size.area_km2},
                              {"megapixels", size.megapixels},
                              {"road_km", size.road_km},
-                             {"machine", machine_of_costs()},
+                             {"machine", runs().machine_of_costs()},
                              {"speed", all.speed},
                              {"seconds", all.seconds},
                              {"memory_mb", all.memory_mb},
@@ -35,7 +35,7 @@ void print_table(const SiteSize& size, const BuildEstimate& all) {
   for (const StageEstimate& s : all.stages) line(s.stage, s.seconds, s.memory_mb, s.disk_mb);
   line("all", all.seconds, all.memory_mb, all.disk_mb);
   fmt::print("Estimated from builds on {}; this machine, as busy as it is now, has {:.2f} of its speed.\n",
-             machine_of_costs(), all.speed);
+             runs().machine_of_costs(), all.speed);
 }
 }  // namespace
 
@@ -59,8 +59,8 @@ void add_plan(CLI::App& app, Context& context) {
       "  orthodrive plan sites/kvarnbyn.toml\n"
       "  orthodrive --threads 8 plan site.toml --json");
   cmd->callback([args, &context] {
-    const SiteSize size = size_of(read_site(args->site, args->overrides));
-    const BuildEstimate all = estimate_build(size, measure_machine_speed(context.threads));
+    const SiteSize size = runs().size_of(runs().read_site(args->site, args->overrides));
+    const BuildEstimate all = runs().estimate_build(size, runs().measure_machine_speed(context.threads));
     args->json ? print_json(size, all) : print_table(size, all);
   });
 }

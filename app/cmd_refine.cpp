@@ -8,7 +8,7 @@
 
 #include "commands.hpp"
 #include "driving_side_option.hpp"
-#include "orthodrive/pipeline/run_refine.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -38,7 +38,7 @@ void run(RefineCommand& command, const Context& context) {
   command.options.nlo_passes = nlo_passes(command.nlo_weights);
   command.options.mrf_polygons = command.polygons == "dp" ? RoadPolygons::douglas_peucker : RoadPolygons::smooth;
   StageContext stage = stage_context(context);
-  print_outcome(run_refine(command.files, command.options, stage), stage);
+  print_outcome(runs().run_refine(command.files, command.options, stage), stage);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "scene_inputs.hpp"
 #include "stage_output.hpp"
 
@@ -48,7 +49,7 @@ void add_scene(CLI::App& app, Context& context) {
       "-o scene");
   cmd->callback([command, &context] {
     StageContext stage = stage_context(context);
-    print_outcome(run_scene(command->files, command->options, stage), stage);
+    print_outcome(runs().run_scene(command->files, command->options, stage), stage);
   });
 }
 

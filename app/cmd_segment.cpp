@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_segment.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -66,7 +66,7 @@ void add_segment(CLI::App& app, Context& context) {
   cmd->callback([command, &context] {
     if (command->crf) command->options.crf = CrfUse::trained_or_reference;
     StageContext stage = stage_context(context);
-    for (const Finding& finding : run_segment(command->files, command->options, stage).findings)
+    for (const Finding& finding : runs().run_segment(command->files, command->options, stage).findings)
       stage.info(finding.message);
   });
 }

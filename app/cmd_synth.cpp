@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_synth.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -44,7 +44,7 @@ void add_synth(CLI::App& app, Context& context) {
   cmd->add_option("--world", options.world,
                   fmt::format("season, streets, light and roofs: a name ({}) or random, drawn by seed (default: summer "
                               "in Central Europe)",
-                              fmt::join(world_names(), ", ")));
+                              fmt::join(world_names, ", ")));
   cmd->add_option("--textures", arguments->files.textures,
                   "folder with textures of real photos for its surfaces (tools/paint quilt)");
   CLI::Option* size =
@@ -83,7 +83,7 @@ void add_synth(CLI::App& app, Context& context) {
     if (is_region && size->count() == 0) arguments->options.size_m = 10000.0;
     if ((is_region || arguments->files.track_size_m > 0.0) && gsd->count() == 0) arguments->options.gsd_m = 0.5;
     StageContext stage = stage_context(context);
-    print_outcome(run_synth(arguments->files, presets.at(arguments->preset), arguments->options, stage), stage);
+    print_outcome(runs().run_synth(arguments->files, presets.at(arguments->preset), arguments->options, stage), stage);
   });
 }
 

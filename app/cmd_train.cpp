@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "load_runs.hpp"
 #include "orthodrive/core/error.hpp"
-#include "orthodrive/pipeline/run_train.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -26,17 +26,17 @@ void run(TrainCommand& command, const Context& context) {
   StageContext stage = stage_context(context);
   if (!command.measure.model.empty()) {
     command.measure.crf = command.options.crf;
-    fmt::print("{}\n", measure_on_held_out_data(command.files, command.measure, stage).dump(2));
+    fmt::print("{}\n", runs().measure_on_held_out_data(command.files, command.measure, stage).dump(2));
     return;
   }
   if (command.files.folder.empty() && (command.pack.empty() || command.preview))
     throw OptionError("-o is missing: the folder to train into");
   if (command.preview)
-    preview_training(command.files, stage);
+    runs().preview_training(command.files, stage);
   else if (!command.pack.empty())
-    pack_training(command.files, command.pack, command.options, stage);
+    runs().pack_training(command.files, command.pack, command.options, stage);
   else
-    run_train(command.files, command.options, stage);
+    runs().run_train(command.files, command.options, stage);
 }
 }  // namespace
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "orthodrive/pipeline/run_tune.hpp"
+#include "load_runs.hpp"
 #include "stage_output.hpp"
 
 namespace orthodrive::app {
@@ -51,7 +51,8 @@ void add_tune(CLI::App& app, Context& context) {
       "  orthodrive refine --osm roads.osm --labels labels.tif --weights-file tuned/weights.toml -o roads.gpkg");
   cmd->callback([command, &context] {
     StageContext stage = stage_context(context);
-    for (const std::string& table : run_tune(command->files, command->options, stage).summary) fmt::print("{}", table);
+    for (const std::string& table : runs().run_tune(command->files, command->options, stage).summary)
+      fmt::print("{}", table);
   });
 }
 

@@ -2,9 +2,19 @@
 # `cmake --install build/release --prefix P`. The tree may be moved afterwards: the tool looks for models, viewer and the
 # libraries of FMUs relative to itself (core/find_resource.hpp), so bin, share and lib/orthodrive have fixed names. Below
 # /usr the road library goes where the distribution keeps libraries (lib/x86_64-linux-gnu of Debian).
-# Components: orthodrive (the tools), libroadquery (what programs load), libroadquery-dev (what they are built with).
+# Components: orthodrive (the tool), orthodrive-parts (what needs libtorch or OpenCV, where it is built), libroadquery (what
+# programs load), libroadquery-dev (what they are built with).
 include(GNUInstallDirs)
-install(TARGETS orthodrive orthodrive-train RUNTIME DESTINATION bin COMPONENT orthodrive)
+install(TARGETS orthodrive RUNTIME DESTINATION bin COMPONENT orthodrive)
+install(TARGETS orthodrive_library orthodrive_core_library LIBRARY DESTINATION lib/orthodrive COMPONENT orthodrive)
+foreach(PART forests train)
+  if(TARGET orthodrive_${PART}_so)
+    install(TARGETS orthodrive_${PART}_so LIBRARY DESTINATION lib/orthodrive/parts COMPONENT orthodrive-parts)
+  endif()
+endforeach()
+if(TARGET orthodrive-train)
+  install(TARGETS orthodrive-train RUNTIME DESTINATION bin COMPONENT orthodrive-parts)
+endif()
 install(TARGETS fmu_roads fmu_car LIBRARY DESTINATION lib/orthodrive/fmu COMPONENT orthodrive)
 # What runs need. Labels, weights and experiments of the shipped training stay in the source tree: they name its data.
 install(FILES models/default.safetensors models/default.toml models/default.md DESTINATION share/orthodrive/models COMPONENT orthodrive)

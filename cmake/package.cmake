@@ -11,11 +11,12 @@ set(CPACK_PACKAGE_VERSION ${ORTHODRIVE_PACKAGE_VERSION})
 set(CPACK_PACKAGE_CONTACT ${ORTHODRIVE_MAINTAINER})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL orthodrive libroadquery libroadquery-dev)
+set(CPACK_COMPONENTS_ALL orthodrive orthodrive-parts libroadquery libroadquery-dev)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib/orthodrive)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 
@@ -24,13 +25,27 @@ set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_NAME orthodrive)
 set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_DEPENDS proj-data)
 set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_RECOMMENDS ca-certificates)
-set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_SUGGESTS "qgis, xdg-utils")
+set(CPACK_DEBIAN_ORTHODRIVE_PACKAGE_SUGGESTS "orthodrive-parts, qgis, xdg-utils")
 set(CPACK_COMPONENT_ORTHODRIVE_DESCRIPTION "turns orthophotos and OpenStreetMap into drivable environments
 Makes a semantic map, road centre lines and widths corrected from the photo,
 smooth 3D roads, OpenDRIVE and OpenCRG for simulators, 3D Tiles for the eye,
 and a simulated lap from an orthophoto, OpenStreetMap roads and a terrain
 model. Holds the tool, its model, a viewer for the browser and functional
 mock-up units (FMI 2.0 and 3.0) of roads and of a car.")
+
+if(NOT (TARGET orthodrive_forests_so AND TARGET orthodrive_train_so))
+  message(FATAL_ERROR "packages: the parts are not built, tools/setup --parts brings what they need")
+endif()
+set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_NAME orthodrive-parts)
+set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_DEPENDS "orthodrive (= ${CPACK_PACKAGE_VERSION})")
+# Version 0.1.0 of orthodrive had orthodrive-train in it.
+set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_REPLACES "orthodrive (<< ${CPACK_PACKAGE_VERSION})")
+set(CPACK_DEBIAN_ORTHODRIVE-PARTS_PACKAGE_BREAKS "orthodrive (<< ${CPACK_PACKAGE_VERSION})")
+set(CPACK_COMPONENT_ORTHODRIVE-PARTS_DESCRIPTION "turns orthophotos into drivable environments - learning and baselines
+What of orthodrive needs libtorch or OpenCV: training a network, adapting it
+to a site, and the random forests of a baseline for roads. The commands of
+orthodrive load it when they need it. Holds orthodrive-train, too.")
 
 set(CPACK_DEBIAN_LIBROADQUERY_PACKAGE_NAME ${LIBRARY_PACKAGE})
 set(CPACK_DEBIAN_LIBROADQUERY_PACKAGE_SECTION libs)
@@ -56,7 +71,7 @@ Headers, the static library for C++, and what pkg-config and CMake look for.")
 
 # What Debian wants beside: copyright, changelog, and reasons for what lintian would ask about.
 string(TIMESTAMP RELEASE_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)  # follows SOURCE_DATE_EPOCH
-foreach(PAIR orthodrive:orthodrive libroadquery:${LIBRARY_PACKAGE} libroadquery-dev:libroadquery-dev)
+foreach(PAIR orthodrive:orthodrive orthodrive-parts:orthodrive-parts libroadquery:${LIBRARY_PACKAGE} libroadquery-dev:libroadquery-dev)
   string(REPLACE ":" ";" PAIR ${PAIR})
   list(GET PAIR 0 COMPONENT)
   list(GET PAIR 1 NAME)

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # One target a folder: orthodrive::<folder>. DEPS are other folders of ours, LIBS are third-party targets
-# that stay private (they do not leak into who links us).
+# that stay private (they do not leak into who links us). PART_SOURCES lie in the folder and belong to the part PART of
+# orthodrive_part() instead.
 set(ORTHODRIVE_WARNINGS -Wall -Wextra -Wpedantic -Wno-missing-field-initializers
   -Wno-restrict)  # g++ 12 false alarm on std::string operator+ (GCC bug 105651)
 
 function(orthodrive_library NAME)
-  cmake_parse_arguments(A "" "" "DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(A "" "PART" "DEPS;LIBS;PART_SOURCES" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(TRANSFORM A_PART_SOURCES PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(REMOVE_ITEM SOURCES ${A_PART_SOURCES})
+  list(FILTER SOURCES EXCLUDE REGEX "/part_[a-z]+\\.cpp$")  # the table of a part
+  set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_PART_SOURCES_${A_PART} ${A_PART_SOURCES})
   set(TARGET orthodrive_${NAME})
   list(TRANSFORM A_DEPS PREPEND orthodrive::)
   if(SOURCES)
@@ -14,12 +19,42 @@ function(orthodrive_library NAME)
     target_include_directories(${TARGET} PUBLIC ${PROJECT_SOURCE_DIR}/src)
     target_compile_options(${TARGET} PRIVATE ${ORTHODRIVE_WARNINGS})
     target_link_libraries(${TARGET} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS})
+    if(NOT NAME STREQUAL core)  # core is a library of its own
+      set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_OBJECTS $<TARGET_OBJECTS:${TARGET}>)
+      set_property(GLOBAL APPEND PROPERTY ORTHODRIVE_LIBS ${A_LIBS})
+    endif()
   else()
     add_library(${TARGET} INTERFACE)
     target_include_directories(${TARGET} INTERFACE ${PROJECT_SOURCE_DIR}/src)
     target_link_libraries(${TARGET} INTERFACE ${A_DEPS} ${A_LIBS})
   endif()
   add_library(orthodrive::${NAME} ALIAS ${TARGET})
+endfunction()
+
+# A shared library of ours below lib/orthodrive, of objects that are compiled already. It finds others of ours there.
+function(orthodrive_shared_library TARGET KIND NAME FOLDER)
+  add_library(${TARGET} ${KIND} ${ARGN} $<TARGET_OBJECTS:orthodrive_build_id>)
+  file(RELATIVE_PATH UP /lib/orthodrive/${FOLDER} /lib/orthodrive)
+  set_target_properties(${TARGET} PROPERTIES PREFIX "" OUTPUT_NAME ${NAME} LINKER_LANGUAGE CXX INSTALL_RPATH "\$ORIGIN/${UP}"
+    LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib/orthodrive/${FOLDER})
+  # Functions of the library call each other directly, as in a program.
+  target_link_options(${TARGET} PRIVATE LINKER:-Bsymbolic-functions,--as-needed,--no-undefined)
+endfunction()
+
+# A part of the tool that a command loads when it needs it: lib/orthodrive/parts/NAME.so, of what the rooms have given to it.
+# orthodrive::part_NAME is the same for programs that link the rooms, such as tests. DEPS and LIBS as above.
+function(orthodrive_part NAME)
+  cmake_parse_arguments(A "" "" "DEPS;LIBS" ${ARGN})
+  get_property(SOURCES GLOBAL PROPERTY ORTHODRIVE_PART_SOURCES_${NAME})
+  list(TRANSFORM A_DEPS PREPEND orthodrive::)
+  add_library(orthodrive_part_${NAME} STATIC ${SOURCES} ${CMAKE_CURRENT_SOURCE_DIR}/pipeline/part_${NAME}.cpp)
+  add_library(orthodrive::part_${NAME} ALIAS orthodrive_part_${NAME})
+  target_include_directories(orthodrive_part_${NAME} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_compile_options(orthodrive_part_${NAME} PRIVATE ${ORTHODRIVE_WARNINGS})
+  target_link_libraries(orthodrive_part_${NAME} PUBLIC ${A_DEPS} PRIVATE ${A_LIBS})
+  orthodrive_shared_library(orthodrive_${NAME}_so MODULE ${NAME} parts $<TARGET_OBJECTS:orthodrive_part_${NAME}>)
+  target_link_libraries(orthodrive_${NAME}_so PRIVATE orthodrive_library orthodrive_core_library ${A_LIBS})
+  add_dependencies(orthodrive_parts orthodrive_${NAME}_so)
 endfunction()
 
 # Inner loops that exist once per processor family, chosen at run time: NAME.cpp dispatches to NAME_plain, NAME_avx2 and
@@ -38,10 +73,12 @@ function(orthodrive_cpu_kernels NAME)
 endfunction()
 
 # A test program of one folder: every *.cpp in tests/<folder>, registered case by case with ctest. FIXTURE is a ctest
-# fixture that must have run before (sites built by tests/pipeline).
+# fixture that must have run before (sites built by tests/pipeline). LEAVE_OUT: files that are not built.
 function(orthodrive_test NAME)
-  cmake_parse_arguments(A "" "TIMEOUT;FIXTURE" "DEPS;LIBS" ${ARGN})
+  cmake_parse_arguments(A "" "TIMEOUT;FIXTURE" "DEPS;LIBS;LEAVE_OUT" ${ARGN})
   file(GLOB SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(TRANSFORM A_LEAVE_OUT PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  list(REMOVE_ITEM SOURCES ${A_LEAVE_OUT})
   if(NOT SOURCES)
     return()
   endif()

@@ -22,11 +22,12 @@ import sys
 STAGES = {"segment", "refine", "elevate", "network", "scene", "drive", "synth", "evaluate"}
 # Rooms that read and write; roadquery, vehicle and fmu read the files they work on, and ship alone.
 FILE_ROOMS = {"io", "remote", "pipeline", "app", "roadquery", "vehicle", "fmu"}
-# core hashes files, writes them aside, looks for the models' folder and asks the kernel for its memory: for every room.
+# core hashes files, writes them aside, looks for the models' folder, loads our libraries and asks the kernel for its memory: for every room.
 FILE_ACCESS = {
     "orthodrive/core/atomic_file",
     "orthodrive/core/find_resource",
     "orthodrive/core/hash",
+    "orthodrive/core/load_part",
     "orthodrive/core/memory",
 }
 # The command line parses options and calls the pipeline. Of the other rooms it sees what options and their errors need.

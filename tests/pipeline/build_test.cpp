@@ -223,6 +223,7 @@ TEST_F(Build, labels_see_the_map_where_the_model_does_and_move_roads) {
 
 /// The village has four cells, which is too few to learn from: labels are as without.
 TEST_F(Build, tells_what_became_of_an_adaptation) {
+  if (!paths::has_part("train")) GTEST_SKIP() << "SKIPPED: the part train is not built (tools/setup --parts)";
   fs::copy(folder / "first", folder / "adapted", fs::copy_options::recursive);
   ASSERT_EQ(build("adapted", {"--set", "segment.adapt=true"}).exit_code, 0);
   EXPECT_EQ(skipped_stages("adapted"), (std::vector<std::string>{"refine", "elevate", "network", "drive", "scene"}))

@@ -11,6 +11,7 @@
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/model/road_material.hpp"
+#include "orthodrive/synth/make_site.hpp"
 #include "orthodrive/synth/mood.hpp"
 #include "orthodrive/synth/plan_presets.hpp"
 #include "orthodrive/synth/terrain.hpp"
@@ -206,7 +207,7 @@ TEST(Worlds, a_pavement_that_the_plan_has_stays) {
 
 TEST(Worlds, suns_stand_in_the_south_and_every_world_has_its_own_light) {
   std::set<int> elevations;
-  for (const std::string& name : world_names())
+  for (const char* name : world_names)
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const World world = make_world(name, seed);
       const Mood mood = make_mood(seed, &world);

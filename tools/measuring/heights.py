@@ -433,8 +433,10 @@ def table(rows, name):
 QUESTIONS = {
     "e_rg": (
         "E_RG, 1e-4",
-        "E_RG is a property of the profile alone. A longer average flattens the hills and so always has less of it, "
-        "also less than the truth. NLO is\nmeant to be below the averages.",
+        (
+            "E_RG is a property of the profile alone. A longer average flattens the hills and so always has less of "
+            "it, also less than the truth. NLO is\nmeant to be below the averages."
+        ),
     ),
     "far": ("distance of E_RG from that of the truth", "1e-4."),
     "wrong": ("squared error of the gradient", "1e-4. The tool's sampling is cubic."),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the program needs at run time and does not carry in itself: models and the viewer. Found relative to the
-// program, so that an installed tree works wherever it is moved.
+// What the program needs at run time and does not carry in itself: models, the viewer and shared libraries. Found
+// relative to the program, so that an installed tree works wherever it is moved.
 
 #include <filesystem>
 #include <string>
@@ -14,6 +14,10 @@ namespace orthodrive {
 /// it was built in.
 [[nodiscard]] std::vector<std::filesystem::path> resource_folders(const std::string& installed,
                                                                   const std::string& in_tree);
+
+/// Where our shared libraries lie, in order: ../lib/orthodrive beside the folder of the running program, and, as built,
+/// lib/orthodrive in that folder.
+[[nodiscard]] std::vector<std::filesystem::path> library_folders();
 
 /// The file in the first folder that holds it. Throws InputError that begins with `what` and names all places looked at
 /// and the remedy.

@@ -16,12 +16,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Beside the program as it is built, or in the installed tree.
 fs::path shared_library(const std::string& identifier) {
-  std::error_code unknown;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", unknown).parent_path();
-  return find_resource({folder / "fmu", folder.parent_path() / "lib/orthodrive/fmu"}, identifier + ".so",
-                       "the FMU's shared library", "build the target fmu_roads or fmu_car");
+  return find_resource(library_folders(), "fmu/" + identifier + ".so", "the FMU's shared library",
+                       "build the target fmu_roads or fmu_car");
 }
 
 void add_network(const FmuFiles& files, std::vector<io::FmuResource>& resources) {

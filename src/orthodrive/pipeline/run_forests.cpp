@@ -10,6 +10,7 @@
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
+#include "orthodrive/pipeline/parts.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -27,7 +28,7 @@ RoadForestSample sample_of(Photo photo, Raster<std::uint8_t> mask) {
 RoadForestSample read_label_map(const fs::path& photo_file, const fs::path& label_file, int threads) {
   const LabelMap labels = io::read_labels(label_file);
   Photo photo = io::read_photo(photo_file, {labels.crs, box_polygon(labels.frame.bounds())}, {.threads = threads});
-  Raster<std::uint8_t> mask = road_mask(labels, photo.frame);
+  Raster<std::uint8_t> mask = forests_part().road_mask(labels, photo.frame);
   return sample_of(std::move(photo), std::move(mask));
 }
 
@@ -39,7 +40,7 @@ RoadMask painted_mask(const io::Feature& feature, const fs::path& file) {
   const auto known = std::ranges::find(classes, tag->second, &ClassInfo::name);
   if (known == classes.end())
     throw InputError(file.string(), fmt::format("class '{}' is none of {}", tag->second, default_class_table().name));
-  return road_mask_of(known->role);
+  return forests_part().road_mask_of(known->role);
 }
 
 /// One sample a painted piece, with a little of the photo around it. Later polygons cover earlier ones.
@@ -92,10 +93,11 @@ StageOutcome run_forests(const ForestsFiles& files, const RoadForestOptions& opt
   if (files.photos.size() != files.labels.size())
     throw OptionError(fmt::format("forests: {} photos but {} labels, give one --labels for each --photo",
                                   files.photos.size(), files.labels.size()));
+  const ForestsPart& part = forests_part();  // missing: said before anything is read
   const std::vector<RoadForestSample> samples = read_samples(files, context);
   RoadForestOptions training = options;
   training.threads = context.threads;
-  const std::string text = save_road_forests(train_road_forests(samples, training));
+  const std::string text = part.save_road_forests(part.train_road_forests(samples, training));
   write_text_file(files.forests, text);
   return {.summary = {fmt::format("{}: learned from {} photos or pieces, {:.1f} MB", files.forests.string(),
                                   samples.size(), static_cast<double>(text.size()) / 1e6)}};

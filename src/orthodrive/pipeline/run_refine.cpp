@@ -11,6 +11,7 @@
 #include "orthodrive/io/raster_io.hpp"
 #include "orthodrive/io/vector_io.hpp"
 #include "orthodrive/io/weights_io.hpp"
+#include "orthodrive/pipeline/parts.hpp"
 #include "orthodrive/pipeline/refine_files.hpp"
 #include "orthodrive/refine/kerb_radius.hpp"
 #include "orthodrive/refine/photo_surface.hpp"
@@ -37,13 +38,15 @@ void check_files(const RefineFiles& files, RefineMethod method) {
 }
 
 RefinedRoads refine_in_photo(const RefineFiles& files, const RunRefineOptions& options, StageContext& context) {
-  const RoadForests forests = load_road_forests(io::read_file(files.forests), files.forests.string());
+  const std::string text = io::read_file(files.forests);
+  const ForestsPart& part = forests_part();
+  const RoadForests forests = part.load_road_forests(text, files.forests.string());
   const SiteFrame site = options.site ? *options.site : site_of_photos({files.photo});
   const PhotoSource photo = io::open_photo(files.photo, site, {.threads = context.threads});
   const OsmRoads& osm = context.sources.osm(files.osm, site);
   MrfRoadsResult result =
-      refine_roads_mrf(osm.roads, mrf_photo_evidence(photo, forests),
-                       {.polygons = options.mrf_polygons, .threads = context.threads}, context.monitor);
+      part.refine_roads_mrf(osm.roads, part.mrf_photo_evidence(photo, forests, {}),
+                            {.polygons = options.mrf_polygons, .threads = context.threads}, context.monitor);
   Findings findings = osm.findings;
   append(findings, result.findings);
   return {std::move(result.roads), {result.converged, result.sweeps}, std::move(findings)};

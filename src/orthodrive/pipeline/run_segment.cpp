@@ -9,7 +9,7 @@
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/model/road_map.hpp"
 #include "orthodrive/pipeline/map_labels.hpp"
-#include "orthodrive/train/adapt_model.hpp"
+#include "orthodrive/pipeline/parts.hpp"
 
 namespace orthodrive {
 namespace fs = std::filesystem;
@@ -161,10 +161,11 @@ StageOutcome run_segment(const SegmentFiles& files, const RunSegmentOptions& opt
   SegmentInputs in(files, options, context);
   std::optional<AdaptReport> adaptation;
   if (options.adapt) {
+    const TrainPart& part = train_part();
     const WeakLabels labels = map_labels(*in.roads, or_else(files.buildings, files.osm),
                                          or_else(files.surroundings, files.osm), in.site, in.model.classes);
-    const AdaptedModel adapted = adapt_model(io::read_weights(in.model_file), in.model_file.string(), in.photo, labels,
-                                             in.map, {.threads = context.threads}, context.monitor);
+    const AdaptedModel adapted = part.adapt_model(io::read_weights(in.model_file), in.model_file.string(), in.photo,
+                                                  labels, in.map, {.threads = context.threads}, context.monitor);
     adaptation = adapted.report;
     if (adapted.report.kept) {
       in.model = load_model(adapted.file, in.model_file.string() + ", adapted");
@@ -234,7 +235,7 @@ BuildStage segment_stage(SiteBuild& build) {
                 for (const fs::path& photo : site.photos) (void)io::raster_info(photo);
                 const SegmentModel& model = build.context.sources.model(model_file);
                 (void)choose_crf(model, model_file, options, build.context);
-                if (site.adapt) require_adaptable(model, model_file.string());
+                if (site.adapt) train_part().require_adaptable(model, model_file.string());
               },
           .run = [=, &build] { return run_segment(files, options, build.context); },
           .help = help};

@@ -161,8 +161,6 @@ SynthSite make_track_site(const SynthFiles& files, const SynthOptions& options, 
 }
 }  // namespace
 
-std::vector<std::string> world_names() { return synth::world_names(); }
-
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context) {
   SynthOptions made = options;
   made.threads = context.threads;

@@ -2,9 +2,6 @@
 #pragma once
 // `orthodrive synth`: a plan -> a synthetic site with exact truth, as files.
 
-#include <string>
-#include <vector>
-
 #include "orthodrive/pipeline/stage_context.hpp"
 #include "orthodrive/pipeline/stage_outcome.hpp"
 #include "orthodrive/synth/make_site.hpp"
@@ -19,9 +16,6 @@ struct SynthFiles {
   std::filesystem::path textures;       ///< folder that `tools/paint quilt` wrote; empty: none
   std::filesystem::path folder;         ///< written: site.toml (last), its sources, and the truth in truth/
 };
-
-/// Worlds that SynthOptions can name (docs/synth_worlds.md).
-[[nodiscard]] std::vector<std::string> world_names();
 
 /// `preset` counts where there is no track.
 StageOutcome run_synth(const SynthFiles& files, Preset preset, const SynthOptions& options, StageContext& context);

@@ -20,8 +20,8 @@
 #include "orthodrive/io/weights_io.hpp"
 #include "orthodrive/nets/make_network.hpp"
 #include "orthodrive/pipeline/packed_scenes.hpp"
+#include "orthodrive/pipeline/parts.hpp"
 #include "orthodrive/pipeline/training_data.hpp"
-#include "orthodrive/pipeline/training_run.hpp"
 #include "orthodrive/train/disturbed_map.hpp"
 
 namespace orthodrive {
@@ -102,24 +102,24 @@ fs::path write_portable_weights(const fs::path& file, const fs::path& pack) {
 void run_train(const TrainFiles& files, const RunTrainOptions& options, StageContext& context) {
   OpenExperiment open = open_experiment(files, context);
   open.experiment.train.cuda = options.cuda;
-  prepare_training_folder(files.folder, options.resume, options.crf);
+  train_part().prepare_training_folder(files.folder, options.resume, options.crf);
   TrainingData data = read_data(open, files.experiment, context);
   const auto read_all_weights = [&open] {
     std::vector<WeightsSource> sources;
     for (const fs::path& file : open.experiment.weights) sources.push_back(read_weights(file));
     return sources;
   };
-  run_training({.out = files.folder,
-                .experiment_text = open.text,
-                .experiment = open.experiment,
-                .network = open.network.spec,
-                .classes = open.network.classes,
-                .scenes = std::move(data.scenes),
-                .validation = std::move(data.validation),
-                .read_weights = read_all_weights,
-                .resume = options.resume,
-                .crf = options.crf},
-               context.monitor);
+  train_part().run_training({.out = files.folder,
+                             .experiment_text = open.text,
+                             .experiment = open.experiment,
+                             .network = open.network.spec,
+                             .classes = open.network.classes,
+                             .scenes = std::move(data.scenes),
+                             .validation = std::move(data.validation),
+                             .read_weights = read_all_weights,
+                             .resume = options.resume,
+                             .crf = options.crf},
+                            context.monitor);
 }
 
 namespace {
@@ -169,13 +169,13 @@ void preview_training(const TrainFiles& files, StageContext& context) {
   const NetworkSpec& spec = open.network.spec;
   if (make_network(spec.architecture(), static_cast<int>(classes.classes.size())).map_channels > 0)
     io::write_png(files.folder / "crops_with_map.png",
-                  preview_crops(data.scenes, open.experiment.train, spec.gsd_m, map_classes(classes)));
+                  preview_crops(data.scenes, open.experiment.train, spec.gsd_m, train_part().map_classes(classes)));
 }
 
 void pack_training(const TrainFiles& files, const fs::path& pack, const RunTrainOptions& options,
                    StageContext& context) {
   const OpenExperiment open = open_experiment(files, context);
-  if (!files.folder.empty()) prepare_training_folder(files.folder, options.resume, options.crf);
+  if (!files.folder.empty()) train_part().prepare_training_folder(files.folder, options.resume, options.crf);
   TrainingData data = read_data(open, files.experiment, context);
   const NetworkSpec& spec = open.network.spec;
   PackedScenes packed{
@@ -218,19 +218,19 @@ ValidationSets choose_sets(std::vector<ValidationScene> scenes, const std::vecto
 }
 
 /// Of a set, and of a model that sees a map also of the set with its map.
-void measure_set(const SegmentModel& model, const std::vector<ValidationScene>& set, int threads,
+void measure_set(const TrainPart& part, const SegmentModel& model, const std::vector<ValidationScene>& set, int threads,
                  nlohmann::ordered_json& json) {
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };  // NaN becomes null
   double megapixels = 0.0;
   for (const ValidationScene& scene : set) megapixels += 1e-6 * static_cast<double>(scene.allowed.data.size());
   const auto start = std::chrono::steady_clock::now();
-  const auto scores = measure_model(model, set, threads);
+  const auto scores = part.measure_model(model, set, threads);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (const auto& [name, of_set] : scores) {
     const LabelScore& score = of_set.labels;
     const auto said = static_cast<double>(of_set.said_road);
     nlohmann::ordered_json& entry = json[name];
-    entry = {{"road_iou", rounded(score.iou(road_label(model.classes)))},
+    entry = {{"road_iou", rounded(score.iou(part.road_label(model.classes)))},
              {"mean_iou", rounded(score.mean_iou())},
              {"pixel_accuracy", rounded(score.pixel_accuracy())},
              {"road_stated", rounded(of_set.stated_road / said)},
@@ -245,13 +245,14 @@ void measure_set(const SegmentModel& model, const std::vector<ValidationScene>& 
 
 nlohmann::ordered_json measure_on_held_out_data(const TrainFiles& files, const MeasureOptions& options,
                                                 StageContext& context) {
+  const TrainPart& part = train_part();  // missing: said before the data are read
   const OpenExperiment open = open_experiment(files, context);
   std::vector<ValidationScene> scenes = read_held_out_data(open.experiment, open.network.spec.gsd_m,
                                                            open.network.classes, context.threads, context.monitor);
   const SegmentModel model = read_measured_model(options, open.network.classes);
   nlohmann::ordered_json json;
   for (const auto& [name, set] : choose_sets(std::move(scenes), options.sets))
-    measure_set(model, set, context.threads, json);
+    measure_set(part, model, set, context.threads, json);
   return json;
 }
 

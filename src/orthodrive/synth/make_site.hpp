@@ -3,6 +3,7 @@
 // A synthetic site with exact truth: what a real site would deliver (photo, OSM, terrain models) and what no real site
 // has (the roads as they are). docs/synth.md describes what is in it. Plans: plan_presets.hpp, plan_from_track.hpp.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -18,6 +19,11 @@ namespace orthodrive {
 namespace synth {
 struct SitePlan;
 }
+
+/// Of the worlds that have a name (synth/world.hpp); "random" is not among them.
+inline constexpr std::array world_names{"baltic",       "japan",    "japan_winter", "japan_film", "america",
+                                        "america_fall", "prairie",  "france",       "bohemia",    "winter",
+                                        "south",        "himalaya", "overcast"};
 
 struct SynthOptions {
   double size_m = 1000.0;  ///< edge of the square site, a multiple of 10 m; of the presets, a track brings its own

@@ -5,10 +5,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "orthodrive/core/error.hpp"
 #include "orthodrive/core/random.hpp"
 #include "orthodrive/model/road_network.hpp"
+#include "orthodrive/synth/make_site.hpp"
 #include "orthodrive/synth/noise.hpp"
 
 namespace orthodrive::synth {
@@ -318,6 +320,7 @@ constexpr std::array recipes{
     Recipe{"himalaya", "humid winter", "unpaved", "haze", "flat"},
     Recipe{"overcast", "summer", "baltic", "overcast", "sheet metal"},
 };
+static_assert(std::ranges::equal(recipes, world_names, std::equal_to<std::string_view>(), &Recipe::name));
 
 template <typename T>
 const T& named(const std::vector<T>& table, std::string_view name) {
@@ -365,12 +368,6 @@ const std::vector<FieldLook>& field_looks() {
   return looks;
 }
 
-std::vector<std::string> world_names() {
-  std::vector<std::string> names;
-  for (const Recipe& recipe : recipes) names.emplace_back(recipe.name);
-  return names;
-}
-
 World make_world(std::string_view name, std::uint64_t seed) {
   if (name == "random") {
     Random random(derive_seed(seed, 21));
@@ -380,7 +377,7 @@ World make_world(std::string_view name, std::uint64_t seed) {
   const auto it = std::find_if(recipes.begin(), recipes.end(), [&](const Recipe& r) { return name == r.name; });
   if (it == recipes.end())
     throw OptionError(
-        fmt::format("there is no world '{}', need random or one of {}", name, fmt::join(world_names(), ", ")));
+        fmt::format("there is no world '{}', need random or one of {}", name, fmt::join(world_names, ", ")));
   return {it->name, &named(seasons, it->season), &named(streets_table, it->streets), &named(lights, it->light),
           &named(roofs_table, it->roofs)};
 }

@@ -2,7 +2,7 @@
 #pragma once
 // What a site looks like besides its plan: season, streets, light, roofs. Domain randomisation (Tobin et al. 2017): a
 // seed draws each of them on its own, or all as they come together somewhere. docs/synth_worlds.md.
-// To add a world, add a row to the tables in world.cpp.
+// To add a world, add a row to the tables in world.cpp and its name to world_names in make_site.hpp.
 
 #include <array>
 #include <cstdint>
@@ -67,9 +67,8 @@ struct World {
   const Roofs* roofs = nullptr;
 };
 
-/// Of the worlds that have a name; "random" is not among them.
-[[nodiscard]] std::vector<std::string> world_names();
-/// "random": season, streets, light and roofs are drawn by seed, each on its own. Throws OptionError.
+/// Of world_names (make_site.hpp), or "random": season, streets, light and roofs are drawn by seed, each on its own.
+/// Throws OptionError.
 [[nodiscard]] World make_world(std::string_view name, std::uint64_t seed);
 
 /// Gives every road but those whose surface the plan says its pavement, with the tag that OSM has for it.
