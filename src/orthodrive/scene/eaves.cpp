@@ -94,7 +94,7 @@ struct Moved {
   int planes = 0;
 };
 using MovedPoints = std::map<Key, Moved>;
-constexpr double least_m2 = 1e-4;
+constexpr double least_eave_m2 = 1e-4;
 
 Border border_of(const Roof& roof) {
   Border border;
@@ -129,7 +129,7 @@ bool move_slopes(const Roof& roof, const MovedPoints& moved, Eaves& eaves) {
   for (auto slope : roof.slopes) {
     for (Vec3& p : slope)
       if (const auto found = moved.find(key_of(p)); found != moved.end()) p = found->second.at;
-    if (plan_area(slope) < least_m2) return false;
+    if (plan_area(slope) < least_eave_m2) return false;
     eaves.slopes.push_back(slope);
   }
   return true;
@@ -197,7 +197,7 @@ Eaves with_eaves(const Roof& roof, const Ring& outer, std::span<const double> ou
   if (!below) return as_it_is;
   add_soffits(*below, eaves);
   for (const auto& soffit : eaves.soffits)
-    if (plan_area(soffit) > -least_m2) return as_it_is;
+    if (plan_area(soffit) > -least_eave_m2) return as_it_is;
   return eaves;
 }
 
