@@ -43,7 +43,8 @@ std::vector<KernelFamily> supported_kernel_families() {
 }
 
 KernelFamily kernel_family_named(const std::string& name) {
-  const auto found = std::ranges::find(all_families, name, to_string);
+  const auto found =
+      std::ranges::find(all_families, name, [](KernelFamily family) { return std::string(to_string(family)); });
   if (found == all_families.end())
     throw OptionError(fmt::format("kernel family '{}' is unknown: use plain, avx2 or avx512", name));
   if (std::ranges::count(supported_kernel_families(), *found) == 0)

@@ -20,11 +20,10 @@
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 /// Everything of a site that is not a file, for run.json.
-json options_of(const Site& site) {
-  json options = frame_options(site.frame);
+nlohmann::json options_of(const Site& site) {
+  nlohmann::json options = frame_options(site.frame);
   options.update({{"name", site.name},
                   {"model", site.model},
                   {"crf", site.crf},
@@ -52,13 +51,13 @@ void remove_leftovers(const fs::path& out_dir, const std::vector<BuildStage>& st
 }
 
 /// Of the result and of the input against the site's truth; null without truth.
-json score_build(const Site& site, const fs::path& out_dir) {
+nlohmann::json score_build(const Site& site, const fs::path& out_dir) {
   if (site.truth_dir.empty()) return nullptr;
   return {{"result", score_site({out_dir, site.truth_dir})},
           {"input", {{"roads", score_roads({site.osm.front(), site.truth_dir})}}}};
 }
 
-json to_json(const StageRecord& record) {
+nlohmann::json to_json(const StageRecord& record) {
   return {{"stage", record.stage},
           {"seconds", record.seconds},
           {"peak_memory_bytes", record.peak_memory_bytes},
@@ -82,7 +81,7 @@ class StageRunner {
     return record;
   }
   /// The report is not a cached stage: it shows the timings, which change. It costs a few seconds.
-  StageRecord report(const std::vector<StageRecord>& records, const json& scores) {
+  StageRecord report(const std::vector<StageRecord>& records, const nlohmann::json& scores) {
     return cache_.run("report", {}, {}, [&] { return run_report(build_, records, scores); });
   }
 
@@ -155,12 +154,12 @@ BuildResult build_site(const Site& site, const fs::path& out_dir, const BuildOpt
 
   Findings findings = site.findings;
   for (const StageRecord& record : result.stages) append(findings, record.outcome.findings);
-  const json scores = score_build(site, out_dir);
+  const nlohmann::json scores = score_build(site, out_dir);
   result.stages.push_back(runner.report(result.stages, scores));
   io::write_findings(out_dir / "findings.geojson", findings, site.frame.crs);
 
-  json run{{"tool", "orthodrive"},    {"version", options.version},      {"site", options_of(site)},
-           {"inputs", sources.all()}, {"attribution", site.attribution}, {"stages", json::array()}};
+  nlohmann::json run{{"tool", "orthodrive"},    {"version", options.version},      {"site", options_of(site)},
+                     {"inputs", sources.all()}, {"attribution", site.attribution}, {"stages", nlohmann::json::array()}};
   for (const StageRecord& record : result.stages) run["stages"].push_back(to_json(record));
   if (!scores.is_null()) run["scores"] = scores;
   write_text_file(out_dir / "run.json", run.dump(1) + "\n");

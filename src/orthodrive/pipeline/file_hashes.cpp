@@ -14,7 +14,6 @@
 
 namespace orthodrive {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 namespace {
 std::int64_t in_ns(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
@@ -43,13 +42,13 @@ bool is_racy(const FileStamp& stamp, std::int64_t now_ns) {
 FileHashes::FileHashes(fs::path kept_in) : kept_in_(std::move(kept_in)) {
   std::ifstream in(kept_in_);
   if (!in) return;
-  const json kept = json::parse(in, nullptr, false);
+  const nlohmann::json kept = nlohmann::json::parse(in, nullptr, false);
   try {
     for (const auto& [file, k] : kept.items())
       known_[file] = {{k.at(0).get<std::uint64_t>(), k.at(1).get<std::uint64_t>(), k.at(2).get<std::int64_t>(),
                        k.at(3).get<std::int64_t>()},
                       k.at(4).get<std::string>()};
-  } catch (const json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     known_.clear();  // all is read again
   }
 }
@@ -83,10 +82,11 @@ std::string FileHashes::hash(const fs::path& path) {
 }
 
 void FileHashes::keep() const {
-  json kept = json::object();
+  nlohmann::json kept = nlohmann::json::object();
   for (const auto& [file, k] : known_)
     if (k.asked)
-      kept[file] = json::array({k.stamp.size, k.stamp.inode, k.stamp.modified_ns, k.stamp.changed_ns, k.hash});
+      kept[file] =
+          nlohmann::json::array({k.stamp.size, k.stamp.inode, k.stamp.modified_ns, k.stamp.changed_ns, k.hash});
   write_text_file(kept_in_, kept.dump(0) + "\n");
 }
 

@@ -14,7 +14,6 @@
 
 namespace orthodrive {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 std::vector<BuildStage> stages_of(SiteBuild& build) {
   require_site_files(build.site);
@@ -34,15 +33,16 @@ StageDependencies dependencies_of(const BuildStage& stage, const WatchedSources&
 
 bool is_reported(const fs::path& out_dir, const std::vector<BuildStage>& stages, const StageCache& cache) {
   std::ifstream in(out_dir / "run.json");
-  const json run = json::parse(in, nullptr, false);
+  const nlohmann::json run = nlohmann::json::parse(in, nullptr, false);
   const auto tells_of = [&](const BuildStage& stage) {
     const std::string key = cache.load(stage.name).key;
-    return std::ranges::any_of(
-        run.at("stages"), [&](const json& told) { return told.at("stage") == stage.name && told.at("key") == key; });
+    return std::ranges::any_of(run.at("stages"), [&](const nlohmann::json& told) {
+      return told.at("stage") == stage.name && told.at("key") == key;
+    });
   };
   try {
     return std::ranges::all_of(stages, tells_of);
-  } catch (const json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return false;
   }
 }

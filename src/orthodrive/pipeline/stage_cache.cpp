@@ -16,10 +16,9 @@
 namespace orthodrive {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
-json to_json(const Findings& findings) {
-  json list = json::array();
+nlohmann::json to_json(const Findings& findings) {
+  nlohmann::json list = nlohmann::json::array();
   for (const Finding& f : findings)
     list.push_back({{"severity", static_cast<int>(f.severity)},
                     {"code", f.code},
@@ -29,22 +28,22 @@ json to_json(const Findings& findings) {
   return list;
 }
 
-Findings findings_from_json(const json& list) {
+Findings findings_from_json(const nlohmann::json& list) {
   Findings findings;
-  for (const json& f : list)
+  for (const nlohmann::json& f : list)
     findings.push_back(
         {static_cast<Severity>(f.at("severity").get<int>()), f.at("code"), f.at("message"), f.at("x"), f.at("y")});
   return findings;
 }
 
-json to_json(const StageDependencies& now) {
-  json reads = json::object();
-  for (const auto& [name, hash] : now.reads) reads[name] = hash ? json(*hash) : json();
+nlohmann::json to_json(const StageDependencies& now) {
+  nlohmann::json reads = nlohmann::json::object();
+  for (const auto& [name, hash] : now.reads) reads[name] = hash ? nlohmann::json(*hash) : nlohmann::json();
   return {{"version", now.version}, {"options", now.options}, {"sources", now.sources}, {"reads", reads}};
 }
 
 /// What of two objects differs, by name.
-std::set<std::string> different_names(const json& before, const json& now) {
+std::set<std::string> different_names(const nlohmann::json& before, const nlohmann::json& now) {
   std::set<std::string> names;
   for (const auto& [name, value] : before.items())
     if (!now.contains(name) || now.at(name) != value) names.insert(name);
@@ -53,7 +52,7 @@ std::set<std::string> different_names(const json& before, const json& now) {
   return names;
 }
 
-std::string option_reason(const std::string& name, const json& before, const json& now) {
+std::string option_reason(const std::string& name, const nlohmann::json& before, const nlohmann::json& now) {
   constexpr std::size_t most = 60;  // longer ones are lists and hashes, which say nothing to a person
   const std::string from = before.contains(name) ? before.at(name).dump() : "unset",
                     to = now.contains(name) ? now.at(name).dump() : "unset";
@@ -61,12 +60,13 @@ std::string option_reason(const std::string& name, const json& before, const jso
   return fmt::format("option {} was {}, is {}", name, from, to);
 }
 
-std::string source_reason(const std::string& role, const json& before, const json& now) {
-  const json none = json::array();
-  const json &was = before.contains(role) ? before.at(role) : none, &is = now.contains(role) ? now.at(role) : none;
+std::string source_reason(const std::string& role, const nlohmann::json& before, const nlohmann::json& now) {
+  const nlohmann::json none = nlohmann::json::array();
+  const nlohmann::json &was = before.contains(role) ? before.at(role) : none,
+                       &is = now.contains(role) ? now.at(role) : none;
   std::map<std::string, std::string> hashes;
-  for (const json& file : was) hashes[file.at("file")] = file.at("hash");
-  for (const json& file : is) {
+  for (const nlohmann::json& file : was) hashes[file.at("file")] = file.at("hash");
+  for (const nlohmann::json& file : is) {
     const auto found = hashes.find(file.at("file"));
     if (found == hashes.end()) return fmt::format("source {}: {} is new", role, file.at("file").get<std::string>());
     if (found->second != file.at("hash"))
@@ -77,7 +77,7 @@ std::string source_reason(const std::string& role, const json& before, const jso
 }
 
 /// Reasons by comparing what a record says with what counts now.
-StageChanges compare(const json& before, const json& now) {
+StageChanges compare(const nlohmann::json& before, const nlohmann::json& now) {
   StageChanges changes;
   if (before.at("version") != now.at("version"))
     changes.reasons.push_back(
@@ -111,7 +111,7 @@ StageChanges StageCache::changes(const std::string& stage, const StageDependenci
   const fs::path file = private_file(stage + ".json");
   std::ifstream in(file);
   if (!in) return {.reasons = {fs::exists(file) ? "its record cannot be read" : "it has not run here"}};
-  const json record = json::parse(in, nullptr, false);
+  const nlohmann::json record = nlohmann::json::parse(in, nullptr, false);
   try {
     if (!record.is_object() || !record.contains("depends")) return {.reasons = {"no record of it can be used"}};
     StageChanges changes = compare(record.at("depends"), to_json(now));
@@ -124,14 +124,14 @@ StageChanges StageCache::changes(const std::string& stage, const StageDependenci
     }
     (void)load(stage);
     return changes;
-  } catch (const json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return {.reasons = {"its record is damaged"}};
   }
 }
 
 StageRecord StageCache::load(const std::string& stage) const {
   std::ifstream in(private_file(stage + ".json"));
-  const json record = json::parse(in);
+  const nlohmann::json record = nlohmann::json::parse(in);
   return {.stage = stage,
           .key = record.at("key"),
           .outcome = {.numbers = record.at("numbers"), .findings = findings_from_json(record.at("findings"))},
@@ -145,20 +145,20 @@ StageRecord StageCache::run(const std::string& stage, const StageDependencies& n
                             const std::vector<std::string>& outputs, const std::function<StageOutcome()>& body) {
   throw_if_stopped();
   reset_peak_memory();
-  const json depends = to_json(now);
+  const nlohmann::json depends = to_json(now);
   const auto start = std::chrono::steady_clock::now();
   StageRecord record{.stage = stage, .key = key_of(stage, now), .outcome = body()};
   record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   record.peak_memory_bytes = peak_memory_bytes();
   for (const std::string& name : outputs) record.outputs[name] = hashes_.hash(out_dir_ / name);
 
-  const json file{{"key", record.key},
-                  {"depends", depends},
-                  {"numbers", record.outcome.numbers},
-                  {"findings", to_json(record.outcome.findings)},
-                  {"seconds", record.seconds},
-                  {"peak_memory_bytes", record.peak_memory_bytes},
-                  {"outputs", record.outputs}};
+  const nlohmann::json file{{"key", record.key},
+                            {"depends", depends},
+                            {"numbers", record.outcome.numbers},
+                            {"findings", to_json(record.outcome.findings)},
+                            {"seconds", record.seconds},
+                            {"peak_memory_bytes", record.peak_memory_bytes},
+                            {"outputs", record.outputs}};
   write_text_file(private_file(stage + ".json"), file.dump(1) + "\n");
   return record;
 }

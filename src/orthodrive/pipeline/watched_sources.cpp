@@ -9,7 +9,6 @@
 
 namespace orthodrive {
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 WatchedSources::WatchedSources(const std::vector<BuildStage>& stages) {
   for (const BuildStage& stage : stages)
@@ -38,8 +37,8 @@ void WatchedSources::read(FileHashes& hashes) {
       hashes_[role].push_back({{"file", file.filename().string()}, {"hash", files_.at(file).hash}});
 }
 
-json WatchedSources::of(const BuildStage& stage) const {
-  json result = json::object();
+nlohmann::json WatchedSources::of(const BuildStage& stage) const {
+  nlohmann::json result = nlohmann::json::object();
   for (const SourceRole& source : stage.sources)
     if (!source.files.empty()) result[source.role] = hashes_.at(source.role);
   return result;
