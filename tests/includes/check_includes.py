@@ -22,7 +22,8 @@ import sys
 STAGES = {"segment", "refine", "elevate", "network", "scene", "drive", "synth", "evaluate"}
 # Rooms that read and write; roadquery, vehicle and fmu read the files they work on, and ship alone.
 FILE_ROOMS = {"io", "remote", "pipeline", "app", "roadquery", "vehicle", "fmu"}
-# core hashes files, writes them aside, looks for the models' folder, loads our libraries and asks the kernel for its memory: for every room.
+# core hashes files, writes them aside, looks for the models' folder, loads our libraries and asks the kernel for its
+# memory: for every room.
 FILE_ACCESS = {
     "orthodrive/core/atomic_file",
     "orthodrive/core/find_resource",

@@ -4,10 +4,27 @@
 Each run is a process of its own; the files are in the system's cache after the first, which does not count.
 """
 
+import os
+import pathlib
+import re
 import statistics
+import subprocess
 import tempfile
+import time
 
-from measuring.common import *
+from measuring.common import (
+    PAGES,
+    add_table,
+    add_tool,
+    commit,
+    fixed,
+    header,
+    machine,
+    read_results,
+    row,
+    write_between,
+    write_results,
+)
 
 STORE, PAGE = "start.json", PAGES / "start.md"
 RUNS = {
@@ -27,7 +44,7 @@ def add_arguments(parser):
 def milliseconds(words, runs):
     def one():
         begin = time.perf_counter()
-        subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
         return 1000 * (time.perf_counter() - begin)
 
     one()
@@ -38,7 +55,7 @@ def libraries(words):
     """All that the loader loads, at the start or later."""
     with tempfile.TemporaryDirectory() as folder:
         environment = {**os.environ, "LD_DEBUG": "files", "LD_DEBUG_OUTPUT": f"{folder}/log"}
-        subprocess.run(words, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(words, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
         return len(
             {
                 name
@@ -80,9 +97,9 @@ def table(n):
             ]
         )
     return (
-        f"Commit {n['commit']}, {n['runs']} runs each, {n['machine']['cores']} cores, {n['machine']['cpu']}, load {n['load']} at the start.\n\n"
-        + lines
-    )
+        f"Commit {n['commit']}, {n['runs']} runs each, {n['machine']['cores']} cores, {n['machine']['cpu']}, load "
+        f"{n['load']} at the start.\n\n"
+    ) + lines
 
 
 def run(args):
