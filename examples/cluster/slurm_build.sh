@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds a site on a Slurm cluster whose nodes share the output folder: an array of jobs, all of which work on the build until
 # it is complete. Truth is what lies in the folder, never the queue: while a stage is missing, they are started again.
 #   examples/cluster/slurm_build.sh SITE.toml OUT [JOBS [SBATCH OPTION...]]

@@ -649,30 +649,36 @@ class Osm(Case):
         self.assertIn("region.osm: not an OSM file", self.fails())
 
 
+def wmts_capabilities(left, top, pixel):
+    """One layer in UTM with two levels; SERVER stands for the address."""
+
+    def matrix(name, gsd, count):
+        return (
+            f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>"
+            f"{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
+            f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth>"
+            f"<MatrixHeight>{count}</MatrixHeight></TileMatrix>"
+        )
+
+    template = "SERVER/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
+    return (
+        '<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1">'
+        "<Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>"
+        '<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" '
+        f'resourceType="tile" template="{template}"/></Layer>'
+        "<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>"
+        "urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>"
+        f"{matrix('a', 3.2, 100)}{matrix('b', pixel, 400)}</TileMatrixSet></Contents></Capabilities>"
+    )
+
+
 class Wmts(Case):
     """A grid in UTM with holes, as MapProxy would not have them."""
 
     def test_tiles_that_are_not_there_are_invalid_in_a_geotiff(self):
         left, top, pixel = 540000.0, 5550000.0, 0.8
 
-        def matrix(name, gsd, count):
-            return (
-                f"<TileMatrix><ows:Identifier>{name}</ows:Identifier><ScaleDenominator>"
-                f"{gsd / 0.00028}</ScaleDenominator><TopLeftCorner>{left} {top}</TopLeftCorner>"
-                f"<TileWidth>200</TileWidth><TileHeight>200</TileHeight><MatrixWidth>{count}</MatrixWidth>"
-                f"<MatrixHeight>{count}</MatrixHeight></TileMatrix>"
-            )
-
-        template = "SERVER/t/{TileMatrixSet}/{TileMatrix}/{TileRow}/{TileCol}.png"
-        text = (
-            '<Capabilities xmlns="http://www.opengis.net/wmts/1.0" xmlns:ows="http://www.opengis.net/ows/1.1">'
-            "<Contents><Layer><ows:Identifier>photo</ows:Identifier><Format>image/png</Format>"
-            '<TileMatrixSetLink><TileMatrixSet>u</TileMatrixSet></TileMatrixSetLink><ResourceURL format="image/png" '
-            f'resourceType="tile" template="{template}"/></Layer>'
-            "<TileMatrixSet><ows:Identifier>u</ows:Identifier><ows:SupportedCRS>"
-            "urn:ogc:def:crs:EPSG::32633</ows:SupportedCRS>"
-            f"{matrix('a', 3.2, 100)}{matrix('b', pixel, 400)}</TileMatrixSet></Contents></Capabilities>"
-        )
+        text = wmts_capabilities(left, top, pixel)
 
         def answer(method, path, headers, body):
             if "xml" in path:

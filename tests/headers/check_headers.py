@@ -24,7 +24,7 @@ def includes_of(text):
 
 
 def to_compile(texts):
-    """The headers that no other one proves; texts by name. A ring of first includes proves nothing; none may be made."""
+    """The headers that no other one proves; texts by name. A ring of first includes proves nothing."""
     first = {name: includes_of(text)[:1] for name, text in texts.items()}
     proved = {found[0][1] for name, found in first.items() if found and found[0][0] and found[0][1] != name}
     return sorted(name for name in texts if name not in proved)

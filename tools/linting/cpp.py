@@ -74,15 +74,15 @@ def all_includes_of(name):
 
 def sources_for(names, sources):
     """Where changed files are seen: a header in the source of its name, or in the first that includes it."""
-    wanted = set()
+    wanted = {}  # in the order of the changes
     for name in cpp_files(names):
         if name in sources:
-            wanted.add(name)
+            wanted[name] = True
         elif (own := str(pathlib.PurePath(name).with_suffix(".cpp"))) in sources:
-            wanted.add(own)
+            wanted[own] = True
         elif others := [s for s in sources if name in all_includes_of(s)]:
-            wanted.add(others[0])
-    return sorted(wanted)
+            wanted[others[0]] = True
+    return list(wanted)
 
 
 def for_clang(command):

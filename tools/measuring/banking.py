@@ -225,8 +225,12 @@ def bends_of(paths, highways, ground):
     return bends
 
 
-def draw(bends, ground):
-    """Three bends that fall to the outside, of three ways: the longest runs."""
+PANEL_WIDE, PANEL_TALL = 300, 250  # px
+HALF_M = 16  # of what is shown across
+
+
+def bends_to_draw(bends):
+    """Three bends that fall to the outside, of three ways: the longest runs. (middle, run)"""
     runs = []
     for r in bends:
         if r["slope"] * r["curvature"] <= 0 or abs(r["slope"]) < 0.015:
@@ -244,65 +248,75 @@ def draw(bends, ground):
             and run[0]["highway"] not in [r["highway"] for r, _ in shown]
         ):
             shown.append((run[len(run) // 2], run))
-    wide, tall, half = 300, 250, 16
+    return shown
+
+
+def draw_bend(n, r, run, ground, out):
+    x0, node = n * PANEL_WIDE, r["node"]
+    sections = [
+        [
+            (t / 2, ground.at(q["node"]["x"] + q["left"][0] * t / 2, q["node"]["y"] + q["left"][1] * t / 2))
+            for t in range(-2 * HALF_M, 2 * HALF_M + 1)
+        ]
+        for q in run
+    ]
+    sections = [
+        ([(t, z - q["node"]["z_m"]) for t, z in s if z is not None]) for s, q in zip(sections, run, strict=True)
+    ]
+    size = 3.0
+    out.append(
+        f'<clipPath id="panel{n}"><rect x="{x0 + 10}" y="40" width="{PANEL_WIDE - 20}" height="{PANEL_TALL - 60}"/>'
+        "</clipPath>"
+    )
+
+    def px(t):
+        return x0 + PANEL_WIDE / 2 - t * (PANEL_WIDE / 2 - 20) / HALF_M  # seen along the road: left is left
+
+    def py(z):
+        return PANEL_TALL / 2 + 10 - z * 90 / size
+
+    def line(points, style):
+        return out.append(
+            f'<polyline clip-path="url(#panel{n})" fill="none" {style} points="'
+            + " ".join(f"{px(t):.1f},{py(z):.1f}" for t, z in points)
+            + '"/>'
+        )
+
+    w = node["width_m"] / 2
+    out.append(f'<rect x="{px(w):.1f}" y="40" width="{px(-w) - px(w):.1f}" height="{PANEL_TALL - 60}" fill="#eee"/>')
+    for s in sections[::2]:
+        line(s, 'stroke="#9ab" stroke-width="0.6"')
+    line(sections[len(run) // 2], 'stroke="#245" stroke-width="1.6"')
+    roof = math.tan(node["crown"])
+    line(
+        [(w, w * r["slope"] - w * roof), (0, 0), (-w, -w * r["slope"] - w * roof)],
+        'stroke="#d33" stroke-width="2.2"',
+    )
+    side = "left" if r["curvature"] > 0 else "right"
+    out.append(
+        f'<text x="{x0 + 12}" y="16">{r["highway"]}, bends to the {side}, R {abs(1 / r["curvature"]):.0f} m</text>'
+    )
+    out.append(
+        f'<text x="{x0 + 12}" y="31" fill="#555">banking {100 * r["slope"]:.1f} %, hill over 20 m '
+        f"{100 * r['hill']:.0f} %</text>"
+    )
+
+
+def draw(bends, ground):
     out = [
         (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {3 * wide} {tall}" font-family="sans-serif" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {3 * PANEL_WIDE} {PANEL_TALL}" '
+            'font-family="sans-serif" '
             'font-size="11">'
         ),
-        f'<rect width="{3 * wide}" height="{tall}" fill="white"/>',
+        f'<rect width="{3 * PANEL_WIDE}" height="{PANEL_TALL}" fill="white"/>',
     ]
-    for n, (r, run) in enumerate(shown):
-        x0, node = n * wide, r["node"]
-        sections = [
-            [
-                (t / 2, ground.at(q["node"]["x"] + q["left"][0] * t / 2, q["node"]["y"] + q["left"][1] * t / 2))
-                for t in range(-2 * half, 2 * half + 1)
-            ]
-            for q in run
-        ]
-        sections = [
-            ([(t, z - q["node"]["z_m"]) for t, z in s if z is not None]) for s, q in zip(sections, run, strict=True)
-        ]
-        size = 3.0
-        out.append(
-            f'<clipPath id="panel{n}"><rect x="{x0 + 10}" y="40" width="{wide - 20}" height="{tall - 60}"/></clipPath>'
-        )
-
-        def px(t):
-            return x0 + wide / 2 - t * (wide / 2 - 20) / half  # seen along the road: left is left
-
-        def py(z):
-            return tall / 2 + 10 - z * 90 / size
-
-        def line(points, style):
-            return out.append(
-                f'<polyline clip-path="url(#panel{n})" fill="none" {style} points="'
-                + " ".join(f"{px(t):.1f},{py(z):.1f}" for t, z in points)
-                + '"/>'
-            )
-
-        w = node["width_m"] / 2
-        out.append(f'<rect x="{px(w):.1f}" y="40" width="{px(-w) - px(w):.1f}" height="{tall - 60}" fill="#eee"/>')
-        for s in sections[::2]:
-            line(s, 'stroke="#9ab" stroke-width="0.6"')
-        line(sections[len(run) // 2], 'stroke="#245" stroke-width="1.6"')
-        roof = math.tan(node["crown"])
-        line(
-            [(w, w * r["slope"] - w * roof), (0, 0), (-w, -w * r["slope"] - w * roof)],
-            'stroke="#d33" stroke-width="2.2"',
-        )
-        side = "left" if r["curvature"] > 0 else "right"
-        out.append(
-            f'<text x="{x0 + 12}" y="16">{r["highway"]}, bends to the {side}, R {abs(1 / r["curvature"]):.0f} m</text>'
-        )
-        out.append(
-            f'<text x="{x0 + 12}" y="31" fill="#555">banking {100 * r["slope"]:.1f} %, hill over 20 m '
-            f"{100 * r['hill']:.0f} %</text>"
-        )
+    for n, (r, run) in enumerate(bends_to_draw(bends)):
+        draw_bend(n, r, run, ground, out)
     out.append(
-        f'<text x="12" y="{tall - 6}" fill="#555">Red: carriageway as measured; dark: 2 m grid across the middle of '
-        f"the bend; light: the rest of it. Seen along the way; ± {half} m across, ± 3 m high (times 3).</text></svg>"
+        f'<text x="12" y="{PANEL_TALL - 6}" fill="#555">Red: carriageway as measured; dark: 2 m grid across the '
+        "middle of "
+        f"the bend; light: the rest of it. Seen along the way; ± {HALF_M} m across, ± 3 m high (times 3).</text></svg>"
     )
     (IMAGES / "banking_bends.svg").write_text("\n".join(out) + "\n")
 

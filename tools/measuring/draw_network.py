@@ -83,6 +83,15 @@ def borders(road):
     return result, section.find("center/lane")
 
 
+def outer_edges(lanes):
+    """Of the outermost lanes; a one-way road's inner edge is that of its first lane."""
+    sides = {
+        sign: [(inner, outer) for lane, inner, outer in lanes if int(lane.get("id")) * sign > 0] for sign in (1, -1)
+    }
+    edges = [side[-1][1] for side in sides.values() if side]
+    return edges if len(edges) > 1 else [*edges, lanes[0][1]]
+
+
 def draw(root, cx, cy, half):
     """SVG shapes of the place, from below upwards; what lies outside it is left out."""
     shapes = []  # (order, svg)
@@ -130,15 +139,7 @@ def draw(root, cx, cy, half):
                 )
         for kind, dash in (("bridge", ""), ("tunnel", ' stroke-dasharray="2 2"')):
             if road.find(f"objects/{kind}") is not None:
-                # The outer edges of the outermost lanes; a one-way road's inner edge is that of its first lane.
-                sides = {
-                    sign: [(inner, outer) for lane, inner, outer in lanes if int(lane.get("id")) * sign > 0]
-                    for sign in (1, -1)
-                }
-                edges = [side[-1][1] for side in sides.values() if side]
-                if len(edges) == 1:
-                    edges.append(lanes[0][1])
-                for line in edges:
+                for line in outer_edges(lanes):
                     add(
                         layer * 10 + 2,
                         "polyline",

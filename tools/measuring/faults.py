@@ -184,19 +184,19 @@ def in_namespace(*words):
     return json.loads(run.stdout)
 
 
-def other_faults(tool, site, out, whole):
-    rows = {}
+def no_permission(tool, site, out, whole):
     permission = Case()
-    if os.getuid() == 0:
-        for stage in STAGES[:-1]:
-            shutil.rmtree(out, ignore_errors=True)
-            shutil.copytree(out.parent / "whole", out)
-            (out / f".orthodrive/{stage}.json").unlink()
-            before = hashes(out)
-            run = quietly(tool, site, out, ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"])
-            permission.add(one_line(run) and hashes(out) == before and not finish(tool, site, out, whole), run.stderr)
-        rows["no permission"] = permission.row()
+    for stage in STAGES[:-1]:
+        shutil.rmtree(out, ignore_errors=True)
+        shutil.copytree(out.parent / "whole", out)
+        (out / f".orthodrive/{stage}.json").unlink()
+        before = hashes(out)
+        run = quietly(tool, site, out, ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"])
+        permission.add(one_line(run) and hashes(out) == before and not finish(tool, site, out, whole), run.stderr)
+    return permission.row()
 
+
+def source_changes(tool, site, out, whole):
     source = Case()
     for stage, file in (
         ("segment", "ortho.tif"),
@@ -217,8 +217,10 @@ def other_faults(tool, site, out, whole):
         (site / file).write_bytes(content)
         told = build.returncode == 1 and said and "changed while stage" in said[-1] and not (out / "run.json").exists()
         source.add(told and not finish(tool, site, out, whole), said[-1:] or build.returncode)
-    rows["a source changes"] = source.row()
+    return source.row()
 
+
+def second_host(tool, site, out, whole):
     host = Case()
     shutil.rmtree(out, ignore_errors=True)
     first = subprocess.Popen(
@@ -236,15 +238,26 @@ def other_faults(tool, site, out, whole):
         and not finish(tool, site, out, whole),
         second.stderr,
     )
-    rows["a second host"] = host.row()
+    return host.row()
 
+
+def clock_jumps(tool, site, out, whole):
     clock = Case()
+    shutil.rmtree(out, ignore_errors=True)
+    for when in ("+30 days", "-30 days", "+1 hour"):
+        run = quietly(tool, site, out, ["faketime", "-f", when.replace(" days", "d").replace(" hour", "h")])
+        clock.add(run.returncode == 0 and not finish(tool, site, out, whole), run.stderr)
+    return clock.row()
+
+
+def other_faults(tool, site, out, whole):
+    rows = {}
+    if os.getuid() == 0:
+        rows["no permission"] = no_permission(tool, site, out, whole)
+    rows["a source changes"] = source_changes(tool, site, out, whole)
+    rows["a second host"] = second_host(tool, site, out, whole)
     if shutil.which("faketime"):
-        shutil.rmtree(out, ignore_errors=True)
-        for when in ("+30 days", "-30 days", "+1 hour"):
-            run = quietly(tool, site, out, ["faketime", "-f", when.replace(" days", "d").replace(" hour", "h")])
-            clock.add(run.returncode == 0 and not finish(tool, site, out, whole), run.stderr)
-        rows["the clock jumps"] = clock.row()
+        rows["the clock jumps"] = clock_jumps(tool, site, out, whole)
     return rows
 
 

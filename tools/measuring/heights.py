@@ -511,7 +511,7 @@ def compare_methods(tables, rows, place, sampling):
         add("decks", lambda r: r["with_decks"]["height_error_energy"], 1, 4, both)
 
 
-def summary(numbers):
+def summary(numbers):  # long: a list of what was asked, an entry each
     rows, lines, tables = numbers["rows"], [], {name: [] for name in ("e_rg", "far", "wrong", "e_h", "decks")}
     for place in (
         "ring 10 m with an error",

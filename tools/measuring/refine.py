@@ -330,7 +330,7 @@ def disturbed_table(rows, name):
     )
 
 
-def summary(numbers):
+def summary(numbers):  # long: a list of what was asked, an entry each
     rows, lines = numbers["rows"], []
 
     def add(what, asked, value, good):

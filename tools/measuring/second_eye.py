@@ -303,7 +303,11 @@ def table(numbers):
                     fixed(s["megabytes"], 0),
                 ]
             )
-    text += "\n" + header(
+    return text + "\n" + place_rows(numbers["places"]) + "\n" + road_rows(numbers["roads"])
+
+
+def place_rows(places):
+    text = header(
         [
             "map's roads on synthetic sites",
             "places",
@@ -314,7 +318,7 @@ def table(numbers):
             "within it, %",
         ]
     )
-    for name, p in numbers["places"].items():
+    for name, p in places.items():
         text += row(
             [
                 name,
@@ -326,7 +330,11 @@ def table(numbers):
                 percent(p["within_sigma"]),
             ]
         )
-    text += "\n" + header(
+    return text
+
+
+def road_rows(roads):
+    text = header(
         [
             "refined roads",
             "evidence",
@@ -339,7 +347,7 @@ def table(numbers):
             "moved away, %",
         ]
     )
-    for name, variants in numbers["roads"].items():
+    for name, variants in roads.items():
         for variant, s in variants.items():
             away = (s.get("moved_away") or {}).get("share_by_more_than_0_3_m")
             text += row(
