@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints hashes of what the default network's architecture and the dense CRF compute from a seed: two processors that
-// print the same lines compute the same bits. All inputs come from whole numbers.
+// Prints hashes of what networks and the dense CRF compute from a seed: two processors that print the same lines
+// compute the same bits. All inputs come from whole numbers.
 
 #include <bit>
 #include <cstdint>
@@ -49,7 +49,7 @@ std::vector<LayerWeights> weights_of(const NetworkGraph& graph) {
 void print_network(const char* architecture) {
   const NetworkGraph graph = make_network(architecture, 8);
   const InferenceNetwork network(graph, weights_of(graph));
-  const int margin = network.margin_px(), width = 40, height = 24;
+  const int margin = network.margin_px(), width = 24, height = 16;
   const auto pixels = static_cast<std::size_t>((width + 2 * margin) * (height + 2 * margin));
   const std::vector<std::uint8_t> rgb = bytes(3 * pixels, 1), map = bytes(4 * pixels, 2);
   std::vector<float> scores(static_cast<std::size_t>(4 * width * height * network.output_channels()));
@@ -74,9 +74,9 @@ void print_crf() {
 }  // namespace
 }  // namespace orthodrive
 
-int main() {
-  orthodrive::print_network("mobilenetv2-s32-fpn2-map");
-  orthodrive::print_network("googlenet-8s");
+/// Arguments: architectures of networks.
+int main(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) orthodrive::print_network(argv[i]);
   orthodrive::print_crf();
   return 0;
 }
